@@ -163,6 +163,8 @@ def _place_rule(node: Node | None, parts: Sequence[str], value: Node, rules: Map
         if name not in rules:
             raise Unreachable(f"unknown rule {shown(name)}; {hint(name, rules, 'the rules are')}")
         same = [entry for entry in listed if entry.name == name]
+        if len(parts) == 1 and count == len(same) + 1 and isinstance(value, MapNode):
+            return _with_rule(node, name, value)
         if count > len(same):
             have = ", ".join(entry.name for entry in listed) or "none"
             times = f" {count} times" if count > 1 else ""
@@ -182,6 +184,16 @@ def _place_rule(node: Node | None, parts: Sequence[str], value: Node, rules: Map
         return node.with_item(found.place, MapNode({found.name: entry}, entry.mark))
     assert isinstance(node, MapNode)
     return node.with_entry(found.name, Entry(node.entries[found.name].mark, inner))
+
+
+def _with_rule(node: Node | None, name: str, parameters: MapNode) -> Node:
+    """The node of `rules` with one more, the last."""
+    if isinstance(node, MapNode) and name not in node.entries:
+        return node.with_entry(name, Entry(parameters.mark, parameters))
+    entries = [
+        MapNode({one.name: Entry(one.parameters.mark, one.parameters)}, one.parameters.mark) for one in _listed(node)
+    ]
+    return ListNode((*entries, MapNode({name: Entry(parameters.mark, parameters)}, parameters.mark)), parameters.mark)
 
 
 def _listed(node: Node | None) -> list[RuleEntry]:

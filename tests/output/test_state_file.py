@@ -37,6 +37,19 @@ def test_numbers_that_are_none_keep_their_bits(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_state(tmp_path / "odd", KEY, odd)["odd"], odd["odd"])
 
 
+def test_free_arrays_are_as_long_as_the_file_says_and_no_longer_than_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "free"
+    kept = {"free pressure": np.arange(5, dtype=np.float32), "clock": np.array([1.0])}
+    write_state(path, KEY, kept)
+    asked = {"free pressure": np.zeros(0, np.float32), "clock": np.zeros(1)}
+    np.testing.assert_array_equal(read_state(path, KEY, asked)["free pressure"], kept["free pressure"])
+    whole = path.read_bytes()
+    for length in (b"999999999999999", b"-5", b"true", b"[5]", b"4"):
+        path.write_bytes(whole.replace(b"[5]", b"[" + length + b"]", 1))
+        with pytest.raises((DamagedError, ForeignError)):
+            read_state(path, KEY, asked)
+
+
 def test_another_key_or_shape_or_type_is_foreign(path: Path) -> None:
     with pytest.raises(ForeignError):
         read_state(path, OTHER, ARRAYS)

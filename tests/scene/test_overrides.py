@@ -110,6 +110,13 @@ def test_another_kind_by_an_override_keeps_what_both_kinds_have() -> None:
     assert got.emitter.shape == DiscShape(radius=3.0)
 
 
+@pytest.mark.parametrize("rules", ["[gravity, {wind: {strength: 3}}]", "{gravity: {}, wind: {strength: 3}}"])
+def test_a_rule_that_is_not_listed_is_added_with_its_parameters(rules: str) -> None:
+    got = changed(f"rules: {rules}", "rules.elasticity={}", "wind[2]={strength: 7}")
+    assert [use.name for use in got.rules] == ["gravity", "wind", "elasticity", "wind"]
+    assert [use.parameters.strength for use in got.rules if use.name == "wind"] == [3.0, 7.0]
+
+
 @pytest.mark.parametrize(
     ("override", "says"),
     [
