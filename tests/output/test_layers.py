@@ -124,7 +124,7 @@ def test_the_command_writes_layers_and_keeps_them_on_resume(run: Runner) -> None
     assert done.code == 0, done.err
     names = {path.name for path in Path("out").iterdir()}
     expected = {name for frame in (1, 2) for name in layer_files(frame, AOVS, False)}
-    assert names == expected | {"frame_0001.png", "frame_0002.png", "report.json"}
+    assert names == expected | {"frame_0001.png", "frame_0002.png", "report.html", "report.json"}
     depth, ids = (read_layer(Path("out") / f"{name}_0002.npz") for name in ("depth", "strand_id"))
     assert depth.shape == ids.shape == (48, 64)
     assert (np.isfinite(depth) == (ids != -1)).all()
