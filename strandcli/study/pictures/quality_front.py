@@ -109,5 +109,6 @@ def _opened(request: Request) -> QualityStudy:
 
 AXIS = Axis(
     name="quality", doc="quality by name and settings about it, in windows of the whole frame, against a converged one",
-    knobs=("quality", "image.supersample", "curves.tolerance", "detail.pixels"), metric="rmse", of_preset=True, open=_opened, pictures=True,
+    knobs=("quality", "image.supersample", "curves.tolerance", "detail.pixels"),
+    metric="rmse", of_preset=True, open=_opened, pictures=True,
 )  # fmt: skip
