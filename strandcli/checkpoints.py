@@ -20,6 +20,7 @@ from . import __version__
 from .output.files import prepare_folder
 from .output.report import scene_values
 from .output.state_file import DamagedError, ForeignError, read_state, write_state
+from .scene.rule_type import MUTUAL
 
 if TYPE_CHECKING:
     from .scene.model import Scene
@@ -142,7 +143,7 @@ def key_of(scene: Scene) -> str:
 
     values = {name: value for name, value in scene_values(scene).items() if name not in ONLY_DRAWN}
     values["period"] = scene.time.period
-    if any(use.name == "interaction" for use in scene.rules):  # strands stand for their children
+    if any(use.name in MUTUAL for use in scene.rules):  # strands stand for their children
         values["children"] = scene.children.count if scene.children else 1
     rules = sorted(
         {getattr(registry()[use.name], "__name__", type(registry()[use.name]).__module__) for use in scene.rules}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..scene.detail import strands_needed
 from ..scene.named_files import naming_files
+from ..scene.rule_type import MUTUAL
 from .drawing import drawing_decisions
 from .free import available_memory
 from .memory import RESIDENT, drawn_particles, drawn_strands, memory_of, picture_bytes
@@ -104,8 +105,9 @@ def _measure(plan: Plan, scene: Scene) -> None:
 
 def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
     """Return the number of strands that any of the frames draws. Strands that level of detail leaves out of all frames
-    are not emitted, unless they are guides."""
-    if scene.children is not None or scene.emitter.followers is not None:
+    are not emitted, unless they are guides, or act on the others."""
+    mutual = any(use.name in MUTUAL for use in scene.rules)
+    if mutual or scene.children is not None or scene.emitter.followers is not None:
         return scene.emitter.strands
     if scene.detail is None:  # every frame needs the same
         frames = frames[:1]

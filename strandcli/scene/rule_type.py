@@ -16,6 +16,8 @@ APPLIED_BY = {"rod": ("emitter_motion", "gravity", "wind", "interaction", "colli
 """Rules that a solver applies, where it does not apply all."""
 ONLY_BY = {"interaction": "rod"}
 """Rules that a single solver applies."""
+MUTUAL = ("interaction",)
+"""Rules by which strands act on each other: the motion of each depends on all that are simulated."""
 OWN_OF = {"rod": ("elasticity", "stiffness")}
 """Rules in whose place a solver has something better of its own: they may stand in a preset, and are left out."""
 

@@ -13,7 +13,7 @@ from strand_kit import frames_of, scene_of, solver_of
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.shadows.shadow import plan_maps
 from strandcli.errors import RefusedError
-from strandcli.plan import Plan, available_memory, make_plan, needs_shadow_maps, require_memory
+from strandcli.plan import Plan, available_memory, make_plan, needed_strands, needs_shadow_maps, require_memory
 from strandcli.plan import free as planning
 from strandcli.scene import Scene
 from strandcli.simulate import compose
@@ -191,6 +191,12 @@ def test_level_of_detail_saves_memory_only_where_frames_are_drawn() -> None:
     assert drawn.strands < 50_000
     assert simulated.strands == 1_000_000
     assert simulated.memory_bytes > drawn.memory_bytes
+
+
+def test_all_strands_move_where_they_act_on_each_other_however_few_are_drawn() -> None:
+    far = "solver: rod\nemitter: {strands: 3000}\ndetail: {near: 0.1, fraction: 0.01}\ncamera: {position: [0, 0, 50]}\n"
+    assert needed_strands(scene_of(far + "rules: [gravity]\n"), [1]) < 1000
+    assert needed_strands(scene_of(far + "rules: [gravity, interaction]\n"), [1]) == 3000
 
 
 def test_more_than_is_free_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
