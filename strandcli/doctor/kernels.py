@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..compiling.folder import ENTRY, MOST_BYTES, cache
-from .finding import BROKEN, NOTE, OK, Finding
+from .finding import NOTE, OK, Finding
 
 FIRST_BYTES = b"strandcli kernel "
 """Of every kernel's file."""
@@ -63,8 +63,3 @@ def damaged(entry: Path) -> bool:
             return file.read(len(FIRST_BYTES)) != FIRST_BYTES
     except OSError:
         return True
-
-
-def unusable(error: BaseException) -> Finding:
-    """The finding for a folder that cannot even be listed."""
-    return Finding("cache", BROKEN, f"cannot be read: {error}", "point STRANDCLI_CACHE_DIR at a folder of your own")

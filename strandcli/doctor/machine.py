@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import UsageError
-from . import limits
+from ..plan import limits
 from .finding import BROKEN, NOTE, OK, Finding
 
 WIDE = ("avx512f", "avx2", "avx", "sse4.2", "sve", "neon")

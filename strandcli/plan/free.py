@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import RefusedError
+from . import limits
 
 if TYPE_CHECKING:
     from .make import Plan
@@ -25,18 +25,14 @@ def require_memory(plan: Plan) -> None:
 
 
 def available_memory() -> int | None:
-    """Return the available bytes, by the system and by the control group of this process; None if neither is known."""
+    """Return the available bytes, by the system and by the control groups of this process; None if neither is known."""
     found = []
     try:
         with open("/proc/meminfo", encoding="ascii") as lines:
             found += [1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable")]
     except OSError:
         pass
-    group = Path("/sys/fs/cgroup")
-    try:
-        most = (group / "memory.max").read_text(encoding="ascii").strip()
-        if most != "max":
-            found.append(int(most) - int((group / "memory.current").read_text(encoding="ascii")))
-    except (OSError, ValueError):
-        pass
+    left = limits.memory_left()
+    if left is not None:
+        found.append(left)
     return min(found, default=None)

@@ -13,8 +13,9 @@ from PIL import Image
 
 from cli_runs import Runner
 from strandcli.compiling.folder import cache
-from strandcli.doctor import examine, kernels, limits, machine, self_test, software
+from strandcli.doctor import examine, kernels, machine, self_test, software
 from strandcli.doctor.finding import BROKEN, NOTE, OK, Finding
+from strandcli.plan import limits
 
 
 @pytest.fixture
@@ -85,6 +86,10 @@ def test_limits_of_control_groups_are_the_least_of_all_that_a_process_is_in(tmp_
     (tmp_path / "root/memory.max").write_text("7000\n")
     assert limits.cores(tmp_path / "root", told) == 1.5
     assert limits.memory(tmp_path / "root", told) == 5000
+    assert limits.memory_left(tmp_path / "root", told) is None
+    (inner.parent / "memory.current").write_text("1000\n")
+    (tmp_path / "root/memory.current").write_text("6500\n")
+    assert limits.memory_left(tmp_path / "root", told) == 500
 
 
 def test_limits_of_the_first_version_of_control_groups(tmp_path: Path) -> None:
@@ -99,6 +104,9 @@ def test_limits_of_the_first_version_of_control_groups(tmp_path: Path) -> None:
     (tmp_path / "memory/job/memory.limit_in_bytes").write_text(str(2**63 - 4096))
     assert limits.cores(tmp_path, told) == 4
     assert limits.memory(tmp_path, told) is None
+    (tmp_path / "memory/memory.limit_in_bytes").write_text("9000")
+    (tmp_path / "memory/memory.usage_in_bytes").write_text("2000")
+    assert limits.memory_left(tmp_path, told) == 7000
 
 
 def test_fewer_cores_than_threads_are_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -47,6 +47,17 @@ def memory(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> int | N
     return min(found, default=None)
 
 
+def memory_left(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> int | None:
+    """Bytes that the process's groups may still take; None where there is no such limit."""
+    found = []
+    for folder in folders("memory", root, told):
+        word = _read(folder / "memory.max") or _read(folder / "memory.limit_in_bytes")
+        used = _read(folder / "memory.current") or _read(folder / "memory.usage_in_bytes")
+        if word.isdigit() and used.isdigit() and int(word) < UNLIMITED:
+            found.append(int(word) - int(used))
+    return min(found, default=None)
+
+
 def _read(path: Path) -> str:
     try:
         return path.read_text(encoding="ascii").strip()
