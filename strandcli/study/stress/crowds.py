@@ -58,11 +58,7 @@ def check_crowd(solver: str, *, labels: dict[str, str]) -> Metrics:
     scene = replace(scene, rules=(*scene.rules, RuleUse("interaction", rule, "interaction")), rod=rod)
     meter = Meter(scene, groom.lengths.astype(float) / case.value("n"), 1.0, touching=labels["contact"] != "none")
     one: Any = solver_of(scene)(scene, groom)
-    past = 0.0
-    for time in times:
-        one.step(float(time), float(time) - past)
-        past = float(time)
-        meter.look(one.particles(), past, one.strand_residuals())
+    meter.follow(one, times)
     return meter.metrics(slice(None))
 
 

@@ -57,11 +57,7 @@ def _drive(cases: list[Case], found: list[Outcome]) -> None:
     before = solver.particles()
     solver.step(0.0, 0.0)
     still = np.array_equal(before, solver.particles())
-    past = 0.0
-    for time in times:
-        solver.step(float(time), float(time) - past)
-        past = float(time)
-        meter.look(solver.particles(), past, solver.strand_residuals())
+    meter.follow(solver, times)
     for number, one in enumerate(found):
         lanes = slice(number, number + 1) if len(found) > 1 else slice(None)
         one.metrics = meter.metrics(lanes)
@@ -83,6 +79,14 @@ class Meter:
         self.segment_depth = np.zeros(len(segments))
         self.bad = np.zeros(len(segments), np.int64)
         self.residual: NDArray[np.float64] | None = None
+
+    def follow(self, solver: Any, times: NDArray[np.float64]) -> None:
+        """Look at a solver's strands after each step, which end at ``times``, seconds from 0."""
+        past = 0.0
+        for time in times.tolist():
+            solver.step(time, time - past)
+            past = time
+            self.look(solver.particles(), past, solver.strand_residuals())
 
     def look(self, particles: NDArray[np.float32], time: float, residuals: NDArray[np.floating] | None) -> None:
         """Measure (strands, particles, 3) at a time; ``residuals`` (strands,) are what the solver left."""

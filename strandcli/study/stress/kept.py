@@ -31,9 +31,5 @@ def check_segments(solver: str, *, contact: str, n: int) -> Metrics:
     scene = replace(scene, rules=tuple(whole if use.name == "collision" else use for use in scene.rules))
     meter = Meter(scene, groom.lengths.astype(np.float64) / n, case.value("L"), touching=True)
     one: Any = solver_of(scene)(scene, groom)
-    past = 0.0
-    for time in times:
-        one.step(float(time), float(time) - past)
-        past = float(time)
-        meter.look(one.particles(), past, one.strand_residuals())
+    meter.follow(one, times)
     return meter.metrics(slice(None))

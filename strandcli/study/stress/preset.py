@@ -118,9 +118,5 @@ def _drive(scene: Scene, groom: Groom, times: np.ndarray) -> dict[str, float]:
     segments = groom.lengths.astype(np.float64) / (scene.emitter.particles - 1)
     meter = Meter(scene, segments, scene.emitter.length, touching=any(use.name == "collision" for use in scene.rules))
     meter.overlapping = False
-    past = 0.0
-    for time in times:
-        solver.step(float(time), float(time) - past)
-        past = float(time)
-        meter.look(solver.particles(), past, solver.strand_residuals())
+    meter.follow(solver, times)
     return meter.metrics(slice(None))
