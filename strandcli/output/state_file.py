@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..opening import READ
 from .files import atomic
 
 MAGIC = b"strandcli state 1\n"
@@ -55,7 +56,7 @@ def read_state(path: Path, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
     Raises `ForeignError` where it has another key or other arrays, `DamagedError` where it is not what was written, and
     ``OSError`` where it cannot be read.
     """
-    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
+    with open(os.open(path, READ), "rb") as file:
         found = os.fstat(file.fileno())
         if not stat.S_ISREG(found.st_mode):
             raise DamagedError("it is no file")
