@@ -114,7 +114,9 @@ def test_edges_keep_their_length() -> None:
     "changes",
     [
         {"rod": {"young": 1e13, "density": 1e-9, "radius": 1e9}},
-        {"emitter.length": 2e-5, "emitter.length_variation": 1.0, "emitter.strands": 300},
+        pytest.param(
+            {"emitter.length": 2e-5, "emitter.length_variation": 1.0, "emitter.strands": 300}, marks=pytest.mark.long
+        ),
     ],
     ids=["hardest matter", "shortest strands"],
 )

@@ -103,6 +103,7 @@ def test_rays_are_stopped_by_what_stands_in_their_way() -> None:
     assert (out[1] == 1).all()  # the strand that a probe is on does not count
 
 
+@pytest.mark.long
 def test_shadow_is_measured_apart_from_how_strands_scatter(tmp_path: Path) -> None:
     """Maps alone are judged: not light from strand to strand, nor an environment's."""
     (tmp_path / "brush.yaml").write_text(SMALL)
