@@ -57,7 +57,7 @@ test-oldest: $(OLDEST)/.ready
 $(OLDEST)/.ready: pyproject.toml
 	$(PYTHON) -m venv $(OLDEST)
 	$(OLDEST)/bin/python -m pip install --quiet --upgrade pip
-	$(OLDEST)/bin/python -m pip install --quiet --no-compile --group dev --editable . "numba==$(OLDEST_NUMBA).0"
+	$(OLDEST)/bin/python -m pip install --quiet --no-compile --group kernels --editable . "numba==$(OLDEST_NUMBA).0"
 	@touch $@
 
 lint: $(READY)

@@ -20,6 +20,8 @@ from strandcli.scene.model import Scene, SphereShape
 from strandcli.study import golden_list
 
 NAMES = [name for name, _ in list_presets()]
+SLOW = ("bob", "curly", "fox", "fur", "grass", "ponytail", "portrait", "solvers")
+"""Their golden images are compared anyway."""
 FIGURES = [f"figures/fig{number:02d}" for number in range(2, 15)]
 PAIRED = ["04", "07", "08", "10", "11", "12", "13", "14"]
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -102,7 +104,7 @@ def test_a_preset_is_valid_and_tells_a_newcomer_what_it_is(name: str) -> None:
         assert all(one.label for one in scene.panels)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [pytest.param(one, marks=pytest.mark.long) if one in SLOW else one for one in NAMES])
 def test_a_preset_draws_strands_that_are_neither_lost_nor_burnt(name: str) -> None:
     scene = small(name)
     for one in scene.panels or (scene,):

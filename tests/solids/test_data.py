@@ -130,9 +130,10 @@ def look_of(module: Any, solids: Any, x: Any, y: Any, z: Any) -> Any:
 
 
 @pytest.mark.parametrize(("solver", "precision", "collision"), [
-    ("thesis", "single", "collision"), ("rod", "single", "collision"), ("rod", "double", "collision"),
+    ("thesis", "single", "collision"), ("rod", "single", "collision"),
+    pytest.param("rod", "double", "collision", marks=pytest.mark.long),
     ("rod", "single", "{collision: {segments: true}}"),
-    ("thesis", "single", "{collision: {segments: true}}"),
+    pytest.param("thesis", "single", "{collision: {segments: true}}", marks=pytest.mark.long),
 ])  # fmt: skip
 def test_strands_stay_outside(solver: str, precision: str, collision: str) -> None:
     deepest = []
