@@ -21,7 +21,7 @@ AXES = np.array([0.086, 0.100, 0.098])
 """Of the ellipsoid along which hair lies on the skull, metres."""
 LINE, LINE_BEHIND = -0.132, -0.122
 """Heights at which hair ends: at the jaw, and at the nape."""
-BROW = 0.0
+BROW = 0.010
 """Height at which the fringe ends."""
 NAPE = 0.015
 """Length of what grows on the nape, under the rest, metres: longer, it would turn inward against the neck."""
