@@ -236,6 +236,15 @@ def test_colours_of_strands_become_those_of_their_points_where_a_format_has_no_o
         np.testing.assert_array_equal(found.values, np.repeat(values, strands.counts(), axis=0))
 
 
+def test_a_thickness_that_nobody_set_is_no_width(tmp_path: Path) -> None:
+    strands = kit.of(EQUAL)
+    for width in (None, 0.25):
+        held = {} if width is None else {"width": Attribute("groom", np.array([width], np.float32))}
+        write(tmp_path / "a.hair", Strands(strands.first, strands.points, held))
+        found = read(tmp_path / "a.hair").attributes
+        assert (found["width"].values == width).all() if width else "width" not in found
+
+
 def test_longer_strands_than_a_format_can_tell_are_refused(tmp_path: Path) -> None:
     long = [np.zeros((65_537, 3), np.float32), EQUAL[0]]
     with pytest.raises(UsageError, match=r"65,536 segments, \.hair at most 65,535"):
