@@ -10,6 +10,7 @@ from ..errors import UsageError, one_line
 from . import colmap, neus, own, transforms, usd
 from .lens import MissingSize
 from .pinhole import Pinhole
+from .upright import UP, above
 
 KINDS = "transforms.json, a folder of COLMAP text files, cameras.npz of NeuS, dataset.json of strandcli, or USD"
 USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -30,6 +31,8 @@ class Views:
     """Metres of a unit of the file's own coordinates, which are those of the file of strands; views are in metres."""
     up: str = "y"
     """Up axis of these; that of views is y."""
+    above: tuple[float, float, float] = UP
+    """What is up in the world of the views, as far as they tell."""
 
 
 def file_of(path: Path) -> Path:
@@ -82,7 +85,8 @@ def _read(path: Path, size: tuple[int, int] | None, name: str, notes: list[str])
         return Views(stage.views, stage.own, unit=stage.unit, up=stage.up)
     if name:
         raise UsageError(f"{path}: camera {name}: only files of USD have several cameras; leave out the name")
-    return Views(*_others(path, size, notes))
+    found, by_us = _others(path, size, notes)
+    return Views(found, by_us, above=UP if by_us else above(found))
 
 
 def _others(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[Sequence[Pinhole], bool]:

@@ -39,7 +39,24 @@ def world(preset: str, found: Views, path: Path | None) -> tuple[str, ...]:
         return ()
     if Path(preset).suffix.lower() in USD and path is not None and path.suffix.lower() in USD and not together:
         return (*PLACED, "emitter.groom.scale=null", "emitter.groom.up=auto")
-    return (*PLACED, f"emitter.groom.scale={found.unit!r}", f"emitter.groom.up={found.up}")
+    return (*PLACED, f"emitter.groom.scale={found.unit!r}", f"emitter.groom.up={found.up}", *_lights(found))
+
+
+def _lights(found: Views) -> tuple[str, ...]:
+    """What is set so that light comes from above where the cameras' up is not y: the lights of the preset that strands
+    of a file are drawn with, turned."""
+    from ..cameras.upright import UP, upright
+    from ..scene.loading import load
+    from ..scene.model import DirectionalLight
+
+    if found.above == UP:
+        return ()
+    turn, changes = upright(found.above), []
+    for number, light in enumerate(load(options.GROOM, rules={}).lights):
+        if isinstance(light, DirectionalLight):
+            x, y, z = turn @ light.direction
+            changes.append(f"lights.{number}.direction=[{x:.9f}, {y:.9f}, {z:.9f}]")
+    return tuple(changes)
 
 
 def views(path: Path, size: tuple[int, int] | None, name: str | None, assumed: tuple[int, int] | None = None) -> Views:

@@ -79,6 +79,10 @@ class MatrixType(click.ParamType):
     "--simplify", type=FiniteType(min=0), metavar="X",
     help="Leave out points that lie within X of the strand without them.",
 )  # fmt: skip
+@click.option(
+    "--basis", type=click.Choice(("linear", "catmullRom")), default="linear", show_default=True,
+    help="How other programs join the points of a file of USD: by straight segments, or smoothly.",
+)  # fmt: skip
 @options.overwrite
 @options.as_json
 @options.quiet
@@ -89,6 +93,7 @@ def command(
     stride: int | None,
     array: str | None,
     frames: FrameRange | None,
+    basis: str,
     overwrite: bool,
     as_json: bool,
     quiet: bool,
@@ -106,6 +111,7 @@ def command(
 
     _check(edits)
     writer = files.writer_of(target)
+    files.require_basis(target, basis)
     options.refuse_existing(target, overwrite)
     how = files.ReadOptions(stride, array, lenient=edits["fix"])
     strands = files.read(source, how)
@@ -118,7 +124,7 @@ def command(
     samples = None
     if len(chosen) > 1:
         samples = (TimeSample(one.seconds, again.points(one.points)) for one in files.moments_of(source, how, chosen))
-    lost = files.write(target, strands, samples)
+    lost = files.write(target, strands, samples, basis=basis)
     if frames is None and len(chosen) < files.times_in(strands):
         lost.append(f"{writer.name} holds one moment: the first of {files.times_in(strands):,} is written, "
                     "--frames chooses another")  # fmt: skip

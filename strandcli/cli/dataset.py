@@ -64,6 +64,7 @@ def command(
     """
     camera_files.require_file(cameras, camera)
     from ..cameras.read import Views
+    from ..cameras.upright import UP
     from ..dataset.order import layout_of, names_of, numbers_for, scene_for, size_for
     from ..dataset.run import Order, Talk, make
     from ..dataset.views import EACH, ONE, Chance
@@ -85,7 +86,8 @@ def command(
         require_memory(make_plan(scene, [frame]))
         folder = output / name if len(grooms) > 1 else output
         chance = Chance(scene_settings["seed"] or 0, name, light or usual, colour or usual, azimuth, elevation)
-        order = Order(groom, scene, folder, kind, numbers, chance, frame, found.views, resume, overwrite)
+        above = found.above if options.is_groom(groom) else UP
+        order = Order(groom, scene, folder, kind, numbers, chance, frame, found.views, above, resume, overwrite)
         with Progress(
             len(numbers), options.preset_name(groom), hidden=no_progress or quiet, verbose=verbose, each="view"
         ) as progress:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__
 from ..cameras import usd_text
 from ..cameras.pinhole import Pinhole, from_dict, of_camera, to_camera
+from ..cameras.upright import UP
 from ..output.claim import Claim
 from ..output.files import prepare_folder, refusal, require_own, write_json, write_pieces
 from ..output.report import fingerprint, finite
@@ -51,6 +52,8 @@ class Order:
     frame: int = 1
     places: Sequence[Pinhole] = ()
     """Of cameras from a file, one for each view; else they stand where chance puts them."""
+    above: tuple[float, float, float] = UP
+    """What is up where these stand."""
     resume: bool = False
     overwrite: bool = False
 
@@ -125,7 +128,7 @@ def _draw_all(order: Order, studio: Studio, wanted: Sequence[int], made: str, ta
             began = time.perf_counter()
             place, near = _place(order, studio, view)
             camera = to_camera(place, near)
-            scene, facts = lit(replace(order.scene, camera=camera), order.chance, view, place)
+            scene, facts = lit(replace(order.scene, camera=camera), order.chance, view, place, order.above)
             labels, drawing = studio.draw(scene, place)
             if before is not None:
                 talk.step(before.result())

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..cameras.pinhole import Floats, Pinhole
+from ..cameras.upright import UP, upright
 from ..groom.emit import PLASTIC
 from ..groom_file.measure import framed
 
@@ -79,8 +80,11 @@ def camera_of(chance: Chance, view: int, base: Camera, points: Floats, size: tup
     return framed(turned, points, size)
 
 
-def lit(scene: Scene, chance: Chance, view: int, place: Pinhole) -> tuple[Scene, dict[str, Any]]:
-    """The scene in the light and colour of a view from a place, and what they are, for the manifest."""
+def lit(
+    scene: Scene, chance: Chance, view: int, place: Pinhole, above: tuple[float, float, float] = UP
+) -> tuple[Scene, dict[str, Any]]:
+    """The scene in the light and colour of a view from a place, and what they are, for the manifest; ``above``: the
+    unit vector that is up."""
     facts: dict[str, Any] = {}
     pale = 0.0
     if chance.colour != KEPT:
@@ -94,7 +98,7 @@ def lit(scene: Scene, chance: Chance, view: int, place: Pinhole) -> tuple[Scene,
     if chance.light != KEPT:
         each = chance.light == EACH
         rng = chance.stream(LIGHT, view if each else None)
-        axes = _axes(place) if each else np.eye(3)
+        axes = _axes(place, np.array(above)) if each else upright(above).T
         lights = _lights(scene, rng, axes, 1 - pale)
         around = rng.uniform(0.3, 0.6) * rng.uniform([0.9, 0.95, 0.9], [1.0, 1.0, 1.1])
         behind = float(rng.uniform(0.02, 0.4)) * rng.uniform(0.9, 1.1, 3)
@@ -113,14 +117,12 @@ def lit(scene: Scene, chance: Chance, view: int, place: Pinhole) -> tuple[Scene,
     return scene, facts
 
 
-def _axes(place: Pinhole) -> Floats:
+def _axes(place: Pinhole, up: Floats) -> Floats:
     """(3, 3) rows: to the right of a camera, up, and back to it, of which up is that of the world unless the camera
     looks along it, or lies on its side."""
     back = -place.rotation[2]
-    up = np.array([0.0, 1.0, 0.0])
-    if abs(back @ up) > math.sin(math.radians(STEEPEST)) or -place.rotation[1] @ up < 0.3 * math.hypot(
-        back[0], back[2]
-    ):
+    flat = float(np.linalg.norm(back - (back @ up) * up))
+    if abs(back @ up) > math.sin(math.radians(STEEPEST)) or -place.rotation[1] @ up < 0.3 * flat:
         up = -place.rotation[1]
     right = np.cross(up, back)
     right /= np.linalg.norm(right)

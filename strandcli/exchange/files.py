@@ -6,7 +6,8 @@ A format is a module in `formats/`, or an entry point of another package (group 
 - ``sniff(head, size)``: whether the first bytes of a file, of so many bytes in all, say that it is one;
 - ``read(path, options) -> Strands``;
 - ``write(path, strands, samples) -> lines``, where it can be written: the file whole or not at all, and a line for what
-  it cannot hold. ``moving``: whether it takes ``samples``, the points at several times;
+  it cannot hold. ``moving``: whether it takes ``samples``, the points at several times. ``staged``: whether it takes
+  ``beside`` and ``basis`` of `write` below, and ``bases``, which those are;
 - ``moments(path, options) -> samples``, where it tells several times: at each the points of what ``read`` finds.
 """
 
@@ -21,6 +22,7 @@ from ..errors import UsageError
 from ..registry import Registry
 from .bounded import opened
 from .strands import Layer, Strands, TimeSample
+from .usd.cubic import LINEAR
 
 FORMATS = Registry(
     "format of strands", "strandcli.groom_formats", "exchange.formats", "hair", ("name", "suffixes", "sniff", "read")
@@ -60,18 +62,20 @@ def moments_of(path: Path, options: ReadOptions, numbers: Sequence[int]) -> Iter
 
 
 def write(
-    path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None, beside: Layer | None = None
-) -> list[str]:
+    path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None, beside: Layer | None = None,
+    basis: str = LINEAR,
+) -> list[str]:  # fmt: skip
     """Write strands in the format that the name ends in, whole or not at all; returns a line for all that this format
     does not hold. ``samples``: their points at several times; ``beside``: what else goes into a stage of USD, and
-    nowhere else."""
+    nowhere else; ``basis``: how other programs are to join the points, "linear" or another that the format has."""
     driver = writer_of(path)
+    require_basis(path, basis)
     if samples is not None and not getattr(driver, "moving", False):
         moving = [one.name for one in drivers() if getattr(one, "moving", False)]
         where = f"; write {' or '.join(moving)}" if moving else ""
         raise UsageError(f"{path}: {driver.name} holds one moment only{where}")
-    if beside is not None and getattr(driver, "staged", False):
-        return list(driver.write(path, strands, samples, beside))
+    if getattr(driver, "staged", False):
+        return list(driver.write(path, strands, samples, beside, basis))
     return list(driver.write(path, strands, samples))
 
 
@@ -92,6 +96,15 @@ def format_of(path: Path) -> Any:
     if not found:
         raise UsageError(f"{path}: is no file of strands that is known; read are {_listed(drivers())}")
     return found[0]
+
+
+def require_basis(path: Path, basis: str) -> None:
+    """Raise `UsageError` where the format that a name ends in does not have such curves."""
+    if basis == LINEAR or basis in getattr(writer_of(path), "bases", ()):
+        return
+    able = [one for one in drivers() if basis in getattr(one, "bases", ())]
+    raise UsageError(f"{path}: {writer_of(path).name} is written with straight segments; curves of the basis {basis} "
+                     f"are written to {_listed(able) or 'no format'}")  # fmt: skip
 
 
 def writer_of(path: Path) -> Any:

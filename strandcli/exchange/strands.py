@@ -76,16 +76,27 @@ class Strands:
 
     def lengths(self) -> npt.NDArray[np.float64]:
         """Length of each strand, units of the file."""
-        return np.add.reduceat(self.segments(), self.first[:-1], dtype=np.float64) if self.count else np.zeros(0)
+        segments, found = self.segments(), np.zeros(self.count)
+        some = max(1, CACHED * self.count // max(segments.shape[0], 1))
+        for begin in range(0, self.count, some):
+            first = self.first[begin : begin + some + 1]
+            wide = segments[first[0] : first[-1]].astype(np.float64)
+            found[begin : begin + some] = np.add.reduceat(wide, first[:-1] - first[0])
+        return found
 
     def segments(self) -> npt.NDArray[np.float32]:
         """From each point the distance to the next one of its strand, units of the file; 0 at tips."""
         found = np.zeros(self.points.shape[0], np.float32)
+        wide, step, long = np.empty((CACHED + 1, 3)), np.empty((CACHED, 3)), np.empty(CACHED)
+        for begin in range(0, found.shape[0] - 1, CACHED):
+            held = self.points[begin : begin + CACHED + 1]
+            n = held.shape[0] - 1
+            wide[: n + 1] = held
+            np.subtract(wide[1 : n + 1], wide[:n], out=step[:n])
+            np.einsum("ij,ij->i", step[:n], step[:n], out=long[:n])
+            np.sqrt(long[:n], out=long[:n])
+            found[begin : begin + n] = np.minimum(long[:n], LARGEST, out=long[:n])
         if self.count:
-            for begin in range(0, found.shape[0] - 1, CHUNK):
-                step = np.diff(self.points[begin : begin + CHUNK + 1].astype(np.float64), axis=0)
-                long = np.sqrt(np.einsum("ij,ij->i", step, step))
-                found[begin : begin + step.shape[0]] = np.minimum(long, np.finfo(np.float32).max)
             found[self.first[1:] - 1] = 0
         return found
 
@@ -110,6 +121,9 @@ class Strands:
 
 CHUNK = 1 << 17
 """Points that are looked at at once, so that what is between takes little memory."""
+CACHED = 1 << 13
+"""The same where what is between should stay in the processor's cache."""
+LARGEST = float(np.finfo(np.float32).max)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

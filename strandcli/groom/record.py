@@ -69,7 +69,8 @@ class Groom:
     widths: NDArray[np.float32] | None = None
     """(strands,) factor of each strand's width; None: 1."""
     colours: NDArray[np.float32] | None = None
-    """(k, 3) linear colours that stand evenly at tones −1 to 1, in place of the material's; else None."""
+    """(k, 3) linear colours that stand evenly at tones −1 to 1, in place of the material's, or (A, k, 3) where they
+    change from root to tip; else None."""
     shades: int = 1
     """Tones that each of the colours takes, from dark to pale."""
     bend: Bend | None = None

@@ -2,38 +2,44 @@
 
 from __future__ import annotations
 
+import heapq
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exchange.strands import Strands
+from ..exchange.strands import CHUNK, Offsets, Points, Strands
+from .rows import most_points, places_of
 
 MOST = 256
 """Colours of a palette."""
 GAMMA = 2.2
 """Of the encoding in which colours are told apart."""
+ALONG = 17
+"""Places along a strand, evenly from root to tip, at which its colours are taken."""
+Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
 class Colours:
-    """Linear colours of strands: a palette (k, 3), k ≥ 2, and of each strand (S,) its tone in [−1, 1], at which the
-    palette's colours stand evenly."""
+    """Linear colours of strands: a palette (k, 3), k ≥ 2, of strands of one colour each, or (`ALONG`, k, 3) from root
+    to tip, and of each strand (S,) its tone in [−1, 1], at which the palette's colours stand evenly."""
 
-    palette: NDArray[np.float32]
-    tones: NDArray[np.float32]
+    palette: Floats
+    tones: Floats
 
     @property
     def mean(self) -> tuple[float, float, float]:
         """The colour of all strands together."""
-        rows = np.rint((self.tones + 1) * 0.5 * (len(self.palette) - 1)).astype(np.int64)
-        red, green, blue = self.palette[rows].mean(axis=0, dtype=np.float64).tolist()
+        rows = np.rint((self.tones + 1) * 0.5 * (self.palette.shape[-2] - 1)).astype(np.int64)
+        whole = self.palette if self.palette.ndim == 2 else self.palette.mean(axis=0)
+        red, green, blue = whole[rows].mean(axis=0, dtype=np.float64).tolist()
         return red, green, blue
 
 
 def colours_of(strands: Strands) -> Colours | None:
-    """The colours of strands, each the mean of its points'; None where the file has none, one grey for all that stands
-    for none, or some that are none."""
+    """The colours of strands; None where the file has none, one grey for all that stands for none, or some that are
+    none. Those of points count where they change along a strand."""
     found = strands.attributes.get("colour")
     if found is None or found.domain == "groom" or found.values.ndim != 2 or found.values.shape[1] < 3:
         return None
@@ -42,13 +48,87 @@ def colours_of(strands: Strands) -> Colours | None:
         values /= 255
     if not values.size or (values == values[0, 0]).all() or not (np.isfinite(values) & (values >= 0)).all():
         return None
+    values = np.minimum(values, 1)
     if found.domain == "point":
-        sums = np.add.reduceat(values, strands.first[:-1], axis=0)
-        values = (sums / strands.counts()[:, None]).astype(np.float32)
-    palette, rows = _palette(np.minimum(values, 1))
+        changes = (values[1:] != values[:-1]).any(axis=1)
+        changes[strands.first[1:-1] - 1] = False
+        if changes.any():
+            return _changing(strands, values)
+        values = values[strands.first[:-1]]
+    palette, rows = _palette(values)
     if len(palette) == 1:
         palette = np.repeat(palette, 2, axis=0)
-    return Colours(palette, (2 * rows / (len(palette) - 1) - 1).astype(np.float32))
+    return Colours(palette, _tones(rows, len(palette)))
+
+
+def _tones(rows: NDArray[np.int64], count: int) -> Floats:
+    """Tones (S,) of rows of a palette of so many colours."""
+    return (2 * rows / (count - 1) - 1).astype(np.float32)
+
+
+def _changing(strands: Strands, values: Floats) -> Colours:
+    """The colours of strands whose points have colours (P, 3)."""
+    profiles = along_of(strands, values).reshape(strands.count, -1)
+    palette, rows = np.unique(profiles, axis=0, return_inverse=True)
+    rows = rows.reshape(-1)
+    if len(palette) > MOST:
+        rows = clusters(profiles ** (1 / GAMMA), MOST)
+        counts = np.bincount(rows)
+        sums = np.stack([np.bincount(rows, column) for column in profiles.T], axis=1)
+        palette = (sums / counts[:, None]).astype(np.float32)
+    elif len(palette) == 1:
+        palette = np.repeat(palette, 2, axis=0)
+    table = np.ascontiguousarray(palette.reshape(len(palette), ALONG, 3).transpose(1, 0, 2))
+    return Colours(table, _tones(rows, len(palette)))
+
+
+def along_of(strands: Strands, values: Floats) -> Floats:
+    """(S, ALONG, 3): values (P, 3) of points where the same share of the points that are drawn is nearer to the root,
+    linear between points."""
+    out = np.empty((strands.count, ALONG, 3), np.float32)
+    counts = strands.counts()
+    most, some = most_points(counts), max(1, CHUNK // int(counts.max()))
+    for begin in range(0, strands.count, some):
+        first = strands.first[begin : begin + some + 1]
+        part = slice(int(first[0]), int(first[-1]))
+        out[begin : begin + some] = _along(first - first[0], strands.points[part], values[part], most)
+    return out
+
+
+def _along(first: Offsets, points: Points, values: Floats, most: int) -> Floats:
+    strand = np.arange(first.shape[0] - 1)
+    targets = (2.0 * strand[:, None] + np.linspace(0, 1, ALONG)).reshape(-1)
+    keys = places_of(first, points, most) + 2.0 * np.repeat(strand, np.diff(first))
+    low, high = (np.repeat(ends, ALONG) for ends in (first[:-1], first[1:] - 2))
+    begin = np.clip(np.searchsorted(keys, targets, side="right") - 1, low, high)
+    span = keys[begin + 1] - keys[begin]
+    share = np.clip((targets - keys[begin]) / np.where(span > 0, span, 1.0), 0, 1)[:, None]
+    found = values[begin] * (1 - share) + values[begin + 1] * share
+    return np.asarray(found.reshape(strand.shape[0], ALONG, 3), np.float32)
+
+
+def clusters(rows: Floats, most: int) -> NDArray[np.int64]:
+    """(S,) numbers below ``most`` of clusters of rows (S, n): the one that spreads most is cut through its mean,
+    across the column that varies most, until there are so many."""
+    numbers = np.zeros(len(rows), np.int64)
+    waiting = [_spread(rows, np.arange(len(rows)), 0)]
+    count = 1
+    while count < most and waiting[0][0] < 0:
+        _, number, column, members = heapq.heappop(waiting)
+        above = rows[members, column] > rows[members, column].mean(dtype=np.float64)
+        numbers[members[above]] = count
+        heapq.heappush(waiting, _spread(rows, members[~above], number))
+        heapq.heappush(waiting, _spread(rows, members[above], count))
+        count += 1
+    return numbers
+
+
+def _spread(rows: Floats, members: NDArray[np.int64], number: int) -> tuple[float, int, int, NDArray[np.int64]]:
+    """Of a cluster: minus the sum of squares by which its greatest column varies, its number, that column, and its
+    rows."""
+    sums = rows[members].var(axis=0, dtype=np.float64) * len(members)
+    column = int(np.argmax(sums))
+    return -float(sums[column]), number, column, members
 
 
 def _palette(values: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int64]]:

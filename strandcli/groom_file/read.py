@@ -19,7 +19,7 @@ from ..exchange.edit.subsample import some
 from ..exchange.edit.transform import turned
 from ..exchange.ends import ends, up_axis
 from ..exchange.files import ReadOptions, read
-from ..exchange.strands import CHUNK, Offsets, Strands
+from ..exchange.strands import CACHED, Offsets, Strands
 from ..groom.arrange import spatial_order
 from ..groom.emit import stream
 from ..groom.record import Groom
@@ -207,12 +207,13 @@ def _placed(strands: Strands, given: GroomFile) -> tuple[Strands, float]:
     if factor == 1 and not middle.any():
         return strands, factor
     moved = np.empty_like(strands.points)
+    wide = np.empty((CACHED, 3))
     with np.errstate(over="ignore"):
-        for begin in range(0, moved.shape[0], CHUNK):
-            part = strands.points[begin : begin + CHUNK].astype(np.float64)
-            part *= factor
+        for begin in range(0, moved.shape[0], CACHED):
+            held = strands.points[begin : begin + CACHED]
+            part = np.multiply(held, factor, out=wide[: held.shape[0]], dtype=np.float64)
             part -= middle
-            moved[begin : begin + CHUNK] = part
+            moved[begin : begin + CACHED] = part
     if not np.isfinite(box_of(moved)).all():
         raise UsageError(f"{given.file}: points are too far out for single precision; set emitter.groom.scale or size")
     return replace(strands, points=moved), factor

@@ -89,11 +89,7 @@ def lengthened(points: Points, most: int) -> Points:
     strands, n, _ = points.shape
     if n == most:
         return points
-    steps = np.linalg.norm(np.diff(points.astype(np.float64), axis=1), axis=2)
-    along = np.concatenate([np.zeros((strands, 1)), np.cumsum(steps, axis=1)], axis=1)
-    whole = along[:, -1:]
-    share = np.where(whole > 0, along / np.where(whole > 0, whole, 1.0), np.arange(n) / (n - 1))
-    own = np.arange(n) + np.rint(share * (most - n)).astype(np.int64)
+    own = np.arange(n) + np.rint(_shares(points) * (most - n)).astype(np.int64)
     """(k, n): the row of each point."""
     rows = np.arange(most)
     segment = np.empty((strands, most), np.int64)
@@ -107,3 +103,28 @@ def lengthened(points: Points, most: int) -> Points:
     out = (a + t * (b - a)).astype(np.float32)
     out[np.arange(strands)[:, None], own] = points
     return out
+
+
+def _shares(points: Points) -> NDArray[np.float64]:
+    """(k, n): the share of its strand's length before each point of strands (k, n, 3); by number where they have no
+    length."""
+    n = points.shape[1]
+    steps = np.linalg.norm(np.diff(points.astype(np.float64), axis=1), axis=2)
+    along = np.concatenate([np.zeros((points.shape[0], 1)), np.cumsum(steps, axis=1)], axis=1)
+    whole = along[:, -1:]
+    return np.asarray(np.where(whole > 0, along / np.where(whole > 0, whole, 1.0), np.arange(n) / (n - 1)))
+
+
+def places_of(first: Offsets, points: Points, most: int) -> NDArray[np.float64]:
+    """(P,) in [0, 1]: of each point of strands the share of the ``most`` points that all get which are before it."""
+    counts, found = np.diff(first), np.empty(points.shape[0])
+    for count in np.unique(counts):
+        n = int(count)
+        rows = first[:-1][counts == count][:, None] + np.arange(n)
+        if n == most:
+            found[rows] = np.arange(n) / (n - 1)
+        elif n > most:
+            found[rows] = _shares(points[rows])
+        else:
+            found[rows] = (np.arange(n) + np.rint(_shares(points[rows]) * (most - n))) / (most - 1)
+    return found

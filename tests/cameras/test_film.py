@@ -16,6 +16,7 @@ from cli_runs import Runner
 from strandcli.cameras import colmap
 from strandcli.cameras.pinhole import Pinhole
 from strandcli.cameras.read import views_of
+from strandcli.cameras.upright import UP, above, upright
 from strandcli.errors import UsageError
 
 SMALL = ("--set", "lights.0.shadow.size=64", "--set", "ambient_occlusion=null", "--no-progress")
@@ -109,3 +110,48 @@ def test_sizes_that_disagree_are_refused(groom: Path, tmp_path: Path, capsys: py
     result = Runner(tmp_path, capsys)("render", groom, "--cameras", path, "-o", tmp_path / "o")
     assert result.code == 2
     assert "of several sizes" in result.error()
+
+
+@pytest.mark.parametrize("up", [(0, -1, 0), (0.6, 0.64, 0.48)])
+def test_light_comes_from_above_whatever_is_up_in_the_cameras_world(
+    up: tuple[float, float, float], groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Strands and cameras that are turned together have the same pictures."""
+    turn = upright(up)
+    assert turn @ UP == pytest.approx(up)
+    assert turn @ turn.T == pytest.approx(np.eye(3))
+    views = []
+    for angle in (0.0, 2.0):
+        x, z = np.sin(angle), np.cos(angle)
+        look = np.array([[z, 0, -x], [0, -1, 0], [-x, 0, -z]])
+        views.append(Pinhole(f"{angle}", 40, 40, 60.0, (20.0, 20.0), look, 4 * np.array([x, 0.0, z])))
+    pictures = {}
+    for name, how in (("plain", np.eye(3)), ("turned", turn)):
+        folder = tmp_path / name
+        folder.mkdir()
+        strands = [(one @ how.T).astype(np.float32) for one in groom_file_kit.hanging([12] * 40)]
+        path = groom_file_kit.write(folder / "some.data", strands)
+        moved = [one.moved(how, np.zeros(3)) for one in views]
+        for file, data in colmap.written(moved, np.zeros((1, 3))).items():
+            (folder / file).write_bytes(data.replace(b"(strandcli)", b""))
+        assert above(views_of(folder).views) == pytest.approx(how @ UP)
+        run = Runner(tmp_path, capsys)
+        result = run("render", path, "--cameras", folder, "-o", folder / "film", *SMALL)
+        assert result.code == 0, result.err
+        more = ("--light", "set", "--colour", "scene", "--layout", "neuralhaircut")
+        result = run("dataset", path, "--cameras", folder, "-o", folder / "set", *more, *SMALL)
+        assert result.code == 0, result.err
+        found = [folder / "film" / "frame_0001.png", folder / "film" / "frame_0002.png", folder / "set/image/0001.png"]
+        pictures[name] = np.array([np.array(Image.open(one)) for one in found]).astype(int)
+    off = np.abs(pictures["plain"] - pictures["turned"]).mean(axis=(1, 2, 3))
+    assert (off < 1).all(), off
+    assert pictures["plain"].std(axis=(1, 2, 3)).min() > 5
+
+
+def test_cameras_that_agree_on_no_up_leave_it_as_it_is() -> None:
+    looks = [np.diag([1.0, -1, -1]), np.diag([-1.0, 1, -1])]
+    assert above([Pinhole("", 8, 8, 8.0, (4, 4), look, np.zeros(3)) for look in looks]) == UP
+    assert above([]) == UP
+    down = np.array([[1, 0, 0], [0, 0.5, -(0.75**0.5)], [0, 0.75**0.5, 0.5]])  # looks down by 30 degrees, z is up
+    assert above([Pinhole("", 8, 8, 8.0, (4, 4), down, np.zeros(3))]) == (0, 0, 1)
+    assert upright((0, 0, 1)) == pytest.approx(np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]))

@@ -226,6 +226,25 @@ def test_what_a_format_does_not_hold_is_told(tmp_path: Path) -> None:
     assert write(tmp_path / "a.npz", Strands(strands.first, strands.points, uv)) == []
 
 
+def test_colours_of_strands_become_those_of_their_points_where_a_format_has_no_others(tmp_path: Path) -> None:
+    strands, values = kit.of([EQUAL[0], EQUAL[1][:2]]), np.arange(6, dtype=np.float32).reshape(2, 3)
+    for suffix in (".hair", ".ply"):
+        path = tmp_path / f"a{suffix}"
+        assert write(path, Strands(strands.first, strands.points, {"colour": Attribute("strand", values)})) == []
+        found = read(path).attributes["colour"]
+        assert found.domain == "point"
+        np.testing.assert_array_equal(found.values, np.repeat(values, strands.counts(), axis=0))
+
+
+def test_a_thickness_that_nobody_set_is_no_width(tmp_path: Path) -> None:
+    strands = kit.of(EQUAL)
+    for width in (None, 0.25):
+        held = {} if width is None else {"width": Attribute("groom", np.array([width], np.float32))}
+        write(tmp_path / "a.hair", Strands(strands.first, strands.points, held))
+        found = read(tmp_path / "a.hair").attributes
+        assert (found["width"].values == width).all() if width else "width" not in found
+
+
 def test_longer_strands_than_a_format_can_tell_are_refused(tmp_path: Path) -> None:
     long = [np.zeros((65_537, 3), np.float32), EQUAL[0]]
     with pytest.raises(UsageError, match=r"65,536 segments, \.hair at most 65,535"):

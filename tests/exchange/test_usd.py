@@ -113,6 +113,30 @@ def test_what_is_written_is_what_the_schema_asks_for(tmp_path: Path) -> None:
         assert np.array_equal(extent, [points.min(axis=0) - 2, points.max(axis=0) + 2])
 
 
+def test_points_are_joined_smoothly_where_that_is_asked_for(tmp_path: Path) -> None:
+    held = kit.of([STRANDS[0], STRANDS[1][:2], STRANDS[2]])
+    width = np.arange(10, dtype=np.float32)
+    held = Strands(held.first, held.points, {"width": Attribute("point", width)})
+    moved = [TimeSample(i / 24, held.points + np.float32(i)) for i in range(2)]
+    assert write(tmp_path / "a.usdc", held, moved, basis="catmullRom") == []
+    _, curves = opened(tmp_path / "a.usdc")
+    told = [curves.GetTypeAttr().Get(), curves.GetBasisAttr().Get(), curves.GetWrapAttr().Get()]
+    assert told == ["cubic", "catmullRom", "pinned"]
+    assert np.array(curves.GetPointsAttr().Get(1)).tobytes() == moved[1].points.tobytes()
+    from pxr import Usd
+
+    assert curves.ComputeInterpolationForSize(len(width), Usd.TimeCode(0)) in ("vertex", "varying")
+    made = read(tmp_path / "a.usdc")
+    each = (made.counts() - 1) // (held.counts() - 1)
+    assert (made.counts() == each[0] * (held.counts() - 1) + 1).all()
+    assert each[0] > 1
+    ends = np.concatenate([made.first[i] + each[0] * np.arange(n) for i, n in enumerate(held.counts())])
+    np.testing.assert_allclose(made.points[ends], held.points, rtol=1e-6)
+    np.testing.assert_allclose(made.attributes["width"].values[ends], width, atol=1e-6)
+    with pytest.raises(UsageError, match=r"\.hair is written with straight segments; .* are written to \.usd, \.usda"):
+        write(tmp_path / "a.hair", held, basis="catmullRom")
+
+
 @pytest.mark.parametrize("packed", [False, True])
 def test_a_stage_is_read_as_pixar_reads_it(tmp_path: Path, packed: bool) -> None:
     content = usd_kit.text(STRANDS)

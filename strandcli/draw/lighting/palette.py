@@ -26,8 +26,9 @@ class Palette:
     def __init__(
         self, material: Material, counts: bool = False, colours: NDArray[np.float32] | None = None, shades: int = 1
     ) -> None:  # fmt: skip
-        """``counts``: whether any light has an opacity map, which dual scattering needs; ``colours`` (k, 3): linear,
-        those of strands at tones −1 to 1, in place of the material's, in so many ``shades`` each."""
+        """``counts``: whether any light has an opacity map, which dual scattering needs; ``colours``: linear, those of
+        strands at tones −1 to 1, in place of the material's: (k, 3), in so many ``shades`` each, or (A, k, 3) from root
+        to tip."""
         model = FIBRES[material.model]
         tables = model.tables(material)
         self._columns = getattr(model, "columns", None)

@@ -30,6 +30,8 @@ ARRAYS = (("width", THICKNESS, 1), ("transparency", TRANSPARENCY, 1), ("colour",
 AT_STRANDS, AT_POINTS, AT_FLAGS, AT_DEFAULT = 4, 8, 12, 16
 """Bytes of the header's counts."""
 MOST_SEGMENTS = 65_535
+UNTOLD = 1.0
+"""The header's thickness where nobody set one, in Yuksel's own library and here."""
 
 
 def sniff(head: bytes, size: int) -> bool:
@@ -74,7 +76,7 @@ def _check_flags(file: Bounded, flags: int) -> None:
 
 
 def _attributes(file: Bounded, flags: int, points: int, defaults: Sequence[float]) -> dict[str, Attribute]:
-    """Arrays by name; where there is none, the default of the header."""
+    """Arrays by name; where there is none, the default of the header, but for a thickness that was not set."""
     found = {}
     at = 0
     for attribute, flag, width in ARRAYS:
@@ -88,7 +90,8 @@ def _attributes(file: Bounded, flags: int, points: int, defaults: Sequence[float
         else:
             values = np.array(defaults[at : at + width], "<f4").reshape(1, *shape)
             file.finite(f"default {attribute}", values, lambda row, at=at: 20 + 4 * at)  # type: ignore[misc]
-            found[attribute] = Attribute("groom", values)
+            if flag != THICKNESS or values[0] != UNTOLD:
+                found[attribute] = Attribute("groom", values)
         at += width
     return found
 

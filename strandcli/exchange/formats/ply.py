@@ -202,16 +202,19 @@ def _attributes(file: Bounded, columns: Columns, begin: int) -> dict[str, Attrib
 
 
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
-    """Write a binary file with vertices, strands and edges; with the edges, viewers of meshes show it."""
+    """Write a binary file of vertices, strands and edges; with the edges, viewers of meshes show it. Values of strands
+    are written at each of their points."""
     counts = strands.counts()
     kinds: list[tuple[str, str, Any]] = [(axis, "<f4", strands.points[:, i]) for i, axis in enumerate(XYZ)]
     kept = []
     for attribute, names in (("width", ("thickness",)), ("transparency", ("alpha",)), ("colour", RGB)):
         one = strands.attributes.get(attribute)
-        if one is None or one.domain != "point" or one.values.size != len(names) * strands.points.shape[0]:
+        if one is None or one.domain == "groom" or one.values.size != len(names) * one.values.shape[0]:
             continue
         kind = "|u1" if one.values.dtype == np.uint8 else "<f4"
         rows = one.values.reshape(-1, len(names))
+        if one.domain == "strand":
+            rows = np.repeat(rows, counts, axis=0)
         kinds += [(label, kind, rows[:, i]) for i, label in enumerate(names)]
         kept.append(attribute)
     segments = "<u2" if not counts.size or counts.max() <= 65_536 else "<i4"

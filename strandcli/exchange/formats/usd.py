@@ -10,12 +10,14 @@ from ..bounded import opened
 from ..files import ReadOptions
 from ..parts import joined
 from ..strands import Layer, Source, Strands, TimeSample, without_short
+from ..usd.cubic import CATMULL_ROM, LINEAR
 from ..usd.curves import Reader, Stage
 from ..usd.export import write_stage
 
 name = ".usd"
 suffixes = (".usd", ".usda", ".usdc")
 moving = staged = True
+bases = (LINEAR, CATMULL_ROM)
 
 MAGIC = {b"PXR-USDC": "binary", b"#usda ": "text", b"#sdf ": "text"}
 """How files begin."""
@@ -80,8 +82,10 @@ def moments(path: Path, options: ReadOptions) -> Iterator[TimeSample]:
 
 
 def write(
-    path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None, beside: Layer | None = None
-) -> list[str]:
-    """Write a file, text where its name ends in `.usda`: a stage of one prim of linear curves, its attributes, and the
-    points at several times; with the prims of another layer ``beside`` them."""
-    return write_stage(path, strands, samples, beside)
+    path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None, beside: Layer | None = None,
+    basis: str = LINEAR,
+) -> list[str]:  # fmt: skip
+    """Write a file, text where its name ends in `.usda`: a stage of one prim of curves, its attributes, and the points
+    at several times; with the prims of another layer ``beside`` them. Of the `bases` Catmull-Rom splines go through
+    all points."""
+    return write_stage(path, strands, samples, beside, basis)

@@ -15,11 +15,11 @@ import numpy.typing as npt
 
 from ..strands import Offsets, Points, offsets
 
-LINEAR = "linear"
+LINEAR, CATMULL_ROM = "linear", "catmullRom"
 MATRICES = {
     "bezier": np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], np.float64),
     "bspline": np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], np.float64) / 6,
-    "catmullRom": np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], np.float64) / 2,
+    CATMULL_ROM: np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], np.float64) / 2,
 }
 """(4, 4) of each basis: row i has what each of the four control points gives to the power i of the parameter."""
 WRAPS = ("nonperiodic", "periodic", "pinned")

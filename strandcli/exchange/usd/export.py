@@ -12,6 +12,7 @@ import numpy.typing as npt
 from ...errors import UsageError
 from ...output.files import placed
 from ..strands import CHUNK, Attribute, Domain, Layer, Points, Strands, TimeSample
+from .cubic import CATMULL_ROM, LINEAR
 from .curves import NAMES
 from .messages import Message
 from .process import ask
@@ -23,6 +24,8 @@ EXTENTS = {"width": 1, "colour": 3, "transparency": 1, "normal": 3, "uv": 2, "ro
 """Numbers that these have a row; they are floating-point."""
 KINDS = {"B": "B", "i": "i", "q": "q", "l": "q"}
 """Integers that USD has, by those of numpy."""
+BASES = {LINEAR: (LINEAR, "", "nonperiodic"), CATMULL_ROM: ("cubic", CATMULL_ROM, "pinned")}
+"""Type, basis and wrap of curves whose first and last control points are their ends."""
 RATE = 24.0
 """Time codes a second of a single time."""
 NEAR = 1e-6
@@ -30,9 +33,10 @@ NEAR = 1e-6
 
 
 def write_stage(
-    path: Path, strands: Strands, samples: Iterable[TimeSample] | None, beside: Layer | None = None
-) -> list[str]:
-    """Write strands as linear curves; ``samples``: their points at several times, rising; ``beside``: other prims.
+    path: Path, strands: Strands, samples: Iterable[TimeSample] | None, beside: Layer | None = None,
+    basis: str = LINEAR,
+) -> list[str]:  # fmt: skip
+    """Write strands as curves of a basis; ``samples``: their points at several times, rising; ``beside``: other prims.
     Returns lines for what is left out. Raises `RefusedError` where it cannot be written."""
     attributes, lost = _attributes(strands)
     kind = "usda" if path.suffix.lower() == ".usda" else "usdc"
@@ -40,16 +44,17 @@ def write_stage(
         temporary.write_bytes(b"")
         temporary.unlink()
         request = {"do": "write", "temporary": str(temporary.absolute()), "format": kind}
-        for _ in ask(path, request, _messages(path, strands, attributes, samples, beside)):
+        for _ in ask(path, request, _messages(path, strands, attributes, samples, (beside, basis))):
             pass
     return [f".usd does not hold {', '.join(lost)}: left out"] if lost else []
 
 
 def _messages(
     path: Path, strands: Strands, attributes: list[tuple[str, str, Any]], samples: Iterable[TimeSample] | None,
-    beside: Layer | None = None,
+    more: tuple[Layer | None, str],
 ) -> Iterator[Message]:  # fmt: skip
-    """What the worker is to write: all but points, then these at each time."""
+    """What the worker is to write: all but points, then these at each time; ``more``: other prims, and the basis."""
+    beside, basis = more
     moments = _moments(path, strands, samples)
     first = next(moments)
     second = next(moments, None)
@@ -59,7 +64,7 @@ def _messages(
     if up not in ("y", "z"):
         raise UsageError(f"{path}: USD knows y and z as up axes, not {up}; turn it with --up {up}")
     told = {
-        "rate": rate, "up": up.upper(), "unit": source.unit or 1.0, "basis": ["linear", "", "nonperiodic"],
+        "rate": rate, "up": up.upper(), "unit": source.unit or 1.0, "basis": BASES[basis],
         "attributes": [[name, interpolation] for name, interpolation, _ in attributes],
         "beside": beside(rate or RATE) if beside else "",
     }  # fmt: skip

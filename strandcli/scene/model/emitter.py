@@ -95,8 +95,8 @@ class GroomFile:
     colours: str = choice(
         "file",
         ("file", "none"),
-        doc="file: each strand has the mean of its colours in the file, where there are any that differ, in place of "
-        "the material's; none: the material's",
+        doc="file: each strand has its colours in the file, from root to tip, where there are any that differ, in "
+        "place of the material's; none: the material's",
     )
     strands: int | None = integer(None, low=1, high=100_000_000, doc="so many of them, drawn by the seed; absent: all")
     guides: int = integer(
