@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import SimulationError, StrandError, UsageError
-from . import camera_files, html_page, options, signals
+from . import camera_files, dask, html_page, options, signals
 from . import checkpoint as checkpoints
 from .frame_range import FrameRange
 from .frame_writer import frame_writer
 from .look import Look
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
+from .render_frames import Motion, frames_of
 from .render_words import count_frames, frame_line, interrupted, tell
 from .say import say
 from .sweep import run as run_sweep
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
 @checkpoints.option
 @options.keep_going
 @html_page.no_html
+@dask.option
 @sweep_option
 @watch_option
 @preview_option
@@ -71,6 +73,7 @@ def command(
     checkpoint: int | None,
     keep_going: bool,
     no_html: bool,
+    dask_address: str | None,
     sweep: tuple[Any, ...],
     watch: bool,
     preview: str | None,
@@ -97,6 +100,7 @@ def command(
         return
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     options.exclusive(checkpoint=checkpoint is not None, from_cache=from_cache is not None)
+    options.exclusive(dask=dask_address is not None, max_error=bool(max_error))
     camera_files.require_file(cameras, camera)
     scene_settings["aovs"] = aovs
     if cameras is not None:
@@ -110,6 +114,8 @@ def command(
         talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run", lines=True)
         scene, bound = advised(preset, max_error, scene_settings, threads, talk, quiet)
     scene = _with_layers(scene, exr)
+    if dask_address is not None:
+        dask.require(scene, dask_address)
     numbers = options.frame_numbers(frames, scene, from_cache)
 
     from ..plan import make_plan, require_memory
@@ -127,7 +133,7 @@ def command(
     page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
     hidden = no_progress or quiet
     look = Look(Preview(preview), folder)
-    motion = Motion(positions, checkpoint, keep_going)
+    motion = Motion(positions, checkpoint, keep_going, dask_address)
     with (
         html_page.of_failed(page),
         Progress(len(writer.wanted), label, hidden=hidden, verbose=verbose) as progress,
@@ -163,16 +169,6 @@ def _with_layers(scene: Scene, exr: bool) -> Scene:
     return replace(scene, image=replace(scene.image, aovs=(*scene.image.aovs, "linear")))
 
 
-class Motion(NamedTuple):
-    """Where a run's motion comes from, and whether it stops where that has gone wrong."""
-
-    positions: Any
-    """Those of a cache, by frame number; None where the run simulates."""
-    checkpoint: int | None
-    """Frames between two checkpoints."""
-    keep_going: bool
-
-
 def _run(
     scene: Scene,
     writer: FrameWriter,
@@ -201,14 +197,8 @@ def _run(
                     compile_ahead.begin(scene, threads)
                 runtime.start(threads, progress.note)
                 started = True
-                from .. import pipeline
-
-                found = pipeline.render(
-                    scene, writer.wanted, threads=threads, positions=motion.positions, keep_going=motion.keep_going,
-                    keep_positions=bound is not None, notify=progress.note, warn=warn,
-                    checkpoints=checkpoints.of_run(writer.directory, motion.checkpoint, warn),
-                )  # fmt: skip
-                for frame in found:
+                kept = checkpoints.of_run(writer.directory, motion.checkpoint, warn)
+                for frame in frames_of(scene, writer.wanted, motion, threads, kept, progress, warn, bound is not None):
                     report.add(frame.number, frame.report)
                     if bound is not None:
                         bound.keep(frame)
