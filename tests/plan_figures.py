@@ -17,7 +17,20 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parent.parent
-PRESETS = ("minimal", "headline", "hair", "portrait", "ponytail", "fur", "grass", "fox", "curly", "bob", "groom", "solvers")
+PRESETS = (
+    "minimal",
+    "headline",
+    "hair",
+    "portrait",
+    "ponytail",
+    "fur",
+    "grass",
+    "fox",
+    "curly",
+    "bob",
+    "groom",
+    "solvers",
+)
 SIZES = ("320x240", "1280x960")
 MEMORY = 1.15
 """Times by which planned memory may be off."""
@@ -51,7 +64,15 @@ def cases() -> list[tuple[str, ...]]:
     for count in (1_000, 30_000):
         found.append(case("minimal", "--strands", str(count), "--set", "solver=rod"))
         found.append(
-            case("minimal", "--strands", str(count), "--set", "solver=rod", "--set", "rules.interaction={}", )
+            case(
+                "minimal",
+                "--strands",
+                str(count),
+                "--set",
+                "solver=rod",
+                "--set",
+                "rules.interaction={}",
+            )
         )
     del rods
     for model in ("off", "minmax", "opacity", "traced"):

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
 @options.from_cache
 @checkpoints.option
 @options.keep_going
+@options.no_memory_check
 @html_page.no_html
 @dask.option
 @sweep_option
@@ -72,6 +73,7 @@ def command(
     from_cache: Path | None,
     checkpoint: int | None,
     keep_going: bool,
+    memory_check: bool,
     no_html: bool,
     dask_address: str | None,
     sweep: tuple[Any, ...],
@@ -118,10 +120,9 @@ def command(
         dask.require(scene, dask_address)
     numbers = options.frame_numbers(frames, scene, from_cache)
 
-    from ..plan import make_plan, require_memory
+    from ..plan import checked_plan
 
-    plan = make_plan(scene, numbers)
-    require_memory(plan)
+    plan = checked_plan(scene, numbers, check=memory_check)
 
     from ..output.report import RunReport
 

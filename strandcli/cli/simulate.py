@@ -23,6 +23,7 @@ from .say import say
 @options.threads
 @checkpoints.option
 @options.keep_going
+@options.no_memory_check
 @options.resume_or_overwrite
 @options.talk_options
 def command(
@@ -32,6 +33,7 @@ def command(
     threads: int | None,
     checkpoint: int | None,
     keep_going: bool,
+    memory_check: bool,
     resume: bool,
     overwrite: bool,
     as_json: bool,
@@ -49,9 +51,9 @@ def command(
         raise UsageError(f"{preset}: draws several panels, each with positions of its own; simulate them one by one")
     numbers = options.frame_numbers(frames, scene)
 
-    from ..plan import make_plan, require_memory
+    from ..plan import checked_plan
 
-    require_memory(make_plan(scene, numbers, draw=False))
+    checked_plan(scene, numbers, draw=False, check=memory_check)
 
     from ..output.positions import PositionsWriter
 

@@ -5,12 +5,13 @@ The decisions are those of the drivers, which use the same conditions.
 
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps
 from .free import available_memory, require_memory
-from .make import Plan, Stage, make_plan, needed_strands, pictures_that_fit
+from .make import Plan, Stage, checked_plan, make_plan, needed_strands, pictures_that_fit
 
 __all__ = [
     "Plan",
     "Stage",
     "available_memory",
+    "checked_plan",
     "make_plan",
     "needed_strands",
     "needs_counts",
