@@ -55,6 +55,8 @@ class Plan:
     """That are drawn side by side, if there are as many threads and the frame's stages are as usual."""
     memory_at_once_bytes: int = 0
     """Estimated peak of the process then."""
+    parts: list[Plan] = field(default_factory=list)
+    """Those of the panels, where there are any."""
     warnings: list[str] = field(default_factory=list)
     """Settings that are probably not intended, one line each."""
 
@@ -99,7 +101,7 @@ def _of_scene(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
 
 def _of_panels(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
     parts = [make_plan(panel, frames, draw) for panel in scene.panels]
-    plan = Plan(frames=len(frames))
+    plan = Plan(frames=len(frames), parts=parts)
     for panel, part in zip(scene.panels, parts, strict=True):
         name = panel.label or "panel"
         for stages, more in ((plan.used, part.used), (plan.left_out, part.left_out)):
