@@ -17,7 +17,7 @@ from .frame_writer import frame_writer
 from .look import Look
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
-from .render_frames import Motion, frames_of
+from .render_frames import Motion, Watch, frames_of, learn_speed
 from .render_words import count_frames, frame_line, interrupted, tell
 from .say import say
 from .sweep import run as run_sweep
@@ -134,13 +134,14 @@ def command(
     page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
     hidden = no_progress or quiet
     look = Look(Preview(preview), folder)
-    motion = Motion(positions, checkpoint, keep_going, dask_address)
+    motion = Motion(positions, checkpoint, keep_going, dask_address, Watch())
     with (
         html_page.of_failed(page),
         Progress(len(writer.wanted), label, hidden=hidden, verbose=verbose) as progress,
         look.signalled(progress),
     ):
         data = _run(scene, writer, report, motion, threads, quiet, progress, bound, look)
+    learn_speed(plan, scene, data, motion)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
     if page is not None:
         page.write(data, made)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..calibration.learn import Watch, learn
 from . import dask
 
 if TYPE_CHECKING:
     from ..checkpoints import Checkpoints
     from ..frame import Frame
+    from ..plan import Plan
     from ..scene.model import Scene
     from .progress import Progress
 
@@ -24,6 +26,8 @@ class Motion(NamedTuple):
     keep_going: bool
     dask: str | None
     """A cluster's address, or local; None: this process draws."""
+    watch: Watch
+    """Of the processor's time."""
 
 
 def frames_of(
@@ -38,7 +42,15 @@ def frames_of(
         )  # fmt: skip
     from .. import pipeline
 
-    return pipeline.render(
+    found = pipeline.render(
         scene, numbers, threads=threads, positions=motion.positions, keep_going=motion.keep_going,
         keep_positions=keep_positions, notify=progress.note, warn=warn, checkpoints=kept,
     )  # fmt: skip
+    return motion.watch.over(found)
+
+
+def learn_speed(plan: Plan, scene: Scene, data: Mapping[str, Any], motion: Motion) -> None:
+    """Refine what is known of this machine's speed by a run that has drawn all itself, unless it compiled kernels."""
+    here = motion.dask is None and motion.positions is None
+    if here and data.get("status") == "complete" and not data.get("compile_seconds"):
+        learn(plan, scene, motion.watch)

@@ -98,14 +98,20 @@ def _exposure_seconds(plan: Plan, scene: Scene, sizes: Sizes) -> float:
     return vertices * (CURVE + len(shining(scene)) * each) + found + plan.samples * FILMED
 
 
+def scaled(seconds: float, threads: int) -> float:
+    """Return what so many seconds of one thread take on several."""
+    return seconds / (1 + WIDER * (threads - 1))
+
+
 def run_seconds(plan: Plan, scene: Scene, factor: float = 1.0, threads: int = 1) -> tuple[float, float]:
     """Return the seconds a frame and in all that a run takes on a machine that needs ``factor`` times as long. Frames
     that are not drawn are simulated."""
-    faster = 1 + WIDER * (threads - 1)
-    each = factor * frame_seconds(plan, scene) / faster
+    each = scaled(factor * frame_seconds(plan, scene), threads)
     panels = list(zip(plan.parts, scene.panels, strict=True)) if scene.panels else [(plan, scene)]
-    steps = sum(motion_seconds(part, one) * max(0, part.steps - plan.frames * one.time.substeps) for part, one in panels)
-    return each, factor * (_begin_seconds(panels) + steps / faster) + plan.frames * each
+    steps = sum(
+        motion_seconds(part, one) * max(0, part.steps - plan.frames * one.time.substeps) for part, one in panels
+    )
+    return each, factor * (_begin_seconds(panels) + scaled(steps, threads)) + plan.frames * each
 
 
 def _begin_seconds(panels: list[tuple[Plan, Scene]]) -> float:
