@@ -16,6 +16,8 @@ import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from strandcli.calibration import profile
+
 MEMORY, TIME = 1.15, 2.0
 """Times by which planned figures may be off."""
 PRESETS = ("minimal", "headline", "hair", "portrait", "ponytail", "fur", "grass", "fox", "curly", "bob", "groom")
@@ -87,6 +89,7 @@ def measured(case: tuple[str, ...], folder: Path, keep: Path | None = None) -> M
     """The figures of a case. What compiles is run again."""
     said, usual = folder / "said.txt", (*case, "--set", "time.preroll=0", "--threads", "1")
     command = [sys.executable, "-m", "strandcli", "plan", *(usual if "--aov" not in usual else without_aov(usual))]
+    forget()
     plan = json.loads(subprocess.run([*command, "--time", "--json"], capture_output=True, text=True, check=True).stdout)
     for _ in range(2):
         status, peak, seconds = run(
@@ -103,6 +106,12 @@ def measured(case: tuple[str, ...], folder: Path, keep: Path | None = None) -> M
                                   "compile": report["compile_seconds"], "plan": plan}) + "\n")  # fmt: skip
     frame = report["frames"][-1]["seconds"]["total"]
     return Measured(plan["memory_bytes"], peak, plan["time"]["frame"], frame, plan["time"]["total"], seconds)
+
+
+def forget() -> None:
+    """Leave of this machine's profile what `--time` has measured."""
+    if (known := profile.read()) is not None:
+        profile.write(profile.Profile(known.factor, known.measured))
 
 
 def without_aov(arguments: tuple[str, ...]) -> tuple[str, ...]:

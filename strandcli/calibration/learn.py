@@ -1,4 +1,4 @@
-"""What a run tells of this machine's speed: the processor's time of its frames, whatever other programs do meanwhile."""
+"""What a run tells of this machine's speed: the processor's time of its frames, whatever else the machine does."""
 
 from __future__ import annotations
 

@@ -44,10 +44,12 @@ def frames(
     from ..output.report import fingerprint
 
     local = address == connect.LOCAL
-    workers = min(threads or options.available_cores(), len(numbers))
-    notify(f"starting {workers} workers" if local else f"connecting to {address}")
+    workers = min(threads or options.available_cores(), len(numbers), _fitting(scene, numbers))
+    starting = f"starting {workers} {'worker' if workers == 1 else 'workers'}"
+    notify(starting if local else f"connecting to {address}")
     job = Job(scene, fingerprint(scene), numbers, settings["keep_going"], 1 if local else threads)
     needed = run.needed(scene, numbers)
+    moved: Iterator[Frame]
     if positions is not None:
         moved = (Frame(number, None, positions(number), {}) for number in needed)
     else:
@@ -57,3 +59,11 @@ def frames(
     with connect.connected(address, workers, warn) as client:
         notify("")
         yield from run.drawn(client, job, run.tasks_of(scene, numbers, moved), signals.check)
+
+
+def _fitting(scene: Scene, numbers: tuple[int, ...]) -> int:
+    """Return how many processes that draw this machine's memory has room for, one at the least."""
+    from ..plan import SHARE, available_memory, make_plan
+
+    free = available_memory()
+    return len(numbers) if free is None else max(1, int(SHARE * free) // make_plan(scene, numbers).memory_bytes - 1)

@@ -39,7 +39,7 @@ def connected(address: str, workers: int, warn: Callable[[str], None]) -> Iterat
     with ExitStack() as stack:
         stack.enter_context(_hushed())
         client = stack.enter_context(_local(workers) if address == LOCAL else _remote(address))
-        if not client.scheduler_info(n_workers=-1)["workers"]:
+        if not client.nthreads():
             _wait(client, address)
         _compare(client, address, warn)
         yield client
@@ -63,7 +63,7 @@ def _hushed() -> Iterator[None]:
 def _local(workers: int) -> Iterator[Any]:
     from distributed import Client, LocalCluster
 
-    # memory is looked after by the plan; Dask's own limit is a share of the machine's a worker, and kills what takes more
+    # the plan looks after memory: Dask's own limit is a share of the machine's, and kills workers that take more
     with (
         tempfile.TemporaryDirectory(prefix="strandcli-dask-", ignore_cleanup_errors=True) as folder,
         LocalCluster(

@@ -4,10 +4,11 @@ The decisions are those of the drivers, which use the same conditions.
 """
 
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps
-from .free import available_memory, require_memory
+from .free import SHARE, available_memory, require_memory
 from .make import Plan, Stage, checked_plan, make_plan, needed_strands, pictures_that_fit
 
 __all__ = [
+    "SHARE",
     "Plan",
     "Stage",
     "available_memory",

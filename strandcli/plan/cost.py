@@ -20,14 +20,16 @@ if TYPE_CHECKING:
 NS = 1e-9
 STEP, ROD_STEP, INTERACTING = 5 * NS, 240 * NS, 120 * NS
 """Of a particle in a step: by the source's rules, as a rod, and more where strands push each other."""
-FRAME, LOOKED_AT = 0.004, 40 * NS
+FRAME, LOOKED_AT = 0.002, 20 * NS
 """Of a frame, whatever it holds; and of a particle, for the errors of the frame."""
-CHILD, COMBED, CURVE = 70 * NS, 60 * NS, 38 * NS
-"""Of a particle of a child, of one that is tied, and of a vertex."""
+CHILD, COMBED, CURVE, EVEN = 70 * NS, 60 * NS, 38 * NS, 12 * NS
+"""Of a particle of a child, of one that is tied, and of a vertex; less where segments have as many pieces each."""
 MAPPED, LAYER, MINMAX, TRACED = 70 * NS, 2 * NS, 15 * NS, 2500 * NS
 """Of a vertex in a light: with an opacity map, more for each of its layers; with a min/max map; with exact shadows."""
-FOUND, LINED = 70 * NS, 14 * NS
-"""Of a fragment of sorted strands, and of a vertex of lines in a z-buffer."""
+FOUND, BINNED, LINED = 45 * NS, 35 * NS, 14 * NS
+"""Of a fragment of sorted strands and of a vertex of them, and of a vertex of lines in a z-buffer."""
+COVERED = 0.45
+"""Of a z-buffer's samples, those that show strands."""
 LIT, SEEN, MOST_SEEN = 20 * NS, 110 * NS, 4.0
 """Of a vertex, for each light; and more by the root of the fragments that it has, up to so many: hidden ones are not
 lit."""
@@ -90,12 +92,16 @@ def _shadow_seconds(sizes: Sizes, scene: Scene) -> float:
 
 def _exposure_seconds(plan: Plan, scene: Scene, sizes: Sizes) -> float:
     vertices = sizes.segments + sizes.strands
-    covered = sizes.fragments / max(vertices, 1)
-    found = sizes.fragments * FOUND if scene.image.resolver != "zbuffer" else vertices * LINED
+    curve = CURVE if scene.curves.mode == "adaptive" else EVEN
+    if scene.image.resolver == "zbuffer":
+        shown, found = min(sizes.fragments, COVERED * plan.samples), vertices * LINED
+    else:
+        shown, found = sizes.fragments, sizes.fragments * FOUND + vertices * BINNED
+    covered = shown / max(vertices, 1)
     each = LIT + SEEN * min(covered, MOST_SEEN) ** 0.5
     if scene.material.scatter != "dual":
         each *= LIGHTER
-    return vertices * (CURVE + len(shining(scene)) * each) + found + plan.samples * FILMED
+    return vertices * (curve + len(shining(scene)) * each) + found + plan.samples * FILMED
 
 
 def scaled(seconds: float, threads: int) -> float:
