@@ -30,7 +30,7 @@ help:
 	@echo "make faults     every place where a command writes fails once in every way; some minutes"
 	@echo "make kills      200 renders killed at random moments, 20 ended by SIGTERM, 1,000 damaged kernel caches, 200 cold starts; an hour"
 	@echo "make dask       workers of real Dask clusters, one of them killed, in an environment of its own"
-	@echo "make plan-figures   memory and time that `plan` says beside those that runs take; some minutes"
+	@echo "make plan-figures   memory and time as planned beside those that runs take; some minutes"
 	@echo "make fuzz       read damaged files of strands, meshes and cameras, 100,000 of each format"
 	@echo "make mesh-distances  time, memory and error of grids of signed distances"
 	@echo "make reading    time and memory of reading 50,000 strands in each format"

@@ -8,20 +8,25 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import UsageError
-from . import options, signals
+from . import complete, options, signals
 
 if TYPE_CHECKING:
     from ..frame import Frame
     from ..scene.model import Scene
 
-option = click.option(
-    "--dask", "dask_address", metavar="ADDRESS",
-    help="Let the workers of a Dask cluster draw: 'local', or a scheduler such as tcp://HOST:8786.",
+option = options.together(
+    options.alone("dask", "max_error"),
+    click.option(
+        "--dask", metavar="ADDRESS", shell_complete=complete.clusters,
+        help="Let the workers of a Dask cluster draw: 'local', or a scheduler such as tcp://HOST:8786.",
+    ),
 )  # fmt: skip
 
 
-def require(scene: Scene, address: str) -> None:
-    """Raise `UsageError` where a scene, or this machine, cannot be drawn so."""
+def require(scene: Scene, address: str | None) -> None:
+    """Raise `UsageError` where workers are asked for, and cannot draw a scene or be asked by this machine."""
+    if address is None:
+        return
     from ..dask_cluster.connect import require_dask
 
     if scene.panels:

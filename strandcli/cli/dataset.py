@@ -10,6 +10,7 @@ import click
 from ..errors import UsageError
 from ..registry import LAYOUTS
 from . import camera_files, complete, options
+from .memory_check import option as memory_check_option
 from .progress import Progress, stepper, warner
 from .say import say
 from .values import SpanType
@@ -32,7 +33,7 @@ from .values import SpanType
 @options.scene_options
 @options.quality
 @options.threads
-@options.no_memory_check
+@memory_check_option
 @options.resume_or_overwrite
 @options.talk_options
 def command(

@@ -108,10 +108,6 @@ from_cache = click.option(
     "--from-cache", type=PathType(), metavar="DIR",
     help="Draw the positions that 'strandcli simulate' left in DIR.",
 )  # fmt: skip
-no_memory_check = click.option(
-    "--no-memory-check", "memory_check", is_flag=True, flag_value=False, default=True,
-    help="Go on although more memory is planned than is free.",
-)  # fmt: skip
 as_json = click.option("--json", "as_json", is_flag=True, help="Print machine data, and nothing else, on stdout.")
 quiet = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
 no_progress = click.option("--no-progress", is_flag=True, help="No progress line, even on a terminal.")

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import SimulationError, StrandError, UsageError
-from . import camera_files, dask, html_page, options, signals
+from . import camera_files, html_page, options, signals
 from . import checkpoint as checkpoints
+from . import dask as clusters
 from .frame_range import FrameRange
 from .frame_writer import frame_writer
 from .look import Look
+from .memory_check import option as memory_check_option
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
 from .render_frames import Motion, Watch, frames_of, learn_speed
@@ -51,9 +53,9 @@ if TYPE_CHECKING:
 @options.from_cache
 @checkpoints.option
 @options.keep_going
-@options.no_memory_check
+@memory_check_option
 @html_page.no_html
-@dask.option
+@clusters.option
 @sweep_option
 @watch_option
 @preview_option
@@ -75,7 +77,7 @@ def command(
     keep_going: bool,
     memory_check: bool,
     no_html: bool,
-    dask_address: str | None,
+    dask: str | None,
     sweep: tuple[Any, ...],
     watch: bool,
     preview: str | None,
@@ -102,7 +104,6 @@ def command(
         return
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     options.exclusive(checkpoint=checkpoint is not None, from_cache=from_cache is not None)
-    options.exclusive(dask=dask_address is not None, max_error=bool(max_error))
     camera_files.require_file(cameras, camera)
     scene_settings["aovs"] = aovs
     if cameras is not None:
@@ -116,8 +117,7 @@ def command(
         talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run", lines=True)
         scene, bound = advised(preset, max_error, scene_settings, threads, talk, quiet)
     scene = _with_layers(scene, exr)
-    if dask_address is not None:
-        dask.require(scene, dask_address)
+    clusters.require(scene, dask)
     numbers = options.frame_numbers(frames, scene, from_cache)
 
     from ..plan import checked_plan
@@ -134,7 +134,7 @@ def command(
     page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
     hidden = no_progress or quiet
     look = Look(Preview(preview), folder)
-    motion = Motion(positions, checkpoint, keep_going, dask_address, Watch())
+    motion = Motion(positions, checkpoint, keep_going, dask, Watch())
     with (
         html_page.of_failed(page),
         Progress(len(writer.wanted), label, hidden=hidden, verbose=verbose) as progress,

@@ -11,6 +11,7 @@ from ..errors import UsageError
 from . import checkpoint as checkpoints
 from . import options, signals
 from .frame_range import FrameRange
+from .memory_check import option as memory_check_option
 from .progress import Progress, warner
 from .say import say
 
@@ -23,7 +24,7 @@ from .say import say
 @options.threads
 @checkpoints.option
 @options.keep_going
-@options.no_memory_check
+@memory_check_option
 @options.resume_or_overwrite
 @options.talk_options
 def command(

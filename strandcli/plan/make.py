@@ -10,7 +10,7 @@ from ..scene.detail import strands_needed
 from ..scene.named_files import naming_files
 from ..scene.rule_type import MUTUAL
 from .drawing import drawing_decisions
-from .free import SHARE, available_memory, require_memory
+from .free import SHARE, available_memory
 from .memory import RESIDENT, memory_of, picture_bytes
 from .motion import motion_decisions, solver_steps
 from .sizes import Sizes, most_strands, points_of, sizes_of
@@ -73,14 +73,6 @@ def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True, threads: i
     with naming_files(scene):
         plan = _of_scene(scene, frames, draw)
         _plan_side_by_side(plan, scene, threads if draw else 1)
-    return plan
-
-
-def checked_plan(scene: Scene, frames: Sequence[int], draw: bool = True, check: bool | None = None) -> Plan:
-    """Return the plan of a run; raises `RefusedError` where it would take too much of what is free. ``check``: as of
-    `require_memory`."""
-    plan = make_plan(scene, frames, draw)
-    require_memory(plan, scene, frames, draw, check)
     return plan
 
 

@@ -113,9 +113,11 @@ def pieces(client: Any) -> tuple[Job, Iterator[Task], list[int]]:
     """A run in tasks, and the processes of the workers."""
     scene = scene_of(TINY)
     moved = pipeline.render(scene, FRAMES, threads=1, draw=False, keep_positions=True)
-    return Job(scene, fingerprint(scene), FRAMES, threads=1), running.tasks_of(scene, FRAMES, moved), [
-        *client.run(os.getpid).values()
-    ]
+    return (
+        Job(scene, fingerprint(scene), FRAMES, threads=1),
+        running.tasks_of(scene, FRAMES, moved),
+        [*client.run(os.getpid).values()],
+    )
 
 
 def test_a_worker_that_is_killed_in_mid_work_costs_no_frame() -> None:
