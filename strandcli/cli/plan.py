@@ -57,7 +57,15 @@ def command(
     with naming_files(scene):
         warnings = [*_warnings(scene, numbers), *plan.warnings]
     if as_json:
-        options.print_json({**dataclasses.asdict(plan), "warnings": warnings, "time": foretold and foretold._asdict()})
+        sizes = plan.sizes and plan.sizes._asdict()
+        data = {
+            **dataclasses.asdict(plan),
+            "warnings": warnings,
+            "sizes": sizes,
+            "time": foretold and foretold._asdict(),
+        }
+        del data["parts"]
+        options.print_json(data)
         return
     stages = [(one.stage, one.why) for one in (*plan.used, *plan.left_out)]
     width = max((len(stage) for stage, _ in stages), default=0)

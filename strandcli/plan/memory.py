@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..constants import BATCH_VERTICES, FRAGMENTS, PART_BYTES, POINTS_BYTES, SORTED_BYTES, W
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps
-from ..draw.shadows.shadow_model import casts_map, model_of, shades_vertices
+from ..draw.shadows.shadow_model import ShadowModel, casts_map, model_of, shades_vertices
 from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
@@ -119,6 +119,8 @@ def _map_bytes(plan: Plan, scene: Scene, light: Any) -> int:
     assert plan.sizes is not None
     model, views = model_of(light), 1 if light.kind == "directional" else 6
     side, layers = model.side_of(light.shadow), model.layers(light.shadow)
+    if type(model).map_bytes is not ShadowModel.map_bytes:  # one from elsewhere, that knows
+        return int(model.map_bytes(light.shadow, light.kind == "directional"))
     if not layers:
         return 8 * side**2 * views
     found, rows = map_rows(scene, plan.sizes, side, light.shadow.texel)

@@ -83,7 +83,6 @@ def test_a_run_teaches_by_the_frames_after_the_first(kept: Path, monkeypatch: py
     scene = scene_of(TINY)
     plan = make_plan(scene, range(1, 5))
     expected = frame_seconds(plan, scene)
-    clock = iter([100.0, *(110.0 + 3 * expected * k for k in range(3))] * 2)
     ticks = [100.0, 100.0 + 3 * expected, 100.0 + 6 * expected, 100.0 + 9 * expected]
     for numbers, runs in (([1, 2, 3, 4], 1), ([1, 2, 3, 5], 0), ([1, 2], 0)):
         profile.write(profile.Profile(1.0, "2026-01-31"))
