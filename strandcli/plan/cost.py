@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from ..draw.shadows.needs import needs_counts, shining
 from ..draw.shadows.shadow_model import casts_map, model_of, shades_vertices
 from ..scene.model import MeshShape
+from .sizes import share_in_maps, side_of
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -18,22 +19,24 @@ if TYPE_CHECKING:
     from .sizes import Sizes
 
 NS = 1e-9
-STEP, ROD_STEP, INTERACTING = 5 * NS, 240 * NS, 120 * NS
-"""Of a particle in a step: by the source's rules, as a rod, and more where strands push each other."""
+STEP, ROD_STEP, ON_MESH, INTERACTING = 5 * NS, 100 * NS, 140 * NS, 50 * NS
+"""Of a particle in a step: by the source's rules, as a rod, and more beside a mesh or where strands push each other."""
 FRAME, LOOKED_AT = 0.002, 20 * NS
 """Of a frame, whatever it holds; and of a particle, for the errors of the frame."""
 CHILD, COMBED, CURVE, EVEN = 70 * NS, 60 * NS, 38 * NS, 12 * NS
 """Of a particle of a child, of one that is tied, and of a vertex; less where segments have as many pieces each."""
-MAPPED, LAYER, MINMAX, TRACED = 70 * NS, 2 * NS, 15 * NS, 2500 * NS
-"""Of a vertex in a light: with an opacity map, more for each of its layers; with a min/max map; with exact shadows."""
-FOUND, BINNED, LINED = 45 * NS, 35 * NS, 14 * NS
+MAPPED, LAYER, MINMAX = 70 * NS, 2 * NS, 15 * NS
+"""Of a vertex in a light: with an opacity map, more for each of its layers; with a min/max map."""
+TRACED = 900 * NS
+"""Of a fragment that is seen, for each light with exact shadows."""
+FOUND, BINNED, LINED = 38 * NS, 35 * NS, 14 * NS
 """Of a fragment of sorted strands and of a vertex of them, and of a vertex of lines in a z-buffer."""
 COVERED = 0.45
 """Of a z-buffer's samples, those that show strands."""
 LIT, SEEN, MOST_SEEN = 20 * NS, 110 * NS, 4.0
 """Of a vertex, for each light; and more by the root of the fragments that it has, up to so many: hidden ones are not
 lit."""
-LIGHTER = 0.35
+LIGHTER = 0.25
 """Of that, what fibres without light from strand to strand take."""
 FILMED, WRITTEN, OCCLUDED = 32 * NS, 12 * NS, 60 * NS
 """Of a sample, of a pixel, and of a cell of the sky's grid and a direction."""
@@ -54,6 +57,8 @@ def frame_seconds(plan: Plan, scene: Scene) -> float:
 def motion_seconds(plan: Plan, scene: Scene) -> float:
     """Return the seconds of a step of the solver."""
     each = ROD_STEP if scene.solver == "rod" else STEP
+    if scene.solver == "rod" and any(solid.kind == "mesh" for solid in scene.solids):
+        each += ON_MESH
     if any(use.name == "interaction" for use in scene.rules):
         each += INTERACTING
     return plan.particles * each if plan.steps else 0.0
@@ -84,9 +89,8 @@ def _shadow_seconds(sizes: Sizes, scene: Scene) -> float:
         views = 1 if light.kind == "directional" else 6
         layers = model_of(light).layers(light.shadow)
         if casts_map(light, counts):
-            total += vertices * views * (MAPPED + layers * LAYER if layers else MINMAX)
-        if shades_vertices(light):
-            total += vertices * TRACED
+            share = share_in_maps(scene, sizes, side_of(scene, sizes, light))
+            total += vertices * share * views * (MAPPED + layers * LAYER if layers else MINMAX)
     return total
 
 
@@ -101,7 +105,8 @@ def _exposure_seconds(plan: Plan, scene: Scene, sizes: Sizes) -> float:
     each = LIT + SEEN * min(covered, MOST_SEEN) ** 0.5
     if scene.material.scatter != "dual":
         each *= LIGHTER
-    return vertices * (curve + len(shining(scene)) * each) + found + plan.samples * FILMED
+    traced = sum(shades_vertices(light) for light in scene.lights) * min(shown, MOST_SEEN * vertices) * TRACED
+    return vertices * (curve + len(shining(scene)) * each) + found + traced + plan.samples * FILMED
 
 
 def scaled(seconds: float, threads: int) -> float:

@@ -6,12 +6,12 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ..constants import BATCH_VERTICES, FRAGMENTS, PART_BYTES, POINTS_BYTES, SORTED_BYTES, W
-from ..draw.shadows.needs import needs_counts, needs_shadow_maps
+from ..draw.shadows.needs import needs_counts
 from ..draw.shadows.shadow_model import ShadowModel, casts_map, model_of, shades_vertices
 from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
-from .sizes import map_rows
+from .sizes import map_rows, share_in_maps, side_of
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -21,6 +21,12 @@ RESIDENT = 190_000_000
 """Bytes of the interpreter, its libraries and the compiled kernels of a plain scene."""
 SORTING, RODS, CHILDREN, MESHES = 18_000_000, 8_000_000, 18_000_000, 40_000_000
 """Of the further kernels, and of what reads meshes, where a scene has them."""
+
+
+NEARER, SEEN = 1.3, 0.75
+"""How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
+ROD, CROWDED = 80, 30
+"""Bytes of a particle of a rod, and more where strands push each other."""
 
 
 def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
@@ -43,8 +49,10 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     """Return the bytes of the strands that are simulated."""
     n = scene.emitter.particles
     blocks = -(-plan.strands // W) * W
+    rods = ROD if scene.solver == "rod" else 0
+    rods += CROWDED if rods and any(use.name == "interaction" for use in scene.rules) else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
-    return blocks * (12 * (n + 3) + 4 + 32 + 160)
+    return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n)
 
 
 def _mesh_bytes(scene: Scene) -> int:
@@ -68,12 +76,19 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
         vertices = min(vertices, BATCH_VERTICES + vertices // max(strands, 1) * W)
     # in the world, on the screen, colours, marks; in light; widths
     wide = scene.material.width > 0 and (scene.image.resolver != "zbuffer" or scene.material.width * sizes.scale > 1)
-    total = vertices * (37 + (12 if needs_shadow_maps(scene) else 0) + (4 if wide else 0))
+    total = round(vertices * (37 + 12 * _projected(plan, scene) + (4 if wide else 0)))
     total += strands * (8 + 8 + 2 * (sizes.points - 1) + 4 + 8 + 8)
     tables = getattr(FIBRES[scene.material.model], "memory", lambda material: 0)
     total += tables(scene.material)
-    total += _groom_bytes(plan, scene) + _traced_bytes(scene, vertices, traced) + _light_bytes(plan, scene)
+    total += _groom_bytes(plan, scene) + _traced_bytes(plan, scene, vertices, traced) + _light_bytes(plan, scene)
     return total + _film_bytes(plan, scene, vertices)
+
+
+def _projected(plan: Plan, scene: Scene) -> float:
+    """Return the share of vertices that lights see at once, at the most; 0 without shadow maps."""
+    assert plan.sizes is not None
+    lit = [light for light in scene.lights if casts_map(light, needs_counts(scene))]
+    return max((share_in_maps(scene, plan.sizes, side_of(scene, plan.sizes, light)) for light in lit), default=0.0)
 
 
 def _groom_bytes(plan: Plan, scene: Scene) -> int:
@@ -93,12 +108,14 @@ def _groom_bytes(plan: Plan, scene: Scene) -> int:
     return total
 
 
-def _traced_bytes(scene: Scene, vertices: int, traced: int) -> int:
+def _traced_bytes(plan: Plan, scene: Scene, vertices: int, traced: int) -> int:
     """Return the bytes of exact shadows; traced: number of lights with them."""
     total = sum(model_of(light).vertex_bytes(vertices) for light in scene.lights if shades_vertices(light))
-    if traced and scene.material.rounded and scene.material.width > 0:  # light and shadow across strands
+    assert plan.sizes is not None
+    drawn_wide = scene.image.resolver != "zbuffer" or scene.material.width * plan.sizes.scale * NEARER > 1
+    if traced and scene.material.rounded and scene.material.width > 0 and drawn_wide:  # across strands that are seen
         marked = scene.image.resolver != "zbuffer"  # which of their positions are visible
-        total += vertices * (4 + 204 * (1 + traced) + 128 * (traced + marked))
+        total += round(SEEN * vertices) * (4 + 204 * (1 + traced) + 128 * (traced + marked))
     return total
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..draw.shadows.needs import needs_shadow_maps
+from ..draw.shadows.shadow_model import model_of
 from ..scene.detail import share_bounds, strands_needed
 from ..scene.model import DiscShape, MeshShape, PlaneShape
 from ..scene.model.emitter import TIED
@@ -160,6 +160,21 @@ def map_rows(scene: Scene, sizes: Sizes, side: int, texel: float | None) -> tupl
     return found, min(0.27 * found**2 / 4, sizes.segments)
 
 
-def mapped(scene: Scene) -> bool:
-    """Return whether vertices are projected into maps of lights."""
-    return needs_shadow_maps(scene)
+def share_in_maps(scene: Scene, sizes: Sizes, side: int) -> float:
+    """Return the share of vertices that are projected into a light's map of so many texels a side: where all segments
+    have as many pieces, few chords follow a curve to half a texel."""
+    curves = scene.curves
+    if curves.mode != "fixed":
+        return 1.0
+    texels = mean_length(scene) / max(sizes.points - 1, 1) * side / (2 * max(sizes.radius, 1e-9))
+    needed, pieces = 1, 2**curves.level
+    while needed < pieces and texels / (8 * needed * needed) > 0.5:
+        needed *= 2
+    return needed / pieces
+
+
+def side_of(scene: Scene, sizes: Sizes, light: Any) -> int:
+    """Return the texels along a side of a light's map."""
+    model = model_of(light)
+    side = int(model.side_of(light.shadow))
+    return map_rows(scene, sizes, side, light.shadow.texel)[0] if model.layers(light.shadow) else side
