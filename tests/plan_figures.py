@@ -85,12 +85,14 @@ def run(arguments: tuple[str, ...], said: Path) -> tuple[int, int, float]:
     return os.waitstatus_to_exitcode(status), usage.ru_maxrss * scale, usage.ru_utime + usage.ru_stime
 
 
-def measured(case: tuple[str, ...], folder: Path, keep: Path | None = None) -> Measured:
-    """The figures of a case. What compiles is run again."""
+def measured(case: tuple[str, ...], folder: Path, keep: Path | None = None, timed: bool = True) -> Measured:
+    """The figures of a case; ``timed``: with those of time. What compiles is run again."""
     said, usual = folder / "said.txt", (*case, "--set", "time.preroll=0", "--threads", "1")
     command = [sys.executable, "-m", "strandcli", "plan", *(usual if "--aov" not in usual else without_aov(usual))]
-    forget()
-    asked = subprocess.run([*command, "--time", "--json"], capture_output=True, text=True)
+    if timed:
+        forget()
+        command.append("--time")
+    asked = subprocess.run([*command, "--json"], capture_output=True, text=True)
     if asked.returncode:
         raise RuntimeError(asked.stderr)
     plan = json.loads(asked.stdout)
@@ -108,6 +110,8 @@ def measured(case: tuple[str, ...], folder: Path, keep: Path | None = None) -> M
             out.write(json.dumps({"case": " ".join(case), "peak": peak, "cpu": seconds, "frames": report["frames"],
                                   "compile": report["compile_seconds"], "plan": plan}) + "\n")  # fmt: skip
     frame = report["frames"][-1]["seconds"]["total"]
+    if not timed:
+        return Measured(plan["memory_bytes"], peak, 1.0, 1.0, 1.0, 1.0)
     if len(report["frames"]) == 1:  # which has loaded kernels: the run alone tells
         frame = plan["time"]["frame"]
     return Measured(plan["memory_bytes"], peak, plan["time"]["frame"], frame, plan["time"]["total"], seconds)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plan_figures import measured
 from strand_kit import frames_of, scene_of, solver_of
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.shadows.shadow import plan_maps
@@ -289,3 +290,11 @@ raise SystemExit(status)
     assert "GB that are free: " in done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_memory_is_what_a_run_takes(tmp_path: Path) -> None:
+    """A slice of `make plan-figures`."""
+    if sys.platform == "win32":
+        pytest.skip("measured by wait4")
+    found = measured(("minimal", "--size", "320x240", "-f", "1"), tmp_path, timed=False)
+    assert found.within(), f"{found.planned / 1e6:.0f} MB planned, {found.peak / 1e6:.0f} MB measured"
