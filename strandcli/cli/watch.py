@@ -25,7 +25,7 @@ PAUSE = 0.05
 """Seconds between two looks at the files."""
 SIDE = 400
 """Pixels of the longer side, where no --size is given."""
-NOT_WITH = ("resume", "animate", "max_error", "exr", "from_cache", "cameras", "camera", "sweep", "aovs")
+NOT_WITH = ("resume", "animate", "max_error", "exr", "from_cache", "cameras", "camera", "sweep", "aovs", "dask")
 
 watch_option = click.option(
     "--watch", is_flag=True, help=f"Draw one frame into {FILE}, as a draft, again whenever the preset is saved."

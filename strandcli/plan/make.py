@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 
+BACKDROP, THREAD = 40, 20_000_000
+"""Bytes of a sample while its backdrop is made, and of a thread with a renderer of its own."""
+
+
 @dataclass(frozen=True)
 class Stage:
     """A stage, and the reason why it runs or is left out."""
@@ -143,8 +147,9 @@ def _fitting(plan: Plan, scene: Scene) -> int:
 
 
 def _each_more(plan: Plan, scene: Scene) -> int:
-    """Return the bytes of each further frame that is drawn at once, and its copy of the state."""
-    return picture_bytes(plan, scene) + plan.strands * 12 * (scene.emitter.particles + 1)
+    """Return the bytes of each further frame that is drawn at once, with its thread and its copy of the state."""
+    state = plan.strands * 12 * (scene.emitter.particles + 1)
+    return picture_bytes(plan, scene) + state + BACKDROP * plan.samples + THREAD
 
 
 def _plan_side_by_side(plan: Plan, scene: Scene, threads: int) -> None:
