@@ -9,7 +9,7 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: all wheel unwritable faults kills demo fuzz reading dense mesh-distances test test-long test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: all wheel unwritable faults kills dask plan-figures demo fuzz reading dense mesh-distances test test-long test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -29,6 +29,8 @@ help:
 	@echo "make check-against-blender   .abc and .usd in Blender and back, in an environment of its own; 400 MB, Python 3.11 or 3.13"
 	@echo "make faults     every place where a command writes fails once in every way; some minutes"
 	@echo "make kills      200 renders killed at random moments, 20 ended by SIGTERM, 1,000 damaged kernel caches, 200 cold starts; an hour"
+	@echo "make dask       workers of real Dask clusters, one of them killed, in an environment of its own"
+	@echo "make plan-figures   memory and time as planned beside those that runs take; some minutes"
 	@echo "make fuzz       read damaged files of strands, meshes and cameras, 100,000 of each format"
 	@echo "make mesh-distances  time, memory and error of grids of signed distances"
 	@echo "make reading    time and memory of reading 50,000 strands in each format"
@@ -142,6 +144,20 @@ faults: $(READY)
 kills: $(READY)
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python tests/kills.py
 
+plan-figures: $(READY)
+	$(BIN)/python tests/plan_figures.py $(CASES)
+
+DASK := .venv-dask
+
+dask: $(DASK)/.ready
+	PYTHONDONTWRITEBYTECODE= $(DASK)/bin/python -m pytest tests/dask_cluster
+
+$(DASK)/.ready: pyproject.toml
+	$(PYTHON) -m venv $(DASK)
+	$(DASK)/bin/python -m pip install --quiet --upgrade pip
+	$(DASK)/bin/python -m pip install --quiet --no-compile --group kernels --editable .[dask]
+	@touch $@
+
 golden: $(READY)
 	$(RUN) golden check tests/golden
 
@@ -182,4 +198,4 @@ $(READY): pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf $(VENV) $(OLDEST) $(CHECK) $(BLENDER) $(DOCS) out build dist
+	rm -rf $(VENV) $(OLDEST) $(CHECK) $(BLENDER) $(DASK) $(DOCS) out build dist

@@ -33,6 +33,12 @@ def shipped(ctx: click.Context, param: click.Parameter, incomplete: str) -> list
     return [CompletionItem(name, help=describe(path)) for name, path in list_presets() if name.startswith(incomplete)]
 
 
+def clusters(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """What stands for a Dask cluster: workers of this machine, or how schedulers' addresses begin."""
+    known = {"local": "workers of this machine, for this run", "tcp://": "a scheduler's address"}
+    return [CompletionItem(word, help=words) for word, words in known.items() if word.startswith(incomplete)]
+
+
 def files(incomplete: str) -> list[str]:
     """Paths of files that can be drawn, and of folders with a slash at their end."""
     folder, begin = os.path.split(incomplete)

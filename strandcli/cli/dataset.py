@@ -10,6 +10,7 @@ import click
 from ..errors import UsageError
 from ..registry import LAYOUTS
 from . import camera_files, complete, options
+from .memory_check import option as memory_check_option
 from .progress import Progress, stepper, warner
 from .say import say
 from .values import SpanType
@@ -32,6 +33,7 @@ from .values import SpanType
 @options.scene_options
 @options.quality
 @options.threads
+@memory_check_option
 @options.resume_or_overwrite
 @options.talk_options
 def command(
@@ -48,6 +50,7 @@ def command(
     colour: str | None,
     frame: int,
     threads: int | None,
+    memory_check: bool,
     resume: bool,
     overwrite: bool,
     as_json: bool,
@@ -68,7 +71,7 @@ def command(
     from ..dataset.order import layout_of, names_of, numbers_for, scene_for, size_for
     from ..dataset.run import Order, Talk, make
     from ..dataset.views import EACH, ONE, Chance
-    from ..plan import make_plan, require_memory
+    from ..plan import checked_plan
 
     kind = layout_of(layout)
     _require_files(grooms)
@@ -83,7 +86,7 @@ def command(
             "overrides": (*camera_files.world(groom, found, cameras), *scene_settings["overrides"]),
         }
         scene = scene_for(options.load_scene(groom, size=size, **given), kind, size, frame)
-        require_memory(make_plan(scene, [frame]))
+        checked_plan(scene, [frame], check=memory_check)
         folder = output / name if len(grooms) > 1 else output
         chance = Chance(scene_settings["seed"] or 0, name, light or usual, colour or usual, azimuth, elevation)
         above = found.above if options.is_groom(groom) else UP

@@ -15,17 +15,21 @@ MARKS = {"ok": ("ok    ", "green"), "note": ("note  ", "yellow"), "broken": ("BR
 
 
 @click.command()
+@click.option("--calibrate", is_flag=True, help="Measure this machine's speed, for what 'strandcli plan' says of time.")
 @options.as_json
 @options.quiet
 @options.debug
 @click.pass_context
-def command(ctx: click.Context, as_json: bool, quiet: bool) -> None:
+def command(ctx: click.Context, calibrate: bool, as_json: bool, quiet: bool) -> None:
     """Look whether strandcli works here: versions, threads, memory, kernel cache, extras, and a small picture that is
     drawn and compared with the one that is known. A line each, with what to do; exit code 1 where something is broken.
     """
     from ..doctor.examine import examine
     from ..doctor.finding import BROKEN, OK
 
+    if calibrate:
+        _calibrate(as_json, quiet)
+        return
     found = []
     for one in examine():
         found.append(one)
@@ -48,3 +52,24 @@ def _tell(check: str, state: str, text: str, advice: str) -> None:
     click.echo(f"{click.style(mark, fg=colour)} {printable(f'{check:<10} {text}')}", color=shown)
     if advice:
         say(f"{'':<17} {advice}")
+
+
+def _calibrate(as_json: bool, quiet: bool) -> None:
+    """Measure, keep and tell the speed of this machine."""
+    from .. import runtime
+    from ..calibration import profile
+    from ..calibration.measure import measure
+    from .progress import Progress
+
+    runtime.start(1)
+    with Progress(1, "calibration", hidden=quiet) as progress:
+        found = measure(progress.note)
+    kept = profile.write(found)
+    if as_json:
+        options.print_json({"factor": found.factor, "measured": found.measured, "kept": kept})
+    elif not quiet:
+        say(
+            f"frames take {found.factor:.2f} times as long here as where they were measured for docs/speed.md", err=True
+        )
+        if not kept:
+            say(f"warning: that cannot be kept: {runtime.cache_trouble()}", err=True)

@@ -68,9 +68,9 @@ def command(
     for path in dict.fromkeys(paths.values()):
         options.refuse_existing(path, overwrite)
 
-    from ..plan import make_plan, require_memory
+    from ..plan import checked_plan
 
-    require_memory(make_plan(scene, numbers))
+    checked_plan(scene, numbers)
     positions = options.open_cache(from_cache, numbers, scene, keep_going)
     lost: dict[str, None] = {}
     with Progress(len(numbers), options.preset_name(preset), hidden=no_progress or quiet, verbose=verbose) as progress:

@@ -107,9 +107,9 @@ def _write(scene: Scene, picture: Path) -> None:
     from .. import pipeline
     from ..output.files import write_pieces
     from ..output.png import encode
-    from ..plan import make_plan, require_memory
+    from ..plan import checked_plan
 
-    require_memory(make_plan(scene, [1]))
+    checked_plan(scene, [1])
     (frame,) = pipeline.render(scene, [1])
     assert frame.image is not None
     write_pieces(picture, encode(frame.image))

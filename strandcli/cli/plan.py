@@ -9,9 +9,12 @@ import click
 
 from . import options
 from .frame_range import FrameRange
+from .progress import Progress, duration, pace
 from .say import say
 
 if TYPE_CHECKING:
+    from ..calibration.foretell import Foretold
+    from ..plan import Plan
     from ..scene.model import Emitter, Scene
 
 
@@ -20,11 +23,22 @@ if TYPE_CHECKING:
 @options.frames
 @options.scene_options
 @options.quality
+@options.threads
+@click.option(
+    "--time", "measure", is_flag=True, help="Measure this machine first, for two seconds, if that was not done yet."
+)
 @options.as_json
 @options.debug
-def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_settings: Any) -> None:
-    """Tell what rendering PRESET would run, what is left out and why, the memory it would take, and what is hardly
-    meant. Runs nothing."""
+def command(
+    preset: str, frames: FrameRange | None, threads: int | None, measure: bool, as_json: bool, **scene_settings: Any
+) -> None:
+    """Tell what rendering PRESET would run, what is left out and why, the memory and the time it would take, and what
+    is hardly meant. Runs nothing of it.
+
+    Memory is estimated within 15 %, and time within a factor of 2 on a machine that does nothing else, with kernels
+    compiled. Time needs a measure of the machine's speed, by --time or 'strandcli doctor --calibrate', which is kept
+    in the cache folder and refined by what runs take.
+    """
     scene = options.load_scene(preset, **scene_settings, roughly=True)
     numbers = options.frame_numbers(frames, scene)
 
@@ -37,11 +51,21 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
 
             with naming_files(scene):
                 read(drawn.environment.image)
-    plan = make_plan(scene, numbers)
+    threads = threads or options.available_cores()
+    plan = make_plan(scene, numbers, threads=threads)
+    foretold = _foretold(plan, scene, threads, measure)
     with naming_files(scene):
         warnings = [*_warnings(scene, numbers), *plan.warnings]
     if as_json:
-        options.print_json({**dataclasses.asdict(plan), "warnings": warnings})
+        sizes = plan.sizes and plan.sizes._asdict()
+        data = {
+            **dataclasses.asdict(plan),
+            "warnings": warnings,
+            "sizes": sizes,
+            "time": foretold and foretold._asdict(),
+        }
+        del data["parts"]
+        options.print_json(data)
         return
     stages = [(one.stage, one.why) for one in (*plan.used, *plan.left_out)]
     width = max((len(stage) for stage, _ in stages), default=0)
@@ -52,6 +76,7 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
         if not part:
             say("  nothing")
     _totals(plan)
+    _time(plan, foretold)
     for words in warnings:
         say(f"warning: {words}", err=True)
 
@@ -89,9 +114,42 @@ def _of_mesh(emitter: Emitter) -> list[str]:
     return notes(emitter)
 
 
-def _totals(plan: Any) -> None:
+def _totals(plan: Plan) -> None:
+    from ..plan.free import SHARE, available_memory
+
     frames = "1 frame" if plan.frames == 1 else f"{plan.frames:,} frames"
     say("Cost:")
     say(f"  {plan.strands:,} strands, {plan.particles:,} particles, {plan.steps:,} solver steps for {frames}")
     say(f"  at most {plan.segments_max:,} line pieces on {plan.samples:,} samples a frame")
-    say(f"  about {plan.memory_bytes / 1e6:,.0f} MB of memory")
+    several = ""
+    if plan.frames_at_once > 1:
+        more = f"{plan.memory_at_once_bytes / 1e6:,.0f} MB with {plan.frames_at_once} frames at once"
+        several = f", {more}; fewer are drawn where that does not fit"
+    say(f"  about {plan.memory_bytes / 1e6:,.0f} MB of memory, within 15 %, by the sizes of its parts{several}")
+    if (free := available_memory()) is not None:
+        too_much = f"; more than {100 * SHARE:.0f} % of that is refused" if plan.memory_bytes > SHARE * free else ""
+        say(f"  {free / 1e6:,.0f} MB are free{too_much}")
+
+
+def _foretold(plan: Plan, scene: Scene, threads: int, measure: bool) -> Foretold | None:
+    """How long it takes, where the machine's speed is known or to be measured."""
+    from ..calibration import foretell, profile
+
+    known = profile.read()
+    if known is None and measure:
+        from ..calibration.measure import measure as measured
+
+        with Progress(1, "calibration") as progress:
+            known = measured(progress.note)
+        profile.write(known)
+    return None if known is None else foretell.foretell(plan, scene, known, threads)
+
+
+def _time(plan: Plan, found: Foretold | None) -> None:
+    if found is None:
+        say("  time is not known: add --time, or run 'strandcli doctor --calibrate', to measure this machine once")
+        return
+    frames = "1 frame" if plan.frames == 1 else f"{plan.frames:,} frames"
+    on = "1 thread" if found.threads == 1 else f"{found.threads} threads"
+    say(f"  about {pace(1, found.frame)}, {duration(found.total)} for {frames} on {on}, within a factor of "
+        f"{found.within:g}, {found.source}; compiling is not counted")  # fmt: skip

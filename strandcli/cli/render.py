@@ -5,18 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import SimulationError, StrandError, UsageError
 from . import camera_files, html_page, options, signals
 from . import checkpoint as checkpoints
+from . import dask as clusters
 from .frame_range import FrameRange
 from .frame_writer import frame_writer
 from .look import Look
+from .memory_check import option as memory_check_option
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
+from .render_frames import Motion, Watch, frames_of, learn_speed
 from .render_words import count_frames, frame_line, interrupted, tell
 from .say import say
 from .sweep import run as run_sweep
@@ -50,7 +53,9 @@ if TYPE_CHECKING:
 @options.from_cache
 @checkpoints.option
 @options.keep_going
+@memory_check_option
 @html_page.no_html
+@clusters.option
 @sweep_option
 @watch_option
 @preview_option
@@ -70,7 +75,9 @@ def command(
     from_cache: Path | None,
     checkpoint: int | None,
     keep_going: bool,
+    memory_check: bool,
     no_html: bool,
+    dask: str | None,
     sweep: tuple[Any, ...],
     watch: bool,
     preview: str | None,
@@ -110,12 +117,12 @@ def command(
         talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run", lines=True)
         scene, bound = advised(preset, max_error, scene_settings, threads, talk, quiet)
     scene = _with_layers(scene, exr)
+    clusters.require(scene, dask)
     numbers = options.frame_numbers(frames, scene, from_cache)
 
-    from ..plan import make_plan, require_memory
+    from ..plan import checked_plan
 
-    plan = make_plan(scene, numbers)
-    require_memory(plan)
+    plan = checked_plan(scene, numbers, check=memory_check)
 
     from ..output.report import RunReport
 
@@ -127,13 +134,14 @@ def command(
     page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
     hidden = no_progress or quiet
     look = Look(Preview(preview), folder)
-    motion = Motion(positions, checkpoint, keep_going)
+    motion = Motion(positions, checkpoint, keep_going, dask, Watch())
     with (
         html_page.of_failed(page),
         Progress(len(writer.wanted), label, hidden=hidden, verbose=verbose) as progress,
         look.signalled(progress),
     ):
         data = _run(scene, writer, report, motion, threads, quiet, progress, bound, look)
+    learn_speed(plan, scene, data, motion)
     made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
     if page is not None:
         page.write(data, made)
@@ -161,16 +169,6 @@ def _with_layers(scene: Scene, exr: bool) -> Scene:
     if "linear" in scene.image.aovs:
         return scene
     return replace(scene, image=replace(scene.image, aovs=(*scene.image.aovs, "linear")))
-
-
-class Motion(NamedTuple):
-    """Where a run's motion comes from, and whether it stops where that has gone wrong."""
-
-    positions: Any
-    """Those of a cache, by frame number; None where the run simulates."""
-    checkpoint: int | None
-    """Frames between two checkpoints."""
-    keep_going: bool
 
 
 def _run(
@@ -201,14 +199,8 @@ def _run(
                     compile_ahead.begin(scene, threads)
                 runtime.start(threads, progress.note)
                 started = True
-                from .. import pipeline
-
-                found = pipeline.render(
-                    scene, writer.wanted, threads=threads, positions=motion.positions, keep_going=motion.keep_going,
-                    keep_positions=bound is not None, notify=progress.note, warn=warn,
-                    checkpoints=checkpoints.of_run(writer.directory, motion.checkpoint, warn),
-                )  # fmt: skip
-                for frame in found:
+                kept = checkpoints.of_run(writer.directory, motion.checkpoint, warn)
+                for frame in frames_of(scene, writer.wanted, motion, threads, kept, progress, warn, bound is not None):
                     report.add(frame.number, frame.report)
                     if bound is not None:
                         bound.keep(frame)

@@ -11,6 +11,7 @@ from ..errors import UsageError
 from . import checkpoint as checkpoints
 from . import options, signals
 from .frame_range import FrameRange
+from .memory_check import option as memory_check_option
 from .progress import Progress, warner
 from .say import say
 
@@ -23,6 +24,7 @@ from .say import say
 @options.threads
 @checkpoints.option
 @options.keep_going
+@memory_check_option
 @options.resume_or_overwrite
 @options.talk_options
 def command(
@@ -32,6 +34,7 @@ def command(
     threads: int | None,
     checkpoint: int | None,
     keep_going: bool,
+    memory_check: bool,
     resume: bool,
     overwrite: bool,
     as_json: bool,
@@ -49,9 +52,9 @@ def command(
         raise UsageError(f"{preset}: draws several panels, each with positions of its own; simulate them one by one")
     numbers = options.frame_numbers(frames, scene)
 
-    from ..plan import make_plan, require_memory
+    from ..plan import checked_plan
 
-    require_memory(make_plan(scene, numbers, draw=False))
+    checked_plan(scene, numbers, draw=False, check=memory_check)
 
     from ..output.positions import PositionsWriter
 

@@ -25,7 +25,7 @@ PAUSE = 0.05
 """Seconds between two looks at the files."""
 SIDE = 400
 """Pixels of the longer side, where no --size is given."""
-NOT_WITH = ("resume", "animate", "max_error", "exr", "from_cache", "cameras", "camera", "sweep", "aovs")
+NOT_WITH = ("resume", "animate", "max_error", "exr", "from_cache", "cameras", "camera", "sweep", "aovs", "dask")
 
 watch_option = click.option(
     "--watch", is_flag=True, help=f"Draw one frame into {FILE}, as a draft, again whenever the preset is saved."
@@ -107,11 +107,11 @@ def _scene(given: Mapping[str, Any]) -> Scene:
 def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], quiet: bool) -> tuple[Any, float]:
     """The picture, and the seconds that compiling took."""
     from .. import pipeline, runtime
-    from ..plan import make_plan, require_memory
+    from ..plan import checked_plan
 
     if frame > scene.time.frames:
         raise UsageError(f"-f/--frames asks for frame {frame}, but the animation has {scene.time.frames}")
-    require_memory(make_plan(scene, [frame]))
+    checked_plan(scene, [frame])
     before = runtime.compile_seconds()
     with Progress(1, options.preset_name(given["preset"]), hidden=quiet or given["no_progress"]) as progress:
         (found,) = pipeline.render(

@@ -19,6 +19,7 @@ LEAST = {"numba": (0, 61), "numpy": (1, 26), "pillow": (10, 3), "click": (8, 1),
 LEAST_PYTHON = (3, 11)
 EXTRAS = {
     "OpenEXR": ("--exr", "pip install 'strandcli[exr]'"),
+    "distributed": ("--dask", "pip install 'strandcli[dask]'"),
     "pxr": ("files of USD", "pip install 'strandcli[usd]'"),
 }
 """Modules of extras: what they are for and how they come."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from ..constants import FRAGMENTS
+from ..constants import FRAGMENT_BYTES, FRAGMENTS
 from ..decision import Decision, left_out
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps, shining
 from ..draw.shadows.shadow_model import casts_map, counts_strands
@@ -13,7 +13,6 @@ from ..registry import FIBRES, SHADOWS
 from ..scene.detail import share_bounds
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
-from .memory import fragment_bytes
 
 if TYPE_CHECKING:
     from ..scene.model import Followers, Scene
@@ -154,7 +153,7 @@ def _detail(scene: Scene, frames: Sequence[int]) -> Iterator[Decision]:
 def _coverage(scene: Scene) -> Iterator[Decision]:
     sorts = scene.image.resolver != "zbuffer"
     if sorts:
-        held = f"at most {FRAGMENTS:,} fragments at once, {fragment_bytes(scene) / 1e6:,.0f} MB"
+        held = f"at most {FRAGMENTS:,} fragments at once, {FRAGMENTS * FRAGMENT_BYTES / 1e6:,.0f} MB"
         yield Decision("coverage", f"all strands of a pixel by depth; {held}")
     else:
         yield left_out("coverage", "each sample shows the nearest strand")

@@ -1,27 +1,11 @@
-"""Available memory, and refusal of a run that would use more."""
+"""Available memory."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from ..errors import RefusedError
 from . import limits
 
-if TYPE_CHECKING:
-    from .make import Plan
-
-
-def require_memory(plan: Plan) -> None:
-    """Raise `RefusedError` if a plan's estimate exceeds the available memory."""
-    free = available_memory()
-    if free is not None and plan.memory_bytes > free:
-        fewer = (
-            "draw fewer of the file's strands with --strands" if plan.of_file else "use fewer --strands or --particles"
-        )
-        raise RefusedError(
-            f"this run would take about {plan.memory_bytes / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: "
-            f"{fewer}, or a smaller --size"
-        )
+SHARE = 0.8
+"""Of what is free, what a run may be planned to take: the estimate may be 15 % off, and other programs grow."""
 
 
 def available_memory() -> int | None:

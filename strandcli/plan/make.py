@@ -10,14 +10,19 @@ from ..scene.detail import strands_needed
 from ..scene.named_files import naming_files
 from ..scene.rule_type import MUTUAL
 from .drawing import drawing_decisions
-from .free import available_memory
-from .memory import RESIDENT, drawn_particles, drawn_strands, memory_of, picture_bytes
+from .free import SHARE, available_memory
+from .memory import RESIDENT, memory_of, picture_bytes
 from .motion import motion_decisions, solver_steps
+from .sizes import Sizes, most_strands, points_of, sizes_of
 from .warnings import warnings_of
 
 if TYPE_CHECKING:
     from ..decision import Decision
     from ..scene.model import Scene
+
+
+BACKDROP, THREAD = 40, 20_000_000
+"""Bytes of a sample while its backdrop is made, and of a thread with a renderer of its own."""
 
 
 @dataclass(frozen=True)
@@ -44,10 +49,18 @@ class Plan:
     """Greatest number of line pieces in a frame."""
     pixels: int = 0
     samples: int = 0
+    sizes: Sizes | None = None
+    """Estimated sizes of the largest frame; None where nothing is drawn, and of panels."""
     of_file: bool = False
     """Whether the strands are those of a file."""
     memory_bytes: int = 0
-    """Estimated peak of the process."""
+    """Estimated peak of the process, where frames are drawn one by one."""
+    frames_at_once: int = 1
+    """That are drawn side by side, if there are as many threads and the frame's stages are as usual."""
+    memory_at_once_bytes: int = 0
+    """Estimated peak of the process then."""
+    parts: list[Plan] = field(default_factory=list)
+    """Those of the panels, where there are any."""
     warnings: list[str] = field(default_factory=list)
     """Settings that are probably not intended, one line each."""
 
@@ -57,12 +70,14 @@ class Plan:
             (self.used if one.runs else self.left_out).append(Stage(one.stage, one.why))
 
 
-def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True) -> Plan:
-    """Return the plan for some frames, numbered from 1; that of panels is their sum."""
+def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True, threads: int = 1) -> Plan:
+    """Return the plan for some frames, numbered from 1; that of panels is their sum. ``threads``: that draw."""
     if scene.panels:
         return _of_panels(scene, frames, draw)
     with naming_files(scene):
-        return _of_scene(scene, frames, draw)
+        plan = _of_scene(scene, frames, draw)
+        _plan_side_by_side(plan, scene, threads if draw else 1)
+    return plan
 
 
 def _of_scene(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
@@ -72,6 +87,7 @@ def _of_scene(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
     plan.steps = solver_steps(scene, frames)
     plan.add(motion_decisions(scene, plan.strands))
     if draw:
+        plan.sizes = sizes_of(scene, plan.strands, frames)
         _measure(plan, scene)
         plan.add(drawing_decisions(scene, plan.strands, frames))
         plan.warnings += warnings_of(scene, frames)
@@ -81,7 +97,7 @@ def _of_scene(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
 
 def _of_panels(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
     parts = [make_plan(panel, frames, draw) for panel in scene.panels]
-    plan = Plan(frames=len(frames))
+    plan = Plan(frames=len(frames), parts=parts)
     for panel, part in zip(scene.panels, parts, strict=True):
         name = panel.label or "panel"
         for stages, more in ((plan.used, part.used), (plan.left_out, part.left_out)):
@@ -90,6 +106,7 @@ def _of_panels(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
             setattr(plan, total, getattr(plan, total) + getattr(part, total))
         plan.warnings += [f"{name}: {words}" for words in part.warnings]
     plan.memory_bytes = RESIDENT + sum(part.memory_bytes - RESIDENT for part in parts)
+    plan.memory_at_once_bytes = plan.memory_bytes
     return plan
 
 
@@ -97,7 +114,7 @@ def _measure(plan: Plan, scene: Scene) -> None:
     """Set the numbers of line pieces, pixels and samples of a frame."""
     curves = scene.curves
     pieces = 1 if curves.mode in ("off", "thinned") else 2**curves.level
-    plan.segments_max = drawn_strands(plan, scene) * (drawn_particles(scene) - 1) * pieces
+    plan.segments_max = most_strands(scene, plan.strands, ()) * (points_of(scene) - 1) * pieces
     width, height = scene.image.drawn
     plan.pixels = width * height
     plan.samples = plan.pixels * scene.image.supersample**2
@@ -118,8 +135,26 @@ def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
 def pictures_that_fit(scene: Scene, frames: Sequence[int]) -> int:
     """Return how many frames may be drawn at once: several may at most double the memory of the run and use half of the
     available memory."""
-    plan = make_plan(scene, frames)
-    free = available_memory()
-    spare = plan.memory_bytes if free is None else min(plan.memory_bytes, free // 2)
-    state = plan.strands * 12 * (scene.emitter.particles + 1)  # each frame has a copy
-    return 1 + spare // (picture_bytes(plan, scene) + state)
+    return _fitting(make_plan(scene, frames), scene)
+
+
+def _fitting(plan: Plan, scene: Scene) -> int:
+    """As `pictures_that_fit`, for a plan."""
+    free, spare = available_memory(), plan.memory_bytes
+    if free is not None:
+        spare = min(spare, free // 2, max(0, int(SHARE * free) - plan.memory_bytes))
+    return 1 + spare // _each_more(plan, scene)
+
+
+def _each_more(plan: Plan, scene: Scene) -> int:
+    """Return the bytes of each further frame that is drawn at once, with its thread and its copy of the state."""
+    state = plan.strands * 12 * (scene.emitter.particles + 1)
+    return picture_bytes(plan, scene) + state + BACKDROP * plan.samples + THREAD
+
+
+def _plan_side_by_side(plan: Plan, scene: Scene, threads: int) -> None:
+    """Set how many frames are drawn at once, after the first two, and what they take."""
+    if threads > 1 and plan.frames > 2:
+        plan.frames_at_once = min(threads, plan.frames - 2, _fitting(plan, scene))
+    more = plan.frames_at_once - 1
+    plan.memory_at_once_bytes = plan.memory_bytes + (more * _each_more(plan, scene) if more else 0)

@@ -2,46 +2,57 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any
 
-from ..constants import BATCH_VERTICES, FRAGMENT_BYTES, FRAGMENTS, POINTS_BYTES, W
-from ..draw.shadows.needs import needs_counts, needs_shadow_maps
-from ..draw.shadows.shadow_model import casts_map, model_of, shades_vertices
+from ..constants import BATCH_VERTICES, FRAGMENTS, PART_BYTES, POINTS_BYTES, SORTED_BYTES, W
+from ..draw.shadows.needs import needs_counts
+from ..draw.shadows.shadow_model import ShadowModel, casts_map, model_of, shades_vertices
 from ..registry import FIBRES
+from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
+from .sizes import map_rows, share_in_maps, side_of
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
     from .make import Plan
 
 RESIDENT = 190_000_000
-"""Bytes of the interpreter, its libraries and the compiled kernels."""
+"""Bytes of the interpreter, its libraries and the compiled kernels of a plain scene."""
+SORTING, RODS, CHILDREN, MESHES = 18_000_000, 8_000_000, 18_000_000, 40_000_000
+"""Of the further kernels, and of what reads meshes, where a scene has them."""
 
 
-def drawn_particles(scene: Scene) -> int:
-    """Return the number of particles of a drawn strand."""
-    n, followers = scene.emitter.particles, scene.emitter.followers
-    if followers is not None:
-        return followers.points
-    if scene.children is not None:
-        n = (n - 1) * scene.children.steps(scene.emitter.segment) + 1
-    return n if scene.emitter.tie is None else n + TIED
-
-
-def drawn_strands(plan: Plan, scene: Scene) -> int:
-    """Return the greatest number of drawn strands."""
-    if scene.emitter.followers is not None:
-        return scene.emitter.followers.kept
-    return plan.strands if scene.children is None else scene.drawn_strands
+NEARER, SEEN = 1.3, 0.75
+"""How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
+ROD, CROWDED = 80, 30
+"""Bytes of a particle of a rod, and more where strands push each other."""
 
 
 def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
-    """Return the peak bytes of the process."""
+    """Return the peak bytes of the process, with one frame drawn at a time."""
+    total = program_bytes(scene, draw) + motion_bytes(plan, scene) + _mesh_bytes(scene)
+    return total + (picture_bytes(plan, scene) if draw else plan.strands * scene.emitter.particles * 24)
+
+
+def program_bytes(scene: Scene, draw: bool = True) -> int:
+    """Return the bytes of the program, its libraries and kernels."""
+    meshes = isinstance(scene.emitter.shape, MeshShape) or any(solid.kind == "mesh" for solid in scene.solids)
+    total = RESIDENT if draw else RESIDENT - 40_000_000
+    total += SORTING if draw and scene.image.resolver != "zbuffer" else 0
+    total += RODS if scene.solver == "rod" else 0
+    total += CHILDREN if draw and scene.children is not None else 0
+    return total + (MESHES if meshes else 0)
+
+
+def motion_bytes(plan: Plan, scene: Scene) -> int:
+    """Return the bytes of the strands that are simulated."""
     n = scene.emitter.particles
     blocks = -(-plan.strands // W) * W
+    rods = ROD if scene.solver == "rod" else 0
+    rods += CROWDED if rods and any(use.name == "interaction" for use in scene.rules) else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
-    total = RESIDENT + blocks * (12 * (n + 3) + 4 + 32 + 160) + _mesh_bytes(scene)
-    return total + (picture_bytes(plan, scene) if draw else plan.strands * n * 24)
+    return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n)
 
 
 def _mesh_bytes(scene: Scene) -> int:
@@ -55,25 +66,35 @@ def _mesh_bytes(scene: Scene) -> int:
 
 
 def picture_bytes(plan: Plan, scene: Scene) -> int:
-    """Return the greatest number of bytes for drawing one frame."""
-    strands, n = drawn_strands(plan, scene), drawn_particles(scene)
-    per_strand = plan.segments_max // max(strands, 1) + 1
-    vertices = strands * per_strand
+    """Return the bytes for drawing one frame."""
+    sizes = plan.sizes
+    assert sizes is not None
+    strands = sizes.strands
+    vertices = round(sizes.segments) + strands
     traced = sum(shades_vertices(light) for light in scene.lights)
     if scene.image.resolver == "zbuffer" and not traced:
-        vertices = min(vertices, BATCH_VERTICES + per_strand * W)
-    light = 12 if needs_shadow_maps(scene) else 0
-    total = vertices * (37 + light + (4 if scene.material.width > 0 else 0)) * 9 // 8
-    total += strands * (8 + 8 + 2 * (n - 1) + 4 + 8 + 32)
+        vertices = min(vertices, BATCH_VERTICES + vertices // max(strands, 1) * W)
+    # in the world, on the screen, colours, marks; in light; widths
+    wide = scene.material.width > 0 and (scene.image.resolver != "zbuffer" or scene.material.width * sizes.scale > 1)
+    total = round(vertices * (37 + 12 * _projected(plan, scene) + (4 if wide else 0)))
+    total += strands * (8 + 8 + 2 * (sizes.points - 1) + 4 + 8 + 8)
     tables = getattr(FIBRES[scene.material.model], "memory", lambda material: 0)
     total += tables(scene.material)
-    total += _groom_bytes(plan, scene) + _traced_bytes(scene, vertices, traced) + _light_bytes(scene)
+    total += _groom_bytes(plan, scene) + _traced_bytes(plan, scene, vertices, traced) + _light_bytes(plan, scene)
     return total + _film_bytes(plan, scene, vertices)
+
+
+def _projected(plan: Plan, scene: Scene) -> float:
+    """Return the share of vertices that lights see at once, at the most; 0 without shadow maps."""
+    assert plan.sizes is not None
+    lit = [light for light in scene.lights if casts_map(light, needs_counts(scene))]
+    return max((share_in_maps(scene, plan.sizes, side_of(scene, plan.sizes, light)) for light in lit), default=0.0)
 
 
 def _groom_bytes(plan: Plan, scene: Scene) -> int:
     """Return the bytes of children and of tied strands."""
-    strands, n = drawn_strands(plan, scene), drawn_particles(scene)
+    assert plan.sizes is not None
+    strands, n = plan.sizes.strands, plan.sizes.points
     total = 0
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
         levels, waves = len(scene.children.clumps), len(scene.children.waves)
@@ -87,16 +108,18 @@ def _groom_bytes(plan: Plan, scene: Scene) -> int:
     return total
 
 
-def _traced_bytes(scene: Scene, vertices: int, traced: int) -> int:
+def _traced_bytes(plan: Plan, scene: Scene, vertices: int, traced: int) -> int:
     """Return the bytes of exact shadows; traced: number of lights with them."""
     total = sum(model_of(light).vertex_bytes(vertices) for light in scene.lights if shades_vertices(light))
-    if traced and scene.material.rounded and scene.material.width > 0:  # light and shadow across strands
+    assert plan.sizes is not None
+    drawn_wide = scene.image.resolver != "zbuffer" or scene.material.width * plan.sizes.scale * NEARER > 1
+    if traced and scene.material.rounded and scene.material.width > 0 and drawn_wide:  # across strands that are seen
         marked = scene.image.resolver != "zbuffer"  # which of their positions are visible
-        total += vertices * (4 + 204 * (1 + traced) + 128 * (traced + marked))
+        total += round(SEEN * vertices) * (4 + 204 * (1 + traced) + 128 * (traced + marked))
     return total
 
 
-def _light_bytes(scene: Scene) -> int:
+def _light_bytes(plan: Plan, scene: Scene) -> int:
     """Return the bytes of ambient occlusion and shadow maps."""
     total = 0
     if scene.occluded and scene.ambient_occlusion is not None:
@@ -104,15 +127,28 @@ def _light_bytes(scene: Scene) -> int:
     counts = needs_counts(scene)
     for one in scene.lights:
         if casts_map(one, counts):
-            total += model_of(one).map_bytes(one.shadow, one.kind == "directional")
+            total += _map_bytes(plan, scene, one)
     return total
+
+
+def _map_bytes(plan: Plan, scene: Scene, light: Any) -> int:
+    """Return the bytes of a light's maps."""
+    assert plan.sizes is not None
+    model, views = model_of(light), 1 if light.kind == "directional" else 6
+    side, layers = model.side_of(light.shadow), model.layers(light.shadow)
+    if type(model).map_bytes is not ShadowModel.map_bytes:  # one from elsewhere, that knows
+        return int(model.map_bytes(light.shadow, light.kind == "directional"))
+    if not layers:
+        return 8 * side**2 * views
+    found, rows = map_rows(scene, plan.sizes, side, light.shadow.texel)
+    return int(3 * found**2 + 4 * rows * (2 + 5 * (layers + 1))) * views
 
 
 def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
     """Return the bytes of fragments, samples and pixels."""
     total = 0
     if scene.image.resolver != "zbuffer":  # each pixel has a list and the solids' depth; vertices are marked twice
-        total += fragment_bytes(scene) + plan.samples * 12 * 9 // 8 + vertices
+        total += fragment_bytes(plan, scene) + plan.samples * 12 + vertices
     if scene.image.haze is not None:  # the picture before solids are lit
         total += plan.samples * 12
     if scene.camera.shutter > 0:  # the frame before, and the moment between
@@ -121,10 +157,13 @@ def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
         total += plan.samples * 12
     if scene.image.aovs:
         total += plan.pixels * 60 * 3  # three more pictures may wait to be written
-    return total + plan.samples * 32 * 9 // 8 + plan.pixels * 3 * 8
+    return total + plan.samples * 32 + plan.pixels * 3 * 8
 
 
-def fragment_bytes(scene: Scene) -> int:
-    """Return the greatest number of bytes of sorted fragments in memory at once."""
+def fragment_bytes(plan: Plan, scene: Scene) -> int:
+    """Return the bytes of sorted fragments in memory at once: pages of the room for them that are written to."""
     exact = any(shades_vertices(light) for light in scene.lights) and scene.image.resolver == "sorted"
-    return FRAGMENTS * (FRAGMENT_BYTES + (2 * POINTS_BYTES if exact else 0))
+    assert plan.sizes is not None
+    layers = max(math.ceil(1.2 * plan.sizes.fragments / FRAGMENTS), 1)
+    held = plan.sizes.fragments / layers
+    return round(held * (SORTED_BYTES + PART_BYTES / 8 + (POINTS_BYTES if exact else 0)))

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import load, runtime
-from ..plan import make_plan, require_memory
+from ..plan import checked_plan
 from ..scene.model import Scene
 
 Notify = Callable[[str], None]
@@ -62,7 +62,7 @@ def run(
         "quality": quality,
     }
     scene = load("headline", overrides=overrides, settings=settings)
-    require_memory(make_plan(scene, range(1, frames + 2)))
+    checked_plan(scene, range(1, frames + 2))
     runtime.start(threads, notify)
     timed = time_frames(scene, frames, threads, notify)
     if notify is not None:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from .. import load, runtime
 from ..errors import UsageError
-from ..plan import make_plan, require_memory
+from ..plan import checked_plan
 from ..scene.model import Scene
 from .bench import spread
 from .bounds.arrays import MOST
@@ -55,7 +55,7 @@ def run(
             if scene.time.frames > 1
             else f"{preset}: has one frame, which is not counted: add --set time.frames={frames + 1}"
         )
-    require_memory(make_plan(scene, range(1, frames + 2)))
+    checked_plan(scene, range(1, frames + 2))
     runtime.start(threads, notify)
     clock = time.process_time if cpu else time.perf_counter
     with runtime.thread_count(runtime.checked_threads(threads)):

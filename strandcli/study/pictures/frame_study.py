@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import RefusedError
 from ...output.flip import mean_flip
-from ...plan import make_plan, require_memory
+from ...plan import checked_plan
 from ...scene.look import LOOKS
 from ...scene.quality import settings_for, shadowed
 from ..axes import Request
@@ -77,7 +77,7 @@ class FrameStudy(WholeStudy):
                     continue
                 made["curves.level"] = level
             with suppress(RefusedError):
-                require_memory(make_plan(changed(self.request.scene, made), (self.subject.frame,)))
+                checked_plan(changed(self.request.scene, made), (self.subject.frame,))
                 return made
         return None
 

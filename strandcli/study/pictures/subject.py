@@ -23,7 +23,7 @@ from ...errors import RefusedError, SimulationError, UsageError
 from ...groom.children import Children
 from ...groom.combed import Combed
 from ...groom.emit import emit
-from ...plan import available_memory, make_plan, require_memory
+from ...plan import available_memory, checked_plan
 from ...scene.model import Scene
 from ..axes import Request
 from .settings import changed
@@ -114,7 +114,7 @@ class Subject:
         self.name, self.frame = request.name, request.frame
         if self.frame > scene.time.frames:
             raise UsageError(f"--frame {self.frame}: the film of {self.name} has {scene.time.frames} frames")
-        require_memory(make_plan(self._guiding, (self.frame,)))
+        checked_plan(self._guiding, (self.frame,))
         self.at = (self.frame - 1) / scene.time.fps
         self.groom = emit(drawn.emitter, drawn.seed)
         self.scene = drawn

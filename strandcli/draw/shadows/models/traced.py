@@ -45,7 +45,7 @@ class Traced(ShadowModel):
     def vertex_bytes(self, vertices: int) -> int:
         """The lists, where they begin, and the strands as the light sees them; some three cells a piece is usual, and
         one the least."""
-        return max(min(120 * vertices, GRID_BYTES), 40 * vertices) + 16 * GRID_SIDE**2 + vertices * (12 + 64 + 4)
+        return max(min(105 * vertices, GRID_BYTES), 40 * vertices) + 8 * min(GRID_SIDE**2, 2 * vertices) + 45 * vertices
 
 
 DRIVER = Traced()

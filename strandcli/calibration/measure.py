@@ -1,0 +1,43 @@
+"""The speed of this machine: a few frames of a shipped preset, by the processor's time of one thread."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from .profile import Profile, today
+
+PRESET = "minimal"
+SETTINGS: dict[str, Any] = {"image.size": [400, 300], "time.preroll": 0.0, "emitter.strands": 6000}
+FRAMES = 8
+REFERENCE = 0.039
+"""Seconds of the fastest of these frames on the machine that `strandcli.plan.cost` is about."""
+
+
+def measure(notify: Callable[[str], None] | None = None) -> Profile:
+    """Return a profile that holds what was measured alone. Takes two seconds, and a minute where kernels are compiled
+    first. What other programs do meanwhile is not counted."""
+    from .. import load, runtime
+    from ..draw.common.drawing import ProcessorDrawing
+    from ..draw.renderer import Renderer
+    from ..stages import FrameRenderer, RunOptions, SimulationStage
+
+    class Timed(Renderer):
+        clocked = ProcessorDrawing
+
+    scene = load(PRESET, settings=SETTINGS)
+    runtime.tell(notify)
+    took = []
+    with runtime.thread_count(1):
+        moved = SimulationStage(scene, range(1, FRAMES + 1), None, RunOptions())
+        draw = FrameRenderer(moved, Timed)
+        for number in range(1, FRAMES + 1):
+            if notify is not None:
+                notify(f"measuring: frame {number} of {FRAMES}")
+            began = time.process_time()
+            begun = moved.begin(number)
+            simulated = time.process_time() - began
+            seconds = draw(begun).report["seconds"]
+            took.append(simulated + sum(value for stage, value in seconds.items() if stage != "simulate"))
+    return Profile(min(took) / REFERENCE, today())

@@ -1,0 +1,10 @@
+"""The option `--no-memory-check` of commands that refuse what takes too much memory."""
+
+from __future__ import annotations
+
+import click
+
+option = click.option(
+    "--no-memory-check", "memory_check", is_flag=True, flag_value=False, default=True,
+    help="Go on although more memory is planned than 80 % of what is free.",
+)  # fmt: skip

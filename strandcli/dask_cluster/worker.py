@@ -1,0 +1,81 @@
+"""What runs on a worker. One frame is drawn at a time in a process, on as many threads as it was given."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+from ..errors import StrandError, UsageError
+from ..frame import Frame
+from .job import Job, Task
+
+_turn = threading.Lock()
+_held: dict[str, _Drawn] = {}
+"""What this process has made of the last scene that it drew, by its fingerprint."""
+
+
+def draw(job: Job, task: Task) -> Frame | StrandError:
+    """Return a frame with its picture. What nobody can mend by trying again is returned, not raised: Dask tries again
+    what raises."""
+    with _turn:
+        try:
+            if job.fingerprint not in _held:
+                _held.clear()
+                _held[job.fingerprint] = _Drawn(job)
+            return _held[job.fingerprint](task)
+        except StrandError as error:
+            return error
+
+
+class _Drawn:
+    """A scene's strands and renderer."""
+
+    def __init__(self, job: Job) -> None:
+        """Raises `UsageError` where the files that the scene names are others here."""
+        from .. import runtime
+        from ..compiling.folder import cache
+        from ..output.report import fingerprint
+        from ..scene.named_files import naming_files
+        from ..stages import FrameRenderer, RunOptions, SimulationStage
+
+        scene = job.scene
+        if fingerprint(scene) != job.fingerprint:
+            raise UsageError(
+                "--dask: a worker's scene is not the one that was sent: files that the preset names are missing there "
+                "or others, or its strandcli is changed; give all machines the same files at the same paths"
+            )
+        if scene.emitter.groom is not None:
+            from ..groom_file import completed
+
+            scene = completed(scene)
+        self._threads = runtime.checked_threads(job.threads or _given_threads())
+        self._files, self._positions = naming_files, dict[int, Any]()
+        self.trouble = cache.trouble
+        with runtime.thread_count(self._threads), naming_files(scene):
+            self._moved = SimulationStage(scene, job.frames, self._position, RunOptions(keep_going=job.keep_going))
+            self._renderer = FrameRenderer(self._moved)
+        self._scene = scene
+
+    def _position(self, number: int) -> Any:
+        return self._positions[number]
+
+    def __call__(self, task: Task) -> Frame:
+        """Draw a frame."""
+        from .. import runtime
+
+        self._positions = task.positions
+        with runtime.thread_count(self._threads), self._files(self._scene):
+            frame = self._renderer(self._moved.begin(task.number))
+        simulated = task.report.get("seconds", {}).get("simulate")
+        frame.report["seconds"]["simulate"] = simulated
+        frame.report["error"] |= task.report.get("error", {})
+        return frame
+
+
+def _given_threads() -> int:
+    """Threads that Dask lets this worker run, and no more than the machine has."""
+    import numba
+    from distributed import get_worker
+
+    most: int = numba.config.NUMBA_NUM_THREADS  # type: ignore[attr-defined]
+    return max(1, min(int(get_worker().state.nthreads), most))

@@ -1,0 +1,180 @@
+"""How large the parts of a frame are, as far as settings tell: lengths on the screen, vertices, fragments, shadow maps.
+
+Strands are taken to stand on their emitter's surface and to reach as far as they are long. A frame that is drawn has
+counts of its own (report.json); these are what they come to before anything is read but meshes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..draw.shadows.shadow_model import model_of
+from ..scene.detail import share_bounds, strands_needed
+from ..scene.model import DiscShape, MeshShape, PlaneShape
+from ..scene.model.emitter import TIED
+from .warnings import samples_a_metre
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+SPREADS = (0.2, 0.5, 0.8, 1.1, 1.6)
+"""Curvatures of segments over the mean: they differ along a strand, and by the angle at which it is seen."""
+TURN = 2.0
+"""Radians that strands without waves turn from root to tip."""
+ACROSS = math.pi / 4
+"""Mean length of lines of all directions on the screen, over their length."""
+CROSSED, FOR_WIDTH = 1.3, 1.9
+"""Samples that a line touches for each that it is long, and as many more for each that it is wide."""
+HIDDEN = 0.45
+"""Of fragments, those in front of what is opaque, where strands stand in locks."""
+HANGING = 0.55
+"""How far strands that are combed or tied reach beyond what they grow on, over their length."""
+
+
+class Sizes(NamedTuple):
+    """Of the largest frame."""
+
+    strands: int
+    """That are drawn."""
+    points: int
+    """Of each, before curves."""
+    segments: float
+    """Line pieces."""
+    fragments: float
+    """Of sorted strands, or samples that lines pass through."""
+    scale: float
+    """Samples a metre at the emitter."""
+    radius: float
+    """Of a ball about all strands, metres."""
+    apart: float
+    """Metres between neighbouring strands, half-way to their tips."""
+
+
+def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
+    """Return the sizes of a scene of which so many strands are simulated."""
+    times = [(frame - 1) / scene.time.fps for frame in sorted({*frames[:1], *frames[-1:]})] or [0.0]
+    drawn, share = most_strands(scene, strands, times), 1.0
+    if scene.detail is not None:
+        low, high = max((share_bounds(scene, time) for time in times), key=lambda bounds: bounds[1])
+        share = (low + high) / (2 * high) if high > 0 else 1.0
+    points = points_of(scene)
+    scale = max(samples_a_metre(scene, time) for time in times)
+    length = mean_length(scene)
+    area, extent = surface(scene)
+    emitter = scene.emitter
+    hangs = emitter.comb is not None or emitter.tie is not None or isinstance(emitter.shape, MeshShape)
+    radius = extent + (HANGING if hangs else 1.0) * length
+    height = scene.image.size[1] * scene.image.supersample
+    share_seen = min(1.0, (height / max(scale * 2 * radius, 1e-9)) ** 1.0)
+    segments = drawn * share * (points - 1) * pieces_of(scene, scale * min(1.0, share_seen + 0.5), length, points)
+    ahead = drawn * share * length * scale * ACROSS * share_seen
+    width = scene.material.width * (1 - scene.material.taper / 2) * scale if scene.material.width > 0 else 1.0
+    shown = HIDDEN if scene.children is not None and scene.children.clumps else 1.0
+    apart = math.sqrt(max(area, 1e-12) * squeezed(scene, extent, length) / max(drawn * share, 1.0))
+    return Sizes(drawn, points, segments, ahead * (CROSSED + FOR_WIDTH * width) * shown, scale, radius, apart)
+
+
+def most_strands(scene: Scene, strands: int, times: Sequence[float]) -> int:
+    """Return the greatest number of strands that are drawn at some times."""
+    if scene.emitter.followers is not None:
+        return scene.emitter.followers.kept
+    if scene.children is None:
+        return strands
+    least = 0 if scene.detail is None else max((strands_needed(scene, time) for time in times), default=0)
+    return least or scene.drawn_strands
+
+
+def points_of(scene: Scene) -> int:
+    """Return the number of particles of a drawn strand."""
+    n, followers = scene.emitter.particles, scene.emitter.followers
+    if followers is not None:
+        return followers.points
+    if scene.children is not None:
+        n = (n - 1) * scene.children.steps(scene.emitter.segment) + 1
+    return n if scene.emitter.tie is None else n + TIED
+
+
+def mean_length(scene: Scene) -> float:
+    """Return the mean length of drawn strands, metres."""
+    length, children = scene.emitter.length, scene.children
+    if children is None:
+        return length
+    short = children.undercoat * (1 - children.undercoat_length)
+    return length * (1 - children.cut / 2) * (1 - short)
+
+
+def surface(scene: Scene) -> tuple[float, float]:
+    """Return the area that strands grow on, m², and the radius of a ball about it, metres."""
+    shape, followers = scene.emitter.shape, scene.emitter.followers
+    if followers is not None:
+        return math.pi * followers.radius**2, followers.radius
+    if isinstance(shape, PlaneShape):
+        return shape.width * shape.depth, math.hypot(shape.width, shape.depth) / 2
+    if isinstance(shape, DiscShape):
+        return math.pi * shape.radius**2, shape.radius
+    if isinstance(shape, MeshShape):
+        from ..groom.on_mesh import seedbed
+
+        bed = seedbed(shape)
+        return float(bed.grown), math.sqrt(float(bed.grown) / math.pi)
+    cap = math.radians(shape.cap)
+    return 2 * math.pi * shape.radius**2 * (1 - math.cos(cap)), shape.radius * (math.sin(cap) if cap < 1.57 else 1.0)
+
+
+def squeezed(scene: Scene, extent: float, length: float) -> float:
+    """Return the cross section of all strands half-way to their tips, over the area that they grow on."""
+    locks = scene.children.clumps if scene.children is not None else ()
+    together = math.prod((1 - lock.strength / 2) ** 2 for lock in locks)
+    if scene.emitter.tie is not None:
+        return 0.3 * together
+    emitter = scene.emitter
+    flat = isinstance(emitter.shape, PlaneShape | DiscShape | MeshShape) or emitter.comb is not None
+    return together if flat or emitter.direction is not None else together * (1 + length / 2 / max(extent, 1e-9)) ** 2
+
+
+def pieces_of(scene: Scene, scale: float, length: float, points: int) -> float:
+    """Return the mean number of pieces of a segment. A chord of a curve departs from it by κ h² / 8."""
+    curves = scene.curves
+    if curves.mode in ("off", "thinned"):
+        return 1.0
+    most = 2**curves.level
+    if curves.mode == "fixed":
+        return float(most)
+    emitter = scene.emitter
+    bends = [TURN / max(length, 1e-9)]
+    if emitter.curl_turns > 0:
+        bends.append(2 * math.pi * emitter.curl_turns / emitter.length * math.sin(math.radians(emitter.curl_angle)))
+    for wave in scene.children.waves if scene.children is not None else ():
+        bends.append(wave.radius * (2 * math.pi / wave.length) ** 2 * wave.share)
+    chord = length / max(points - 1, 1)
+    off = math.hypot(*bends) * chord**2 / 8 * scale / curves.tolerance
+    return sum(min(max(math.ceil(math.sqrt(spread * off)), 1), most) for spread in SPREADS) / len(SPREADS)
+
+
+def map_rows(scene: Scene, sizes: Sizes, side: int, texel: float | None) -> tuple[int, float]:
+    """Return the texels along a side of an opacity map, and how many of its cells of 2 × 2 hold strands."""
+    wanted = texel or max(1.5 * sizes.apart, scene.material.width)
+    found = min(max(2 * math.ceil(2 * sizes.radius / max(wanted, 1e-9) / 2), 4), side)
+    return found, min(0.27 * found**2 / 4, sizes.segments)
+
+
+def share_in_maps(scene: Scene, sizes: Sizes, side: int) -> float:
+    """Return the share of vertices that are projected into a light's map of so many texels a side: where all segments
+    have as many pieces, few chords follow a curve to half a texel."""
+    curves = scene.curves
+    if curves.mode != "fixed":
+        return 1.0
+    texels = mean_length(scene) / max(sizes.points - 1, 1) * side / (2 * max(sizes.radius, 1e-9))
+    needed, pieces = 1, 2**curves.level
+    while needed < pieces and texels / (8 * needed * needed) > 0.5:
+        needed *= 2
+    return needed / pieces
+
+
+def side_of(scene: Scene, sizes: Sizes, light: Any) -> int:
+    """Return the texels along a side of a light's map."""
+    model = model_of(light)
+    side = int(model.side_of(light.shadow))
+    return map_rows(scene, sizes, side, light.shadow.texel)[0] if model.layers(light.shadow) else side

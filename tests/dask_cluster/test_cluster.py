@@ -1,0 +1,170 @@
+"""`render --dask` with real clusters of processes: `make dask`, in an environment that has Dask."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("distributed", reason="runs by `make dask`")
+
+from cli_runs import TINY, Runner, child, environment
+from strand_kit import frames_of, scene_of
+from strandcli import pipeline
+from strandcli.dask_cluster import connect, worker
+from strandcli.dask_cluster import run as running
+from strandcli.dask_cluster.job import Job, Task
+from strandcli.errors import RefusedError
+from strandcli.output import png
+from strandcli.output.report import fingerprint
+
+FRAMES = tuple(range(1, 9))
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a scheduler with one worker of two threads, each a process that knows nothing of the tests."""
+    folder = tmp_path_factory.mktemp("cluster")
+    file = folder / "scheduler.json"
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
+    started = [
+        subprocess.Popen([*dask, "--port", "0", "--no-dashboard", "--scheduler-file", str(file)], env=environment(),
+                         cwd=folder, stderr=subprocess.DEVNULL),
+        subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(file),
+                          "--nthreads", "2", "--no-dashboard"], env=environment(), cwd=folder,
+                         stderr=subprocess.DEVNULL),
+    ]  # fmt: skip
+    try:
+        for _ in range(600):
+            if file.exists() and file.stat().st_size:
+                break
+            time.sleep(0.1)
+        yield json.loads(file.read_text())["address"]
+    finally:
+        for one in reversed(started):
+            one.terminate()
+            one.wait(30)
+
+
+def hashes(folder: Path) -> dict[str, str]:
+    """Pixels by file, of all frames that are there under their final names."""
+    found = {}
+    for path in sorted(folder.glob("frame_*.png")):
+        image = png.load_frame(path, (64, 48))
+        assert image is not None, path
+        found[path.name] = json.loads((folder / "report.json").read_text())["frames"][len(found)]["pixels_sha256"]
+    return found
+
+
+def test_workers_of_this_machine_draw_the_same_pixels(run: Runner) -> None:
+    assert run("render", "tiny.yaml", "-o", "plain", "--threads", 1).code == 0
+    done = run("render", "tiny.yaml", "-o", "spread", "--dask", "local", "--threads", 2)
+    assert done.code == 0, done.err
+    assert "12 frames in" in done.error()
+    assert hashes(run.folder / "spread") == hashes(run.folder / "plain")
+    assert len(hashes(run.folder / "plain")) == 12
+    assert run("simulate", "tiny.yaml", "-o", "positions", "-q").code == 0
+    cached = run("render", "tiny.yaml", "-o", "cached", "--from-cache", "positions", "--dask", "local", "--threads", 1)
+    assert cached.code == 0, cached.err
+    assert hashes(run.folder / "cached") == hashes(run.folder / "plain")
+
+
+def test_a_scheduler_elsewhere(run: Runner, scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    done = run("render", "tiny.yaml", "-f", "1-3", "-o", "spread", "--dask", scheduler)
+    assert done.code == 0, done.err
+    assert run("render", "tiny.yaml", "-f", "1-3", "-o", "plain", "--threads", 1).code == 0
+    assert hashes(run.folder / "spread") == hashes(run.folder / "plain")
+    mine = connect.facts()
+    monkeypatch.setattr(connect, "facts_here", lambda: {**mine, "numba": "0.1"})
+    warned = run("render", "tiny.yaml", "-f", "1", "-o", "warned", "--dask", scheduler)
+    assert warned.code == 0
+    assert f"has numba {mine['numba']}, and this machine 0.1; last bits of pixels may differ" in warned.err
+    monkeypatch.setattr(connect, "facts_here", lambda: {**mine, "strandcli": "0.0.1"})
+    refused = run("render", "tiny.yaml", "-f", "1", "-o", "refused", "--dask", scheduler)
+    assert refused.code == 2
+    assert "has strandcli" in refused.error()
+    assert "install the same version everywhere" in refused.error()
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "nowhere://x"])
+def test_an_address_where_nobody_answers(address: str, run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(connect, "PATIENCE", 1.0)
+    done = run("render", "tiny.yaml", "-f", "1", "--dask", address)
+    assert done.code == 2, done.err
+    assert f"--dask {address}: no scheduler answers there" in done.error()
+
+
+def pieces(client: Any) -> tuple[Job, Iterator[Task], list[int]]:
+    """A run in tasks, and the processes of the workers."""
+    scene = scene_of(TINY)
+    moved = pipeline.render(scene, FRAMES, threads=1, draw=False, keep_positions=True)
+    return (
+        Job(scene, fingerprint(scene), FRAMES, threads=1),
+        running.tasks_of(scene, FRAMES, moved),
+        [*client.run(os.getpid).values()],
+    )
+
+
+def test_a_worker_that_is_killed_in_mid_work_costs_no_frame() -> None:
+    warned: list[str] = []
+    with connect.connected("local", 2, warned.append) as client:
+        job, tasks, processes = pieces(client)
+
+        def killing() -> Iterator[Task]:
+            for task in tasks:
+                if task.number == 4:
+                    os.kill(processes[0], signal.SIGKILL)
+                yield task
+
+        found = {frame.number: frame for frame in running.drawn(client, job, killing(), lambda: None)}
+        assert processes[0] not in client.run(os.getpid).values()
+    assert sorted(found) == list(FRAMES)
+    for plain in frames_of(scene_of(TINY), *FRAMES):
+        assert plain.image is not None
+        assert (found[plain.number].image == plain.image).all()
+    assert not warned
+
+
+def kill_oneself(job: Job, task: Task) -> None:
+    """In place of `worker.draw`: what drawing does to a worker that has too little memory."""
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_frame_that_kills_every_worker_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    with connect.connected("local", 1, print) as client:
+        job, tasks, _ = pieces(client)
+        monkeypatch.setattr(worker, "draw", kill_oneself)
+        with pytest.raises(RefusedError, match=r"frame \d+: the last worker of several that died over it"):
+            list(running.drawn(client, job, tasks, lambda: None))
+
+
+def test_what_ends_the_run_leaves_whole_frames_and_no_process(run: Runner) -> None:
+    (run.folder / "long.yaml").write_text(TINY.replace("frames: 12", "frames: 2000"))
+    going = child(run.folder, "render", "long.yaml", "-o", "out", "--dask", "local", "--threads", 2)
+    for _ in range(1200):
+        if len(list((run.folder / "out").glob("frame_*.png"))) > 3:
+            break
+        time.sleep(0.1)
+    going.send_signal(signal.SIGTERM)
+    _, told = going.communicate(timeout=60)
+    assert going.returncode == 143, told
+    assert "--resume goes on" in told
+    assert "Traceback" not in told
+    assert len(hashes(run.folder / "out")) > 3
+    alive = subprocess.run(["ps", "-o", "pid=", "-g", str(going.pid)], capture_output=True, text=True)
+    assert not alive.stdout.split()

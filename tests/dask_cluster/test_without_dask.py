@@ -1,0 +1,92 @@
+"""`render --dask`: what holds without Dask being installed: refusals, tasks, and what a worker draws."""
+
+from __future__ import annotations
+
+import dataclasses
+import pickle
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cli_runs import TINY, Runner
+from strand_kit import frames_of, scene_of
+from strandcli import pipeline
+from strandcli.dask_cluster import run as running
+from strandcli.dask_cluster import worker
+from strandcli.dask_cluster.job import Job, Task
+from strandcli.errors import UsageError
+from strandcli.frame import Frame
+from strandcli.output.report import fingerprint
+from strandcli.scene import Scene
+
+BLURRED = TINY + "camera: {shutter: 0.5, samples: 2}\n"
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+def test_a_missing_package_is_told_with_what_brings_it(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    done = run("render", "tiny.yaml", "--dask", "local")
+    assert done.code == 2
+    assert "pip install 'strandcli[dask]'" in done.error()
+    assert not (run.folder / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("preset", "more", "words"),
+    [
+        ("solvers", (), "--dask: a preset of several panels"),
+        ("tiny.yaml", ("--max-error", "0.01"), "--dask and --max-error exclude each other"),
+    ],
+)
+def test_what_goes_not_with_it_is_refused(preset: str, more: tuple[str, ...], words: str, run: Runner) -> None:
+    done = run("render", preset, "--dask", "local", *more)
+    assert done.code == 2
+    assert words in done.error()
+    assert run("render", "tiny.yaml", "--dask", " ").code == 2
+
+
+def tasks(scene: Scene, numbers: tuple[int, ...]) -> tuple[Job, list[Task]]:
+    """A run as it is handed to workers, which get copies of all."""
+    moved = pipeline.render(scene, running.needed(scene, numbers), threads=1, draw=False, keep_positions=True)
+    job = Job(scene, fingerprint(scene), numbers, threads=1)
+    sent: tuple[Job, list[Task]] = pickle.loads(pickle.dumps((job, list(running.tasks_of(scene, numbers, moved)))))
+    return sent
+
+
+@pytest.mark.parametrize("text", [TINY, BLURRED])
+def test_a_worker_draws_the_very_frames_of_a_plain_run_in_any_order(text: str) -> None:
+    scene = scene_of(text)
+    plain = {frame.number: frame for frame in frames_of(scene, 1, 2, 4)}
+    job, found = tasks(scene, (1, 2, 4))
+    assert [sorted(task.positions) for task in found][-1] == ([3, 4] if scene.camera.shutter else [4])
+    for task in reversed(found):
+        frame = worker.draw(job, task)
+        assert isinstance(frame, Frame), frame
+        np.testing.assert_array_equal(frame.image, plain[task.number].image)
+        assert frame.report["counts"] == plain[task.number].report["counts"]
+        assert frame.report["error"] == plain[task.number].report["error"]
+        assert frame.report["seconds"]["simulate"] is not None
+
+
+def test_a_worker_whose_scene_is_another_returns_what_is_wrong() -> None:
+    scene = scene_of(TINY)
+    job, (task,) = tasks(scene, (1,))
+    found = worker.draw(dataclasses.replace(job, fingerprint="another"), task)
+    assert isinstance(found, UsageError)
+    assert "give all machines the same files" in str(found)
+
+
+def test_what_goes_wrong_in_a_scene_is_returned_so_that_nobody_tries_again() -> None:
+    scene = scene_of(TINY)
+    job, (task,) = tasks(scene, (1,))
+    positions = {1: np.full_like(task.positions[1], np.nan)}
+    found = worker.draw(job, dataclasses.replace(task, positions=positions))
+    assert "--keep-going" in str(found)
