@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from operator import sub
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from ..blocks import lanes
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
+from .contact.between_strands import StrandContact
 from .crowd import Crowd, Moment
 from .kernels.records import DRAG, FRICTION, ROUNDING, STEP, TOLERANCE, TORSION, Flags
 from .kernels.rod_scratch import PACK
@@ -55,7 +57,7 @@ MOMENT = 1e-6
 LEAST_DAMPING = {False: 0.25, True: 0.5}
 """Share of a step that inner damping of grooms with coils is at least, with BDF2 where True. The reaction to rest
 shapes on the edges that carry them is that before the step, which rocks tight curls without it."""
-APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "collision")
+APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "contact", "collision")
 REPLACED = ("elasticity", "stiffness")
 """Rules that the solver applies, and those that it has its own form of."""
 
@@ -89,9 +91,10 @@ class RodSolver(Solver):
         deforming = self.deforming is not None
         between = [use.parameters for use in scene.rules if use.name == "interaction"]
         self.crowd = Crowd(scene, groom, between[0], self.positions, self.dtype) if between else None
-        flags = Flags(
-            rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming, bool(between)
-        )  # fmt: skip
+        touching = [use.parameters for use in scene.rules if use.name == "contact"]
+        self.contact = StrandContact(scene, groom, touching[0]) if touching else None
+        crowded = bool(between or touching)
+        flags = Flags(rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming, crowded)
         self.second = flags.second
         self._coil_rate = 0.0
         rest = self._with_coils(rest, shape)
@@ -195,7 +198,13 @@ class RodSolver(Solver):
             moment = Moment(time, dt, (strength * air[0], strength * air[1], strength * air[2]))
             self.crowd.prepare(self.state, self.mass, self._root_velocity(pose, dt), moment)
         damping = max(rod.damping, self._least_damping * h)
-        self._run(pose, h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction)
+        numbers = h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction
+        if self.contact is None:
+            self._run(pose, *numbers)
+        else:
+            if self.crowd is None:
+                self.state.crowd[...] = 0
+            self.contact.step(partial(self._run, pose, *numbers), self)
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         self.pose, self._last_step = pose, dt
@@ -265,6 +274,8 @@ class RodSolver(Solver):
             out["stretch_max"] = float(np.abs(np.sqrt(square) - 1).max())
         if self.crowd is not None and self.crowd.density is not None:
             out["density_max"] = self.crowd.found / self.crowd.density
+        if self.contact is not None:
+            out["strand_penetration_max"] = self.contact.penetration
         return out
 
     def strand_residuals(self) -> NDArray[np.floating]:

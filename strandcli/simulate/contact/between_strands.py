@@ -1,0 +1,178 @@
+"""Contact with friction between the strands of a rod solver: the rule `contact`.
+
+A step is made without contact. Where strands would come too close or pass through each other, forces of contact are
+found with each strand's response linearised (`kernels.contact_response`, `kernels.contact_solve`), and the step is made
+anew from its begin with these forces among its loads, until it keeps strands apart: Newton's method on step and contact
+together. Lengths are exact and bending takes part, as in any step. Nothing but the strands' own state lasts from a step
+to the next. What is done here is done in the order of emission, on one thread.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...blocks import lanes
+from ...constants import W
+from ...errors import UsageError
+from ...groom.record import Groom
+from ..kernels.records import DAMPING, STEP, State
+from ..kernels.rod_scratch import PACK
+from ..material import matter
+from .kernels import contact_approach, contact_response, contact_solve
+from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, GAP, NUMBERS, SECOND, VECTORS, WANTED
+from .kernels.contact_response import BAND, BLOCK
+from .nearby import Nearby
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
+
+MARGIN = 0.5
+"""Thicknesses beyond the thickness at which pairs are looked at: a round of forces may bring them nearer."""
+EASE, MOST_EASE = 10.0, 0.5
+"""Share of the thickness by which strands that begin closer come apart a second, and in a step at the most."""
+SWEEPS = 200
+TOLERANCE = 2e-3
+"""Of ways in the contact solve, and of distances at the end of a step, over the thickness."""
+IMMOBILE = 1e-9
+"""Response, over that of a free particle, below which a contact cannot move anything."""
+
+Floats = NDArray[np.float64]
+
+
+class Contacts(NamedTuple):
+    """Contacts of a step, as `contact_columns` has them; m of them."""
+
+    pairs: NDArray[np.int64]
+    """(m, 4)"""
+    numbers: Floats
+    """(m, `NUMBERS`)"""
+    vectors: Floats
+    """(m, `VECTORS`)"""
+
+    def excess(self) -> Floats:
+        """Return (m,) by how much they are closer than they should be, metres."""
+        return np.asarray(self.numbers[:, WANTED] - self.numbers[:, GAP])
+
+
+class StrandContact:
+    """Contact between the strands of a groom. Raises `UsageError` for a thickness that does not fit the groom."""
+
+    def __init__(self, scene: Scene, groom: Groom, parameters: Any) -> None:
+        self.friction, self.iterations = parameters.friction, parameters.iterations
+        self.thickness = parameters.thickness or 2 * matter(scene.rod)[1]
+        where = f"{scene.label or scene.source or 'scene'}: rule contact.thickness"
+        spread = float(np.linalg.norm(np.ptp(groom.roots, axis=0))) + 2 * float(groom.lengths.max())
+        if self.thickness > spread:
+            raise UsageError(
+                f"{where}: {self.thickness:g} m is more than the groom, which is {spread:.3g} m wide; make it smaller, "
+                f"such as {2 * matter(scene.rod)[1]:.2g}, the strands' own"
+            )
+        self.groom = groom
+        self.segments = scene.emitter.particles - 1
+        self.lengths = groom.emitted(groom.lengths.astype(np.float64)) / self.segments
+        apart = 1 + math.ceil(2 * self.thickness / float(self.lengths.min()))
+        self._nearby = Nearby(self.segments, min(apart, self.segments))
+        self.penetration = 0.0
+        """How much closer than their thickness strands were at the end of the last step, metres."""
+
+    def step(self, run: Callable[[], None], solver: Any) -> None:
+        """Make a step by ``run``, again where strands touch. ``solver``: the rod solver whose step it is."""
+        state: State = solver.state
+        before = {name: one.copy() for name, one in state._asdict().items()}
+        start = self._particles(state)
+        forces: dict[tuple[int, ...], Floats] = {}
+        for iteration in range(self.iterations + 1):
+            run()
+            found = self._look(start, self._particles(state), float(solver.forcing.numbers[STEP]))
+            if found is None:
+                return
+            self.penetration = max(0.0, float(self.thickness - found.numbers[:, GAP].min(initial=self.thickness)))
+            if iteration == self.iterations or not len(found.pairs):
+                return
+            given = np.array([forces.get(tuple(pair), np.zeros(3)) for pair in found.pairs.tolist()])
+            wanted = found.excess().max() > TOLERANCE * self.thickness
+            if not wanted and (iteration == 0 or not forces):
+                return
+            changed = self._solve(found, given, solver)
+            if not wanted and changed < 5 * TOLERANCE * self.thickness:
+                return
+            forces = {tuple(p): f for p, f in zip(found.pairs.tolist(), given, strict=True) if f.any()}
+            for name, one in state._asdict().items():
+                one[...] = before[name]
+            self._load(found, given, solver)
+
+    def _look(self, start: Floats, end: Floats, dt: float) -> Contacts | None:
+        """Return what comes near in a step; None where a coordinate is not finite."""
+        if not np.isfinite(end).all():
+            return None
+        pairs = self._nearby.find(start, end, (1 + MARGIN) * self.thickness)
+        numbers, vectors = np.zeros((len(pairs), NUMBERS)), np.zeros((len(pairs), VECTORS))
+        sizes = self.thickness, min(EASE * dt, MOST_EASE)
+        contact_approach.look(start, end, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
+        near = numbers[:, GAP] < (1 + MARGIN) * self.thickness
+        return Contacts(pairs[near], numbers[near], vectors[near])
+
+    def _solve(self, found: Contacts, forces: Floats, solver: Any) -> float:
+        """Change ``forces`` (m, 3) so that contacts hold; return by how much particles move by that, metres."""
+        material, numbers = solver.material, solver.forcing.numbers
+        h = float(numbers[STEP])
+        strands, n = np.unique(found.pairs[:, [FIRST, SECOND]]), self.segments
+        places = np.zeros(len(self.lengths), np.int64)
+        places[strands] = np.arange(len(strands))
+        stiffness = self._emitted(material.stiffness[:, None])[:, 0, 0] * h * h * (1 + float(numbers[DAMPING]) / h)
+        tension = self._emitted(solver.state.tension)[:, :, 0] * h * h
+        bands = np.empty((len(strands), BLOCK * n, BAND))
+        mass, joint = material.mass.astype(np.float64), material.joint.astype(np.float64)
+        edges, normals = self._emitted(solver.state.edges), self._held(solver.state)
+        contact_response.factorise(strands, edges, (stiffness, tension, normals), mass, joint, bands)
+        responses = np.empty((len(forces), 2, n, 3, 3))
+        own = np.empty((len(forces), 3, 3))
+        contact_response.respond(
+            found.pairs, found.numbers, bands, places, self.lengths, responses, np.empty((BLOCK * n, 3))
+        )
+        contact_solve.own_responses(found.pairs, found.numbers, responses, own)
+        moves = np.zeros((len(self.lengths), n, 3))
+        settings = self.friction, SWEEPS, TOLERANCE * self.thickness, IMMOBILE / float(self.lengths.max())
+        contact_solve.solve(
+            found.pairs, (found.numbers, found.vectors), (responses, own), settings, forces, moves, np.zeros((7, 3))
+        )
+        return float(np.abs(moves).max())
+
+    def _load(self, found: Contacts, forces: Floats, solver: Any) -> None:
+        """Add the accelerations of particles by the forces of contacts to those by the strands around."""
+        added = np.zeros((len(self.lengths), self.segments + 1, 3))
+        alpha, beta = found.numbers[:, ALPHA, None], found.numbers[:, BETA, None]
+        for strand, segment, share, force in (
+            (found.pairs[:, FIRST], found.pairs[:, FIRST_SEGMENT], alpha, -forces),
+            (found.pairs[:, SECOND], found.pairs[:, FIRST_SEGMENT + 2], beta, forces),
+        ):
+            np.add.at(added, (strand, segment), (1 - share) * force)
+            np.add.at(added, (strand, segment + 1), share * force)
+        h = float(solver.forcing.numbers[STEP])
+        added = added[:, 1:] / (self.lengths[:, None, None] * solver.mass.astype(np.float64)[:, None] * h * h)
+        crowd = solver.state.crowd
+        rows = self.groom.placed(added)
+        for j in range(self.segments):
+            crowd[:, j] += lanes(rows[:, j], crowd.dtype, PACK)
+
+    def _held(self, state: State) -> Floats:
+        """Return (S, N, 3) the unit normals of solids that particles touch, or 0."""
+        if len(state.push) != len(state.edges):
+            return np.zeros((len(self.lengths), self.segments, 3))
+        push = self._emitted(state.push)
+        size = np.linalg.norm(push, axis=2, keepdims=True)
+        return np.asarray(push / np.where(size > 0, size, 1))
+
+    def _particles(self, state: State) -> Floats:
+        """Return (S, N + 1, 3) particles with their roots."""
+        return self._emitted(state.positions[:, 1:], W)
+
+    def _emitted(self, rows: NDArray[Any], width: int = PACK) -> Floats:
+        """Return (S, rows, columns) of values in packs or blocks of a ``width``, in the order of emission."""
+        wide = rows.reshape(*rows.shape[:2], -1, width).transpose(0, 3, 1, 2).astype(np.float64)
+        return np.ascontiguousarray(self.groom.emitted(wide.reshape(-1, *wide.shape[2:])[: len(self.lengths)]))

@@ -1,0 +1,19 @@
+"""Columns of the arrays that the kernels of contact between strands share.
+
+S strands with N segments each, in the order of emission; lengths in metres. Particle 0 is the root.
+"""
+
+from __future__ import annotations
+
+FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT = range(4)
+"""Of a pair (int64): a strand and which of its segments, another (or the same) and which of its."""
+ALPHA, BETA, GAP, WANTED, CROSSED = range(5)
+"""Of a contact (float64): places on both segments as shares from their beginnings; distance along the normal at the end
+of the step, and the one that is wanted there; 1 where the segments have passed through each other."""
+NUMBERS = 5
+NORMAL, START, END = 0, 3, 6
+VECTORS = 9
+"""Of a contact (float64), three each: unit normal from the first to the second strand; the way between both places at
+the begin of the step and at its end."""
+LOW, HIGH = 0, 3
+"""Of a box: its least and its greatest corner."""
