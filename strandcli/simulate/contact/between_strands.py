@@ -96,8 +96,11 @@ class StrandContact:
                 return
             given = np.array([forces.get(tuple(pair), np.zeros(3)) for pair in found.pairs.tolist()])
             wanted = found.excess().max() > TOLERANCE * self.thickness
-            if not wanted and (iteration == 0 or not forces):
+            if not wanted and not forces:
                 return
+            # the normal of others is that of the end, which is on the wrong side where they have passed each other
+            active = (found.excess() > 0) | given.any(1)
+            found, given = Contacts(*(one[active] for one in found)), given[active]
             changed = self._solve(found, given, solver)
             if not wanted and changed < 5 * TOLERANCE * self.thickness:
                 return

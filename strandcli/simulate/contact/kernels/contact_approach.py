@@ -27,9 +27,9 @@ from .contact_columns import (
     WANTED,
 )
 
-NEAR = 0.5
+NEAR = 0.9
 """Share of the distance at the begin, or of the thickness where that is less, at which a contact is looked at."""
-CLOSE = 1.05
+CLOSE = 1.02
 """Times that share at which advancing ends."""
 ADVANCES = 64
 TINY = 1e-30
