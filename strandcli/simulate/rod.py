@@ -21,7 +21,7 @@ from ..blocks import lanes
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
-from .contact.between_strands import StrandContact
+from .contact.between_strands import StrandContact, in_parts
 from .crowd import Crowd, Moment
 from .kernels.records import DRAG, FRICTION, ROUNDING, STEP, TOLERANCE, TORSION, Flags
 from .kernels.rod_scratch import PACK
@@ -171,12 +171,17 @@ class RodSolver(Solver):
         """A step of ``dt`` seconds that ends at ``time``, in several where coils ask for it; nothing where it is 0."""
         count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
         for left in range(count - 1, -1, -1):
-            self._step(time - left * dt / count, dt / count)
+            end, part = time - left * dt / count, dt / count
+            if self.contact is None:
+                self._step(end, part)
+            else:
+                in_parts(self, self._step, end, part)
 
-    def _step(self, time: float, dt: float) -> None:
-        """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
+    def _step(self, time: float, dt: float) -> bool:
+        """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0. Return False where it is too
+        long for what strands do to each other."""
         if dt <= 0:
-            return
+            return True
         rod, around = self.scene.rod, self.surroundings
         pose = self._pose(time)
         jumps = self._jumps.between(self.pose, pose)
@@ -199,15 +204,12 @@ class RodSolver(Solver):
             self.crowd.prepare(self.state, self.mass, self._root_velocity(pose, dt), moment)
         damping = max(rod.damping, self._least_damping * h)
         numbers = h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction
-        if self.contact is None:
-            self._run(pose, *numbers)
-        else:
-            if self.crowd is None:
-                self.state.crowd[...] = 0
-            self.contact.step(partial(self._run, pose, *numbers), self)
+        run = partial(self._run, pose, *numbers)
+        short = run() is None if self.contact is None else self.contact.step(run, self)
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         self.pose, self._last_step = pose, dt
+        return short
 
     def _deform(self, time: float) -> None:
         """Set the roots in the emitter's frame where they move there, and how far they came since the last step."""

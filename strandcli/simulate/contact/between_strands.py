@@ -24,7 +24,7 @@ from ..kernels.records import DAMPING, STEP, State
 from ..kernels.rod_scratch import PACK
 from ..material import matter
 from .kernels import contact_approach, contact_response, contact_solve
-from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, GAP, NUMBERS, SECOND, VECTORS, WANTED
+from .kernels.contact_columns import ALPHA, BEGIN, BETA, FIRST, FIRST_SEGMENT, GAP, NUMBERS, SECOND, VECTORS, WANTED
 from .kernels.contact_response import BAND, BLOCK
 from .nearby import Nearby
 
@@ -38,6 +38,11 @@ EASE, MOST_EASE = 10.0, 0.5
 SWEEPS = 200
 TOLERANCE = 2e-3
 """Of ways in the contact solve, and of distances at the end of a step, over the thickness."""
+HALVINGS = 7
+"""Times that a step is cut in two at the most."""
+THROUGH = 0.5
+"""Share of their distance at the begin, or of the thickness where that is less, below which strands that a step leaves
+count as having come through each other."""
 IMMOBILE = 1e-9
 """Response, over that of a free particle, below which a contact cannot move anything."""
 
@@ -80,9 +85,12 @@ class StrandContact:
         self.penetration = 0.0
         """How much closer than their thickness strands were at the end of the last step, metres."""
 
-    def step(self, run: Callable[[], None], solver: Any) -> None:
-        """Make a step by ``run``, again where strands touch. ``solver``: the rod solver whose step it is."""
+    def step(self, run: Callable[[], None], solver: Any) -> bool:
+        """Make a step by ``run``, again where strands touch. ``solver``: the rod solver whose step it is. Return False
+        where some strand has come through another, for the step is too long."""
         state: State = solver.state
+        if solver.crowd is None:
+            state.crowd[...] = 0
         before = {name: one.copy() for name, one in state._asdict().items()}
         start = self._particles(state)
         forces: dict[tuple[int, ...], Floats] = {}
@@ -90,24 +98,26 @@ class StrandContact:
             run()
             found = self._look(start, self._particles(state), float(solver.forcing.numbers[STEP]))
             if found is None:
-                return
+                return True
             self.penetration = max(0.0, float(self.thickness - found.numbers[:, GAP].min(initial=self.thickness)))
             if iteration == self.iterations or not len(found.pairs):
-                return
+                least = THROUGH * np.minimum(found.numbers[:, BEGIN], self.thickness)
+                return bool((found.numbers[:, GAP] >= least).all())
             given = np.array([forces.get(tuple(pair), np.zeros(3)) for pair in found.pairs.tolist()])
             wanted = found.excess().max() > TOLERANCE * self.thickness
             if not wanted and not forces:
-                return
+                return True
             # the normal of others is that of the end, which is on the wrong side where they have passed each other
             active = (found.excess() > 0) | given.any(1)
             found, given = Contacts(*(one[active] for one in found)), given[active]
             changed = self._solve(found, given, solver)
             if not wanted and changed < 5 * TOLERANCE * self.thickness:
-                return
+                return True
             forces = {tuple(p): f for p, f in zip(found.pairs.tolist(), given, strict=True) if f.any()}
             for name, one in state._asdict().items():
                 one[...] = before[name]
             self._load(found, given, solver)
+        return True
 
     def _look(self, start: Floats, end: Floats, dt: float) -> Contacts | None:
         """Return what comes near in a step; None where a coordinate is not finite."""
@@ -179,3 +189,13 @@ class StrandContact:
         """Return (S, rows, columns) of values in packs or blocks of a ``width``, in the order of emission."""
         wide = rows.reshape(*rows.shape[:2], -1, width).transpose(0, 3, 1, 2).astype(np.float64)
         return np.ascontiguousarray(self.groom.emitted(wide.reshape(-1, *wide.shape[2:])[: len(self.lengths)]))
+
+
+def in_parts(solver: Any, step: Callable[[float, float], bool], time: float, dt: float, halvings: int = 0) -> None:
+    """Make a ``step`` of a solver, or where it is too long two of half its length, and so on."""
+    saved = {name: one.copy() for name, one in solver.state_arrays().items()} if halvings < HALVINGS else {}
+    if step(time, dt) or not saved:
+        return
+    solver.restore(saved)
+    in_parts(solver, step, time - dt / 2, dt / 2, halvings + 1)
+    in_parts(solver, step, time, dt / 2, halvings + 1)

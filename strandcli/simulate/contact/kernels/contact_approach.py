@@ -9,13 +9,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ....jit import device, function
 from .contact_columns import (
     ALPHA,
+    BEGIN,
     BETA,
-    CROSSED,
     END,
     FIRST,
     FIRST_SEGMENT,
@@ -126,7 +124,7 @@ def look_at(start, end, pair, thickness, ease, number, vector, scratch):
     at_time(start, end, pair[FIRST], pair[FIRST_SEGMENT], 0.0, p)
     at_time(start, end, pair[SECOND], pair[SECOND_SEGMENT], 0.0, q)
     distance = nearest(p, q, found)
-    begin = distance
+    begin = number[BEGIN] = distance
     number[WANTED] = min(thickness, begin + ease * thickness)
     speed = greatest_speed(start, end, pair)
     least = NEAR * min(begin, thickness)
@@ -155,4 +153,3 @@ def look_at(start, end, pair, thickness, ease, number, vector, scratch):
             )  # fmt: skip
         gap += vector[NORMAL + k] * vector[END + k]
     number[GAP] = gap
-    number[CROSSED] = np.float64(gap <= 0.0 and begin > 1e-6 * thickness)

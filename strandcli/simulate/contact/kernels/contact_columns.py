@@ -7,9 +7,9 @@ from __future__ import annotations
 
 FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT = range(4)
 """Of a pair (int64): a strand and which of its segments, another (or the same) and which of its."""
-ALPHA, BETA, GAP, WANTED, CROSSED = range(5)
+ALPHA, BETA, GAP, WANTED, BEGIN = range(5)
 """Of a contact (float64): places on both segments as shares from their beginnings; distance along the normal at the end
-of the step, and the one that is wanted there; 1 where the segments have passed through each other."""
+of the step, and the one that is wanted there; distance of the segments when the step begins."""
 NUMBERS = 5
 NORMAL, START, END = 0, 3, 6
 VECTORS = 9
