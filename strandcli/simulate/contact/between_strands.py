@@ -33,16 +33,24 @@ if TYPE_CHECKING:
 
 MARGIN = 0.5
 """Thicknesses beyond the thickness at which pairs are looked at: a round of forces may bring them nearer."""
-EASE, MOST_EASE = 10.0, 0.5
+EASE, MOST_EASE = 5.0, 0.25
 """Share of the thickness by which strands that begin closer come apart a second, and in a step at the most."""
-SWEEPS = 200
-TOLERANCE = 2e-3
-"""Of ways in the contact solve, and of distances at the end of a step, over the thickness."""
+SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, 40_000
+"""Sweeps of a contact solve at the most: the first where contacts are few, the second at the least, and else as many as
+make so many updates of a contact."""
+TOLERANCE, ENOUGH = 2e-3, 2e-2
+"""Of distances at the end of a step, over the thickness: what rounds go on for, and what is enough after `ROUNDS`."""
+PRECISION = 1e-4
+"""Of ways in the contact solve, over the thickness."""
+ROUNDS = 3
 HALVINGS = 7
 """Times that a step is cut in two at the most."""
 THROUGH = 0.5
 """Share of their distance at the begin, or of the thickness where that is less, below which strands that a step leaves
 count as having come through each other."""
+TRUST = 3.0
+"""Greatest displacement that a round is trusted with, over the greatest distance that strands are too close by."""
+TINY = 1e-30
 IMMOBILE = 1e-9
 """Response, over that of a free particle, below which a contact cannot move anything."""
 
@@ -102,16 +110,18 @@ class StrandContact:
             self.penetration = max(0.0, float(self.thickness - found.numbers[:, GAP].min(initial=self.thickness)))
             if iteration == self.iterations or not len(found.pairs):
                 least = THROUGH * np.minimum(found.numbers[:, BEGIN], self.thickness)
-                return bool((found.numbers[:, GAP] >= least).all())
+                moved = float(np.abs(self._particles(state) - start).max())
+                return moved < self.thickness or bool((found.numbers[:, GAP] >= least).all())
             given = np.array([forces.get(tuple(pair), np.zeros(3)) for pair in found.pairs.tolist()])
-            wanted = found.excess().max() > TOLERANCE * self.thickness
-            if not wanted and not forces:
+            tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
+            wanted = found.excess().max() > tolerance
+            if not wanted and (iteration >= ROUNDS or not forces):
                 return True
             # the normal of others is that of the end, which is on the wrong side where they have passed each other
             active = (found.excess() > 0) | given.any(1)
             found, given = Contacts(*(one[active] for one in found)), given[active]
             changed = self._solve(found, given, solver)
-            if not wanted and changed < 5 * TOLERANCE * self.thickness:
+            if not wanted and changed < 2 * tolerance:
                 return True
             forces = {tuple(p): f for p, f in zip(found.pairs.tolist(), given, strict=True) if f.any()}
             for name, one in state._asdict().items():
@@ -149,12 +159,16 @@ class StrandContact:
             found.pairs, found.numbers, bands, places, self.lengths, responses, np.empty((BLOCK * n, 3))
         )
         contact_solve.own_responses(found.pairs, found.numbers, responses, own)
-        moves = np.zeros((len(self.lengths), n, 3))
-        settings = self.friction, SWEEPS, TOLERANCE * self.thickness, IMMOBILE / float(self.lengths.max())
+        moves, after = np.zeros((len(self.lengths), n, 3)), forces.copy()
+        sweeps = min(SWEEPS, max(LEAST_SWEEPS, UPDATES // len(forces)))
+        settings = self.friction, sweeps, PRECISION * self.thickness, IMMOBILE / float(self.lengths.max())
         contact_solve.solve(
-            found.pairs, (found.numbers, found.vectors), (responses, own), settings, forces, moves, np.zeros((7, 3))
+            found.pairs, (found.numbers, found.vectors), (responses, own), settings, after, moves, np.zeros((7, 3))
         )
-        return float(np.abs(moves).max())
+        moved = float(np.abs(moves).max())
+        share = min(1.0, TRUST * max(float(found.excess().max()), TOLERANCE * self.thickness) / max(moved, TINY))
+        forces += share * (after - forces)
+        return moved
 
     def _load(self, found: Contacts, forces: Floats, solver: Any) -> None:
         """Add the accelerations of particles by the forces of contacts to those by the strands around."""

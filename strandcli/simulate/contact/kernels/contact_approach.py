@@ -30,6 +30,8 @@ NEAR = 0.9
 CLOSE = 1.02
 """Times that share at which advancing ends."""
 ADVANCES = 64
+BOUND = 4.0
+"""Segments from the second on over which strands that begin too close come to be led apart: roots hold them there."""
 TINY = 1e-30
 PARALLEL = 1e-9
 """Square of the sine between segments below which they count as parallel."""
@@ -125,7 +127,8 @@ def look_at(start, end, pair, thickness, ease, number, vector, scratch):
     at_time(start, end, pair[SECOND], pair[SECOND_SEGMENT], 0.0, q)
     distance = nearest(p, q, found)
     begin = number[BEGIN] = distance
-    number[WANTED] = min(thickness, begin + ease * thickness)
+    free = min(1.0, max(0.0, min(pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]) - 1.0) / BOUND)
+    number[WANTED] = min(thickness, begin + free * ease * thickness)
     speed = greatest_speed(start, end, pair)
     least = NEAR * min(begin, thickness)
     t = 0.0
