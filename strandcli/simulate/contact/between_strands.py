@@ -24,7 +24,7 @@ from ..kernels.records import DAMPING, STEP, State
 from ..kernels.rod_scratch import PACK
 from ..material import matter
 from .kernels import contact_approach, contact_response, contact_solve
-from .kernels.contact_columns import ALPHA, BEGIN, BETA, FIRST, FIRST_SEGMENT, GAP, NUMBERS, SECOND, VECTORS, WANTED
+from .kernels.contact_columns import ALPHA, BEGIN, BETA, FIRST, FIRST_SEGMENT, GAP, NUMBERS, SAME, SECOND, VECTORS, WANTED
 from .kernels.contact_response import BAND, BLOCK
 from .nearby import Nearby
 
@@ -48,6 +48,8 @@ HALVINGS = 7
 THROUGH = 0.5
 """Share of their distance at the begin, or of the thickness where that is less, below which strands that a step leaves
 count as having come through each other."""
+ALIKE = 0.7
+"""Cosine between normals at the begin and the end of a step from which on they are on the same side."""
 TRUST = 3.0
 """Greatest displacement that a round is trusted with, over the greatest distance that strands are too close by."""
 TINY = 1e-30
@@ -118,7 +120,7 @@ class StrandContact:
             if not wanted and (iteration >= ROUNDS or not forces):
                 return True
             # the normal of others is that of the end, which is on the wrong side where they have passed each other
-            active = (found.excess() > 0) | given.any(1)
+            active = (found.excess() > 0) | given.any(1) | (found.numbers[:, SAME] > ALIKE)
             found, given = Contacts(*(one[active] for one in found)), given[active]
             changed = self._solve(found, given, solver)
             if not wanted and changed < 2 * tolerance:

@@ -19,6 +19,7 @@ from .contact_columns import (
     FIRST_SEGMENT,
     GAP,
     NORMAL,
+    SAME,
     SECOND,
     SECOND_SEGMENT,
     START,
@@ -32,6 +33,10 @@ CLOSE = 1.02
 ADVANCES = 64
 BOUND = 4.0
 """Segments from the second on over which strands that begin too close come to be led apart: roots hold them there."""
+OBLIQUE = 0.05
+"""Sine of the angle beyond a joint at which the segment before it comes nearer."""
+NOWHERE = 1e30
+"""Distance of a contact that does not count."""
 TINY = 1e-30
 PARALLEL = 1e-9
 """Square of the sine between segments below which they count as parallel."""
@@ -81,6 +86,31 @@ def at_time(start, end, strand, segment, t, out):
 
 
 @device
+def nearer_before(start, end, strand, segment, t, normal, side):
+    """Whether the segment before this one comes nearer to what is along ``side`` times the normal than its end."""
+    along = size = 0.0
+    for k in range(AXES):
+        a, b = start[strand, segment - 1, k], start[strand, segment, k]
+        a += t * (end[strand, segment - 1, k] - a)
+        b += t * (end[strand, segment, k] - b)
+        along += side * normal[k] * (a - b)
+        size += (a - b) ** 2
+    return along > OBLIQUE * math.sqrt(size)
+
+
+@device
+def counts(start, end, pair, number, normal, t):
+    """Whether the contact of a pair is a nearest place of both strands: at a joint it counts for the segment after it
+    alone, and nowhere if the one before it comes nearer."""
+    a, b, last = pair[FIRST_SEGMENT], pair[SECOND_SEGMENT], start.shape[1] - 2
+    if (number[ALPHA] == 1.0 and a < last) or (number[BETA] == 1.0 and b < last):
+        return False
+    if number[ALPHA] == 0.0 and a > 0 and nearer_before(start, end, pair[FIRST], a, t, normal, 1.0):
+        return False
+    return not (number[BETA] == 0.0 and b > 0 and nearer_before(start, end, pair[SECOND], b, t, normal, -1.0))
+
+
+@device
 def greatest_speed(start, end, pair):
     """The greatest relative way of the ends of a pair's segments."""
     worst = 0.0
@@ -127,6 +157,8 @@ def look_at(start, end, pair, thickness, ease, number, vector, scratch):
     at_time(start, end, pair[SECOND], pair[SECOND_SEGMENT], 0.0, q)
     distance = nearest(p, q, found)
     begin = number[BEGIN] = distance
+    for k in range(AXES):
+        vector[NORMAL + k] = found[2 + k] / max(begin, TINY)
     free = min(1.0, max(0.0, min(pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]) - 1.0) / BOUND)
     number[WANTED] = min(thickness, begin + free * ease * thickness)
     speed = greatest_speed(start, end, pair)
@@ -140,11 +172,14 @@ def look_at(start, end, pair, thickness, ease, number, vector, scratch):
         at_time(start, end, pair[SECOND], pair[SECOND_SEGMENT], t, q)
         distance = nearest(p, q, found)
     number[ALPHA], number[BETA] = found[ALPHA], found[BETA]
+    same = 0.0
     if distance > 1e-6 * thickness:
         for k in range(AXES):
+            same += vector[NORMAL + k] * found[2 + k] / distance
             vector[NORMAL + k] = found[2 + k] / distance
     else:
         aside(pair, p, vector)
+    number[SAME] = same
     gap = 0.0
     a, b = pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]
     for k in range(AXES):
@@ -155,4 +190,4 @@ def look_at(start, end, pair, thickness, ease, number, vector, scratch):
                 - one[a, k] - number[ALPHA] * (one[a + 1, k] - one[a, k])
             )  # fmt: skip
         gap += vector[NORMAL + k] * vector[END + k]
-    number[GAP] = gap
+    number[GAP] = gap if counts(start, end, pair, number, vector, t) else NOWHERE
