@@ -24,7 +24,7 @@ from ..kernels.records import DAMPING, STEP, State
 from ..kernels.rod_scratch import PACK
 from ..material import matter
 from .kernels import contact_approach, contact_response, contact_solve
-from .kernels.contact_columns import ALPHA, BEGIN, BETA, FIRST, FIRST_SEGMENT, GAP, NUMBERS, SAME, SECOND, VECTORS, WANTED
+from .kernels.contact_columns import ALPHA, BEGIN, BETA, COUNTS, FIRST, FIRST_SEGMENT, GAP, NUMBERS, SAME, SECOND, VECTORS, WANTED
 from .kernels.contact_response import BAND, BLOCK
 from .nearby import Nearby
 
@@ -42,7 +42,7 @@ TOLERANCE, ENOUGH = 2e-3, 2e-2
 """Of distances at the end of a step, over the thickness: what rounds go on for, and what is enough after `ROUNDS`."""
 PRECISION = 1e-4
 """Of ways in the contact solve, over the thickness."""
-ROUNDS = 3
+ROUNDS = 6
 HALVINGS = 7
 """Times that a step is cut in two at the most."""
 THROUGH = 0.5
@@ -51,12 +51,14 @@ count as having come through each other."""
 ALIKE = 0.7
 """Cosine between normals at the begin and the end of a step from which on they are on the same side."""
 TRUST = 3.0
-"""Greatest displacement that a round is trusted with, over the greatest distance that strands are too close by."""
+"""Greatest displacement that a round is trusted with, over the thickness or what strands are too close by, whichever
+is greater."""
 TINY = 1e-30
 IMMOBILE = 1e-9
 """Response, over that of a free particle, below which a contact cannot move anything."""
 
 Floats = NDArray[np.float64]
+NONE = (0.0, 0.0, 0.0)
 
 
 class Contacts(NamedTuple):
@@ -72,6 +74,10 @@ class Contacts(NamedTuple):
     def excess(self) -> Floats:
         """Return (m,) by how much they are closer than they should be, metres."""
         return np.asarray(self.numbers[:, WANTED] - self.numbers[:, GAP])
+
+    def where(self, some: NDArray[np.bool_]) -> Contacts:
+        """Return some of them."""
+        return Contacts(self.pairs[some], self.numbers[some], self.vectors[some])
 
 
 class StrandContact:
@@ -109,19 +115,21 @@ class StrandContact:
             found = self._look(start, self._particles(state), float(solver.forcing.numbers[STEP]))
             if found is None:
                 return True
+            given = np.array([forces.get(tuple(pair), NONE) for pair in found.pairs.tolist()]).reshape(-1, 3)
+            counts = (found.numbers[:, COUNTS] > 0) & (found.numbers[:, GAP] < (1 + MARGIN) * self.thickness)
+            found, given = found.where(counts | given.any(1)), given[counts | given.any(1)]
             self.penetration = max(0.0, float(self.thickness - found.numbers[:, GAP].min(initial=self.thickness)))
             if iteration == self.iterations or not len(found.pairs):
                 least = THROUGH * np.minimum(found.numbers[:, BEGIN], self.thickness)
                 moved = float(np.abs(self._particles(state) - start).max())
                 return moved < self.thickness or bool((found.numbers[:, GAP] >= least).all())
-            given = np.array([forces.get(tuple(pair), np.zeros(3)) for pair in found.pairs.tolist()])
             tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
             wanted = found.excess().max() > tolerance
             if not wanted and (iteration >= ROUNDS or not forces):
                 return True
             # the normal of others is that of the end, which is on the wrong side where they have passed each other
             active = (found.excess() > 0) | given.any(1) | (found.numbers[:, SAME] > ALIKE)
-            found, given = Contacts(*(one[active] for one in found)), given[active]
+            found, given = found.where(active), given[active]
             changed = self._solve(found, given, solver)
             if not wanted and changed < 2 * tolerance:
                 return True
@@ -139,8 +147,7 @@ class StrandContact:
         numbers, vectors = np.zeros((len(pairs), NUMBERS)), np.zeros((len(pairs), VECTORS))
         sizes = self.thickness, min(EASE * dt, MOST_EASE)
         contact_approach.look(start, end, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
-        near = numbers[:, GAP] < (1 + MARGIN) * self.thickness
-        return Contacts(pairs[near], numbers[near], vectors[near])
+        return Contacts(pairs, numbers, vectors)
 
     def _solve(self, found: Contacts, forces: Floats, solver: Any) -> float:
         """Change ``forces`` (m, 3) so that contacts hold; return by how much particles move by that, metres."""
@@ -168,7 +175,7 @@ class StrandContact:
             found.pairs, (found.numbers, found.vectors), (responses, own), settings, after, moves, np.zeros((7, 3))
         )
         moved = float(np.abs(moves).max())
-        share = min(1.0, TRUST * max(float(found.excess().max()), TOLERANCE * self.thickness) / max(moved, TINY))
+        share = min(1.0, TRUST * max(float(found.excess().max()), self.thickness) / max(moved, TINY))
         forces += share * (after - forces)
         return moved
 

@@ -25,9 +25,9 @@ RAILS = (0.2, 0.4, 0.6, 0.8, 1.0)
 RAIL = 0.1
 """Length of a rail, metres; that of the long strand is a metre."""
 THICKNESS = 0.002
-SLIDES = 2e-3
-"""Way of the tip in metres from which on a strand slides: half a degree beyond atan µ makes it five times as much, and
-rails that bend do not let it go so far."""
+SLIDES = 5e-3
+"""Way of the tip in metres from which on a strand slides: half a degree beyond atan µ it goes 8 mm, and what the
+first touch moves before it sticks is less than 4 mm."""
 APART = 2.0
 """Metres between slopes."""
 

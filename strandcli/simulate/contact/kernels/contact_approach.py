@@ -14,6 +14,7 @@ from .contact_columns import (
     ALPHA,
     BEGIN,
     BETA,
+    COUNTS,
     END,
     FIRST,
     FIRST_SEGMENT,
@@ -35,8 +36,6 @@ BOUND = 4.0
 """Segments from the second on over which strands that begin too close come to be led apart: roots hold them there."""
 OBLIQUE = 0.05
 """Sine of the angle beyond a joint at which the segment before it comes nearer."""
-NOWHERE = 1e30
-"""Distance of a contact that does not count."""
 TINY = 1e-30
 PARALLEL = 1e-9
 """Square of the sine between segments below which they count as parallel."""
@@ -190,4 +189,5 @@ def look_at(start, end, pair, thickness, ease, number, vector, scratch):
                 - one[a, k] - number[ALPHA] * (one[a + 1, k] - one[a, k])
             )  # fmt: skip
         gap += vector[NORMAL + k] * vector[END + k]
-    number[GAP] = gap if counts(start, end, pair, number, vector, t) else NOWHERE
+    number[GAP] = gap
+    number[COUNTS] = 1.0 if counts(start, end, pair, number, vector, t) else 0.0
