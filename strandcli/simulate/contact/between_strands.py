@@ -24,7 +24,22 @@ from ..kernels.records import DAMPING, STEP, State
 from ..kernels.rod_scratch import PACK
 from ..material import matter
 from .kernels import contact_approach, contact_response, contact_solve
-from .kernels.contact_columns import ALPHA, BEGIN, BETA, COUNTS, FIRST, FIRST_SEGMENT, GAP, NUMBERS, SAME, SECOND, VECTORS, WANTED
+from .kernels.contact_columns import (
+    ALPHA,
+    BEGIN,
+    BETA,
+    COUNTS,
+    END,
+    FIRST,
+    FIRST_SEGMENT,
+    GAP,
+    NUMBERS,
+    SAME,
+    SECOND,
+    START,
+    VECTORS,
+    WANTED,
+)
 from .kernels.contact_response import BAND, BLOCK
 from .nearby import Nearby
 
@@ -75,6 +90,12 @@ class Contacts(NamedTuple):
         """Return (m,) by how much they are closer than they should be, metres."""
         return np.asarray(self.numbers[:, WANTED] - self.numbers[:, GAP])
 
+    def through(self, thickness: float) -> bool:
+        """Whether strands have come through each other because they are fast."""
+        least = THROUGH * np.minimum(self.numbers[:, BEGIN], thickness)
+        ways = np.linalg.norm(self.vectors[:, END : END + 3] - self.vectors[:, START : START + 3], axis=1)
+        return bool(((self.numbers[:, GAP] < least) & (ways > thickness)).any())
+
     def where(self, some: NDArray[np.bool_]) -> Contacts:
         """Return some of them."""
         return Contacts(self.pairs[some], self.numbers[some], self.vectors[some])
@@ -120,9 +141,7 @@ class StrandContact:
             found, given = found.where(counts | given.any(1)), given[counts | given.any(1)]
             self.penetration = max(0.0, float(self.thickness - found.numbers[:, GAP].min(initial=self.thickness)))
             if iteration == self.iterations or not len(found.pairs):
-                least = THROUGH * np.minimum(found.numbers[:, BEGIN], self.thickness)
-                moved = float(np.abs(self._particles(state) - start).max())
-                return moved < self.thickness or bool((found.numbers[:, GAP] >= least).all())
+                return not found.through(self.thickness)
             tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
             wanted = found.excess().max() > tolerance
             if not wanted and (iteration >= ROUNDS or not forces):
