@@ -123,7 +123,8 @@ class RodSolver(Solver):
         state = {f"state {name}": one for name, one in self.state._asdict().items() if one is not self.positions}
         last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
         crowd = {} if self.crowd is None else self.crowd.state_arrays()
-        return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd}
+        found = {} if self.contact is None else {"found": np.array([self.contact.penetration])}
+        return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd, **found}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""
@@ -137,6 +138,8 @@ class RodSolver(Solver):
         self.surroundings.set_last_poses(state["poses"])
         if self.crowd is not None:
             self.crowd.restore(state)
+        if self.contact is not None:
+            self.contact.penetration = float(state["found"][0])
 
     def _pose(self, time: float) -> Pose:
         """The emitter's pose; at rest where no rule carries the roots along."""
@@ -268,7 +271,8 @@ class RodSolver(Solver):
     def errors(self, frame: int) -> dict[str, float | None]:
         """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
         precision the last digit is 6e-8 m a metre from the origin. ``density_max``, where strands interact: the
-        greatest density when the last step began, over the one allowed."""
+        greatest density when the last step began, over the one allowed; ``strand_penetration_max``, with contact: by
+        how much strands were closer than their thickness at its end, metres."""
         out = super().errors(frame)
         edges = self.state.edges
         if edges.shape[1] > FEWEST_BY_EDGES or self.dtype == np.float64:
