@@ -106,7 +106,7 @@ figures: $(READY)
 	done
 	$(RUN) sheet $(foreach name,$(FIGURES),out/$(name)) -o out/figures/sheet.png --columns 2 --width 900 --overwrite
 
-GALLERY = hair-10 portrait-1 ponytail-20 fur-36 grass-12 fox-1 curly-1 bob-1
+GALLERY = hair-10 portrait-1 ponytail-20 fur-36 grass-12 fox-1 curly-1 bob-1 brush-12 rope-30 curls-12
 
 gallery: $(READY)
 	@for shot in $(GALLERY); do \

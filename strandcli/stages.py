@@ -95,6 +95,8 @@ class SimulationStage:
         self._given = given
         self._done = 0
         self._wrong = False
+        self._told = False
+        """Whether it was said that strands come through each other."""
         if given is None:
             for words in warnings(scene, self.groom):
                 self._warn(f"{scene.label}: {words}" if scene.label else words)
@@ -165,10 +167,15 @@ class SimulationStage:
 
     def _examine(self, number: int, error: dict[str, Any]) -> None:
         """Stop, or go on, where a frame with these errors has gone wrong."""
-        from .simulate.health import examine
+        from .simulate.health import examine, interpenetration
 
         if self._wrong:
             return
+        if not self._told:
+            words = interpenetration(self.solver, number, error)
+            self._told = words != ""
+            if words:
+                self._warn(words)
         trouble = examine(self.solver, number, error, simulated=self._given is None)
         if trouble is None:
             return

@@ -12,11 +12,11 @@ Check = Callable[[Any, "Scene"], Iterable[tuple[str, str]]]
 """(parameters, scene) -> (path inside the parameters, message) of everything that does not fit the scene."""
 
 
-APPLIED_BY = {"rod": ("emitter_motion", "gravity", "wind", "interaction", "collision")}
+APPLIED_BY = {"rod": ("emitter_motion", "gravity", "wind", "interaction", "contact", "collision")}
 """Rules that a solver applies, where it does not apply all."""
-ONLY_BY = {"interaction": "rod"}
+ONLY_BY = {"interaction": "rod", "contact": "rod"}
 """Rules that a single solver applies."""
-MUTUAL = ("interaction",)
+MUTUAL = ("interaction", "contact")
 """Rules by which strands act on each other: the motion of each depends on all that are simulated."""
 OWN_OF = {"rod": ("elasticity", "stiffness")}
 """Rules in whose place a solver has something better of its own: they may stand in a preset, and are left out."""

@@ -78,6 +78,19 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
     return None
 
 
+def interpenetration(solver: Any, frame: int, error: dict[str, Any]) -> str:
+    """Say that strands with contact are closer than half of their thickness, if they are."""
+    depth = error.get("strand_penetration_max")
+    if depth is None or depth <= solver.contact.thickness / 2:
+        return ""
+    scene = solver.scene
+    where = f"{scene.label}: frame {frame}" if scene.label else f"frame {frame}"
+    return (
+        f"{where}: strands are {depth:.2g} m closer than contact.thickness, {solver.contact.thickness:.2g} m; "
+        f"{blame.SMALLER_STEPS}, or a greater contact.iterations, or a smaller contact.thickness"
+    )
+
+
 def stretches(solver: Any) -> NDArray[np.float64]:
     """Return (strands,) the greatest error of a segment's length as a share of it, less the rounding of coordinates."""
     x = solver.particles().astype(np.float64)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from operator import sub
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from ..blocks import lanes
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
+from .contact.between_strands import StrandContact, in_parts
 from .crowd import Crowd, Moment
 from .kernels.records import DRAG, FRICTION, ROUNDING, STEP, TOLERANCE, TORSION, Flags
 from .kernels.rod_scratch import PACK
@@ -55,7 +57,7 @@ MOMENT = 1e-6
 LEAST_DAMPING = {False: 0.25, True: 0.5}
 """Share of a step that inner damping of grooms with coils is at least, with BDF2 where True. The reaction to rest
 shapes on the edges that carry them is that before the step, which rocks tight curls without it."""
-APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "collision")
+APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "contact", "collision")
 REPLACED = ("elasticity", "stiffness")
 """Rules that the solver applies, and those that it has its own form of."""
 
@@ -89,9 +91,10 @@ class RodSolver(Solver):
         deforming = self.deforming is not None
         between = [use.parameters for use in scene.rules if use.name == "interaction"]
         self.crowd = Crowd(scene, groom, between[0], self.positions, self.dtype) if between else None
-        flags = Flags(
-            rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming, bool(between)
-        )  # fmt: skip
+        touching = [use.parameters for use in scene.rules if use.name == "contact"]
+        self.contact = StrandContact(scene, groom, touching[0]) if touching else None
+        crowded = bool(between or touching)
+        flags = Flags(rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming, crowded)
         self.second = flags.second
         self._coil_rate = 0.0
         rest = self._with_coils(rest, shape)
@@ -120,7 +123,8 @@ class RodSolver(Solver):
         state = {f"state {name}": one for name, one in self.state._asdict().items() if one is not self.positions}
         last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
         crowd = {} if self.crowd is None else self.crowd.state_arrays()
-        return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd}
+        found = {} if self.contact is None else {"found": np.array([self.contact.penetration])}
+        return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd, **found}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""
@@ -134,6 +138,8 @@ class RodSolver(Solver):
         self.surroundings.set_last_poses(state["poses"])
         if self.crowd is not None:
             self.crowd.restore(state)
+        if self.contact is not None:
+            self.contact.penetration = float(state["found"][0])
 
     def _pose(self, time: float) -> Pose:
         """The emitter's pose; at rest where no rule carries the roots along."""
@@ -168,12 +174,17 @@ class RodSolver(Solver):
         """A step of ``dt`` seconds that ends at ``time``, in several where coils ask for it; nothing where it is 0."""
         count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
         for left in range(count - 1, -1, -1):
-            self._step(time - left * dt / count, dt / count)
+            end, part = time - left * dt / count, dt / count
+            if self.contact is None:
+                self._step(end, part)
+            else:
+                in_parts(self, self._step, end, part)
 
-    def _step(self, time: float, dt: float) -> None:
-        """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0."""
+    def _step(self, time: float, dt: float) -> bool:
+        """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0. Return False where it is too
+        long for what strands do to each other."""
         if dt <= 0:
-            return
+            return True
         rod, around = self.scene.rod, self.surroundings
         pose = self._pose(time)
         jumps = self._jumps.between(self.pose, pose)
@@ -195,10 +206,13 @@ class RodSolver(Solver):
             moment = Moment(time, dt, (strength * air[0], strength * air[1], strength * air[2]))
             self.crowd.prepare(self.state, self.mass, self._root_velocity(pose, dt), moment)
         damping = max(rod.damping, self._least_damping * h)
-        self._run(pose, h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction)
+        numbers = h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction
+        run = partial(self._run, pose, *numbers)
+        short = run() is None if self.contact is None else self.contact.step(run, self)
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         self.pose, self._last_step = pose, dt
+        return short
 
     def _deform(self, time: float) -> None:
         """Set the roots in the emitter's frame where they move there, and how far they came since the last step."""
@@ -257,7 +271,8 @@ class RodSolver(Solver):
     def errors(self, frame: int) -> dict[str, float | None]:
         """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
         precision the last digit is 6e-8 m a metre from the origin. ``density_max``, where strands interact: the
-        greatest density when the last step began, over the one allowed."""
+        greatest density when the last step began, over the one allowed; ``strand_penetration_max``, with contact: by
+        how much strands were closer than their thickness at its end, metres."""
         out = super().errors(frame)
         edges = self.state.edges
         if edges.shape[1] > FEWEST_BY_EDGES or self.dtype == np.float64:
@@ -265,6 +280,8 @@ class RodSolver(Solver):
             out["stretch_max"] = float(np.abs(np.sqrt(square) - 1).max())
         if self.crowd is not None and self.crowd.density is not None:
             out["density_max"] = self.crowd.found / self.crowd.density
+        if self.contact is not None:
+            out["strand_penetration_max"] = self.contact.penetration
         return out
 
     def strand_residuals(self) -> NDArray[np.floating]:

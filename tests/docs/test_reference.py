@@ -14,6 +14,7 @@ SHIPPED = (
     rules.collision,
     rules.elasticity,
     rules.interaction,
+    rules.contact,
 )
 
 

@@ -20,7 +20,7 @@ from strandcli.scene.model import Scene, SphereShape
 from strandcli.study import golden_list
 
 NAMES = [name for name, _ in list_presets()]
-SLOW = ("bob", "curly", "fox", "fur", "grass", "ponytail", "portrait", "solvers")
+SLOW = ("bob", "brush", "curls", "curly", "fox", "fur", "grass", "ponytail", "portrait", "rope", "solvers")
 """Their golden images are compared anyway."""
 FIGURES = [f"figures/fig{number:02d}" for number in range(2, 15)]
 PAIRED = ["04", "07", "08", "10", "11", "12", "13", "14"]
@@ -32,7 +32,11 @@ SMALL = {"image.size": (64, 48), "image.supersample": 1}
 def small(name: str, **settings: Any) -> Scene:
     """A preset with few strands at 64 × 48; settings are written with `__` for dots."""
     given = {key.replace("__", "."): value for key, value in settings.items()}
-    fewer = {} if "/fig09" in name or name == "groom" else {"emitter.strands": 2000 if name == "grass" else 400}
+    fewer = (
+        {}
+        if "/fig09" in name or name in ("brush", "groom", "rope")
+        else {"emitter.strands": 2000 if name == "grass" else 400}
+    )
     return strandcli.load(name, settings={**SMALL, **fewer, **given})
 
 

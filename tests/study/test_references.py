@@ -7,8 +7,13 @@ import math
 
 import numpy as np
 import pytest
+import yaml
 
 from strandcli.errors import UsageError
+from strandcli.scene import loads
+from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rules import registry
+from strandcli.study.motion.contestants import follow
 from strandcli.study.references import (
     NEEDS,
     REFERENCES,
@@ -17,6 +22,7 @@ from strandcli.study.references import (
     buckling,
     catenary,
     chain,
+    incline,
     pendulum,
     spring,
     swing,
@@ -286,3 +292,28 @@ def test_corners_of_a_coil_are_equally_far_apart() -> None:
         sides = np.linalg.norm(np.diff(spring.coil(arm), axis=0), axis=1)
         np.testing.assert_allclose(sides, spring.R / arm, rtol=1e-12)
         assert spring.arm_of(len(spring.coil(arm))) == arm
+
+
+def test_the_angle_of_friction_is_told_by_which_strands_slide() -> None:
+    made = incline.strands()
+    start = np.zeros((2, made.strands, 3, 3))
+    rows = np.arange(0, made.strands, 1 + len(incline.RAILS))
+
+    def angle(slides: list[int]) -> float | None:
+        positions = start.copy()
+        positions[1, rows[slides], -1, 2] = 2 * incline.SLIDES
+        return incline.measure(Track(np.array([0.0, 1.0]), positions))["angle"]
+
+    assert angle([4, 5, 6, 7]) == pytest.approx(0, abs=1e-9)
+    assert angle([6, 7]) == pytest.approx(2 / incline.exact()["angle"], rel=1e-6)
+    assert angle([]) == pytest.approx(4 / incline.exact()["angle"], rel=1e-6)
+    assert angle([1, 5]) is None
+
+
+def test_a_strand_across_others_begins_to_slide_at_the_angle_of_friction() -> None:
+    case = incline.case(11)
+    scene = loads(yaml.safe_dump({"solver": "rod", **case.settings}), rules=registry(), name="incline")
+    track, _ = follow(lambda: RodSolver(scene, case.groom), 1 / 60, incline.REFERENCE.span, False)
+    found = incline.measure(track)["angle"]
+    assert found is not None
+    assert found * incline.exact()["angle"] < 0.6

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...errors import UsageError
 from ...registry import load, offered
-from . import collision, elasticity, emitter_motion, gravity, interaction, stiffness, wind
+from . import collision, contact, elasticity, emitter_motion, gravity, interaction, stiffness, wind
 from .rule import Moment, Pass
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["Moment", "Pass", "idle", "passes_of", "register", "registry"]
 
 _registry: dict[str, Any] = {
-    rule.name: rule for rule in (emitter_motion, gravity, wind, stiffness, collision, elasticity, interaction)
+    rule.name: rule for rule in (emitter_motion, gravity, wind, stiffness, collision, elasticity, interaction, contact)
 }
 _searched = False
 GROUP = "strandcli.rules"

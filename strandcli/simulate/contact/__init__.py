@@ -1,0 +1,1 @@
+"""Contact with friction between strands: the rule `contact` of the solver `rod`."""

@@ -1,0 +1,243 @@
+"""Contact with friction between the strands of a rod solver: the rule `contact`.
+
+A step is made without contact. Where strands would come too close or pass through each other, forces of contact are
+found with each strand's response linearised (`kernels.contact_response`, `kernels.contact_solve`), and the step is made
+anew from its begin with these forces among its loads, until it keeps strands apart: Newton's method on step and contact
+together. Lengths are exact and bending takes part, as in any step. Nothing but the strands' own state lasts from a step
+to the next. What is done here is done in the order of emission, on one thread.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...blocks import lanes
+from ...constants import W
+from ...errors import UsageError
+from ...groom.record import Groom
+from ..kernels.records import DAMPING, STEP, State
+from ..kernels.rod_scratch import PACK
+from ..material import matter
+from .kernels import contact_approach, contact_response, contact_solve
+from .kernels.contact_columns import (
+    ALPHA,
+    BEGIN,
+    BETA,
+    COUNTS,
+    END,
+    FIRST,
+    FIRST_SEGMENT,
+    GAP,
+    NUMBERS,
+    SAME,
+    SECOND,
+    START,
+    VECTORS,
+    WANTED,
+)
+from .kernels.contact_response import BAND, BLOCK
+from .nearby import Nearby
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
+
+MARGIN = 0.5
+"""Thicknesses beyond the thickness at which pairs are looked at: a round of forces may bring them nearer."""
+EASE, MOST_EASE = 5.0, 0.25
+"""Share of the thickness by which strands that begin closer come apart a second, and in a step at the most."""
+SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, 40_000
+"""Sweeps of a contact solve at the most: the first where contacts are few, the second at the least, and else as many as
+make so many updates of a contact."""
+TOLERANCE, ENOUGH = 2e-3, 2e-2
+"""Of distances at the end of a step, over the thickness: what rounds go on for, and what is enough after `ROUNDS`."""
+PRECISION = 1e-4
+"""Of ways in the contact solve, over the thickness."""
+ROUNDS = 6
+HALVINGS = 7
+"""Times that a step is cut in two at the most."""
+THROUGH = 0.5
+"""Share of their distance at the begin, or of the thickness where that is less, below which strands that a step leaves
+count as having come through each other."""
+ALIKE = 0.7
+"""Cosine between normals at the begin and the end of a step from which on they are on the same side."""
+TRUST = 3.0
+"""Greatest displacement that a round is trusted with, over the thickness or what strands are too close by, whichever
+is greater."""
+TINY = 1e-30
+IMMOBILE = 1e-9
+"""Response, over that of a free particle, below which a contact cannot move anything."""
+
+Floats = NDArray[np.float64]
+NONE = (0.0, 0.0, 0.0)
+
+
+class Contacts(NamedTuple):
+    """Contacts of a step, as `contact_columns` has them; m of them."""
+
+    pairs: NDArray[np.int64]
+    """(m, 4)"""
+    numbers: Floats
+    """(m, `NUMBERS`)"""
+    vectors: Floats
+    """(m, `VECTORS`)"""
+
+    def excess(self) -> Floats:
+        """Return (m,) by how much they are closer than they should be, metres."""
+        return np.asarray(self.numbers[:, WANTED] - self.numbers[:, GAP])
+
+    def through(self, thickness: float) -> bool:
+        """Whether strands have come through each other because they are fast."""
+        least = THROUGH * np.minimum(self.numbers[:, BEGIN], thickness)
+        ways = np.linalg.norm(self.vectors[:, END : END + 3] - self.vectors[:, START : START + 3], axis=1)
+        return bool(((self.numbers[:, GAP] < least) & (ways > thickness)).any())
+
+    def where(self, some: NDArray[np.bool_]) -> Contacts:
+        """Return some of them."""
+        return Contacts(self.pairs[some], self.numbers[some], self.vectors[some])
+
+
+class StrandContact:
+    """Contact between the strands of a groom. Raises `UsageError` for a thickness that does not fit the groom."""
+
+    def __init__(self, scene: Scene, groom: Groom, parameters: Any) -> None:
+        self.friction, self.iterations = parameters.friction, parameters.iterations
+        self.thickness = parameters.thickness or 2 * matter(scene.rod)[1]
+        where = f"{scene.label or scene.source or 'scene'}: rule contact.thickness"
+        spread = float(np.linalg.norm(np.ptp(groom.roots, axis=0))) + 2 * float(groom.lengths.max())
+        if self.thickness > spread:
+            raise UsageError(
+                f"{where}: {self.thickness:g} m is more than the groom, which is {spread:.3g} m wide; make it smaller, "
+                f"such as {2 * matter(scene.rod)[1]:.2g}, the strands' own"
+            )
+        self.groom = groom
+        self.segments = scene.emitter.particles - 1
+        self.lengths = groom.emitted(groom.lengths.astype(np.float64)) / self.segments
+        apart = 1 + math.ceil(2 * self.thickness / float(self.lengths.min()))
+        self._nearby = Nearby(self.segments, min(apart, self.segments))
+        self.penetration = 0.0
+        """How much closer than their thickness strands were at the end of the last step, metres."""
+
+    def step(self, run: Callable[[], None], solver: Any) -> bool:
+        """Make a step by ``run``, again where strands touch. ``solver``: the rod solver whose step it is. Return False
+        where some strand has come through another, for the step is too long."""
+        state: State = solver.state
+        if solver.crowd is None:
+            state.crowd[...] = 0
+        before = {name: one.copy() for name, one in state._asdict().items()}
+        start = self._particles(state)
+        forces: dict[tuple[int, ...], Floats] = {}
+        for iteration in range(self.iterations + 1):
+            run()
+            found = self._look(start, self._particles(state), float(solver.forcing.numbers[STEP]))
+            if found is None:
+                return True
+            given = np.array([forces.get(tuple(pair), NONE) for pair in found.pairs.tolist()]).reshape(-1, 3)
+            counts = (found.numbers[:, COUNTS] > 0) & (found.numbers[:, GAP] < (1 + MARGIN) * self.thickness)
+            found, given = found.where(counts | given.any(1)), given[counts | given.any(1)]
+            self.penetration = max(0.0, float(self.thickness - found.numbers[:, GAP].min(initial=self.thickness)))
+            if iteration == self.iterations or not len(found.pairs):
+                return not found.through(self.thickness)
+            tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
+            wanted = found.excess().max() > tolerance
+            if not wanted and (iteration >= ROUNDS or not forces):
+                return True
+            # the normal of others is that of the end, which is on the wrong side where they have passed each other
+            active = (found.excess() > 0) | given.any(1) | (found.numbers[:, SAME] > ALIKE)
+            found, given = found.where(active), given[active]
+            changed = self._solve(found, given, solver)
+            if not wanted and changed < 2 * tolerance:
+                return True
+            forces = {tuple(p): f for p, f in zip(found.pairs.tolist(), given, strict=True) if f.any()}
+            for name, one in state._asdict().items():
+                one[...] = before[name]
+            self._load(found, given, solver)
+        return True
+
+    def _look(self, start: Floats, end: Floats, dt: float) -> Contacts | None:
+        """Return what comes near in a step; None where a coordinate is not finite."""
+        if not np.isfinite(end).all():
+            return None
+        pairs = self._nearby.find(start, end, (1 + MARGIN) * self.thickness)
+        numbers, vectors = np.zeros((len(pairs), NUMBERS)), np.zeros((len(pairs), VECTORS))
+        sizes = self.thickness, min(EASE * dt, MOST_EASE)
+        contact_approach.look(start, end, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
+        return Contacts(pairs, numbers, vectors)
+
+    def _solve(self, found: Contacts, forces: Floats, solver: Any) -> float:
+        """Change ``forces`` (m, 3) so that contacts hold; return by how much particles move by that, metres."""
+        material, numbers = solver.material, solver.forcing.numbers
+        h = float(numbers[STEP])
+        strands, n = np.unique(found.pairs[:, [FIRST, SECOND]]), self.segments
+        places = np.zeros(len(self.lengths), np.int64)
+        places[strands] = np.arange(len(strands))
+        stiffness = self._emitted(material.stiffness[:, None])[:, 0, 0] * h * h * (1 + float(numbers[DAMPING]) / h)
+        tension = self._emitted(solver.state.tension)[:, :, 0] * h * h
+        bands = np.empty((len(strands), BLOCK * n, BAND))
+        mass, joint = material.mass.astype(np.float64), material.joint.astype(np.float64)
+        edges, normals = self._emitted(solver.state.edges), self._held(solver.state)
+        contact_response.factorise(strands, edges, (stiffness, tension, normals), mass, joint, bands)
+        responses = np.empty((len(forces), 2, n, 3, 3))
+        own = np.empty((len(forces), 3, 3))
+        contact_response.respond(
+            found.pairs, found.numbers, bands, places, self.lengths, responses, np.empty((BLOCK * n, 3))
+        )
+        contact_solve.own_responses(found.pairs, found.numbers, responses, own)
+        moves, after = np.zeros((len(self.lengths), n, 3)), forces.copy()
+        sweeps = min(SWEEPS, max(LEAST_SWEEPS, UPDATES // len(forces)))
+        settings = self.friction, sweeps, PRECISION * self.thickness, IMMOBILE / float(self.lengths.max())
+        contact_solve.solve(
+            found.pairs, (found.numbers, found.vectors), (responses, own), settings, after, moves, np.zeros((7, 3))
+        )
+        moved = float(np.abs(moves).max())
+        share = min(1.0, TRUST * max(float(found.excess().max()), self.thickness) / max(moved, TINY))
+        forces += share * (after - forces)
+        return moved
+
+    def _load(self, found: Contacts, forces: Floats, solver: Any) -> None:
+        """Add the accelerations of particles by the forces of contacts to those by the strands around."""
+        added = np.zeros((len(self.lengths), self.segments + 1, 3))
+        alpha, beta = found.numbers[:, ALPHA, None], found.numbers[:, BETA, None]
+        for strand, segment, share, force in (
+            (found.pairs[:, FIRST], found.pairs[:, FIRST_SEGMENT], alpha, -forces),
+            (found.pairs[:, SECOND], found.pairs[:, FIRST_SEGMENT + 2], beta, forces),
+        ):
+            np.add.at(added, (strand, segment), (1 - share) * force)
+            np.add.at(added, (strand, segment + 1), share * force)
+        h = float(solver.forcing.numbers[STEP])
+        added = added[:, 1:] / (self.lengths[:, None, None] * solver.mass.astype(np.float64)[:, None] * h * h)
+        crowd = solver.state.crowd
+        rows = self.groom.placed(added)
+        for j in range(self.segments):
+            crowd[:, j] += lanes(rows[:, j], crowd.dtype, PACK)
+
+    def _held(self, state: State) -> Floats:
+        """Return (S, N, 3) the unit normals of solids that particles touch, or 0."""
+        if len(state.push) != len(state.edges):
+            return np.zeros((len(self.lengths), self.segments, 3))
+        push = self._emitted(state.push)
+        size = np.linalg.norm(push, axis=2, keepdims=True)
+        return np.asarray(push / np.where(size > 0, size, 1))
+
+    def _particles(self, state: State) -> Floats:
+        """Return (S, N + 1, 3) particles with their roots."""
+        return self._emitted(state.positions[:, 1:], W)
+
+    def _emitted(self, rows: NDArray[Any], width: int = PACK) -> Floats:
+        """Return (S, rows, columns) of values in packs or blocks of a ``width``, in the order of emission."""
+        wide = rows.reshape(*rows.shape[:2], -1, width).transpose(0, 3, 1, 2).astype(np.float64)
+        return np.ascontiguousarray(self.groom.emitted(wide.reshape(-1, *wide.shape[2:])[: len(self.lengths)]))
+
+
+def in_parts(solver: Any, step: Callable[[float, float], bool], time: float, dt: float, halvings: int = 0) -> None:
+    """Make a ``step`` of a solver, or where it is too long two of half its length, and so on."""
+    saved = {name: one.copy() for name, one in solver.state_arrays().items()} if halvings < HALVINGS else {}
+    if step(time, dt) or not saved:
+        return
+    solver.restore(saved)
+    in_parts(solver, step, time - dt / 2, dt / 2, halvings + 1)
+    in_parts(solver, step, time, dt / 2, halvings + 1)

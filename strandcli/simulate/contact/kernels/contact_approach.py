@@ -1,0 +1,193 @@
+"""How two segments come near each other in a step: conservative advancement (Mirtich 1996; Tang et al. 2009).
+
+Both segments move along straight lines from where a step began to where it would end. Time goes on by the distance over
+the greatest relative speed of their ends, which can step over no contact, until they are closer than a share of what
+they should keep: there the normal still tells on which side each of them is, however far both go on.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ....jit import device, function
+from .contact_columns import (
+    ALPHA,
+    BEGIN,
+    BETA,
+    COUNTS,
+    END,
+    FIRST,
+    FIRST_SEGMENT,
+    GAP,
+    NORMAL,
+    SAME,
+    SECOND,
+    SECOND_SEGMENT,
+    START,
+    WANTED,
+)
+
+NEAR = 0.9
+"""Share of the distance at the begin, or of the thickness where that is less, at which a contact is looked at."""
+CLOSE = 1.02
+"""Times that share at which advancing ends."""
+ADVANCES = 64
+BOUND = 4.0
+"""Segments from the second on over which strands that begin too close come to be led apart: roots hold them there."""
+OBLIQUE = 0.05
+"""Sine of the angle beyond a joint at which the segment before it comes nearer."""
+TINY = 1e-30
+PARALLEL = 1e-9
+"""Square of the sine between segments below which they count as parallel."""
+AXES = 3
+
+
+@device
+def clamped(x):
+    """A number in [0, 1]."""
+    return min(max(x, 0.0), 1.0)
+
+
+@device
+def nearest(p, q, out):
+    """Set places on the segments p and q (2, 3) that are nearest to each other, ``ALPHA`` and ``BETA`` of ``out``, and
+    ``out[2:5]``, the way from the first to the second; return its length (Ericson 2005, §5.1.9). Of parallel segments
+    the places are in the middle of what lies side by side."""
+    a = b = c = d = e = 0.0
+    for k in range(AXES):
+        u, v, w = p[1, k] - p[0, k], q[1, k] - q[0, k], p[0, k] - q[0, k]
+        a, b, c, d, e = a + u * u, b + u * v, c + v * v, d + u * w, e + v * w
+    a, c = max(a, TINY), max(c, TINY)
+    sine = a * c - b * b
+    if sine > PARALLEL * a * c:
+        s = clamped((b * e - c * d) / sine)
+    else:
+        one, other = clamped(-d / a), clamped((b - d) / a)
+        s = 0.5 * (one + other)
+    t = clamped((b * s + e) / c)
+    s = clamped((b * t - d) / a)
+    total = 0.0
+    for k in range(AXES):
+        way = q[0, k] + t * (q[1, k] - q[0, k]) - p[0, k] - s * (p[1, k] - p[0, k])
+        out[2 + k] = way
+        total += way * way
+    out[ALPHA], out[BETA] = s, t
+    return math.sqrt(total)
+
+
+@device
+def at_time(start, end, strand, segment, t, out):
+    """Set ``out`` (2, 3) to a segment at a share t of the step."""
+    for i in range(2):
+        for k in range(AXES):
+            x = start[strand, segment + i, k]
+            out[i, k] = x + t * (end[strand, segment + i, k] - x)
+
+
+@device
+def nearer_before(start, end, strand, segment, t, normal, side):
+    """Whether the segment before this one comes nearer to what is along ``side`` times the normal than its end."""
+    along = size = 0.0
+    for k in range(AXES):
+        a, b = start[strand, segment - 1, k], start[strand, segment, k]
+        a += t * (end[strand, segment - 1, k] - a)
+        b += t * (end[strand, segment, k] - b)
+        along += side * normal[k] * (a - b)
+        size += (a - b) ** 2
+    return along > OBLIQUE * math.sqrt(size)
+
+
+@device
+def counts(start, end, pair, number, normal, t):
+    """Whether the contact of a pair is a nearest place of both strands: at a joint it counts for the segment after it
+    alone, and nowhere if the one before it comes nearer."""
+    a, b, last = pair[FIRST_SEGMENT], pair[SECOND_SEGMENT], start.shape[1] - 2
+    if (number[ALPHA] == 1.0 and a < last) or (number[BETA] == 1.0 and b < last):
+        return False
+    if number[ALPHA] == 0.0 and a > 0 and nearer_before(start, end, pair[FIRST], a, t, normal, 1.0):
+        return False
+    return not (number[BETA] == 0.0 and b > 0 and nearer_before(start, end, pair[SECOND], b, t, normal, -1.0))
+
+
+@device
+def greatest_speed(start, end, pair):
+    """The greatest relative way of the ends of a pair's segments."""
+    worst = 0.0
+    for i in range(2):
+        for j in range(2):
+            total = 0.0
+            for k in range(AXES):
+                a, b = pair[FIRST_SEGMENT] + i, pair[SECOND_SEGMENT] + j
+                u = end[pair[SECOND], b, k] - start[pair[SECOND], b, k]
+                u -= end[pair[FIRST], a, k] - start[pair[FIRST], a, k]
+                total += u * u
+            worst = max(worst, total)
+    return math.sqrt(worst)
+
+
+@device
+def aside(pair, p, way):
+    """Set a ``way`` across the segment p for a pair that lies in one line: it differs from pair to pair, and is the
+    same at each step."""
+    turn = 2.399963 * (7.0 * pair[FIRST] + 13.0 * pair[SECOND])
+    x, y, z = p[1, 0] - p[0, 0], p[1, 1] - p[0, 1], p[1, 2] - p[0, 2]
+    u, v, w = math.cos(turn), math.sin(turn), math.cos(0.7 * turn)
+    way[0], way[1], way[2] = y * w - z * v, z * u - x * w, x * v - y * u
+    size = math.sqrt(way[0] ** 2 + way[1] ** 2 + way[2] ** 2)
+    for k in range(AXES):
+        way[k] = way[k] / max(size, TINY)
+
+
+@function
+def look(start, end, pairs, sizes, numbers, vectors, scratch):
+    """Set the contacts of ``pairs``: their ``numbers`` and ``vectors`` as in `contact_columns`. ``start`` and ``end``
+    (S, N + 1, 3): particles when the step begins, and where it would end. ``sizes``: the distance that strands keep,
+    and how much of it they come apart in a step at the most, where they begin closer. ``scratch`` (3, 2, 3)."""
+    thickness, ease = sizes
+    for i in range(len(pairs)):
+        look_at(start, end, pairs[i], thickness, ease, numbers[i], vectors[i], scratch)
+
+
+@device
+def look_at(start, end, pair, thickness, ease, number, vector, scratch):
+    """Set a contact of a pair."""
+    p, q, found = scratch[0], scratch[1], scratch[2].reshape(-1)
+    at_time(start, end, pair[FIRST], pair[FIRST_SEGMENT], 0.0, p)
+    at_time(start, end, pair[SECOND], pair[SECOND_SEGMENT], 0.0, q)
+    distance = nearest(p, q, found)
+    begin = number[BEGIN] = distance
+    for k in range(AXES):
+        vector[NORMAL + k] = found[2 + k] / max(begin, TINY)
+    free = min(1.0, max(0.0, min(pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]) - 1.0) / BOUND)
+    number[WANTED] = min(thickness, begin + free * ease * thickness)
+    speed = greatest_speed(start, end, pair)
+    least = NEAR * min(begin, thickness)
+    t = 0.0
+    for _ in range(ADVANCES):
+        if t >= 1.0 or distance <= CLOSE * least:
+            break
+        t = min(1.0, t + (distance - least) / max(speed, TINY))
+        at_time(start, end, pair[FIRST], pair[FIRST_SEGMENT], t, p)
+        at_time(start, end, pair[SECOND], pair[SECOND_SEGMENT], t, q)
+        distance = nearest(p, q, found)
+    number[ALPHA], number[BETA] = found[ALPHA], found[BETA]
+    same = 0.0
+    if distance > 1e-6 * thickness:
+        for k in range(AXES):
+            same += vector[NORMAL + k] * found[2 + k] / distance
+            vector[NORMAL + k] = found[2 + k] / distance
+    else:
+        aside(pair, p, vector)
+    number[SAME] = same
+    gap = 0.0
+    a, b = pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]
+    for k in range(AXES):
+        for place, x in ((START, start), (END, end)):
+            one, other = x[pair[FIRST]], x[pair[SECOND]]
+            vector[place + k] = (
+                other[b, k] + number[BETA] * (other[b + 1, k] - other[b, k])
+                - one[a, k] - number[ALPHA] * (one[a + 1, k] - one[a, k])
+            )  # fmt: skip
+        gap += vector[NORMAL + k] * vector[END + k]
+    number[GAP] = gap
+    number[COUNTS] = 1.0 if counts(start, end, pair, number, vector, t) else 0.0

@@ -1,0 +1,122 @@
+"""How far a force moves the particles of a strand within a step: the step of `simulate.kernels.rod`, linearised.
+
+Where a step ends, H y + Jᵀ γ = f and J y = 0: H has masses, bending and tension, y are displacements, f forces times
+h² over the mass of a metre; a row of J says that an edge changes across itself alone. With the multipliers γ between
+the particles that they concern, the matrix has a band of 11 beside its diagonal; its LDLᵀ needs no pivoting, for H is
+definite (tension only is kept of it, not compression) and edges are independent.
+"""
+
+from __future__ import annotations
+
+from ....jit import device, function
+from .contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
+
+BLOCK, BAND = 4, 12
+"""Unknowns of a particle, three coordinates and a multiplier; numbers of a row of the lower band: entry k is that k
+columns left of the diagonal."""
+MULTIPLIER = 3
+AXES = 3
+HELD = 1e4
+"""Masses that a solid which a particle touches adds to it along its normal."""
+LEAST = 1e-12
+
+
+@device
+def add(matrix, i, j, value):
+    """Add to the entry of two unknowns, the later one first."""
+    matrix[i, i - j] += value
+
+
+@device
+def add_square(matrix, j, k, factors):
+    """Add k |x|², x a sum of the particles j, j − 1 and j − 2 with ``factors``."""
+    for a in range(AXES):
+        if j >= a:
+            for b in range(a, AXES):
+                if j >= b:
+                    for c in range(AXES):
+                        add(matrix, BLOCK * (j - a) + c, BLOCK * (j - b) + c, k * factors[a] * factors[b])
+
+
+@function
+def factorise(strands, edges, loads, mass, joint, bands):
+    """Set the factors of ``strands`` (m,), ``bands`` (m, 4 N, `BAND`). ``edges`` (S, N, 3) unit vectors; ``loads``:
+    stiffness (S,) and tension (S, N), both times h², and contact of solids (S, N, 3), unit normals or 0."""
+    stiffness, tension, normals = loads
+    for i in range(len(strands)):
+        s = strands[i]
+        matrix = bands[i]
+        matrix[...] = 0.0
+        n = len(mass)
+        for j in range(n):
+            for c in range(AXES):
+                add(matrix, BLOCK * j + c, BLOCK * j + c, mass[j])
+                for d in range(c + 1):
+                    held = HELD * mass[j] * normals[s, j, c] * normals[s, j, d]
+                    add(matrix, BLOCK * j + c, BLOCK * j + d, held)
+                add(matrix, BLOCK * j + MULTIPLIER, BLOCK * j + c, edges[s, j, c])
+                if j > 0:
+                    add(matrix, BLOCK * j + MULTIPLIER, BLOCK * (j - 1) + c, -edges[s, j, c])
+            add_square(matrix, j, stiffness[s] * joint[j], (1.0, -2.0, 1.0))
+            add_square(matrix, j, max(tension[s, j], 0.0), (1.0, -1.0, 0.0))
+        eliminate(matrix)
+
+
+@device
+def eliminate(matrix):
+    """LDLᵀ in place: D on the diagonal, L beside it."""
+    for i in range(len(matrix)):
+        first = max(0, i - BAND + 1)
+        for j in range(first, i):
+            value = matrix[i, i - j]
+            for k in range(max(first, j - BAND + 1), j):
+                value -= matrix[i, i - k] * matrix[j, j - k]
+            matrix[i, i - j] = value
+        pivot = matrix[i, 0]
+        for j in range(first, i):
+            value = matrix[i, i - j]
+            over = value / matrix[j, 0]
+            matrix[i, i - j] = over
+            pivot -= over * value
+        if abs(pivot) < LEAST:
+            pivot = -LEAST if i % BLOCK == MULTIPLIER else LEAST
+        matrix[i, 0] = pivot
+
+
+@device
+def substitute(matrix, x):
+    """Solve in place, (4 N, 3) right-hand sides."""
+    size = len(matrix)
+    for i in range(size):
+        for j in range(max(0, i - BAND + 1), i):
+            for c in range(AXES):
+                x[i, c] -= matrix[i, i - j] * x[j, c]
+    for i in range(size):
+        for c in range(AXES):
+            x[i, c] /= matrix[i, 0]
+    for i in range(size - 1, -1, -1):
+        for j in range(max(0, i - BAND + 1), i):
+            for c in range(AXES):
+                x[j, c] -= matrix[i, i - j] * x[i, c]
+
+
+@function
+def respond(pairs, numbers, bands, places, lengths, out, x):
+    """Set ``out`` (m, 2, N, 3, 3): by how much particles of a pair's first and of its second strand move (metres, next
+    to last index) by a unit of force on it at the contact (last index). ``places`` (S,): where each strand's factors
+    are; ``lengths`` (S,) of a segment; ``x`` (4 N, 3) is scratch."""
+    for i in range(len(pairs)):
+        for side in range(2):
+            strand = pairs[i, FIRST if side == 0 else SECOND]
+            segment = pairs[i, FIRST_SEGMENT if side == 0 else SECOND_SEGMENT]
+            share = numbers[i, ALPHA if side == 0 else BETA]
+            x[...] = 0.0
+            for c in range(AXES):
+                x[BLOCK * segment + c, c] = share / lengths[strand]
+                if segment > 0:
+                    x[BLOCK * (segment - 1) + c, c] = (1.0 - share) / lengths[strand]
+            substitute(bands[places[strand]], x)
+            for j in range(out.shape[2]):
+                for c in range(AXES):
+                    for d in range(AXES):
+                        out[i, side, j, c, d] = x[BLOCK * j + c, d]

@@ -1,0 +1,187 @@
+"""Forces of contact with Coulomb's friction, contact by contact (Jean 1999: nonsmooth contact dynamics).
+
+Of each contact the force λ on its second strand, and −λ on its first, keeps both apart (Signorini) and keeps them from
+sliding, or opposes their sliding by µ times its normal part. Ways are those of the whole step, so strands that stick
+are where they were. One contact after the other, with what the others do: nonlinear Gauss-Seidel.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ....jit import device, function
+from .contact_columns import (
+    ALPHA,
+    BETA,
+    END,
+    FIRST,
+    FIRST_SEGMENT,
+    NORMAL,
+    SECOND,
+    SECOND_SEGMENT,
+    START,
+    WANTED,
+)
+
+AXES = 3
+TURNS = 6
+"""Corrections of the direction in which a contact slides."""
+TINY = 1e-30
+SOFT = 1e-7
+"""Share of a contact's own response that is added to it, so that it can be inverted."""
+
+
+@device
+def moved(moves, strand, segment, share, c):
+    """Coordinate c of the displacement of a place on a segment; roots do not move."""
+    x = share * moves[strand, segment, c]
+    if segment > 0:
+        x += (1.0 - share) * moves[strand, segment - 1, c]
+    return x
+
+
+@device
+def moved_by(response, segment, share, c, d):
+    """The same by a unit of force along d."""
+    x = share * response[segment, c, d]
+    if segment > 0:
+        x += (1.0 - share) * response[segment - 1, c, d]
+    return x
+
+
+@function
+def own_responses(pairs, numbers, responses, out):
+    """Set ``out`` (m, 3, 3): how the way between both places of a contact changes by its own force."""
+    for i in range(len(pairs)):
+        a, b = pairs[i, FIRST_SEGMENT], pairs[i, SECOND_SEGMENT]
+        same = pairs[i, FIRST] == pairs[i, SECOND]
+        alpha, beta = numbers[i, ALPHA], numbers[i, BETA]
+        one, other = responses[i, 0], responses[i, 1]
+        for c in range(AXES):
+            for d in range(AXES):
+                x = moved_by(one, a, alpha, c, d) + moved_by(other, b, beta, c, d)
+                if same:
+                    x -= moved_by(one, b, beta, c, d) + moved_by(other, a, alpha, c, d)
+                out[i, c, d] = x
+
+
+@device
+def invert_times(w, v, out):
+    """Set ``out`` to the solution of w x = v, (3, 3), by Cramer's rule."""
+    a = w[1, 1] * w[2, 2] - w[1, 2] * w[2, 1]
+    b = w[1, 2] * w[2, 0] - w[1, 0] * w[2, 2]
+    c = w[1, 0] * w[2, 1] - w[1, 1] * w[2, 0]
+    f = 1.0 / max(w[0, 0] * a + w[0, 1] * b + w[0, 2] * c, TINY)
+    out[0] = f * (
+        a * v[0] + (w[0, 2] * w[2, 1] - w[0, 1] * w[2, 2]) * v[1] + (w[0, 1] * w[1, 2] - w[0, 2] * w[1, 1]) * v[2]
+    )
+    out[1] = f * (
+        b * v[0] + (w[0, 0] * w[2, 2] - w[0, 2] * w[2, 0]) * v[1] + (w[0, 2] * w[1, 0] - w[0, 0] * w[1, 2]) * v[2]
+    )
+    out[2] = f * (
+        c * v[0] + (w[0, 1] * w[2, 0] - w[0, 0] * w[2, 1]) * v[1] + (w[0, 0] * w[1, 1] - w[0, 1] * w[1, 0]) * v[2]
+    )
+
+
+@device
+def dot(a, i, b, j):
+    """Scalar product of vectors at places of two rows."""
+    return a[i] * b[j] + a[i + 1] * b[j + 1] + a[i + 2] * b[j + 2]
+
+
+@device
+def force_of(vector, wanted, friction, w, rows):
+    """Set ``rows[1]``, the force of one contact, where ``rows[0]`` is the way between its places without it."""
+    free, force, way, sliding = rows[0], rows[1], rows[2], rows[3]
+    missing = wanted - dot(vector, NORMAL, free, 0)
+    start = dot(vector, NORMAL, vector, START)
+    if missing <= 0.0:
+        force[...] = 0.0
+        return
+    for c in range(AXES):  # where both stick: across the normal as at the begin
+        way[c] = vector[START + c] + (wanted - start) * vector[NORMAL + c] - free[c]
+    invert_times(w, way, force)
+    push = dot(vector, NORMAL, force, 0)
+    size = 0.0
+    for c in range(AXES):
+        sliding[c] = force[c] - push * vector[NORMAL + c]
+        size += sliding[c] ** 2
+    size = math.sqrt(size)
+    if push >= 0.0 and size <= friction * push:
+        return
+    for c in range(AXES):
+        sliding[c] = sliding[c] / max(size, TINY)
+    slide(vector, missing, friction, w, rows)
+
+
+@device
+def slide(vector, missing, friction, w, rows):
+    """Set the force of a contact that slides: its friction opposes the way that it leaves. ``rows[3]``: a direction to
+    begin with."""
+    free, force, way, sliding = rows[0], rows[1], rows[2], rows[3]
+    for _ in range(TURNS):
+        gain = own = 0.0
+        for c in range(AXES):
+            for d in range(AXES):
+                normal = vector[NORMAL + c] * w[c, d]
+                own += normal * vector[NORMAL + d]
+                gain += normal * (vector[NORMAL + d] + friction * sliding[d])
+        push = missing / max(gain, 0.1 * own)
+        for c in range(AXES):
+            force[c] = push * (vector[NORMAL + c] + friction * sliding[c])
+        for c in range(AXES):
+            way[c] = free[c] - vector[START + c] + w[c, 0] * force[0] + w[c, 1] * force[1] + w[c, 2] * force[2]
+        along = dot(vector, NORMAL, way, 0)
+        size = 0.0
+        for c in range(AXES):
+            way[c] -= along * vector[NORMAL + c]
+            size += way[c] ** 2
+        size = max(math.sqrt(size), TINY)
+        total = 0.0
+        for c in range(AXES):
+            sliding[c] = 0.5 * (sliding[c] - way[c] / size)
+            total += sliding[c] ** 2
+        total = math.sqrt(total)
+        for c in range(AXES):
+            sliding[c] = sliding[c] / max(total, TINY)
+
+
+@function
+def solve(pairs, contacts, responses, settings, forces, moves, rows):
+    """Change ``forces`` (m, 3) and with them ``moves`` (S, N, 3), displacements against `END` of the contacts'
+    ``vectors``, until no contact changes its way by more than the tolerance. ``contacts``: numbers and vectors;
+    ``responses``: those of `contact_response.respond` and `own_responses`; ``settings``: friction, sweeps at the most,
+    tolerance in metres, response of contacts that are left out; ``rows`` (7, 3) is scratch. Returns the sweeps."""
+    numbers, vectors = contacts
+    response, own = responses
+    friction, sweeps, tolerance, immobile = settings
+    w = rows[4:7]
+    for sweep in range(sweeps):
+        worst = 0.0
+        for i in range(len(pairs)):
+            a, b = pairs[i, FIRST], pairs[i, SECOND]
+            soft = own[i, 0, 0] + own[i, 1, 1] + own[i, 2, 2]
+            if soft <= immobile:
+                continue
+            soft *= SOFT
+            for c in range(AXES):
+                for d in range(AXES):
+                    w[c, d] = own[i, c, d]
+                w[c, c] += soft
+            for c in range(AXES):
+                x = vectors[i, END + c] + moved(moves, b, pairs[i, SECOND_SEGMENT], numbers[i, BETA], c)
+                x -= moved(moves, a, pairs[i, FIRST_SEGMENT], numbers[i, ALPHA], c)
+                rows[0, c] = x - w[c, 0] * forces[i, 0] - w[c, 1] * forces[i, 1] - w[c, 2] * forces[i, 2]
+            force_of(vectors[i], numbers[i, WANTED], friction, w, rows)
+            for d in range(AXES):
+                change = rows[1, d] - forces[i, d]
+                forces[i, d] = rows[1, d]
+                worst = max(worst, abs(change) * own[i, d, d])
+                if change != 0.0:
+                    for j in range(moves.shape[1]):
+                        for c in range(AXES):
+                            moves[a, j, c] -= response[i, 0, j, c, d] * change
+                            moves[b, j, c] += response[i, 1, j, c, d] * change
+        if worst < tolerance:
+            return sweep + 1
+    return sweeps

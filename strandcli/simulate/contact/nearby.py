@@ -1,0 +1,48 @@
+"""Pairs of segments that may touch in a step: the uniform grid of `kernels.contact_pairs`, its arrays and its cells."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kernels import contact_pairs
+
+MOST_ENTRIES = 16
+"""Cells a box lies in at the most, as a mean: larger cells are taken otherwise."""
+ROOM = 1.3
+"""Pairs that arrays have room for, over those found the last time."""
+
+Floats = NDArray[np.float64]
+
+
+class Nearby:
+    """Finds pairs of segments whose boxes meet. ``apart``: segments of one strand count only further apart than so
+    many."""
+
+    def __init__(self, segments: int, apart: int) -> None:
+        self._segments, self._apart = segments, apart
+        self._pairs = np.empty((256, 4), np.int64)
+
+    def find(self, start: Floats, end: Floats, reach: float) -> NDArray[np.int64]:
+        """Return (m, 4) pairs, as `contact_columns` has them, by strands and segments in ascending order, of segments
+        of which some points come closer than ``reach`` on straight ways from ``start`` to ``end`` (S, N + 1, 3)."""
+        ends = np.stack([start[:, :-1], start[:, 1:], end[:, :-1], end[:, 1:]])
+        boxes = np.concatenate([ends.min(0) - reach / 2, ends.max(0) + reach / 2], -1).reshape(-1, 6)
+        extents = boxes[:, 3:] - boxes[:, :3]
+        side = float(extents.mean() * 1.5)
+        while (np.floor(boxes[:, 3:] / side) - np.floor(boxes[:, :3] / side) + 1).prod(1).mean() > MOST_ENTRIES:
+            side *= 1.5
+        buckets = 1 << max(4, int(len(boxes) * 4).bit_length())
+        starts = np.zeros(buckets + 2, np.int64)
+        contact_pairs.count_cells(boxes, side, starts)
+        np.cumsum(starts, out=starts)
+        entries, cells = np.empty(starts[-1], np.int64), np.empty((starts[-1], 3), np.int64)
+        contact_pairs.fill_cells(boxes, side, starts, entries, cells)
+        while True:
+            table = starts, entries, cells
+            count = contact_pairs.find_pairs(boxes, self._segments, self._apart, side, table, self._pairs)
+            if count <= len(self._pairs):
+                break
+            self._pairs = np.empty((int(count * ROOM), 4), np.int64)
+        found = self._pairs[:count]
+        return np.ascontiguousarray(found[np.lexsort(found.T[::-1])])

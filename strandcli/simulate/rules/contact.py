@@ -1,0 +1,46 @@
+"""Contact: strands do not pass through each other, and rub on each other, for scenes where few strands matter.
+
+Nearest segments are found by a uniform grid, and their forces with Coulomb's friction, strand against strand (after
+Daviet et al. 2011), which `strandcli.simulate.contact` does within the step of the solver `rod`. For many strands, rule
+`interaction` does it cheaper and by the mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...scene.fields import integer, number
+from .rule import Pass
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
+
+name = "contact"
+order = 36.0
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """Contact with friction, strand against strand; children are not looked at."""
+
+    thickness: float | None = number(
+        None, above=0, unit="m", doc="distance that the middles of strands keep; absent: the diameter of rod.radius"
+    )
+    friction: float = number(0.3, low=0, high=10, doc="Coulomb's coefficient between strands")
+    iterations: int = integer(
+        8, low=1, high=100, doc="times that a step is made again with better forces at the most; two or three are usual"
+    )
+
+
+def check(parameters: Parameters, scene: Scene) -> Iterable[tuple[str, str]]:
+    """Faults that only the whole scene shows."""
+    mine = [use for use in scene.rules if use.name == name]
+    if len(mine) > 1 and parameters is not mine[0].parameters:
+        yield "", "strands have one contact: list contact once"
+
+
+def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
+    """None: rods apply this rule in their own step."""
+    return []

@@ -1,0 +1,102 @@
+"""Friction between strands: one that lies across others, down a slope, begins to slide at the angle atan µ (Coulomb).
+
+Each of several slopes has rails, short strands that lead straight down it, and a long one that lies across them and is
+clamped at its root. What friction does not hold of its weight along the slope bends it downhill, so that its tip tells
+whether it slides. Slopes are a degree apart and as many are flatter than atan µ as steeper.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...groom.record import Groom
+from .base import Case, Reference, Track, preset
+
+MU = 0.4
+BENDING = 2.0
+"""B / (ρ A), m⁴/s²: rails bend by hundredths of a degree, and the tip of what slides goes millimetres and more."""
+OFF = tuple(np.arange(-3.5, 4.0).tolist())
+"""Degrees of the slopes beyond atan µ."""
+RAILS = (0.2, 0.4, 0.6, 0.8, 1.0)
+"""Where rails cross the long strand, metres from its root."""
+RAIL = 0.1
+"""Length of a rail, metres; that of the long strand is a metre."""
+THICKNESS = 0.002
+SLIDES = 5e-3
+"""Way of the tip in metres from which on a strand slides: half a degree beyond atan µ it goes 8 mm, and what the
+first touch moves before it sticks is less than 4 mm."""
+APART = 2.0
+"""Metres between slopes."""
+
+
+def angles() -> NDArray[np.float64]:
+    """The slopes, radians."""
+    return np.asarray(math.atan(MU) + np.radians(OFF))
+
+
+def strands() -> Groom:
+    """The strands of all slopes, the long one of each first. x leads along the long ones."""
+    roots, ways, lengths = [], [], []
+    for k, angle in enumerate(angles()):
+        down = np.array([0.0, -math.sin(angle), math.cos(angle)])
+        up = np.array([0.0, math.cos(angle), math.sin(angle)])
+        origin = np.array([0.0, 0.0, APART * k])
+        roots.append(origin + THICKNESS * up)
+        ways.append(np.array([1.0, 0.0, 0.0]))
+        lengths.append(1.0)
+        for x in RAILS:
+            roots.append(origin + np.array([x - 0.01, 0.0, 0.0]) - RAIL / 2 * down)
+            ways.append(down)
+            lengths.append(RAIL)
+    count = len(lengths)
+    return Groom(
+        np.array(roots, np.float32), np.array(ways, np.float32), np.array(lengths, np.float32),
+        np.zeros(count, np.float32),
+    )  # fmt: skip
+
+
+def exact() -> dict[str, float]:
+    """The angle in degrees."""
+    return {"angle": math.degrees(math.atan(MU))}
+
+
+def case(particles: int) -> Case:
+    """All slopes at once."""
+    made = strands()
+    settings = preset(BENDING, made.strands, particles, drag=5.0)
+    settings["rules"].append({"contact": {"thickness": THICKNESS, "friction": MU}})
+    return Case(settings, made)
+
+
+def measure(track: Track) -> dict[str, float | None]:
+    """``angle``: error of the angle at which strands begin to slide, as a share. None where one slides on a slope that
+    is flatter than one where another sticks."""
+    rows = slice(None, None, 1 + len(RAILS))
+    ways = np.linalg.norm(track.last[rows, -1] - track.positions[0, rows, -1], axis=1)
+    slides = ways > SLIDES
+    count = int(slides.sum())
+    if not slides[len(slides) - count :].all():
+        return {"angle": None}
+    found = angles()
+    at = len(found) - count
+    beyond = np.radians(0.5)
+    begin = found[at] - beyond if count else found[-1] + beyond
+    return {"angle": abs(float(begin) / math.atan(MU) - 1)}
+
+
+REFERENCE = Reference(
+    name="incline",
+    title="a strand across others begins to slide at atan µ",
+    metric="angle",
+    unit="of the angle",
+    needs=("bending", "contact"),
+    span=1.0,
+    exact=exact,
+    case=case,
+    measure=measure,
+    steps={"rod": (1 / 24, 1 / 60, 1 / 240)},
+    particles=(11, 21),
+)

@@ -1,0 +1,288 @@
+"""Contact between strands: closed forms, Newton's third law, an independent search for crossings, and extremes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from strand_kit import scene_of
+from strandcli.errors import UsageError
+from strandcli.groom.emit import emit
+from strandcli.groom.record import Groom
+from strandcli.scene import SceneError
+from strandcli.simulate.contact.between_strands import StrandContact
+from strandcli.simulate.contact.kernels import contact_response
+from strandcli.simulate.contact.nearby import Nearby
+from strandcli.simulate.kernels.rod_scratch import PACK
+from strandcli.simulate.rod import RodSolver
+
+Floats = NDArray[np.float64]
+CROSS = "rod: {{rest: straight, radius: 1.0e-3, young: {young}, drag: 0}}\ntime: {{fps: 24}}\n"
+RULE = "emitter: {{strands: 2, particles: 11, length: 1}}\nrules: [gravity, contact: {{thickness: {d}, friction: 0.5}}]"
+
+
+def strands(roots: Any, ways: Any, lengths: Any) -> Groom:
+    way = np.array(ways, float)
+    way /= np.linalg.norm(way, axis=1)[:, None]
+    count = len(lengths)
+    return Groom(
+        np.array(roots, np.float32), way.astype(np.float32), np.array(lengths, np.float32),
+        np.zeros(count, np.float32),
+    )  # fmt: skip
+
+
+def solver_of(text: str, groom: Groom | None = None) -> RodSolver:
+    one = scene_of("solver: rod\n" + text)
+    return RodSolver(one, groom or emit(one.emitter, one.seed))
+
+
+def crossings(a: Floats, b: Floats) -> int:
+    """Segments of different strands that pass through each other on straight ways from ``a`` to ``b``, (S, N + 1, 3):
+    where the four ends lie in a plane, the roots of a cubic, the segments must not cross in it."""
+    count = 0
+    for s in range(len(a)):
+        for t in range(s + 1, len(a)):
+            for i in range(a.shape[1] - 1):
+                for j in range(a.shape[1] - 1):
+                    count += crosses(a[s, i : i + 2], b[s, i : i + 2], a[t, j : j + 2], b[t, j : j + 2])
+    return count
+
+
+def crosses(p: Floats, p1: Floats, q: Floats, q1: Floats) -> bool:
+    def parts(t: float) -> tuple[Floats, Floats, Floats]:
+        x, y = p + t * (p1 - p), q + t * (q1 - q)
+        return x[1] - x[0], y[1] - y[0], y[0] - x[0]
+
+    times = np.array([0, 1 / 3, 2 / 3, 1.0])
+    volumes = [np.linalg.det(np.stack(parts(t))) for t in times]
+    if min(volumes) > 0 or max(volumes) < 0:  # a cubic may still have two roots between: strands that just touch
+        return False
+    for root in np.roots(np.linalg.solve(np.vander(times, 4), volumes)):
+        if abs(root.imag) < 1e-9 and 0 < root.real <= 1:
+            e, f, w = parts(root.real)
+            places, *_ = np.linalg.lstsq(np.stack([e, -f], 1), w, rcond=None)
+            if (places >= 0).all() and (places <= 1).all():
+                return True
+    return False
+
+
+@pytest.fixture
+def steps(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Floats, Floats]]:
+    """Where particles were at begin and end of all parts of steps."""
+    found: list[tuple[Floats, Floats]] = []
+    make = StrandContact.step
+
+    def step(self: StrandContact, run: Callable[[], None], solver: Any) -> bool:
+        before = self._particles(solver.state)
+        done = make(self, run, solver)
+        if done:
+            found.append((before, self._particles(solver.state)))
+        return done
+
+    monkeypatch.setattr(StrandContact, "step", step)
+    return found
+
+
+@pytest.mark.parametrize(("speed", "young"), [(1, "5.0e+9"), (10, "5.0e+5"), (1000, "5.0e+9")])
+def test_strands_shot_at_each_other_do_not_pass(speed: float, young: str, steps: list[tuple[Floats, Floats]]) -> None:
+    """However far they would go in a step: up to forty times their length, or ten thousand thicknesses."""
+    groom = strands([[-0.5, 0, 0], [0.02, 0.05, -0.5]], [[1, 0, 0], [0.02, 0, 1]], [1, 1])
+    solver = solver_of(CROSS.format(young=young) + RULE.format(d=0.004), groom)
+    for axis, sign in ((0, 1), (1, -1)):
+        solver.state.velocity.reshape(1, 10, 3, PACK)[0, :, axis, 0] = sign * speed
+    solver.advance(7)
+    assert sum(crossings(*one) for one in steps) == 0
+    assert solver.errors(7)["nonfinite"] == 0
+
+
+def test_one_strand_rests_on_another() -> None:
+    """At the distance asked for, and still."""
+    groom = strands([[-0.1, -0.02, 0], [0, 0.05, -0.5]], [[1, 0, 0], [0, 0, 1]], [0.2, 1])
+    solver = solver_of(CROSS.format(young="5.0e+9") + RULE.format(d=0.01).replace("drag: 0", "drag: 5"), groom)
+    solver.advance(60)
+    then = solver.particles()
+    solver.advance(70)
+    now = solver.particles()
+    error = solver.errors(70)
+    assert error["strand_penetration_max"] < 3e-5  # type: ignore[operator]
+    assert np.abs(now - then).max() < 1e-3
+    nearest = np.linalg.norm(fine(now[0])[:, None] - fine(now[1])[None], axis=2).min()
+    assert nearest == pytest.approx(0.01, abs=1e-4)
+
+
+def fine(strand: NDArray[Any]) -> Floats:
+    """Many points of a strand."""
+    at = np.linspace(0, len(strand) - 1, 2001)
+    return np.stack([np.interp(at, np.arange(len(strand)), strand[:, c]) for c in range(3)], 1)
+
+
+def test_contact_keeps_momentum() -> None:
+    """What one strand gets the other loses: forces times masses add up to nothing, where lengths differ too."""
+    groom = strands([[-0.1, -0.02, 0], [0, 0.05, -0.5]], [[1, 0, 0], [0, 0, 1]], [0.2, 1])
+    solver = solver_of(CROSS.format(young="5.0e+9") + RULE.format(d=0.01), groom)
+    seen = 0
+    for frame in range(2, 14):
+        solver.advance(frame)
+        pushes = solver.state.crowd.reshape(1, 10, 3, PACK)[0, :, :, :2].astype(float)
+        lengths = groom.lengths / 10
+        sums = np.einsum("jcs,j,s->cs", pushes, solver.mass.astype(float), lengths)
+        if np.abs(sums).max() > 0:
+            seen += 1
+            assert np.abs(sums.sum(1)).max() < 2e-6 * np.abs(sums).max()
+    assert seen > 3
+
+
+def test_a_twisted_pair_keeps_its_turns(steps: list[tuple[Floats, Floats]]) -> None:
+    """Two strands about each other, pulled straight by their weight: without contact they come out of it at once."""
+    n, turns, radius = 24, 2.0, 0.012
+    angles = 2 * np.pi * turns * np.arange(n + 1) / n
+    points = [
+        np.stack([s * radius * np.cos(angles), -np.arange(n + 1) / n, s * radius * np.sin(angles)], 1) for s in (1, -1)
+    ]
+    ways = np.stack([np.diff(p, axis=0) for p in points])
+    lengths = np.linalg.norm(ways, axis=2).sum(1)
+    ways /= np.linalg.norm(ways, axis=2)[:, :, None]
+    groom = Groom(
+        np.array([p[0] for p in points], np.float32), ways[:, 0].astype(np.float32), lengths.astype(np.float32),
+        np.zeros(2, np.float32), ways=ways,
+    )  # fmt: skip
+    text = (
+        "rod: {rest: straight, radius: 1.0e-3, young: 1.0e+6, drag: 2}\ntime: {fps: 60}\n"
+        "emitter: {strands: 2, particles: 25, length: 1}\nrules: [gravity: {acceleration: [0, -30, 0]}%s]"
+    )
+    left = []
+    for rule in (", contact: {thickness: 0.01, friction: 0.6}", ""):
+        solver = solver_of(text % rule, groom)
+        solver.advance(16)
+        way = solver.particles()[1].astype(float) - solver.particles()[0]
+        around = np.unwrap(np.arctan2(way[:20, 2], way[:20, 0]))
+        left.append(abs(around[-1] - around[0]) / (2 * np.pi))
+        if rule:
+            assert sum(crossings(*one) for one in steps) == 0
+            assert solver.errors(16)["strand_penetration_max"] < 4e-3  # type: ignore[operator]
+    assert left[0] > 0.8 * turns * 19 / n
+    assert left[1] < 0.5 * left[0]
+
+
+def test_the_response_is_how_the_step_answers_a_force() -> None:
+    """Against a dense solution of the same equations."""
+    rng = np.random.default_rng(0)
+    n = 6
+    edges = rng.normal(size=(1, n, 3))
+    edges /= np.linalg.norm(edges, axis=2)[:, :, None]
+    mass, joint, stiffness = rng.uniform(0.5, 2, n), rng.uniform(0.5, 2, n), 3.0
+    tension, normals = rng.uniform(-1, 4, (1, n)), np.zeros((1, n, 3))
+    bands = np.empty((1, 4 * n, contact_response.BAND))
+    contact_response.factorise(
+        np.zeros(1, np.int64), edges, (np.array([stiffness]), tension, normals), mass, joint, bands
+    )
+    pairs, numbers = np.array([[0, 3, 0, 0]]), np.zeros((1, 7))
+    numbers[0, 0] = 0.3
+    out = np.empty((1, 2, n, 3, 3))
+    contact_response.respond(pairs, numbers, bands, np.zeros(1, np.int64), np.array([0.5]), out, np.empty((4 * n, 3)))
+    d = np.eye(n) - np.eye(n, k=-1)
+    h = np.diag(mass) + d.T @ np.diag(np.maximum(tension[0], 0)) @ d
+    h += (d @ d).T @ np.diag(stiffness * joint) @ (d @ d)
+    jacobian = np.einsum("ji,jc->jic", d, edges[0]).reshape(n, 3 * n)
+    matrix = np.block([[np.kron(h, np.eye(3)), jacobian.T], [jacobian, np.zeros((n, n))]])
+    force = np.zeros((4 * n, 3))
+    force[9:12], force[6:9] = 0.3 / 0.5 * np.eye(3), 0.7 / 0.5 * np.eye(3)
+    wanted = np.linalg.solve(matrix, force)[: 3 * n].reshape(n, 3, 3)
+    np.testing.assert_allclose(out[0, 0], wanted, atol=1e-10)
+
+
+def test_pairs_are_those_whose_boxes_meet() -> None:
+    """Against all pairs, of segments that differ a hundredfold in size."""
+    rng = np.random.default_rng(1)
+    start = rng.normal(size=(30, 1, 3)) + np.cumsum(
+        rng.normal(size=(30, 8, 3)) * np.exp(rng.normal(size=(30, 1, 1)) - 2), 1
+    )
+    end = start + 0.1 * rng.normal(size=start.shape)
+    found = Nearby(7, 1).find(start, end, 0.1)
+    ends = np.stack([start[:, :-1], start[:, 1:], end[:, :-1], end[:, 1:]])
+    low, high = ends.min(0).reshape(-1, 3) - 0.05, ends.max(0).reshape(-1, 3) + 0.05
+    meet = ((low[:, None] <= high[None]) & (low[None] <= high[:, None])).all(2)
+    i, j = np.nonzero(np.triu(meet, 1))
+    keep = (i // 7 != j // 7) | (abs(i - j) > 1)
+    wanted = np.stack([i // 7, i % 7, j // 7, j % 7], 1)[keep]
+    np.testing.assert_array_equal(found, wanted)
+    assert len(found) > 300
+
+
+TUFT = (
+    "rod: {rest: straight, radius: 2.0e-4, young: 1.0e+8}\n"
+    "emitter: {shape: {kind: disc, radius: 0.01}, strands: 24, particles: 9, length: 0.1, jitter: 15, "
+    "keys: [{time: 0}, {time: 0.5, position: [0.05, 0, 0]}]}\n"
+    "rules: [emitter_motion, gravity, contact: {thickness: 0.001}]"
+)
+
+
+def test_any_number_of_threads_and_a_restart_give_the_same_bits() -> None:
+    found = []
+    for threads in {1, min(2, numba.config.NUMBA_NUM_THREADS)}:
+        numba.set_num_threads(threads)
+        solver = solver_of(TUFT)
+        solver.advance(4)
+        saved = {name: one.copy() for name, one in solver.state_arrays().items()}
+        solver.advance(6)
+        found.append(solver.particles())
+        again = solver_of(TUFT)
+        again.restore(saved)
+        again.advance(6)
+        found.append(again.particles())
+    for one in found:
+        np.testing.assert_array_equal(one, found[0])
+
+
+def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump() -> None:
+    count = 9
+    way = np.tile([0.0, -1.0, 0.0], (count, 1)) + np.random.default_rng(0).normal(scale=0.02, size=(count, 3))
+    groom = strands(np.zeros((count, 3)), way, np.full(count, 0.2))
+    text = "rod: {radius: 2.0e-4, young: 1.0e+6}\nemitter: {strands: 9, particles: 9, length: 0.2}\ntime: {fps: 24}\n"
+    solver = solver_of(text + "rules: [gravity, contact: {thickness: 0.002}]", groom)
+    past = solver.particles()
+    alone = solver_of(text + "rules: [gravity]", groom)
+    alone.advance(9)
+    for frame in range(2, 10):
+        solver.advance(frame)
+        now = solver.particles()
+        assert np.abs(now - past).max() < 0.01
+        past = now
+    assert solver.errors(9)["nonfinite"] == 0
+    assert nearest_tips(past) > 2 * nearest_tips(alone.particles())
+
+
+def nearest_tips(x: NDArray[Any]) -> float:
+    apart = np.linalg.norm(x[:, None, -1] - x[None, :, -1], axis=2)
+    return float(apart[np.triu_indices(len(x), 1)].min())
+
+
+@pytest.mark.parametrize(
+    ("rule", "message"),
+    [
+        ("thickness: 5", "more than the groom"),
+        ("thickness: .nan", "finite"),
+        ("thickness: -1", "must be a number above 0"),
+        ("friction: -0.1", "of at least 0"),
+        ("friction: 11", "must be"),
+        ("iterations: 0", "must be"),
+    ],
+)
+def test_bad_input_is_refused_by_name(rule: str, message: str) -> None:
+    with pytest.raises((UsageError, SceneError), match="contact") as caught:
+        solver_of(f"emitter: {{strands: 2, particles: 3, length: 0.1}}\nrules: [contact: {{{rule}}}]")
+    assert message in str(caught.value)
+
+
+def test_friction_over_one_is_allowed_and_no_contact_costs_nothing() -> None:
+    one = solver_of("emitter: {strands: 2, particles: 3, length: 0.1}\nrules: [gravity, contact: {friction: 1.5}]")
+    assert one.contact is not None
+    other = solver_of("emitter: {strands: 2, particles: 3, length: 0.1}\nrules: [gravity]")
+    assert other.contact is None
+    assert len(other.state.crowd) == 1
+    assert "strand_penetration_max" not in other.errors(1)
