@@ -97,9 +97,9 @@ def _imported(module: str, text: bytes) -> list[str]:
         if not parts or parts[0] not in (PACKAGE, module.split(".")[0]):
             continue
         base = ".".join(parts)
-        if _path(base) is not None:
+        wanted = re.findall(r"(\w+)(?:[ \t]+as[ \t]+\w+)?", names.decode())
+        modules = [one for name in wanted if _path(one := f"{base}.{name}") is not None]
+        found += modules
+        if len(modules) < len(wanted) and _path(base) is not None:  # something of what the package itself says
             found.append(base)
-        for name in re.findall(r"(\w+)(?:[ \t]+as[ \t]+\w+)?", names.decode()):
-            if _path(f"{base}.{name}") is not None:
-                found.append(f"{base}.{name}")
     return found

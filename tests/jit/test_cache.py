@@ -167,19 +167,19 @@ def test_an_entry_follows_the_text_of_all_modules_that_a_kernel_is_made_of(
     package = tmp_path / "strandcli"
     shutil.copytree(sources.ROOT, package, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(sources, "ROOT", package)
-    kernel = "strandcli.draw.coverage.kernels.resolve"
+    kernel, written = "strandcli.draw.coverage.kernels.resolve", "strandcli.solids.shapes.other_code"
     counting = ("simd/lanes.py", "constants.py", "jit/__init__.py", "draw/coverage/kernels/resolve.py")
-    others = ("pipeline.py", "jit/cache.py", "compiling/service.py", "simulate/rules/wind.py")
+    others = ("pipeline.py", "__init__.py", "jit/cache.py", "compiling/service.py", "simulate/rules/wind.py")
 
-    def digest() -> str:
+    def digest(module: str = kernel) -> str:
         for one in (sources.digest, sources._text, sources._path):
             one.cache_clear()
-        return sources.digest(kernel)
+        return sources.digest(module)
 
-    before = digest()
+    before, imports_from_the_package = digest(), digest(written)
     for name in others:
         (package / name).write_text("# other text\n", encoding="utf-8")
-        assert digest() == before, name
+        assert digest() == before and digest(written) == imports_from_the_package, name
     known = {before}
     for name in counting:
         with open(package / name, "a", encoding="utf-8") as text:
