@@ -40,6 +40,8 @@ LONGEST = 10
 """Seconds for one file."""
 MOST = 100_000_000
 """Bytes beyond three times the file."""
+
+
 class TooLongError(Exception):
     """Reading a file took more than `LONGEST` seconds."""
 
@@ -150,6 +152,8 @@ def main() -> int:
         for first in range(0, count, 100):
             signal.alarm(LONGEST)
             total += fuzz(suffix, range(first, min(first + 100, count)), print)
+            if first % 10_000 == 9_900:
+                print(f"{suffix}: {first + 100:,} files, {dict(total)}", file=sys.stderr, flush=True)
         signal.alarm(0)
         resource.setrlimit(resource.RLIMIT_AS, before)
         wrong += total["wrong"]
