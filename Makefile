@@ -29,7 +29,7 @@ help:
 	@echo "make check-against-blender   .abc and .usd in Blender and back, in an environment of its own; 400 MB, Python 3.11 or 3.13"
 	@echo "make faults     every place where a command writes fails once in every way; some minutes"
 	@echo "make kills      200 renders killed at random moments, 20 ended by SIGTERM, 1,000 damaged kernel caches, 200 cold starts; an hour"
-	@echo "make fuzz       read damaged files of strands, meshes and cameras, 100,000 of each format"
+	@echo "make fuzz       read damaged files of all that strandcli reads, 100,000 of each format and kind; hours"
 	@echo "make mesh-distances  time, memory and error of grids of signed distances"
 	@echo "make reading    time and memory of reading 50,000 strands in each format"
 	@echo "make dense      time and memory of a picture and of labels of 100,000 strands of 256 points"

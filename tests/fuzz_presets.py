@@ -24,7 +24,8 @@ FILES = Path(__file__).resolve().parents[1] / "presets"
 WORDS = (
     *OTHERS, 1e-30, 1e30, -1e30, 1e-300, 0.999, 255, 10**6, 10**9, "hair", "a.preset", "fifo", "/dev/zero",
     "/dev/full", "/proc/self/environ", "/", "..", "../../x", "~", "a" * 5000, "\x1b[2J", "é\u202e", "1e999", "#ff0000",
-    "off", "null", [1, 2], [1, 2, 3], [0, 0, 0], [1e30, -1e30, 1e-30], [10**9, 10**9], [[0, 1], [2, 3]], ["wind", "wind"],
+    "off", "null", [1, 2], [1, 2, 3], [0, 0, 0], [1e30, -1e30, 1e-30], [10**9, 10**9], [[0, 1], [2, 3]],
+    ["wind", "wind"],
 )  # fmt: skip
 """What values become."""
 
