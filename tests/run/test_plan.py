@@ -243,3 +243,21 @@ raise SystemExit(status)
     assert "GB are free: use fewer --strands or --particles, or a smaller --size" in done.stderr
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_planning_millions_of_strands_makes_few_of_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Half a minute and 3 GB once went by for the warnings of 11 million."""
+    from strandcli.cli import plan
+    from strandcli.cli.main import main
+    from strandcli.groom import emit
+
+    made: list[int] = []
+    whole = emit.emit
+    monkeypatch.setattr(emit, "emit", lambda *given: made.append(given[2]) or whole(given[0], given[1], 5))
+    preset = tmp_path / "many.yaml"
+    preset.write_text("emitter: {strands: 11000000, particles: 2}\nimage: {size: [8, 8]}\nrules: [gravity]\n")
+    assert main(["plan", str(preset)]) == 0
+    assert made == [plan.LOOKED_AT]
+    assert "11,000,000 strands" in capsys.readouterr().out
