@@ -74,8 +74,10 @@ def mutated_preset(content: bytes, generator: np.random.Generator) -> bytes:
         elif chance < 0.35:
             del place[key]
         elif chance < 0.75 and type(place[key]) in (int, float):
-            factor = 10.0 ** generator.normal(0, 2)
-            place[key] = type(place[key])(min(place[key] * factor, 1e300)) * int(generator.choice((1, 1, 1, -1)))
+            number = float(min(max(place[key], -(10**300)), 10**300)) * 10.0 ** generator.normal(0, 2)
+            place[key] = type(place[key])(np.clip(np.nan_to_num(number), -1e300, 1e300)) * int(
+                generator.choice((1, -1))
+            )
         else:
             place[key] = deepcopy(WORDS[int(generator.integers(len(WORDS)))])
     text = yaml.dump(tree, Dumper=getattr(yaml, "CSafeDumper", yaml.SafeDumper), allow_unicode=True, sort_keys=False)

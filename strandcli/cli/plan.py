@@ -61,7 +61,7 @@ def command(preset: str, frames: FrameRange | None, as_json: bool, **scene_setti
 
 
 def _warnings(scene: Scene, numbers: Any) -> list[str]:
-    """What `render` would warn of before it simulates, of the first `LOOKED_AT` strands; of panels with their labels."""
+    """What `render` would warn of before it simulates, of `LOOKED_AT` strands; of panels with their labels."""
     from ..groom.emit import emit
     from ..plan import needed_strands
     from ..scene.model import MeshShape
