@@ -20,7 +20,7 @@ help:
 	@echo "make check      lint, types and tests, as CI does"
 	@echo "make coverage   lines of drivers that tests run without Numba's compiler"
 	@echo "make bounds     every index in every kernel looked at, in small scenes of all presets; minutes"
-	@echo "make threads    pictures of all presets with 1, 2, 3 and 4 threads beside tests/golden"
+	@echo "make threads    pictures of all presets with 1, 2, 3 and 4 threads have the same bits"
 	@echo "make docs       the documentation as a site: out/docs/index.html"
 	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"
 	@echo "make gallery    the presets large and fine: out/gallery, some minutes"
@@ -105,10 +105,7 @@ bounds: $(READY)
 	STRANDCLI_BOUNDS_CACHE=out/bounds $(BIN)/python tests/bounds.py
 
 threads: $(READY)
-	@for count in 1 2 3 4; do \
-	  NUMBA_NUM_THREADS=4 $(RUN) golden check tests/golden --threads $$count --quiet || exit $$?; \
-	  echo "$$count threads: the same pixels"; \
-	done
+	STRANDCLI_TEST_THREADS=4 $(BIN)/python -m pytest -q tests/run/test_threads.py -k presets
 
 docs: $(DOCS)/.ready
 	$(DOCS)/bin/python -m sphinx --fail-on-warning --keep-going --quiet --builder html docs out/docs
