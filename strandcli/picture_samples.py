@@ -27,8 +27,7 @@ def opened(path: Path | str, *, any_size: bool = False) -> Iterator[Any]:
     """The Pillow image at ``path``, not decoded yet, without Pillow's warnings, which name no remedy.
 
     With ``any_size`` it must be a PNG, and Pillow's limit of pixels does not count.
-    Raises ``ValueError`` for a pipe or a device, of which nothing is read, and for a file that cannot hold as many
-    pixels as it says, for which no memory is taken; and what Pillow raises for broken files.
+    Raises ``ValueError`` for a pipe or a device, of which nothing is read, and what Pillow raises for broken files.
     """
     from PIL import Image
     from PIL.PngImagePlugin import PngImageFile
@@ -40,9 +39,15 @@ def opened(path: Path | str, *, any_size: bool = False) -> Iterator[Any]:
         warnings.simplefilter("ignore")
         # the limit is in Image.open alone
         with PngImageFile(path) if any_size else Image.open(path) as image:
-            if image.format in PACKED and image.width * image.height > MOST_IN_A_BYTE * os.path.getsize(path):
-                raise ValueError(f"it ends long before its {image.width} x {image.height} pixels")
             yield image
+
+
+def require_pixels(image: Any) -> Any:
+    """The `opened` image, not decoded. Raises ``ValueError`` for one whose file cannot hold as many pixels as it says,
+    for which no memory is to be taken."""
+    if image.format in PACKED and image.width * image.height > MOST_IN_A_BYTE * os.path.getsize(image.filename):
+        raise ValueError(f"it ends long before its {image.width} x {image.height} pixels")
+    return image
 
 
 def _require_whole_chunks(path: Path | str) -> None:
@@ -66,6 +71,7 @@ def samples(image: Any) -> npt.NDArray[Any]:
     """(height, width, 3), or 4 where there is transparency, of an `opened` image, 0 … 255: uint8, or float64 in steps
     of 1/257 where the file has 16 bits. Raises ``ValueError`` for kinds that would lose some of them, and what Pillow
     raises for broken files."""
+    require_pixels(image)
     raw = _raw_mode(image)
     if image.mode.startswith("I;16") or (image.mode == "I" and raw.startswith("I;16")):
         return np.repeat(np.asarray(image, np.float64)[..., None] / STEP, 3, axis=2)
