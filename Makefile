@@ -9,15 +9,18 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: all wheel unwritable faults kills dask plan-figures demo fuzz reading dense mesh-distances test test-long test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz reading dense mesh-distances test test-long test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
 	@echo "make test       run the tests"
 	@echo "make test-long  run the tests that `make test` leaves out, for they repeat at length what others show"
 	@echo "make test-oldest   kernels with the oldest Numba that is supported, in an environment of its own"
-	@echo "make all        what a release has to pass: check, oldest Numba, wheel installed elsewhere, no home, docs"
+	@echo "make all        what a release has to pass: check, oldest Numba, wheel installed elsewhere, no home, coverage, bounds, docs"
 	@echo "make check      lint, types and tests, as CI does"
+	@echo "make coverage   lines of drivers that tests run without Numba's compiler"
+	@echo "make bounds     every index in every kernel looked at, in small scenes of all presets; minutes"
+	@echo "make threads    pictures of all presets with 1, 2, 3 and 4 threads have the same bits"
 	@echo "make docs       the documentation as a site: out/docs/index.html"
 	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"
 	@echo "make gallery    the presets large and fine: out/gallery, some minutes"
@@ -31,7 +34,7 @@ help:
 	@echo "make kills      200 renders killed at random moments, 20 ended by SIGTERM, 1,000 damaged kernel caches, 200 cold starts; an hour"
 	@echo "make dask       workers of real Dask clusters, one of them killed, in an environment of its own"
 	@echo "make plan-figures   memory and time as planned beside those that runs take; some minutes"
-	@echo "make fuzz       read damaged files of strands, meshes and cameras, 100,000 of each format"
+	@echo "make fuzz       read damaged files of all that strandcli reads, 100,000 of each format and kind; hours"
 	@echo "make mesh-distances  time, memory and error of grids of signed distances"
 	@echo "make reading    time and memory of reading 50,000 strands in each format"
 	@echo "make dense      time and memory of a picture and of labels of 100,000 strands of 256 points"
@@ -71,7 +74,7 @@ types: $(READY)
 
 check: lint types test
 
-all: lint types test test-long test-oldest wheel unwritable docs
+all: lint types test test-long test-oldest coverage bounds threads wheel unwritable docs
 
 WHEEL := out/wheel
 
@@ -87,6 +90,24 @@ wheel: $(READY)
 # a home that is no folder: kernels are kept nowhere, and the run goes on
 unwritable: $(READY)
 	HOME=/dev/null XDG_CACHE_HOME=/dev/null/cache $(RUN) render minimal -f 1 --size 64x48 --strands 100 -o out/unwritable --overwrite
+
+# drivers that read, check and write, without Numba's compiler: what they need of it they would not pass. Kernels are
+# LLVM's, and do not run without it
+WITHOUT_JIT := tests/scene tests/output tests/cameras
+WITH_JIT := output/test_layers.py output/test_claim.py cameras/test_film.py cameras/test_usd_cameras.py
+COVERED := 'strandcli/scene/*,strandcli/output/*,strandcli/cameras/*'
+
+coverage: $(READY)
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run --source=strandcli -m pytest -q $(WITHOUT_JIT) \
+	  $(foreach file,$(WITH_JIT),--ignore=tests/$(file))
+	$(BIN)/python -m coverage report --include=$(COVERED) --skip-covered --fail-under=90
+
+# every index of every kernel is looked at; minutes of compiling, for a cache of its own
+bounds: $(READY)
+	STRANDCLI_BOUNDS_CACHE=out/bounds $(BIN)/python tests/bounds.py
+
+threads: $(READY)
+	STRANDCLI_TEST_THREADS=4 $(BIN)/python -m pytest -q tests/run/test_threads.py -k presets
 
 docs: $(DOCS)/.ready
 	$(DOCS)/bin/python -m sphinx --fail-on-warning --keep-going --quiet --builder html docs out/docs

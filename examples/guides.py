@@ -36,13 +36,14 @@ def run(preset: str, guides: int, last: int) -> tuple[list[Strands], float, floa
     children, scratch = stage.children, Scratch()
     assert isinstance(children, Followers)
     frames = sorted({round(frame) for frame in np.linspace(1, last, COMPARED + 1)})[1:]
+    everybody = np.arange(children.groom.strands, dtype=np.int32)
     found, simulating, following = [], [], []
     stage.begin(2)  # which loads kernels
     for frame in range(3, last + 1):
         began = time.process_time()
         moved = stage.begin(frame)
         middle = time.process_time()
-        out, _ = children.grow(moved.positions, moved.lengths, (frame - 1) / scene.time.fps, 0, scratch)
+        out, _ = children.grow(moved.positions, moved.lengths, (frame - 1) / scene.time.fps, everybody, scratch)
         simulating.append(middle - began)
         following.append(time.process_time() - middle)
         if frame in frames:

@@ -66,13 +66,15 @@ class Checkpoints:
         ``after`` where there is none that fits."""
         for frame in sorted(self._frames(after, last), reverse=True):
             try:
-                solver.restore(read_state(self.path(frame), self.key(solver.scene), solver.state_arrays()))
+                state = read_state(self.path(frame), self.key(solver.scene), solver.state_arrays())
+                solver.check(state, frame)
+                solver.restore(state)
             except FileNotFoundError:
                 continue
             except ForeignError:
                 self._bad.add(frame)
                 self._tell_foreign()
-            except (DamagedError, OSError) as error:
+            except (DamagedError, OSError, ValueError) as error:
                 self._bad.add(frame)
                 self._say(f"{self.path(frame)}: checkpoint is not used: {_reason(error)}; it will be made again")
             else:

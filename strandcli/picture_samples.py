@@ -16,6 +16,12 @@ STEP = 257.0
 """Steps of 16 bits in one of 8: 65535 / 255."""
 
 
+PACKED = ("PNG", "JPEG", "MPO", "GIF", "BMP", "TGA", "PPM", "PCX", "ICO")
+"""Pillow's names of formats in which a byte holds a limited number of pixels."""
+MOST_IN_A_BYTE = 8300
+"""deflate packs at most 1032 bytes in one (zlib's technical details), of 8 pixels each; the others pack less."""
+
+
 @contextmanager
 def opened(path: Path | str, *, any_size: bool = False) -> Iterator[Any]:
     """The Pillow image at ``path``, not decoded yet, without Pillow's warnings, which name no remedy.
@@ -28,6 +34,7 @@ def opened(path: Path | str, *, any_size: bool = False) -> Iterator[Any]:
 
     if os.path.exists(path) and not os.path.isfile(path):
         raise ValueError("it is no file")
+    _require_whole_chunks(path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         # the limit is in Image.open alone
@@ -35,10 +42,36 @@ def opened(path: Path | str, *, any_size: bool = False) -> Iterator[Any]:
             yield image
 
 
+def require_pixels(image: Any) -> Any:
+    """The `opened` image, not decoded. Raises ``ValueError`` for one whose file cannot hold as many pixels as it says,
+    for which no memory is to be taken."""
+    if image.format in PACKED and image.width * image.height > MOST_IN_A_BYTE * os.path.getsize(image.filename):
+        raise ValueError(f"it ends long before its {image.width} x {image.height} pixels")
+    return image
+
+
+def _require_whole_chunks(path: Path | str) -> None:
+    """Raise ``ValueError`` for a PNG that ends within a chunk: Pillow takes memory for the length that one tells."""
+    with open(path, "rb") as file:
+        left = os.fstat(file.fileno()).st_size - 8
+        if file.read(8) != b"\x89PNG\r\n\x1a\n":
+            return
+        while left > 0:
+            head = file.read(8)
+            length = int.from_bytes(head[:4], "big") + 12
+            if len(head) < 8 or length > left:
+                raise ValueError("it ends in the middle of a chunk")
+            if head[4:] == b"IEND":
+                return
+            file.seek(length - 8, os.SEEK_CUR)
+            left -= length
+
+
 def samples(image: Any) -> npt.NDArray[Any]:
     """(height, width, 3), or 4 where there is transparency, of an `opened` image, 0 … 255: uint8, or float64 in steps
     of 1/257 where the file has 16 bits. Raises ``ValueError`` for kinds that would lose some of them, and what Pillow
     raises for broken files."""
+    require_pixels(image)
     raw = _raw_mode(image)
     if image.mode.startswith("I;16") or (image.mode == "I" and raw.startswith("I;16")):
         return np.repeat(np.asarray(image, np.float64)[..., None] / STEP, 3, axis=2)

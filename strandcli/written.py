@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
 import importlib.util
 import sys
 from pathlib import Path
 from typing import Any
 
-from .compiling.folder import cache
+from .compiling.folder import cache, text_hash
 
 
 def module_of(text: str, prefix: str, folder: Path) -> Any:
     """The module with this text, named by the prefix and the text's hash; written to ``folder`` unless it is there."""
-    name = f"{prefix}_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+    name = f"{prefix}_{text_hash(text.encode())}"
     path = folder / f"{name}.py"
     try:
         kept = path.is_file() and path.read_bytes() == text.encode()  # bytes: a damaged file need not be text

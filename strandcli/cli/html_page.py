@@ -42,7 +42,7 @@ class HtmlPage:
 
         with suppress(StrandError, OSError):
             data = read_report(self._directory)
-            if data is not None:
+            if data is not None and data.keys() >= {"preset", "status", "strandcli"}:
                 self.write(data)
 
 

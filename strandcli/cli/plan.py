@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from ..scene.model import Emitter, Scene
 
 
+LOOKED_AT = 100_000
+"""Strands that are looked at for warnings: ten million would take half a minute and gigabytes."""
+
+
 @click.command()
 @options.drawn
 @options.frames
@@ -82,7 +86,7 @@ def command(
 
 
 def _warnings(scene: Scene, numbers: Any) -> list[str]:
-    """What `render` would warn of before it simulates; of panels with their labels."""
+    """What `render` would warn of before it simulates, of `LOOKED_AT` strands; of panels with their labels."""
     from ..groom.emit import emit
     from ..plan import needed_strands
     from ..scene.model import MeshShape
@@ -95,7 +99,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
 
             lines = list(from_scene(one, roughly=True).notes)
         else:
-            groom = emit(one.emitter, one.seed, needed_strands(one, numbers))
+            groom = emit(one.emitter, one.seed, min(needed_strands(one, numbers), LOOKED_AT))
             lines = []
             if isinstance(one.emitter.shape, MeshShape):
                 from ..groom.deforming import at_start  # Numba comes with it

@@ -1,16 +1,18 @@
 """The folder that holds compiled kernels and generated modules.
 
-``STRANDCLI_CACHE_DIR`` names it, else the user's cache folder. It may be shared: nothing is removed there but files
-that strandcli has named.
+``STRANDCLI_CACHE_DIR`` names it, else the user's cache folder. What lies around it may be anybody's: nothing is removed
+there but files that strandcli has named. The folder itself has to be the user's alone, for its files are run as code.
 """
 
 from __future__ import annotations
 
 import atexit
 import contextlib
+import hashlib
 import os
 import re
 import shutil
+import stat
 import tempfile
 import time
 from collections.abc import Callable
@@ -43,7 +45,8 @@ class Folder:
 
     @property
     def path(self) -> Path:
-        """A private folder of this user; a temporary one of this process where that cannot be written."""
+        """A private folder of this user; a temporary one of this process where that cannot be written, or others can
+        write there."""
         if self._path is None:
             self._path = self._choose()
         return self._path
@@ -95,13 +98,20 @@ class Folder:
         base = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("strandcli", appauthor=False))
         folder = base / f"kernels-{__version__}"
         try:
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=folder):
-                pass
-            with contextlib.suppress(OSError):
-                os.utime(folder)
-                sweep(base, folder)
-            return folder
+            base.mkdir(mode=0o700, parents=True, exist_ok=True)
+            folder.mkdir(mode=0o700, exist_ok=True)
+            others = writers(folder.stat())
+            if not others:
+                with tempfile.TemporaryFile(dir=folder):
+                    pass
+                with contextlib.suppress(OSError):
+                    os.utime(folder)
+                    sweep(base, folder)
+                return folder
+            self._trouble = (
+                f"{folder}: kernels that lie there are not run, for {others}: every run will compile anew; "
+                f"'chmod go-w {folder}' where it is yours, or point STRANDCLI_CACHE_DIR at a folder of your own"
+            )
         except OSError as error:
             self._trouble = _advice(folder, error)
         try:
@@ -110,6 +120,21 @@ class Folder:
         except OSError:  # nothing can be written anywhere: every kernel is compiled in this process
             pass
         return folder
+
+
+def text_hash(text: bytes) -> str:
+    """The end of the name of a module that strandcli writes there: 16 hexadecimal digits of its text's hash."""
+    return hashlib.sha256(text).hexdigest()[:16]
+
+
+def writers(found: os.stat_result) -> str:
+    """Who but this user may change a folder or a file of the cache, in words; "" where nobody may, root left aside,
+    and on systems that have no such owners."""
+    if not hasattr(os, "getuid"):
+        return ""
+    if found.st_uid != os.getuid():
+        return "it belongs to another user"
+    return "other users may change it" if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else ""
 
 
 def _advice(folder: Path, error: OSError) -> str:

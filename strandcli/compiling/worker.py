@@ -79,18 +79,22 @@ def _compile(module: str, file: str, name: str, signature: bytes, entry: str) ->
 
 
 def _import(name: str, file: str) -> Any:
-    """A module by its name, or, for those that are written into the cache's folder, by its file."""
+    """A module by its name, or, for those that are written into the cache's folder, by its file, which is run if its
+    hash is that in its name. Raises `ImportError`."""
     if name in sys.modules:
         return sys.modules[name]
-    from .folder import cache
+    from .folder import cache, text_hash
 
     if Path(file).parent != cache.path:
         return importlib.import_module(name)
     spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None
+    text = Path(file).read_bytes()
+    if not name.endswith(text_hash(text)):
+        raise ImportError(f"{file}: its content is not what was written")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    exec(compile(Path(file).read_bytes(), file, "exec"), module.__dict__)
+    exec(compile(text, file, "exec"), module.__dict__)
     return module
 
 

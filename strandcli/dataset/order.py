@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -93,11 +93,15 @@ def scene_for(scene: Scene, layout: Layout, size: tuple[int, int], frame: int) -
 
 
 def names_of(grooms: Sequence[str]) -> list[str]:
-    """A name for each groom, that of its file without its end; a number goes to those that another has had before."""
-    seen: Counter[str] = Counter()
-    found = []
+    """A name for each groom, one part of a path: that of its file without its end; a number goes to those whose name
+    another has."""
+    found: list[str] = []
     for groom in grooms:
-        name = Path(groom).stem or "groom"
-        seen[name] += 1
-        found.append(name if seen[name] == 1 else f"{name}-{seen[name]}")
+        stem = Path(groom).stem
+        name = plain = stem if stem.strip(".") else "groom"
+        for number in itertools.count(2):
+            if name not in found:
+                break
+            name = f"{plain}-{number}"
+        found.append(name)
     return found

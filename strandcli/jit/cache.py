@@ -119,12 +119,14 @@ class KernelCache(_Cache):
 def _read(path: Path) -> bytes:
     """The content of an entry, whose time says at least to the day when it was last used.
 
-    Raises `OSError`, and `ValueError` for what is no file.
+    Raises `OSError`, and `ValueError` for what is no file of this user's alone.
     """
     with open(os.open(path, READ), "rb") as entry:
         status = os.fstat(entry.fileno())
         if not stat.S_ISREG(status.st_mode):
             raise ValueError("it is no file")
+        if others := folder.writers(status):
+            raise ValueError(others)
         if status.st_mtime < time.time() - folder.DAY:
             with contextlib.suppress(OSError):
                 os.utime(path)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import UsageError
 from ..meshes.files import PIXELS, pixels
+from ..picture_samples import opened, require_pixels
 
 CODES = np.arange(256) / 255.0
 LINEAR = np.where(CODES <= 0.04045, CODES / 12.92, ((CODES + 0.055) / 1.055) ** 2.4).astype(np.float32)
@@ -27,12 +28,12 @@ class Pyramid(NamedTuple):
 
 def picture(path: str) -> NDArray[np.uint8]:
     """(h, w, 3) sRGB, the first row at the top. Raises `UsageError` for what is no picture."""
-    from PIL import Image
-
     try:
-        with Image.open(path) as image:
-            found = pixels(image)
-    except (OSError, ValueError, Image.DecompressionBombError):
+        with opened(path) as image:
+            found = pixels(require_pixels(image))
+    except MemoryError:
+        raise
+    except Exception:  # whatever a damaged picture raises
         found = None
     if found is None:
         raise UsageError(f"{path}: is no picture that can be read, of up to {PIXELS:,} pixels; take a PNG or a JPEG")

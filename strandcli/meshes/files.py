@@ -87,6 +87,8 @@ def pixels(image: Any) -> npt.NDArray[np.uint8] | None:
         if image.width * image.height > PIXELS:
             return None
         return np.asarray(image.convert("RGB"))
+    except MemoryError:
+        raise
     except Exception:  # whatever a damaged picture raises
         return None
 

@@ -15,6 +15,7 @@ import socket
 import stat
 import struct
 import time
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator
@@ -28,8 +29,9 @@ from ..opening import READ
 _TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<pid>[0-9]+)\.tmp(\.\w+)?")
 _DAY = 86_400.0
 ARCHIVE_ERRORS = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError,
-                  struct.error, OverflowError)  # fmt: skip
-"""Exceptions that reading a damaged .npz file may raise; an encrypted one raises RuntimeError."""
+                  struct.error, OverflowError, SyntaxError, tokenize.TokenError)  # fmt: skip
+"""Exceptions that reading a damaged .npz file may raise; an encrypted one raises RuntimeError, and the text of an
+array's header is Python's."""
 
 
 def _host() -> str:

@@ -32,7 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import RefusedError, UsageError
-from ..picture_samples import opened, samples
+from ..picture_samples import opened, require_pixels, samples
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -105,7 +105,7 @@ def read(path: Path, mode: str = "RGB") -> Pixels:
 
 def load(path: Path) -> Any:
     """The wholly decoded Pillow image at ``path``, with the errors of :func:`read`."""
-    return _decoded(path, lambda image: image.copy())
+    return _decoded(path, lambda image: require_pixels(image).copy())
 
 
 def load_frame(path: Path, size: tuple[int, int]) -> Any | None:
@@ -114,7 +114,7 @@ def load_frame(path: Path, size: tuple[int, int]) -> Any | None:
     Frames may be larger than pictures from elsewhere, so Pillow's limit of pixels does not count. Raises the errors of
     :func:`read`.
     """
-    return _decoded(path, lambda image: image.copy() if image.size == size else None, any_size=True)
+    return _decoded(path, lambda image: require_pixels(image).copy() if image.size == size else None, any_size=True)
 
 
 def size_of(path: Path) -> tuple[int, int]:

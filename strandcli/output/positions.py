@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import __version__
-from ..errors import RefusedError, UsageError
+from ..errors import RefusedError, UsageError, one_line
 from .claim import Claim
 from .files import ARCHIVE_ERRORS, atomic, prepare_folder, read_json, require_own, with_whole, write_json
 from .report import finite
@@ -155,7 +155,7 @@ def read_positions(path: Path, shape: tuple[int, int, int], finite: bool = True)
         with np.load(path, allow_pickle=False) as data:
             positions: Positions = data["positions"]
     except (*ARCHIVE_ERRORS, KeyError) as error:
-        raise UsageError(f"{path}: cannot be read: {error}; {AGAIN}") from None
+        raise UsageError(f"{path}: cannot be read: {_words(error)}; {AGAIN}") from None
     bad = ~np.isfinite(positions).all(axis=(1, 2))
     if finite and bad.any():
         others = f" ({int(bad.sum())} such strands)" if bad.sum() > 1 else ""
@@ -178,7 +178,7 @@ def _check_header(path: Path, shape: tuple[int, int, int]) -> None:
     except PermissionError:
         raise RefusedError(f"{path}: no permission to read it") from None
     except ARCHIVE_ERRORS as error:
-        raise UsageError(f"{path}: not a file of positions: {error}; {AGAIN}") from None
+        raise UsageError(f"{path}: not a file of positions: {_words(error)}; {AGAIN}") from None
     if tuple(found) != shape:
         strands, particles, _ = shape
         raise UsageError(
@@ -187,6 +187,12 @@ def _check_header(path: Path, shape: tuple[int, int, int]) -> None:
         )
     if dtype != np.dtype(np.float32):
         raise UsageError(f"{path}: positions are {dtype}, not float32; {AGAIN}")
+
+
+def _words(error: Exception) -> str:
+    """What an error says, of which names in a damaged archive may be many lines."""
+    words = one_line(str(error))
+    return words if len(words) < 200 else f"{words[:200]}…"
 
 
 def _read_manifest(directory: Path) -> dict[str, Any]:

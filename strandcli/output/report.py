@@ -23,6 +23,7 @@ from .. import __version__
 from ..scene.specs import FileSpec
 from . import png
 from .claim import Claim
+from .earlier import sound_report
 from .files import read_json, write_json
 from .frames import SCENE_KEYWORD, Written, frame_file
 
@@ -213,12 +214,12 @@ def finite(value: Any) -> Any:
 
 
 def read_report(directory: Path) -> dict[str, Any] | None:
-    """The report that an earlier run left in ``directory``, or None if there is none that can be read."""
+    """The report that an earlier run left in ``directory``, without what is not as strandcli writes it, or None if
+    there is none that can be read."""
     try:
-        data = read_json(directory / FILE)
+        return sound_report(read_json(directory / FILE))
     except (OSError, ValueError):
         return None
-    return data if isinstance(data, dict) and isinstance(data.get("frames", []), list) else None
 
 
 def of_others(directory: Path, scene: str, previous: Mapping[str, Any] | None) -> dict[int, dict[str, Any]]:

@@ -154,6 +154,12 @@ class Crowd:
         densities = np.array([math.nan if self.density is None else self.density, self.found])
         return {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1], "densities": densities}
 
+    def check(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Raise `ValueError` where pressure is not of its box."""
+        size = state["box"][SIZE : SIZE + 3].tolist()
+        if min(size) < 0 or math.prod(size) != len(state["free pressure"]):
+            raise ValueError("its pressure is not of its box")
+
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""
         box = state["box"]

@@ -126,6 +126,12 @@ class RodSolver(Solver):
         found = {} if self.contact is None else {"found": np.array([self.contact.penetration])}
         return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd, **found}
 
+    def check(self, state: Mapping[str, NDArray[Any]], frame: int) -> None:
+        """Raise `ValueError` for a state that is none of a frame."""
+        super().check(state, frame)
+        if self.crowd is not None:
+            self.crowd.check(state)
+
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""
         super().restore(state)

@@ -91,6 +91,11 @@ class Solver(ABC):
         types and shapes for a scene; none where a frame does not depend on those before it."""
         return {"clock": np.array([self._frame], np.float64), "positions": self.positions}
 
+    def check(self, state: Mapping[str, NDArray[Any]], frame: int) -> None:
+        """Raise `ValueError` for a state that is none of a frame; the hash of its file does not tell who wrote it."""
+        if state["clock"][0] != frame:
+            raise ValueError("it is of another frame")
+
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from a state that `state_arrays` of a solver of the same scene has returned."""
         self._frame = int(state["clock"][0])

@@ -16,6 +16,7 @@ from typing import Any
 
 from .. import __version__, runtime
 from ..errors import MismatchError, StrandError
+from ..output.earlier import is_number, is_number_or_none
 from ..output.files import read_json, write_json
 from ..output.report import finite
 from ..scene.dump import plain
@@ -141,11 +142,11 @@ def _read(path: Path, solver: str) -> dict[str, Any] | None:
         data = read_json(path)
         points, margin = data["points"], data["margin"]
         metric, converges = data["metric"], data["reference"]["limits"][solver]["converges"]
-        sound = isinstance(metric, str) and isinstance(converges, bool) and isinstance(margin, int | float | None)
+        sound = isinstance(metric, str) and isinstance(converges, bool) and is_number_or_none(margin)
         for point in points:
             error = point["error"].get(metric)
-            sound = sound and isinstance(error, int | float | None) and isinstance(point["knobs"], dict)
-            sound = sound and isinstance(point["seconds"], int | float)
+            sound = sound and is_number_or_none(error) and isinstance(point["knobs"], dict)
+            sound = sound and is_number(point["seconds"])
     except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError):
         return None
     return data if sound and isinstance(points, list) else None

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from .. import __version__
 from ..errors import MismatchError
+from ..output.earlier import is_number, is_number_or_none
 from ..output.files import read_json
 from ..output.report import fingerprint, finite
 from ..scene.model import Scene
@@ -201,8 +202,8 @@ def read(path: Path) -> dict[str, Any] | None:
         sound = sound and isinstance(reference["width"], dict) and isinstance(data["points"], list)
         for point in data["points"]:
             errors = [point["error"][metric] for metric in SAID]
-            sound = sound and all(isinstance(error, int | float | None) for error in errors)
-            sound = sound and isinstance(point["knobs"], dict) and isinstance(point["seconds"], int | float)
+            sound = sound and all(is_number_or_none(error) for error in errors)
+            sound = sound and isinstance(point["knobs"], dict) and is_number(point["seconds"])
     except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError):
         return None
     return data if sound else None

@@ -179,7 +179,7 @@ def test_an_entry_follows_the_text_of_all_modules_that_a_kernel_is_made_of(
     before, imports_from_the_package = digest(), digest(written)
     for name in others:
         (package / name).write_text("# other text\n", encoding="utf-8")
-        assert digest() == before and digest(written) == imports_from_the_package, name
+        assert (digest(), digest(written)) == (before, imports_from_the_package), name
     known = {before}
     for name in counting:
         with open(package / name, "a", encoding="utf-8") as text:

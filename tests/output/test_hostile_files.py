@@ -5,14 +5,17 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import struct
 import tracemalloc
 import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from strandcli.draw.lighting import environment
 from strandcli.errors import MismatchError, RefusedError, UsageError
 from strandcli.output import png
 from strandcli.output.compare import compare_files
@@ -126,3 +129,50 @@ def test_a_remembered_study_of_another_shape_is_none(path: str, tmp_path: Path) 
         if (path, odd) != ("metric", "text") and (path, odd) != ("margin", True):
             file.write_text(json.dumps({**SOUND, path: odd}))
             assert _read(file, "rod") is None or path == "metric"
+
+
+@pytest.mark.parametrize("kind", ["longer than it is", "cut off", "wider than it can be", "a sky"])
+def test_pictures_that_are_too_short_for_their_pixels_are_refused(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / ("a.hdr" if kind == "a sky" else "a.png")
+    Image.new("RGB", (16, 16)).save(tmp_path / "a.png")
+    data = bytearray((tmp_path / "a.png").read_bytes())
+    if kind == "longer than it is":
+        data[33:37] = struct.pack(">I", 2**31 - 100)
+    elif kind == "cut off":
+        del data[-15:]
+    elif kind == "a sky":
+        data = bytearray(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8192 +X 8192\n" + bytes(100))
+    else:
+        data[16:24] = struct.pack(">II", 8000, 8000)
+        data[29:33] = struct.pack(">I", zlib.crc32(data[12:29]))
+    path.write_bytes(data)
+    tracemalloc.start()
+    if kind != "a sky":
+        with pytest.raises(UsageError, match="ends"):
+            png.read(path)
+    with pytest.raises(UsageError, match="ends"):
+        environment.read(str(path))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 2_000_000
+
+
+def test_a_damaged_header_of_an_array_is_refused_in_one_short_line(tmp_path: Path) -> None:
+    """NumPy reads it as Python's text; a damaged archive tells names of any length."""
+    path = tmp_path / "positions_0001.npz"
+    header = b"\x93NUMPY\x01\x00\x05\x00'''(\n"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("positions.npy", header)
+    with pytest.raises(UsageError, match="not a file of positions"):
+        read_positions(path, (2, 3, 3))
+    long = tmp_path / "positions_0002.npz"
+    with zipfile.ZipFile(long, "w") as archive:
+        archive.writestr("positions.npy", header)
+        archive.writestr("b" * 60_000, b"")
+    data = bytearray(long.read_bytes())
+    data[30:43] = b"\nositions.npz"
+    long.write_bytes(data)
+    with pytest.raises(UsageError) as told:
+        read_positions(long, (2, 3, 3))
+    assert str(told.value).isprintable()
+    assert len(str(told.value)) < 600

@@ -298,3 +298,21 @@ def test_memory_is_what_a_run_takes(tmp_path: Path) -> None:
         pytest.skip("measured by wait4")
     found = measured(("minimal", "--size", "320x240", "-f", "1"), tmp_path, timed=False)
     assert found.within(), f"{found.planned / 1e6:.0f} MB planned, {found.peak / 1e6:.0f} MB measured"
+
+
+def test_planning_millions_of_strands_makes_few_of_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Half a minute and 3 GB once went by for the warnings of 11 million."""
+    from strandcli.cli import plan
+    from strandcli.cli.main import main
+    from strandcli.groom import emit
+
+    made: list[int] = []
+    whole = emit.emit
+    monkeypatch.setattr(emit, "emit", lambda *given: made.append(given[2]) or whole(given[0], given[1], 5))
+    preset = tmp_path / "many.yaml"
+    preset.write_text("emitter: {strands: 11000000, particles: 2}\nimage: {size: [8, 8]}\nrules: [gravity]\n")
+    assert main(["plan", str(preset)]) == 0
+    assert made == [plan.LOOKED_AT]
+    assert "11,000,000 strands" in capsys.readouterr().out

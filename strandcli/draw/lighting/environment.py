@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 LARGEST = 2**26
 """Greatest number of pixels of a picture."""
 TOO_MANY = f"more than {LARGEST:,} pixels (such as 8192 x 8192); scale it down, nine numbers are kept of it"
+MOST_IN_A_BYTE = 16
+"""Pixels of a Radiance picture: two bytes hold at most 127 times one of four channels."""
+ROWS = 64
+"""Of a picture that are made light at a time."""
 FORMATS = ("PNG", "JPEG", "MPO")
 """Pillow's names; MPO is the JPEG of cameras that keep further pictures behind the first."""
 COSINE = (1.0, 2.0 / 3.0, 0.25)
@@ -100,14 +104,18 @@ def _read_picture(path: Path) -> NDArray[np.float64]:
             if image.format == "PNG" and getattr(image, "is_animated", False):
                 raise ValueError("an animation has no one sky")
             _require_size(image.width, image.height)
-            encoded = samples(image)[..., :3].astype(np.float64) / 255.0
+            encoded = samples(image)
     except UnidentifiedImageError:
         raise ValueError("not a picture that can be read") from None
     except SyntaxError as error:  # Pillow's word for a broken PNG
         raise ValueError(str(error)) from None
     except Image.DecompressionBombError:
         raise ValueError(TOO_MANY) from None
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+    found = np.empty((*encoded.shape[:2], 3))
+    for row in range(0, len(found), ROWS):  # the whole picture at once would take four times the memory
+        light = encoded[row : row + ROWS, :, :3].astype(np.float64) / 255.0
+        found[row : row + ROWS] = np.where(light <= 0.04045, light / 12.92, ((light + 0.055) / 1.055) ** 2.4)
+    return found
 
 
 def _require_size(width: int, height: int) -> None:
@@ -128,6 +136,8 @@ def read_hdr(path: Path) -> NDArray[np.float32]:
         raise ValueError("its rows must go down and its columns to the right (-Y … +X …)")
     height, width = int(words[1]), int(words[3])
     _require_size(width, height)
+    if width * height > MOST_IN_A_BYTE * len(body):
+        raise ValueError("the file ends before its last row")
     at = 0
     rgbe = np.empty((height, 4, width), np.uint8)
     for row in range(height):

@@ -1,0 +1,214 @@
+"""Files that strandcli has written and reads again, which `fuzz` damages: positions, checkpoints, studies, reports,
+kernels."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import struct
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import numba
+import numpy as np
+from numba.core.registry import cpu_target
+
+from fuzz_changes import mutated
+from fuzz_presets import command
+from strandcli.checkpoints import FOLDER, Checkpoints
+from strandcli.cli.main import main
+from strandcli.errors import MismatchError
+from strandcli.groom.emit import emit
+from strandcli.jit import function
+from strandcli.jit.dispatcher import KernelDispatcher
+from strandcli.output import positions, state_file
+from strandcli.scene import loads
+from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rules import registry
+from strandcli.study import advice, picture_advice
+from strandcli.written import module_of
+
+TINY = """\
+time: {frames: 3}
+emitter: {strands: 6, particles: 5}
+image: {size: [12, 10]}
+rules: [gravity, elasticity]
+"""
+ROD = """\
+time: {frames: 4, substeps: 2}
+solver: rod
+emitter: {strands: 9, particles: 5}
+rules: [emitter_motion, gravity, {interaction: {}}]
+"""
+
+
+@cache
+def files_of_run(name: str) -> dict[str, bytes]:
+    """The files of a folder of `simulate` or `render`."""
+    with tempfile.TemporaryDirectory() as place:
+        preset, out = Path(place, "tiny.yaml"), Path(place, "out")
+        preset.write_text(TINY)
+        assert main([name, str(preset), "-f", "1-2", "-o", str(out), "-q", "--threads", "1"]) == 0
+        if name == "simulate":  # drawing them compiles and imports nothing afterwards
+            assert main([*drawn(preset, out), "-o", str(Path(place, "drawn"))]) == 0
+        return {path.name: path.read_bytes() for path in out.glob("*.*") if path.is_file()}
+
+
+def drawn(preset: Path, positions: Path) -> list[str]:
+    """The command that draws them."""
+    return ["render", str(preset), "--from-cache", str(positions), "-f", "1-2", "--overwrite", "--threads", "1", "-q"]
+
+
+def laid(folder: Path, run: str, name: str, content: bytes) -> tuple[Path, Path]:
+    """A preset, and a folder of a run of it in which one file has another content."""
+    preset, out = folder / "tiny.yaml", folder / "out"
+    shutil.rmtree(out, ignore_errors=True)
+    out.mkdir()
+    preset.write_text(TINY)
+    for other, data in files_of_run(run).items():
+        (out / other).write_bytes(content if other == name else data)
+    return preset, out
+
+
+def attempt_positions(content: bytes, folder: Path, name: str) -> str:
+    """Read a folder in which this file is one of positions' run; some are drawn."""
+    preset, out = laid(folder, "simulate", name, content)
+    if len(content) % 50 == 0:
+        return command(*drawn(preset, out), "-o", folder / "drawn")
+    frames = positions.cached_frames(out)
+    read = positions.PositionCache(out, frames, 6, 5)
+    found = [read(frame) for frame in frames]
+    sound = all(np.isfinite(one).all() and one.shape == (6, 5, 3) for one in found)
+    return "read" if sound else "positions that are none"
+
+
+@cache
+def rods() -> tuple[RodSolver, bytes]:
+    """A solver that has state of every type, and the checkpoint of its third frame."""
+    scene = loads(ROD, rules=registry(), name="rods.yaml")
+    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
+    solver.advance(3)
+    with tempfile.TemporaryDirectory() as name:
+        kept = Checkpoints(Path(name), 3)
+        kept.keep(solver, 3)
+        return solver, kept.path(3).read_bytes()
+
+
+def signed(content: bytes) -> bytes:
+    """The same with the hash of what it holds."""
+    whole = content[: -state_file.DIGEST]
+    return whole + hashlib.sha256(whole).digest()
+
+
+def mutated_state(content: bytes, generator: np.random.Generator) -> bytes:
+    """A checkpoint that is damaged; half of them do not tell: they hold other numbers, of which the hash is."""
+    if generator.random() < 0.5:
+        return mutated(content, generator)
+    begin = content.index(b"\n", len(state_file.MAGIC)) + 1
+    data = bytearray(content)
+    odd = (np.nan, np.inf, -1.0, 0.0, 1e30, -1e30, 1e-30)
+    for _ in range(generator.integers(1, 6)):
+        at = int(generator.integers(begin, len(data) - state_file.DIGEST - 8))
+        at -= (at - begin) % 4
+        if generator.random() < 0.5:
+            data[at : at + 4] = struct.pack("<f", odd[int(generator.integers(len(odd)))])
+        else:
+            data[at : at + 8] = struct.pack("<q", int(generator.integers(-(2**40), 2**40)))
+    return signed(bytes(data))
+
+
+def attempt_checkpoint(content: bytes, folder: Path) -> str:
+    """Go on from it where that is done, by a step."""
+    solver, whole = rods()
+    told: list[str] = []
+    kept = Checkpoints(folder, 3, told.append)
+    (folder / FOLDER).mkdir(exist_ok=True)
+    kept.path(3).write_bytes(content)
+    if kept.go_on(solver, 0, 4) == 0:
+        return "refused" if len(told) == 1 and told[0].isprintable() else f"{told}"
+    if content not in (whole, signed(content)):
+        return "a damaged one was believed"
+    if content[-1] % 8 == 0:
+        with np.errstate(all="ignore"):  # numbers that nobody would have written
+            solver.step(0.2, 0.01)
+    return "read"
+
+
+POINT = {"error": {"tip": 0.1, "rmse": 0.01, "flip": 0.02}, "knobs": {"time.substeps": 2}, "seconds": 1.0}
+LIMITS = {"limits": {"rod": {"converges": True}}}
+OF_MOTION = {"points": [POINT, POINT], "metric": "tip", "margin": 0.01, "reference": LIMITS}
+PICTURE = {"what": "a picture", "windows": [[0, 0, 2, 2]], "width": {"rmse": 0.1, "flip": 0.1}}
+OF_PICTURES = {"points": [POINT, POINT], "reference": PICTURE}
+
+
+def studies() -> list[bytes]:
+    """Remembered studies of both types."""
+    return [json.dumps(one).encode() for one in (OF_MOTION, OF_PICTURES)]
+
+
+def attempt_study(content: bytes, folder: Path) -> str:
+    """Have it advise."""
+    path = folder / "study.json"
+    path.write_bytes(content)
+    data, pictured = advice._read(path, "rod"), picture_advice.read(path)
+    try:
+        if data is not None:
+            advice.choose(data, "x", "rod", 0.2, (), True).text()
+        if pictured is not None:
+            picture_advice.choose(pictured, "x", {"rmse": 0.1}, True).text()
+    except MismatchError:
+        return "read"
+    return "refused" if data is None and pictured is None else "read"
+
+
+def attempt_report(content: bytes, folder: Path) -> str:
+    """Resume a run all of whose frames are there: the report is read, and written anew with a page."""
+    preset, out = laid(folder, "render", "report.json", content)
+    page = () if len(content) % 4 == 0 else ("--no-html",)
+    found = command("render", preset, "-f", "1", "-o", out, "--resume", "-q", *page)
+    if found == "read":
+        data = json.loads((out / "report.json").read_bytes())
+        names = [one["file"] for one in data["frames"]]
+        if any(name not in files_of_run("render") for name in names):
+            return f"other files: {names}"
+    return found
+
+
+@function
+def plus_one(x):  # type: ignore[no-untyped-def]
+    return x + 1
+
+
+def dispatcher() -> KernelDispatcher:
+    """A kernel that is not loaded yet."""
+    return KernelDispatcher(plus_one.py_func, plus_one._cache._options)
+
+
+def entry() -> tuple[Path, bytes]:
+    """The file of a kernel's entry, and its key."""
+    return dispatcher()._cache._entry((numba.int64,), cpu_target.target_context.codegen())
+
+
+@cache
+def kernel() -> tuple[str, bytes]:
+    """The name and the content of a kernel's entry."""
+    assert dispatcher()(1) == 2
+    path, _ = entry()
+    return path.name, path.read_bytes()
+
+
+def attempt_kernel(content: bytes, folder: Path) -> str:
+    """Load it, and have it stand for a module that strandcli writes."""
+    name, whole = kernel()
+    path = folder / name
+    path.write_bytes(content)
+    if dispatcher()._cache._load(path, entry()[1], cpu_target.target_context) is not None:
+        return "read" if content == whole else "a damaged one was loaded"
+    if path.exists():
+        return "a damaged one was left there"
+    text = "value = 1\n"
+    module = module_of(text, "fuzzed", folder)
+    Path(module.__file__).write_bytes(content)
+    return "refused" if module_of(text, "fuzzed", folder).value == 1 else "another module was run"
