@@ -110,7 +110,7 @@ def axes(forward: ArrayLike, up: ArrayLike) -> tuple[NDArray[np.float64], NDArra
 
 
 def cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the cross product of two vectors (3,): `numpy.cross` takes ten times as long, for every frame and light."""
+    """Return the cross product of two vectors (3,); `numpy.cross` takes ten times as long."""
     x, y, z = a.tolist()
     u, v, w = b.tolist()
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
