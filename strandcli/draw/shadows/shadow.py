@@ -49,10 +49,8 @@ NO_SHADOWS = ShadowArrays(
     np.zeros((0, 2), np.float32), np.zeros(0, np.float32), NO_MAPS, NO_MAPS, np.zeros((0, SIZE), np.float32)
 )
 """Arrays of scenes without maps. They are empty arrays, not None, because kernels would be compiled again for None."""
-
 NO_THICKNESS = Thickness()
-EMPTY_TEXEL = np.array([np.inf, -np.inf], np.float32).view(np.uint64)[0]
-"""Nearest and farthest depth where no strand is, as one number: to fill columns apart takes four times as long."""
+EMPTY_TEXEL = np.array([np.inf, -np.inf], np.float32).view(np.uint64)[0]  # one number: filled in one pass
 
 
 @dataclass
