@@ -25,7 +25,8 @@ _kept: dict[str, Any] = {"no_cfunc_wrapper": True}
 parallel: Any = _cached(parallel=True, nogil=True, error_model="numpy", **_kept)
 """A kernel that a driver calls: its loops run on all threads."""
 
-LEAN: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
+# without a value of its own, a function would inherit `forceinline` from whichever happens to have it compiled first
+LEAN: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False, "forceinline": False}
 function: Any = _cached(**LEAN, **_kept)
 """A function that kernels call. Here and below references to arrays are not counted, which may take an atomic step for
 each array and call: the kernel keeps them. So kernels alone take memory, and hand it on; a function may return an array
@@ -36,5 +37,5 @@ device: Any = njit(**LEAN, **BARE)
 """A function that only kernels call, each of which holds a copy: without the wrappers for Python, which take a tenth of
 a second each, without machine code, and not cached."""
 
-inlined: Any = njit(**LEAN, forceinline=True, **BARE)
+inlined: Any = njit(**LEAN | BARE | {"forceinline": True})
 """A function that is part of whichever calls it: for small ones that are handed much, which calls would write down."""

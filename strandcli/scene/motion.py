@@ -38,6 +38,11 @@ class View(NamedTuple):
     height: float
 
 
+_latest: tuple[Emitter | None, float, Pose]
+_latest = None, 0.0, Pose(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0))
+"""Emitter, time and pose that `emitter_pose` has returned last."""
+
+
 class _Key(Protocol):
     @property
     def time(self) -> float: ...
@@ -70,7 +75,12 @@ def pose_in_emitter(solid: Solid, emitter: Emitter) -> Pose:
 
 def emitter_pose(emitter: Emitter, time: float) -> Pose:
     """The emitter's pose at ``time`` (seconds)."""
-    return _pose(emitter.position, emitter.rotation, emitter.keys, time)
+    global _latest
+    of, then, pose = _latest
+    if of is not emitter or then != time:  # in a step rules, roots and solids all ask for the same
+        pose = _pose(emitter.position, emitter.rotation, emitter.keys, time)
+        _latest = emitter, time, pose
+    return pose
 
 
 def solid_pose(solid: Solid, emitter: Emitter, time: float, outer: Pose | None = None) -> Pose:

@@ -110,7 +110,7 @@ class RodSolver(Solver):
         if self.deforming is not None and shape.curled:
             rows = self.material.bends[:, 0].reshape(-1, 3, PACK).transpose(0, 2, 1)
             self._across = rows.reshape(-1, 3)[: self.strands].copy()
-        self._dragged: float | None = None
+        self._dragged: tuple[float, float] | None = None
         self._least_damping = LEAST_DAMPING[flags.second] if shape.coiled else 0.0
         self._gravity = tuple(self.surroundings.gravity.tolist())
         self._last_step = 0.0
@@ -247,9 +247,9 @@ class RodSolver(Solver):
         self.forcing.numbers[: FRICTION + 1] = numbers
         now, past = flat(pose), flat(self.pose)
         self.forcing.pose[:] = (*now, *map(sub, now, past))
-        dragged = self.forcing.numbers[STEP] * self.forcing.numbers[DRAG]
+        dragged = numbers[STEP], numbers[DRAG]
         if dragged != self._dragged:
-            np.multiply(self.mass, 1 + dragged, out=self.material.mass)
+            np.multiply(self.mass, 1 + self.forcing.numbers[STEP] * self.forcing.numbers[DRAG], out=self.material.mass)
             self._dragged = dragged
         self.kernel.run()
 

@@ -118,8 +118,7 @@ class Surroundings:
                 pose = compose(outer, own)
                 motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
             (a, b, c), moved = motion
-            row[:-MOTION] = self._numbers(one, pose, len(row) - MOTION)
-            row[-MOTION:] = (*a, *b, *c, *moved)
+            row[:] = (*self._numbers(one, pose, len(row) - MOTION), *a, *b, *c, *moved)
         self._poses = now, outer, after
         if self.data:
             found = other.data_of(self.others, now, past)

@@ -49,8 +49,8 @@ NO_SHADOWS = ShadowArrays(
     np.zeros((0, 2), np.float32), np.zeros(0, np.float32), NO_MAPS, NO_MAPS, np.zeros((0, SIZE), np.float32)
 )
 """Arrays of scenes without maps. They are empty arrays, not None, because kernels would be compiled again for None."""
-
 NO_THICKNESS = Thickness()
+EMPTY_TEXEL = np.array([np.inf, -np.inf], np.float32).view(np.uint64)[0]  # one number: filled in one pass
 
 
 @dataclass
@@ -235,8 +235,7 @@ def _room(
     counts = np.where(deep, sizes**2 // opacity.TEXELS, sizes**2)
     begin = np.concatenate([[0], np.cumsum(np.where(deep, 0, counts))]).astype(np.int64)
     every = scratch.borrow("texels", (int(counts.sum()), 2), np.float32)
-    every[:, 0] = np.inf
-    every[:, 1] = -np.inf
+    every.view(np.uint64).fill(EMPTY_TEXEL)
     extents: list[Any] = [None] * len(sizes)
     at = 0
     for number in np.argsort(deep, kind="stable"):  # min/max maps first, so that their texels are one array

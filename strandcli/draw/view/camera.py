@@ -13,6 +13,10 @@ from ...scene.motion import camera_at
 from ..common.kernels import view_columns as columns
 from .kernels.depth_slope import DepthSlope
 
+CORNER_SIDES = np.array(np.meshgrid(*[[0, 1]] * 3)).reshape(3, -1)
+"""(3, 8) of each axis and corner of a box: 0 at its lower side, 1 at its upper one."""
+CORNER_AXES = np.arange(3)[:, None]
+
 
 @dataclass(frozen=True)
 class View:
@@ -98,11 +102,23 @@ def axes(forward: ArrayLike, up: ArrayLike) -> tuple[NDArray[np.float64], NDArra
     f: NDArray[np.float64] = np.asarray(forward, np.float64)
     f = f / np.linalg.norm(f)
     u: NDArray[np.float64] = np.asarray(up, np.float64)
-    right = np.cross(f, u)
+    right = cross(f, u)
     if np.linalg.norm(right) < 1e-9 * max(float(np.linalg.norm(u)), 1e-300):
-        right = np.cross(f, np.eye(3)[np.argmin(np.abs(f))])
+        right = cross(f, np.eye(3)[np.argmin(np.abs(f))])
     right = right / np.linalg.norm(right)
-    return right, np.cross(right, f), f
+    return right, cross(right, f), f
+
+
+def cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the cross product of two vectors (3,); `numpy.cross` takes ten times as long."""
+    x, y, z = a.tolist()
+    u, v, w = b.tolist()
+    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
+
+
+def corners_of(bounds: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the corners (8, 3) of a box (2, 3)."""
+    return bounds[CORNER_SIDES, CORNER_AXES].T
 
 
 def camera_view(camera: Camera, time: float, width: int, height: int, bounds: NDArray[np.float64]) -> View:
@@ -117,7 +133,7 @@ def camera_view(camera: Camera, time: float, width: int, height: int, bounds: ND
     if camera.kind == "perspective":
         focal = height / 2 / np.tan(np.radians(fov) / 2)
         return View(eye, right, up, forward, True, float(focal), camera.near, np.inf, width, height, centre)
-    corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T
+    corners = corners_of(bounds)
     # leave room for solids behind the strands, but keep enough depth resolution for the strands
     far = max(float(((corners - eye) @ forward).max()), camera.near) * 1.01 + 100.0 * ball(bounds)[1]
     return View(eye, right, up, forward, False, height / tall, camera.near, far, width, height, centre)
@@ -127,7 +143,7 @@ def parallel_view(direction: ArrayLike, size: int, bounds: NDArray[np.float64]) 
     """Return an orthographic view along a directional light that just contains the box ``bounds`` (2, 3), metres."""
     right, up, forward = axes(direction, (0.0, 1.0, 0.0))
     centre, radius = ball(bounds)
-    corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T - centre
+    corners = corners_of(bounds) - centre
     # a single strand along the light has an extent of rounding errors only
     extent = max(float(np.abs(corners @ right).max()), float(np.abs(corners @ up).max()), 1e-3 * radius)
     eye = centre - forward * radius * 1.01

@@ -20,6 +20,8 @@ ROUND = 7
 """1 for a ball, 0 for a face."""
 SLOT = 8
 """Number of vectors in a slot."""
+CARRIES = 2
+"""Members of ``at`` beyond which a slot is to have `CARRIED`."""
 
 
 @inlined
@@ -28,19 +30,19 @@ def write_slot(s, found, other, nearer, round, place, size, solids, moved, at):
     the indices of both slots, exchanged.
 
     round: 1.0 or 0.0; place: centre or normal; size: radius or coordinate along the normal; solids: the solid's motion
-    begins at column ``moved``; at: positions, and the index in them of the particle before the step; with a third
-    member, `contact_others.carry` adds the drift of surfaces.
+    begins at column ``moved``; at: positions, and the index in them of the particle before the step. `CARRIED` is
+    written where ``at`` has a third member; `contact_others.carry` then adds the drift of surfaces.
     """
     # two slots, because masked stores are slow
-    positions, here = at[0], at[1]
-    x, y, z = load3(positions, here, W)
     store(s, other + CENTRE, where(nearer, place[0], load(s, found + CENTRE)))
     store(s, other + CENTRE + 1, where(nearer, place[1], load(s, found + CENTRE + 1)))
     store(s, other + CENTRE + 2, where(nearer, place[2], load(s, found + CENTRE + 2)))
     store(s, other + SIZE, where(nearer, size, load(s, found + SIZE)))
-    for k in range(3):
-        row = moved + 3 * k
-        there = solids[row] * x + solids[row + 1] * y + solids[row + 2] * z + solids[moved + MOTION_SHIFT + k]
-        store(s, other + CARRIED + k, where(nearer, there, load(s, found + CARRIED + k)))
-    store(s, other + ROUND, where(nearer, broadcast(x, round), load(s, found + ROUND)))
+    store(s, other + ROUND, where(nearer, broadcast(size, round), load(s, found + ROUND)))
+    if len(at) > CARRIES:
+        x, y, z = load3(at[0], at[1], W)
+        for k in range(3):
+            row = moved + 3 * k
+            there = solids[row] * x + solids[row + 1] * y + solids[row + 2] * z + solids[moved + MOTION_SHIFT + k]
+            store(s, other + CARRIED + k, where(nearer, there, load(s, found + CARRIED + k)))
     return other, found

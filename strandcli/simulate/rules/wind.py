@@ -59,7 +59,9 @@ def gusts(time: float, period: float, phases: Any, loop: float = 0.0) -> float:
     seconds, where that is not 0."""
     total = 0.0
     for (scale, a), phase in zip(WAVES, phases, strict=True):
-        total += a * wave(time / fitted(period * scale, loop) + phase)
+        each = period * scale
+        t = time / (fitted(each, loop) if loop > 0 else each) + phase
+        total += a * wave(t)
     return total
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
-from strandcli.draw.view.camera import View, axes, ball, camera_view, parallel_view, point_views
+from strandcli.draw.view.camera import View, axes, ball, camera_view, corners_of, cross, parallel_view, point_views
 from strandcli.draw.zbuffer.raster import to_screen
 from strandcli.scene.model import Camera, CameraKey
 
@@ -219,3 +219,15 @@ def test_packed_views_hold_what_kernels_are_told_they_hold() -> None:
     assert packed[19] == pytest.approx(flat.far - flat.near)
     assert packed[17:19].tolist() == [1, 1]
     assert packed[23] == 1
+
+
+@given(VECTORS, VECTORS)
+def test_cross_products_have_the_bits_of_numpy(a: tuple[float, ...], b: tuple[float, ...]) -> None:
+    one, other = np.array(a), np.array(b)
+    np.testing.assert_array_equal(cross(one, other), np.cross(one, other))
+
+
+def test_a_box_has_its_eight_corners() -> None:
+    corners = corners_of(BOX)
+    assert len(np.unique(corners, axis=0)) == 8
+    assert all((np.abs(corners[:, k, None] - BOX[:, k]) == 0).any(1).all() for k in range(3))

@@ -30,7 +30,7 @@ def mark(keys, base, count, per, stride, marks):
             v = np.int64(keys[p] & LOW) - base
             if 0 <= v < count - 1:
                 if stride > 1:
-                    v -= (v % per) % stride
+                    v -= np.int64((np.uint32(v) % np.uint32(per)) % np.uint32(stride))
                 marks[v] = 1
                 marks[v + stride] = 1
                 seen += 1
