@@ -22,10 +22,12 @@ soon."""
 TORSION = {False: 4.0, True: 0.25}
 """Torsional over bending rigidity; True: of grooms with coils. That of a round rod is about 0.75. Straight strands get
 more, because nothing else resists twist; coils get less, because it limits their step."""
-COIL_STEP = 0.35
+FINE_TURN = 0.5
+"""Radians that a joint turns by, above which steps have to be the shorter."""
+COIL_STEP = 0.25
 """Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion:
-the reaction to rest shapes is that before the step, which is stable up to about 0.4."""
-MOST_INNER = 16
+the reaction to rest shapes is that before the step, or after a first solution of it, which is stable up to 0.3."""
+MOST_INNER = 20
 """Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
 times a second at the usual steps, and gives way to its weight by less than a millimetre: it is made softer."""
 CONTRAST = 1e5
@@ -66,7 +68,8 @@ def coil_rates(rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float
     if rod.torsion is None or len(edges) < 2:
         return np.zeros(len(stiffness))
     square = (np.diff(edges, axis=0) ** 2).sum(-1).mean(0)
-    return np.asarray(np.sqrt(3 * rod.torsion * stiffness * square) / len(edges))
+    coarse = np.maximum(1.0, np.sqrt(square) / FINE_TURN)
+    return np.asarray(coarse * np.sqrt(3 * rod.torsion * stiffness * square) / len(edges))
 
 
 def softened(rates: NDArray[np.float64], step: float) -> NDArray[np.float64]:

@@ -154,6 +154,7 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         edges=rows,
         velocity=zeros(True),
         before=zeros(flags.second),
+        ahead=zeros(flags.second),
         moved=zeros(flags.second),
         tension=rest.tension,
         push=zeros(flags.solids),
