@@ -91,7 +91,7 @@ class RodSolver(Solver):
         between = [use.parameters for use in scene.rules if use.name == "interaction"]
         self.crowd = Crowd(scene, groom, between[0], self.positions, self.dtype) if between else None
         flags = Flags(
-            rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming, bool(between)
+            rod.integrator == "bdf2" or (rod.integrator == "auto" and not between), shape.curled, around.any_solids, around.segments, deforming, bool(between)
         )  # fmt: skip
         self.second = flags.second
         self._coil_rate = 0.0

@@ -149,8 +149,6 @@ class Contact(NamedTuple):
     """Whether there are any."""
     segments: Any
     """Whether whole segments are kept out."""
-    reach: Any
-    """Displacement of a free particle by 1 m/s² in a step, metres."""
     duration: Any
     """Of the step, seconds."""
     friction: Any

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import load, load3, store, store3
+from ...simd import broadcast, load, load3, store, store3, where
 from .records import AIR, DAMPING, DRAG, GRAVITY, STEP, VELOCITY_STEP
 from .rod_scratch import (
     ACCELERATION_SCALE,
@@ -13,10 +13,14 @@ from .rod_scratch import (
     FIRST_SEGMENT,
     INERTIAL,
     INVERSE_LENGTH,
+    INVERSE_STEP,
+    MOVED_SHARE,
     PACK,
+    REACH,
     REST_BEND,
     ROOT_SHIFT,
     SEGMENT,
+    SQUARE,
     STIFFNESS,
     TENSION,
     VELOCITY_SCALE,
@@ -36,33 +40,49 @@ FARTHEST = 1e10
 
 
 @device
-def free_displacement(numbers):
-    """Displacement of a free particle by an acceleration of 1 m/s² in a step, metres."""
-    h = numbers[VELOCITY_STEP]
-    return numbers[STEP] * h / (1 + numbers[DRAG] * h)
+def set_coefficients(s, at, state, material, forcing, scheme):
+    """Set the strand's coefficients in the scratch, by the method of each lane: Euler's in those whose strands were
+    pressed by solids in the step before, where BDF2 would go on with what contact has changed."""
+    numbers = forcing.numbers
+    length = load(material.lengths, at.strand)
+    store(s, INVERSE_LENGTH, 1.0 / length)
+    h = broadcast(s, numbers[STEP])
+    g = broadcast(s, numbers[VELOCITY_STEP])
+    share = broadcast(s, scheme.share)
+    mass = 1 + numbers[DRAG] * numbers[VELOCITY_STEP]  # that `Material.mass` has been multiplied by
+    drag = broadcast(s, mass)
+    square = broadcast(s, numbers[STEP] * numbers[VELOCITY_STEP])
+    if scheme.pressed and scheme.share > 0:
+        calm = load(state.touching, at.strand) > 0.0
+        h = where(calm, broadcast(s, scheme.duration), h)
+        g = where(calm, broadcast(s, scheme.duration), g)
+        share = where(calm, broadcast(s, 0.0), share)
+        drag = 1.0 + numbers[DRAG] * g
+        square = where(calm, h * g * (mass / drag), square)
+    store(s, VELOCITY_SCALE, h / (drag * length))
+    reach = h * g / drag
+    store(s, REACH, reach)
+    store(s, ACCELERATION_SCALE, reach / length)
+    store(s, SQUARE, square)
+    store(s, INVERSE_STEP, 1.0 / h)
+    store(s, MOVED_SHARE, share)
+    air = numbers[DRAG] * load(forcing.gust, at.strand)
+    for c in range(3):
+        store(s, ADDED_VELOCITY + c, g * (numbers[GRAVITY + c] + air * numbers[AIR + c]))
+    store(s, STIFFNESS, load(material.stiffness, at.strand) * (square * (1 + numbers[DAMPING] / numbers[STEP])))
 
 
 @device
 def fill_scratch(s, at, state, material, forcing, scheme):
-    """Set the strand's coefficients, and of each segment edge, u*, τ and what damping adds to c̄. The first edge gives
-    way for the root, which alone has moved; `ROOT_SHIFT` and the edge before the first have been set.
+    """Set the strand's coefficients, and of each segment edge, u*, τ and what damping adds to c̄. The edge before the
+    first has been set.
 
-    Damping pulls each joint toward the bend that it had: it multiplies κ by 1 + δ/h and adds δ/h κ c to κ c̄.
+    Damping pulls each joint toward the bend that it had: it multiplies κ by 1 + δ/Δt and adds δ/Δt κ c to κ c̄.
     """
     # one pass, since the state of long strands comes from far
-    numbers = forcing.numbers
-    h = numbers[VELOCITY_STEP]
-    square = numbers[STEP] * h
-    length = load(material.lengths, at.strand)
-    inverse_length = 1.0 / length
-    store(s, INVERSE_LENGTH, inverse_length)
-    drag = numbers[DRAG] * h
-    store(s, VELOCITY_SCALE, numbers[STEP] / (1 + drag) * inverse_length)
-    store(s, ACCELERATION_SCALE, free_displacement(numbers) / length)
-    for c in range(3):
-        store(s, ADDED_VELOCITY + c, h * numbers[GRAVITY + c] + drag * numbers[AIR + c] * load(forcing.gust, at.strand))
-    damping = numbers[DAMPING] / numbers[STEP]
-    store(s, STIFFNESS, load(material.stiffness, at.strand) * (square * (1 + damping)))
+    set_coefficients(s, at, state, material, forcing, scheme)
+    damping = forcing.numbers[DAMPING] / forcing.numbers[STEP]
+    square = load(s, SQUARE)
     share = damping / (1 + damping)
     px, py, pz = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
     for j in range(at.segments):
@@ -107,12 +127,15 @@ def predict_along(s, row, c, state, scheme):
     """Coordinate c of `predict`."""
     place = row + c * PACK
     scale, added = load(s, VELOCITY_SCALE), load(s, ADDED_VELOCITY + c)
-    v = load(scheme.velocity, place) + added
+    v = load(scheme.velocity, place)
+    if scheme.pressed and scheme.share > 0:
+        v = where(load(s, MOVED_SHARE) > 0.0, v, load(state.velocity, place))
+    v += added
     if scheme.crowded:
         v += scheme.duration * load(state.crowd, place)
     u = scale * v
     if scheme.share > 0:
-        u += load(state.moved, place) * scheme.share * load(s, INVERSE_LENGTH)
+        u += load(state.moved, place) * load(s, MOVED_SHARE) * load(s, INVERSE_LENGTH)
     u = min(max(u, -FARTHEST), FARTHEST)
     if scheme.pressed:
         u += load(s, ACCELERATION_SCALE) * load(state.push, place)

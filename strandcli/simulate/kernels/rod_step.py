@@ -15,7 +15,20 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import device, function, inlined
-from ...simd import any_lane, broadcast, lane_count, load, load3, no_fma, pointer_at, sqrt, store, store3, vector_pointer_at, where
+from ...simd import (
+    any_lane,
+    broadcast,
+    lane_count,
+    load,
+    load3,
+    no_fma,
+    pointer_at,
+    sqrt,
+    store,
+    store3,
+    vector_pointer_at,
+    where,
+)
 from . import rod, rod_curl, rod_newton, rod_start, rod_sweep
 from .records import (
     FRICTION,
@@ -173,7 +186,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
     prefetched; ``scratch`` has `rod_tension.scratch_size` vectors."""
     numbers = forcing.numbers
     contact = Contact(
-        solids, flags.solids, flags.segments, rod_start.free_displacement(numbers),
+        solids, flags.solids, flags.segments,
         numbers[STEP] * (1 + 1.5 * numbers[MOVED]), numbers[FRICTION], 0.25 * numbers[ROUNDING],
     )  # fmt: skip
     for lane in range(0, PACK, lane_count(scratch)):
