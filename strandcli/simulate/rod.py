@@ -90,9 +90,8 @@ class RodSolver(Solver):
         deforming = self.deforming is not None
         between = [use.parameters for use in scene.rules if use.name == "interaction"]
         self.crowd = Crowd(scene, groom, between[0], self.positions, self.dtype) if between else None
-        flags = Flags(
-            rod.integrator == "bdf2" or (rod.integrator == "auto" and not between), shape.curled, around.any_solids, around.segments, deforming, bool(between)
-        )  # fmt: skip
+        second = rod.integrator == "bdf2" or (rod.integrator == "auto" and not between)
+        flags = Flags(second, shape.curled, around.any_solids, around.segments, deforming, bool(between))
         self.second = flags.second
         self._coil_rate = 0.0
         rest = self._with_coils(rest, shape)

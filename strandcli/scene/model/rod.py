@@ -45,8 +45,8 @@ class Rod:
     friction: float = number(0.3, low=0, high=10, doc="Coulomb's coefficient against solids")
     integrator: str = choice(
         "auto", ("auto", "bdf2", "euler"),
-        doc="bdf2: second order, strands that swing freely keep at it; euler: first order, calms motion down; auto: bdf2, "
-        "but euler where strands interact",
+        doc="bdf2: second order, strands that swing freely keep at it; euler: first order, calms motion down; "
+        "auto: bdf2, but euler where strands interact",
     )  # fmt: skip
     iterations: int = integer(200, low=1, high=1000, doc="Newton iterations a step at the most; two are usual")
     precision: str = choice("single", ("single", "double"), doc="of the solver's numbers")
