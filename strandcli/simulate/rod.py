@@ -30,6 +30,7 @@ from .rod_setup import (
     Rest,
     Shape,
     forcing_of,
+    hinged,
     material_of,
     matter_of,
     packed,
@@ -82,6 +83,7 @@ class RodSolver(Solver):
         self.pose = self._pose(0.0)
         self._jumps = Jumps(groom)
         shape = shape_of(scene, groom, self.dtype)
+        matter = hinged(scene, matter, shape)
         if shape.mended:
             for j, edge in enumerate(world_edges(shape, self.pose)):
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * lanes(edge)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..blocks import aligned, lanes
+from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
 from .kernels.records import NUMBERS, POSE, Flags, Forcing, Material, State
@@ -25,6 +26,10 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 Floats = NDArray[np.float64]
+
+HINGE = 1e-4
+"""Relative rigidity of a hinged root whose strand is curled: its rest shape pulls at the first edge through that joint,
+which must not have none."""
 
 
 class Matter(NamedTuple):
@@ -98,6 +103,21 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
         edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
     curled = rest == "sag_free" or not (rest == "straight" or straight([axes, *edges]))
     return Shape(axes, edges, mended, curled, curled and coiled(edges))
+
+
+def hinged(scene: Scene, matter: Matter, shape: Shape) -> Matter:
+    """Return the material with the root's joint as ``rod.root`` asks for. Raises `UsageError` for roots that cannot
+    hold what a sag-free start asks of them."""
+    if scene.rod.root == "clamped":
+        return matter
+    if scene.rod.rest == "sag_free":
+        raise UsageError(
+            f"{scene.source or 'scene'}: rod.root: hinged roots hold no strand up, as rest: sag_free asks of "
+            "them; use root: clamped, or rest: shape"
+        )
+    joint = matter.joint.copy()
+    joint[0] = HINGE if shape.curled else 0.0
+    return matter._replace(joint=joint)
 
 
 def world_edges(shape: Shape, pose: Pose) -> Iterator[Floats]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import strandcli
 from strand_kit import scene_of
+from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.simulate.kernels.rod_start import BLEND, GAIN, OLD_GAIN, VELOCITY_RATE
@@ -198,6 +199,29 @@ def test_a_root_that_turns_over_in_one_step(gamma: float, integrator: str) -> No
         errors = solver.errors(1)
         assert errors["nonfinite"] == 0
         assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
+
+
+def test_a_stiff_hinged_rod_is_a_physical_pendulum() -> None:
+    """ω² = 3 g / (2 L); a clamped one stays where it is."""
+    changes = {**FREE, "direction": (0.1, -1.0, 0.0)}
+    held, solver = (solver_of(scene(1e-2, **changes, **{"rod.root": root})) for root in ("clamped", "hinged"))
+    seen = []
+    for i in range(240):
+        for one in (held, solver):
+            one.step((i + 1) / 60, 1 / 60)
+        seen.append(first(solver)[-1, 0])
+    x = np.array(seen)
+    through = np.flatnonzero(x[1:] * x[:-1] < 0)
+    times = through + x[through] / (x[through] - x[through + 1])
+    half = float(np.diff(times).mean()) / 60
+    assert half == pytest.approx(np.pi / np.sqrt(1.5 * PULL), rel=0.01)
+    assert np.abs(x[180:]).max() == pytest.approx(0.1, rel=0.03)
+    assert abs(first(held)[-1, 0] - 0.1) < 2e-3
+
+
+def test_a_hinged_root_holds_no_strand_up() -> None:
+    with pytest.raises(UsageError, match=r"rod\.root: hinged roots hold no strand up"):
+        solver_of(scene(1.0, **{"rod.root": "hinged", "rod.rest": "sag_free"}))
 
 
 @pytest.mark.parametrize("n", [10, 32])

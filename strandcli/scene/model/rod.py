@@ -35,6 +35,11 @@ class Rod:
         doc="unbent form: straight; as emitted, curls included; or such that the emitted form hangs still "
         "under gravity, for which strands that are too soft are made stiffer",
     )
+    root: str = choice(
+        "clamped",
+        ("clamped", "hinged"),
+        doc="clamped: along the direction of emission; hinged: turns freely about its place",
+    )
     torsion: float | None = number(
         None, above=0, high=10,
         doc="torsional over bending rigidity of curled strands, of a round rod 1 / (1 + Poisson's ratio), about 0.7: "
