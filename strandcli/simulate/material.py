@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.model import Rod
+from ..scene.model import Rod, Scene
 
 MATERIALS = {
     # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; wool: Feughelman 1997; grass: a ryegrass
@@ -47,6 +47,13 @@ def matter(rod: Rod) -> tuple[float, float, float]:
         own if given is None else given
         for given, own in zip((rod.density, rod.radius, rod.young), MATERIALS[rod.material], strict=True)
     )
+
+
+def integrator_of(scene: Scene) -> str:
+    """Return the integrator of a scene's rods, ``euler`` or ``bdf2``, where the preset leaves the choice."""
+    if scene.rod.integrator != "auto":
+        return scene.rod.integrator
+    return "euler" if any(use.name == "interaction" for use in scene.rules) else "bdf2"
 
 
 def rigidity(rod: Rod) -> float:

@@ -24,7 +24,7 @@ from .crowd import Crowd, Moment
 from .kernels.records import DRAG, FRICTION, ROUNDING, TOLERANCE, TORSION, VELOCITY_STEP, Flags
 from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
-from .material import COIL_STEP, MOST_INNER, coil_rates, softened, torsion
+from .material import COIL_STEP, MOST_INNER, coil_rates, integrator_of, softened, torsion
 from .rod_kernel import StepKernel
 from .rod_setup import (
     Rest,
@@ -92,8 +92,9 @@ class RodSolver(Solver):
         deforming = self.deforming is not None
         between = [use.parameters for use in scene.rules if use.name == "interaction"]
         self.crowd = Crowd(scene, groom, between[0], self.positions, self.dtype) if between else None
-        second = rod.integrator == "bdf2" or (rod.integrator == "auto" and not between)
-        flags = Flags(second, shape.curled, around.any_solids, around.segments, deforming, bool(between))
+        flags = Flags(
+            integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming, bool(between)
+        )
         self.second = flags.second
         self._coil_rate = 0.0
         rest = self._with_coils(rest, shape)
