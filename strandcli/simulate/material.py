@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.model import Rod
+from ..errors import UsageError
+from ..scene.model import Rod, Scene
 
 MATERIALS = {
     # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; wool: Feughelman 1997; grass: a ryegrass
@@ -22,10 +23,12 @@ soon."""
 TORSION = {False: 4.0, True: 0.25}
 """Torsional over bending rigidity; True: of grooms with coils. That of a round rod is about 0.75. Straight strands get
 more, because nothing else resists twist; coils get less, because it limits their step."""
-COIL_STEP = 0.35
+FINE_TURN = 0.5
+"""Radians that a joint turns by, above which steps have to be the shorter."""
+COIL_STEP = 0.25
 """Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion:
-the reaction to rest shapes is that before the step, which is stable up to about 0.4."""
-MOST_INNER = 16
+the reaction to rest shapes is that before the step, or after a first solution of it, which is stable up to 0.3."""
+MOST_INNER = 20
 """Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
 times a second at the usual steps, and gives way to its weight by less than a millimetre: it is made softer."""
 CONTRAST = 1e5
@@ -47,6 +50,19 @@ def matter(rod: Rod) -> tuple[float, float, float]:
     )
 
 
+def integrator_of(scene: Scene) -> str:
+    """Return the integrator of a scene's rods, ``euler`` or ``bdf2``, where the preset leaves the choice. Raises
+    `UsageError` for one that a rule does not go with."""
+    rules = {use.name for use in scene.rules}
+    if "contact" in rules and scene.rod.integrator == "bdf2":
+        raise UsageError(
+            f"{scene.source or 'scene'}: rod.integrator: bdf2 does not go with the rule contact; use auto or euler"
+        )
+    if scene.rod.integrator != "auto":
+        return scene.rod.integrator
+    return "euler" if rules & {"interaction", "contact"} else "bdf2"
+
+
 def rigidity(rod: Rod) -> float:
     """Return B / (ρ A) = E R² / (4 ρ) of a round rod at its root, m⁴/s². The ratio Γ of g L³ to it determines how a
     strand sags."""
@@ -66,7 +82,8 @@ def coil_rates(rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float
     if rod.torsion is None or len(edges) < 2:
         return np.zeros(len(stiffness))
     square = (np.diff(edges, axis=0) ** 2).sum(-1).mean(0)
-    return np.asarray(np.sqrt(3 * rod.torsion * stiffness * square) / len(edges))
+    coarse = np.maximum(1.0, np.sqrt(square) / FINE_TURN)
+    return np.asarray(coarse * np.sqrt(3 * rod.torsion * stiffness * square) / len(edges))
 
 
 def softened(rates: NDArray[np.float64], step: float) -> NDArray[np.float64]:

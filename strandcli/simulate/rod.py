@@ -23,14 +23,14 @@ from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
 from .contact.between_strands import StrandContact, in_parts
 from .crowd import Crowd, Moment
-from .kernels.records import DRAG, FRICTION, ROUNDING, STEP, TOLERANCE, TORSION, Flags
+from .kernels.records import DRAG, FRICTION, ROUNDING, TOLERANCE, TORSION, VELOCITY_STEP, Flags
 from .kernels.rod_scratch import PACK
-from .material import COIL_STEP, MOST_INNER, coil_rates, softened, torsion
+from .kernels.rod_start import VELOCITY_RATE
+from .material import COIL_STEP, MOST_INNER, integrator_of, torsion
 from .rod_kernel import StepKernel
 from .rod_setup import (
-    Rest,
-    Shape,
     forcing_of,
+    hinged,
     material_of,
     matter_of,
     packed,
@@ -38,6 +38,7 @@ from .rod_setup import (
     rest_of,
     shape_of,
     state_of,
+    with_coils,
     world_edges,
 )
 from .rod_teleport import Jumps, carry, stop
@@ -49,9 +50,9 @@ if TYPE_CHECKING:
 
 FEWEST_BY_EDGES = 12
 """Segments beyond which stretch is measured at the solver's own edges: positions in single precision do not tell."""
-TOLERANCES = {(False, False): 1.8e-3, (True, False): 2e-6, (False, True): 1e-10, (True, True): 1e-12}
+TOLERANCES = {(False, False): 1.8e-3, (True, False): 1.8e-3, (False, True): 1e-10, (True, True): 1e-12}
 """Error of |e|² at which iterations stop, as `kernels.rod_newton` measures it, for (BDF2, double precision asked for).
-Euler's method damps motion anyway, and needs less; of most strands the error is far less than of the worst."""
+Of most strands the error is far less than of the worst."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
 LEAST_DAMPING = {False: 0.25, True: 0.5}
@@ -83,6 +84,7 @@ class RodSolver(Solver):
         self.pose = self._pose(0.0)
         self._jumps = Jumps(groom)
         shape = shape_of(scene, groom, self.dtype)
+        matter = hinged(scene, matter, shape)
         if shape.mended:
             for j, edge in enumerate(world_edges(shape, self.pose)):
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * lanes(edge)
@@ -94,10 +96,11 @@ class RodSolver(Solver):
         touching = [use.parameters for use in scene.rules if use.name == "contact"]
         self.contact = StrandContact(scene, groom, touching[0]) if touching else None
         crowded = bool(between or touching)
-        flags = Flags(rod.integrator == "bdf2", shape.curled, around.any_solids, around.segments, deforming, crowded)
+        flags = Flags(
+            integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming, crowded
+        )
         self.second = flags.second
-        self._coil_rate = 0.0
-        rest = self._with_coils(rest, shape)
+        rest, self._coil_rate = with_coils(scene, rest, shape)
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
         self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags)
@@ -110,7 +113,7 @@ class RodSolver(Solver):
         if self.deforming is not None and shape.curled:
             rows = self.material.bends[:, 0].reshape(-1, 3, PACK).transpose(0, 2, 1)
             self._across = rows.reshape(-1, 3)[: self.strands].copy()
-        self._dragged: tuple[float, float] | None = None
+        self._dragged: float | None = None
         self._least_damping = LEAST_DAMPING[flags.second] if shape.coiled else 0.0
         self._gravity = tuple(self.surroundings.gravity.tolist())
         self._last_step = 0.0
@@ -153,29 +156,6 @@ class RodSolver(Solver):
             return emitter_pose(self.scene.emitter, self.scene.time.pose_time(time))
         return self._still
 
-    def _with_coils(self, rest: Rest, shape: Shape) -> Rest:
-        """Set how fast coils stretch; return the rest shapes with the stiffness that the steps can follow. Raises
-        `UsageError` where coils ask for another integrator, or may not become softer."""
-        scene, time = self.scene, self.scene.time
-        if scene.rod.torsion is None or not shape.curled:
-            return rest
-        name = f"{scene.source or 'scene'}: rod.torsion"
-        if self.second:
-            # their reaction is that before the step: with Euler's method neither drives nor calms what swings
-            raise UsageError(
-                f"{name}: bdf2 would set coils swinging by themselves; write rod.integrator: euler, with which they "
-                "keep their swing"
-            )
-        rates = coil_rates(scene.rod, rest.stiffness, np.stack(shape.edges))
-        factors = softened(rates, 1 / (time.fps * time.substeps))
-        if scene.rod.rest == "sag_free" and factors.min() < 1:
-            raise UsageError(
-                f"{name}: some coils stretch {rates.max() / 2 / np.pi:.3g} times a second, too fast for the steps, and "
-                "a sag-free start cannot make them softer; use rest: shape, more time.substeps, or no rod.torsion"
-            )
-        self._coil_rate = float((rates * np.sqrt(factors)).max())
-        return rest._replace(stiffness=rest.stiffness * factors)
-
     def step(self, time: float, dt: float) -> None:
         """A step of ``dt`` seconds that ends at ``time``, in several where coils ask for it; nothing where it is 0."""
         count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
@@ -202,6 +182,7 @@ class RodSolver(Solver):
         self._deform(time)
         bdf2 = self.second and dt == self._last_step and not jumps
         h = 2 * dt / 3 if bdf2 else dt
+        self.forcing.numbers[VELOCITY_STEP] = dt / VELOCITY_RATE if bdf2 else dt
         gust = around.gust(time, self.positions)
         if gust is not None:
             self.forcing.gust[...] = gust.reshape(-1, PACK)[: len(self.forcing.gust)]
@@ -211,7 +192,7 @@ class RodSolver(Solver):
             strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
             moment = Moment(time, dt, (strength * air[0], strength * air[1], strength * air[2]))
             self.crowd.prepare(self.state, self.mass, self._root_velocity(pose, dt), moment)
-        damping = max(rod.damping, self._least_damping * h)
+        damping = max(rod.damping, self._least_damping * dt) * (h / dt)
         numbers = h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction
         run = partial(self._run, pose, *numbers)
         short = run() is None if self.contact is None else self.contact.step(run, self)
@@ -247,9 +228,9 @@ class RodSolver(Solver):
         self.forcing.numbers[: FRICTION + 1] = numbers
         now, past = flat(pose), flat(self.pose)
         self.forcing.pose[:] = (*now, *map(sub, now, past))
-        dragged = numbers[STEP], numbers[DRAG]
+        dragged = self.forcing.numbers[VELOCITY_STEP] * numbers[DRAG]
         if dragged != self._dragged:
-            np.multiply(self.mass, 1 + self.forcing.numbers[STEP] * self.forcing.numbers[DRAG], out=self.material.mass)
+            np.multiply(self.mass, 1 + dragged, out=self.material.mass)
             self._dragged = dragged
         self.kernel.run()
 
@@ -261,9 +242,10 @@ class RodSolver(Solver):
         self.forcing.drift[...] = 0
         self.surroundings.solids(time, 0.0)
         state.crowd[...] = 0
+        self.forcing.numbers[VELOCITY_STEP] = MOMENT
         self._run(self.pose, MOMENT, *[0.0] * FRICTION)
         state.tension[...] = tension
-        stop(state.velocity, state.before, state.moved, state.push, state.touching)
+        stop(state.velocity, state.before, state.ahead, state.moved, state.push, state.touching)
 
     def place_roots(self, frame: int) -> None:
         """Put the first two rows where they are at a frame, to the bits of a step that ends there."""

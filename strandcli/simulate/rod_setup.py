@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..blocks import aligned, lanes
+from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
 from .kernels.records import NUMBERS, POSE, Flags, Forcing, Material, State
 from .kernels.rod_scratch import PACK
-from .material import matter_along, needs_double, stiffness, torsion
+from .material import coil_rates, matter_along, needs_double, softened, stiffness, torsion
 from .rest_shape import coiled, straight, transported, unit_edges
 from .sag_free import hold
 from .surroundings import gravity
@@ -25,6 +26,10 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 Floats = NDArray[np.float64]
+
+HINGE = 1e-4
+"""Relative rigidity of a hinged root whose strand is curled: its rest shape pulls at the first edge through that joint,
+which must not have none."""
 
 
 class Matter(NamedTuple):
@@ -100,6 +105,21 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
     return Shape(axes, edges, mended, curled, curled and coiled(edges))
 
 
+def hinged(scene: Scene, matter: Matter, shape: Shape) -> Matter:
+    """Return the material with the root's joint as ``rod.root`` asks for. Raises `UsageError` for roots that cannot
+    hold what a sag-free start asks of them."""
+    if scene.rod.root == "clamped":
+        return matter
+    if scene.rod.rest == "sag_free":
+        raise UsageError(
+            f"{scene.source or 'scene'}: rod.root: hinged roots hold no strand up, as rest: sag_free asks of "
+            "them; use root: clamped, or rest: shape"
+        )
+    joint = matter.joint.copy()
+    joint[0] = HINGE if shape.curled else 0.0
+    return matter._replace(joint=joint)
+
+
 def world_edges(shape: Shape, pose: Pose) -> Iterator[Floats]:
     """The edges of a shape in the world, (strands, 3) each: one at a time, since all take much memory."""
     turn = np.array(pose.rotation)
@@ -154,6 +174,7 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         edges=rows,
         velocity=zeros(True),
         before=zeros(flags.second),
+        ahead=zeros(flags.second),
         moved=zeros(flags.second),
         tension=rest.tension,
         push=zeros(flags.solids),
@@ -180,3 +201,20 @@ def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags) -> Forcing:
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),
         np.zeros(POSE, dtype), np.zeros(NUMBERS, dtype), packed(np.zeros_like(drifting), dtype),
     )  # fmt: skip
+
+
+def with_coils(scene: Scene, rest: Rest, shape: Shape) -> tuple[Rest, float]:
+    """Return the rest shapes with the stiffness of coils that steps can follow, and how fast these stretch, rad/s.
+    Raises `UsageError` where a sag-free start cannot make them softer."""
+    time = scene.time
+    if scene.rod.torsion is None or not shape.curled:
+        return rest, 0.0
+    rates = coil_rates(scene.rod, rest.stiffness, np.stack(shape.edges))
+    factors = softened(rates, 1 / (time.fps * time.substeps))
+    if scene.rod.rest == "sag_free" and factors.min() < 1:
+        raise UsageError(
+            f"{scene.source or 'scene'}: rod.torsion: some coils stretch {rates.max() / 2 / np.pi:.3g} times a second, "
+            "too fast for the steps, and a sag-free start cannot make them softer; use rest: shape, more "
+            "time.substeps, or no rod.torsion"
+        )
+    return rest._replace(stiffness=rest.stiffness * factors), float((rates * np.sqrt(factors)).max())

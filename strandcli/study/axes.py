@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 from ..errors import UsageError
 from ..scene.model import Scene
+from ..simulate.material import integrator_of
 from .points import Knobs, Point
 
 Notify = Callable[[str], None]
@@ -61,7 +62,7 @@ def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:
     knobs: dict[str, tuple[str, Any]] = {
         "time.substeps": ("substeps", scene.time.substeps),
         "rod.iterations": ("iterations", scene.rod.iterations),
-        "rod.integrator": ("integrators", scene.rod.integrator),
+        "rod.integrator": ("integrators", integrator_of(scene)),
         "emitter.particles": ("particles", scene.emitter.particles),
     }
     return {name: (value,) for path, (name, value) in knobs.items() if path in set(paths)}

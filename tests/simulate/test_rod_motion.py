@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 import strandcli
 from strand_kit import scene_of
+from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
+from strandcli.simulate.kernels.rod_start import BLEND, GAIN, OLD_GAIN, VELOCITY_RATE
 from strandcli.simulate.rod import RodSolver
 from strandcli.study.stress import drive
 from strandcli.study.stress.axes import case_named
@@ -64,6 +66,26 @@ def crests(y: np.ndarray) -> np.ndarray:
     i = np.flatnonzero((y[1:-1] > y[:-2]) & (y[1:-1] >= y[2:])) + 1
     a, b, c = y[i - 1], y[i], y[i + 1]
     return b - (c - a) ** 2 / (8 * (a - 2 * b + c))
+
+
+def greatest_root(turn: float) -> float:
+    """Greatest factor of a step of an oscillation with ω Δt = ``turn``, by the numbers of BDF2 as the kernel has them:
+    u = û + h v with û = u/3, v = v̂ − h' ω² x, and x_{n+1} = x_n + u."""
+    h, g = 2 / 3, 1 / VELOCITY_RATE
+    ahead = np.array([1 + GAIN, -GAIN - OLD_GAIN, OLD_GAIN])  # of v_n, v_{n−1}, v_{n−2}
+    step = np.zeros((5, 5))  # of x, v, v_{n−1}, v_{n−2}, u
+    # v' (1 + g h turn²) = v̂ − g turn² (x + u / 3)
+    step[1] = np.array([-g * turn**2, *ahead, -g * turn**2 / 3]) / (1 + g * h * turn**2)
+    step[4] = h * step[1] + np.array([0, 0, 0, 0, 1 / 3])
+    step[0] = step[4] + np.array([1, 0, 0, 0, 0])
+    step[2, 1] = step[3, 2] = 1
+    return float(np.abs(np.linalg.eigvals(step)).max())
+
+
+def test_bdf2_is_stable_at_any_step_and_loses_little() -> None:
+    assert max(map(greatest_root, np.geomspace(1e-2, 1e4, 200))) < 1
+    for turn in (0.1, 0.2):
+        assert 1 - greatest_root(turn) == pytest.approx((1 - BLEND) / 4 * turn**4, rel=0.2)
 
 
 FREE = {"rod.drag": 0.0, "rod.damping": 0.0}
@@ -177,6 +199,29 @@ def test_a_root_that_turns_over_in_one_step(gamma: float, integrator: str) -> No
         errors = solver.errors(1)
         assert errors["nonfinite"] == 0
         assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
+
+
+def test_a_stiff_hinged_rod_is_a_physical_pendulum() -> None:
+    """ω² = 3 g / (2 L); a clamped one stays where it is."""
+    changes = {**FREE, "direction": (0.1, -1.0, 0.0)}
+    held, solver = (solver_of(scene(1e-2, **changes, **{"rod.root": root})) for root in ("clamped", "hinged"))
+    seen = []
+    for i in range(240):
+        for one in (held, solver):
+            one.step((i + 1) / 60, 1 / 60)
+        seen.append(first(solver)[-1, 0])
+    x = np.array(seen)
+    through = np.flatnonzero(x[1:] * x[:-1] < 0)
+    times = through + x[through] / (x[through] - x[through + 1])
+    half = float(np.diff(times).mean()) / 60
+    assert half == pytest.approx(np.pi / np.sqrt(1.5 * PULL), rel=0.01)
+    assert np.abs(x[180:]).max() == pytest.approx(0.1, rel=0.03)
+    assert abs(first(held)[-1, 0] - 0.1) < 2e-3
+
+
+def test_a_hinged_root_holds_no_strand_up() -> None:
+    with pytest.raises(UsageError, match=r"rod\.root: hinged roots hold no strand up"):
+        solver_of(scene(1.0, **{"rod.root": "hinged", "rod.rest": "sag_free"}))
 
 
 @pytest.mark.parametrize("n", [10, 32])

@@ -35,6 +35,11 @@ class Rod:
         doc="unbent form: straight; as emitted, curls included; or such that the emitted form hangs still "
         "under gravity, for which strands that are too soft are made stiffer",
     )
+    root: str = choice(
+        "clamped",
+        ("clamped", "hinged"),
+        doc="clamped: along the direction of emission; hinged: turns freely about its place",
+    )
     torsion: float | None = number(
         None, above=0, high=10,
         doc="torsional over bending rigidity of curled strands, of a round rod 1 / (1 + Poisson's ratio), about 0.7: "
@@ -44,7 +49,9 @@ class Rod:
     damping: float = number(0.001, low=0, high=1e3, unit="s", doc="inner damping: bending moment a rate of bending")
     friction: float = number(0.3, low=0, high=10, doc="Coulomb's coefficient against solids")
     integrator: str = choice(
-        "euler", ("euler", "bdf2"), doc="euler: first order, calms motion down; bdf2: second order, keeps it up"
-    )
+        "auto", ("auto", "bdf2", "euler"),
+        doc="bdf2: second order, strands that swing freely keep at it; euler: first order, calms motion down; "
+        "auto: bdf2, but euler where strands interact",
+    )  # fmt: skip
     iterations: int = integer(200, low=1, high=1000, doc="Newton iterations a step at the most; two are usual")
     precision: str = choice("single", ("single", "double"), doc="of the solver's numbers")

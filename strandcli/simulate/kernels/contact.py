@@ -29,7 +29,7 @@ from .contact_circle import STEEP, contact_circle, intersection_of_circles, perp
 from .contact_place import CARRIED, CENTRE, ROUND, SIZE
 from .contact_search import PARTICLE, STARTS, direction, segment_depth
 from .contact_shapes import TINY, edges_of, nearest
-from .rod_scratch import CONTACT_FORCE, CORRECTION, EDGE, IMPACT, INVERSE_LENGTH, MOBILITY, PACK
+from .rod_scratch import CONTACT_FORCE, CORRECTION, EDGE, IMPACT, INVERSE_LENGTH, MOBILITY, PACK, REACH
 from .vectors import add_scaled, dot, select
 
 SLACK = 1e-6
@@ -134,7 +134,7 @@ def resolve_contact(s, segment, q, state, contact, pressed):
     zero = broadcast(length, 0.0)
     reach, mobility, held = zero, broadcast(length, 1.0), (zero, zero, zero)
     if pressed:
-        reach, mobility, held = held_displacement(s, segment, push, contact.reach)
+        reach, mobility, held = held_displacement(s, segment, push, load(s, REACH))
     was = reach > 0.0
     edges = edges_of(s, segment.scratch, d, length, contact.segments, segment.first)
     depth, found = nearest(s, end, edges, (state.positions, segment.position, True), reach, contact.solids)
@@ -158,7 +158,7 @@ def resolve_contact(s, segment, q, state, contact, pressed):
         turned = select(near, add_scaled(p, share, axis), turned)
         kept = add_scaled(kept, force, n)
         # an edge that cannot end at the surface is only rotated: its depth does not determine a force
-        f = where(square > 0.0, 1.0 / (contact.reach * mobility), 0.0)
+        f = where(square > 0.0, 1.0 / (load(s, REACH) * mobility), 0.0)
         new = near & ~was
         if any_lane(new):
             resting = resting_depth(s, found, segment, state, n, depth, contact.duration)

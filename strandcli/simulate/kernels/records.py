@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-STEP, GRAVITY, AIR, DRAG, DAMPING, THIRD, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
-NUMBERS = 14
-"""Columns of ``Forcing.numbers``: step in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in 1/s, material
-damping in s, 1/3 for BDF2 and 0 for Euler's method, friction, error of |e|² at which iterations stop, error that is no
-more than rounding, torsional over bending rigidity."""
+STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
+VELOCITY_STEP = 14
+NUMBERS = 15
+"""Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
+1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
+Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
+bending rigidity, h of velocities in s."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
@@ -34,6 +36,8 @@ class State(NamedTuple):
     """(P, N, 3 S) of particles, m/s."""
     before: Any
     """(P, N, 3 S) velocity one step before, m/s; needed by BDF2."""
+    ahead: Any
+    """(P, N, 3 S) velocity extrapolated from the last three, m/s; needed by BDF2."""
     moved: Any
     """(P, N, 3 S) last displacement, metres; needed by BDF2."""
     tension: Any
@@ -122,14 +126,18 @@ class Place(NamedTuple):
 class Scheme(NamedTuple):
     """Time integration: how a particle's free displacement is predicted."""
 
-    third: Any
-    """1/3 for BDF2, 0 for Euler's method."""
+    velocity: Any
+    """(P, N, 3 S) with which particles go on: `State.ahead` for BDF2, `State.velocity` for Euler's method."""
+    share: Any
+    """Of the last displacement that goes on, 1/3 for BDF2."""
     second: Any
-    """Whether the state one step before is to be read."""
+    """Whether the state has what BDF2 needs, to be written for the next step."""
     pressed: Any
     """Whether some strand of the vector has forces of contact of the step before."""
     crowded: Any
-    """Whether the strands around accelerate particles."""
+    """Whether the strands around accelerate particles, as a change of velocity when the step begins."""
+    duration: Any
+    """Of the step, seconds."""
 
 
 class Contact(NamedTuple):
@@ -141,8 +149,6 @@ class Contact(NamedTuple):
     """Whether there are any."""
     segments: Any
     """Whether whole segments are kept out."""
-    reach: Any
-    """Displacement of a free particle by 1 m/s² in a step, metres."""
     duration: Any
     """Of the step, seconds."""
     friction: Any

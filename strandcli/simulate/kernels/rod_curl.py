@@ -79,7 +79,7 @@ def transport_frames(s, at, state, material, pose, torsion):
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
         x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
         store3(s, o + TARGET, 1, x, y, z)
-        ex, ey, ez = load3(state.edges, at.edge + j * AXES, PACK)
+        ex, ey, ez = load3(s, o + EDGE, 1)
         if j > 0:
             before = torsion * joint[j - 1]
             after = torsion * joint[j] if j + 1 < n else 0.0
@@ -110,20 +110,17 @@ def transport_frames(s, at, state, material, pose, torsion):
 def add_reactions(s, at, state, material, torsion, share):
     """From the tip to the root: set the new ψ, and add rest vectors by it, with their reaction on edges before, to c̄.
     ``share``: of κ, that of the material without damping."""
-    n, joint = at.segments, material.joint
+    n, joint, damped = at.segments, material.joint, 1 - share
     zero = broadcast(s, 0.0)
     sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after
     nx, ny, nz = zero, zero, zero  # the edge after it
     bx, by, bz = zero, zero, zero  # sum of the forces on edges so far
     after = zero  # q / (1 + e·e') of the joint after
     angle = zero
-    ex, ey, ez = load3(state.edges, at.edge + (n - 1) * AXES, PACK)
+    ex, ey, ez = load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + EDGE, 1)
     for j in range(n - 1, -1, -1):
         o = FIRST_SEGMENT + j * SEGMENT
-        if j > 0:
-            px, py, pz = load3(state.edges, at.edge + (j - 1) * AXES, PACK)
-        else:
-            px, py, pz = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
+        px, py, pz = load3(s, o - SEGMENT + EDGE, 1)
         past = load(s, o + PAST_TWIST)
         now = zero
         q = zero
@@ -154,11 +151,23 @@ def add_reactions(s, at, state, material, torsion, share):
         f = joint[j]
         sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
         f = 1.0 / joint[j]
-        cx, cy, cz = load3(s, o + REST_BEND, 1)
+        cx, cy, cz = past_bend(state, s, at, j)
+        cx, cy, cz = damped * cx, damped * cy, damped * cz
         store3(s, o + REST_BEND, 1, cx + share * (x + f * bx), cy + share * (y + f * by), cz + share * (z + f * bz))
         nx, ny, nz = ex, ey, ez
         ex, ey, ez = px, py, pz
         after = q
+
+
+@device
+def past_bend(state, s, at, j):
+    """c_j before the step."""
+    x, y, z = load3(state.edges, at.edge + j * AXES, PACK)
+    if j > 0:
+        px, py, pz = load3(state.edges, at.edge + (j - 1) * AXES, PACK)
+    else:
+        px, py, pz = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
+    return x - px, y - py, z - pz
 
 
 @device

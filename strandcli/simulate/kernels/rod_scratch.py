@@ -41,10 +41,18 @@ CONTACT_FORCE = 16
 """In the last sweep: the sum of all contact accelerations' absolute coordinates, m/s²."""
 SOLID_SLOTS = 17
 """Two slots for the nearest solid, 8 vectors each (`contact_place`)."""
+REACH = 33
+"""Displacement of a free particle by 1 m/s² in a step, metres."""
+SQUARE = 34
+"""h², the product of those of displacements and velocities, by which forces enter the step, s²."""
+INVERSE_STEP = 35
+"""1 / h of displacements, 1/s."""
+MOVED_SHARE = 36
+"""Share of the last displacement that goes on: 1/3 for BDF2, and 0 for Euler's method."""
 
 SEGMENT = 17
 """Vectors of a segment. An odd number: vectors at distances of a power of two would share lines of the cache."""
-FIRST_SEGMENT = 33 + 2 * SEGMENT
+FIRST_SEGMENT = 37 + 2 * SEGMENT
 """Place of the first segment."""
 EDGE = 0
 """(3) Of a segment: e_j, of unit length at the start and the end of a step."""

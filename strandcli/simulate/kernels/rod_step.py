@@ -15,15 +15,28 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import device, function, inlined
-from ...simd import any_lane, lane_count, load, load3, no_fma, pointer_at, sqrt, store, store3, vector_pointer_at, where
+from ...simd import (
+    any_lane,
+    broadcast,
+    lane_count,
+    load,
+    load3,
+    no_fma,
+    pointer_at,
+    sqrt,
+    store,
+    store3,
+    vector_pointer_at,
+    where,
+)
 from . import rod, rod_curl, rod_newton, rod_start, rod_sweep
 from .records import (
     FRICTION,
+    MOVED,
     ROTATION,
     ROUNDING,
     SHIFTED,
     STEP,
-    THIRD,
     TOLERANCE,
     TRANSLATION,
     TURNED,
@@ -38,6 +51,10 @@ from .records import (
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, PACK, ROOT_SHIFT, SEGMENT
 from .rod_sweep import ROW
 from .work_queue import TASKS, take
+
+PASSES = 2
+"""Solutions of a step of curled strands with BDF2: the second has the reaction of rest shapes on the edges that carry
+them where the first has led to, and not that before the step, which drives what swings."""
 
 # columns of a descriptor after those of the work queue: numbers, an address for each array, and solids: addresses of
 # the four kinds, their sizes, and where there are any, address, size and columns of solids without kernels of their
@@ -84,7 +101,7 @@ def state_of(kind, descriptor):
         pointer_at(kind, descriptor[STATE + 4]), pointer_at(kind, descriptor[STATE + 5]),
         pointer_at(kind, descriptor[STATE + 6]), pointer_at(kind, descriptor[STATE + 7]),
         pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[STATE + 9]),
-        pointer_at(kind, descriptor[STATE + 10]),
+        pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
     )  # fmt: skip
 
 
@@ -169,8 +186,8 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
     prefetched; ``scratch`` has `rod_tension.scratch_size` vectors."""
     numbers = forcing.numbers
     contact = Contact(
-        solids, flags.solids, flags.segments, rod_start.free_displacement(numbers),
-        numbers[STEP] * (1 + 1.5 * numbers[THIRD]), numbers[FRICTION], 0.25 * numbers[ROUNDING],
+        solids, flags.solids, flags.segments,
+        numbers[STEP] * (1 + 1.5 * numbers[MOVED]), numbers[FRICTION], 0.25 * numbers[ROUNDING],
     )  # fmt: skip
     for lane in range(0, PACK, lane_count(scratch)):
         strand = pack * PACK + lane
@@ -178,11 +195,19 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         at = Place(n, strand, pack * n * AXES + lane, pack * n * PACK + lane, pack * (n + 1) * AXES + lane, position)
         place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
-        scheme = Scheme(numbers[THIRD], flags.second, touched, flags.crowded)
+        share = numbers[MOVED]
+        scheme = Scheme(
+            state.ahead if share > 0 else state.velocity, share, flags.second, touched, flags.crowded,
+            contact.duration,
+        )  # fmt: skip
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
-        if flags.curled:
-            rod_curl.add_rest(scratch, at, state, material, forcing)
-        worst = rod_newton.iterate(scratch, at, state, material, scheme, iterations, numbers[TOLERANCE])
+        worst = broadcast(scratch, 0.0)
+        for count in range(PASSES if flags.curled and flags.second else 1):
+            if flags.curled:
+                rod_curl.add_rest(scratch, at, state, material, forcing)
+            if count == 0:
+                rod_start.give_way(scratch)
+            worst = rod_newton.iterate(scratch, at, state, material, scheme, iterations, numbers[TOLERANCE])
         # | |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both
         residual = worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst)))
         store(state.residuals, strand, residual)

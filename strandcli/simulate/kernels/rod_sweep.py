@@ -7,7 +7,7 @@ from ...jit import device, function, inlined
 from ...simd import any_lane, broadcast, load, load3, no_fma, prefetch, prefetch3, sqrt, store, store3, where
 from . import rod, rod_start
 from .contact import resolve_contact
-from .records import ROUNDING, STEP, THIRD, Segment
+from .records import ROUNDING, Segment
 from .rod_scratch import (
     AXES,
     CONTACT_FORCE,
@@ -20,11 +20,15 @@ from .rod_scratch import (
     INDEFINITE,
     INERTIAL,
     INVERSE_LENGTH,
+    INVERSE_STEP,
+    MOVED_SHARE,
     PACK,
     ROOT_SHIFT,
     SEGMENT,
+    SQUARE,
     TENSION,
 )
+from .rod_start import GAIN, OLD_GAIN
 
 ROW = 3 * W
 """Numbers of a row of positions, which are drawn and lie in blocks."""
@@ -58,7 +62,7 @@ def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
     store(s, IMPACT, 0.0)
     store(s, CONTACT_FORCE, 0.0)
     least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
-    rate = 1 / (numbers[STEP] * numbers[STEP])
+    rate = 1.0 / load(s, SQUARE)
     y0 = broadcast(s, 0.0)
     z0 = y0
     degenerate = False
@@ -93,7 +97,7 @@ def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
         py += length * y
         pz += length * z
         store3(positions, here, W, px, py, pz)
-        update_velocity(s, o, row, length, state, numbers, scheme.second)
+        update_velocity(s, o, row, length, state, scheme)
     if contact.any_solids:
         store(state.touching, strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), 0.0))
 
@@ -114,6 +118,7 @@ def prefetch_segment(n, j, strand, state, second, solids):
     prefetch3(state.velocity, row, PACK)
     if second:
         prefetch3(state.before, row, PACK)
+        prefetch3(state.ahead, row, PACK)
         prefetch3(state.moved, row, PACK)
     if solids:
         prefetch3(state.push, row, PACK)
@@ -168,21 +173,33 @@ def displace_degenerate(s, o, j, row, edges, inverse_length):
 
 
 @device
-def update_velocity(s, o, row, length, state, numbers, second):
-    """Set the velocity that led to the displacement: u / h, or for BDF2 (u − (x_n − x_{n−1}) / 3) / h. After an
-    `IMPACT` BDF2 starts anew from u alone: it would extrapolate the jump of velocity, and strands bounce."""
-    inverse_step = 1 / numbers[STEP]
-    if second:
-        third = numbers[THIRD]
-        rate = inverse_step / (1 + 1.5 * third)
+def update_velocity(s, o, row, length, state, scheme):
+    """Set the velocity that led to the displacement: u / h, or for BDF2 (u − (x_n − x_{n−1}) / 3) / h, and that which
+    the next step goes on with. After an `IMPACT` BDF2 starts anew from u alone: it would extrapolate the jump of
+    velocity, and strands bounce. After a step of Euler's method it takes the acceleration to have been the same."""
+    inverse_step = load(s, INVERSE_STEP)
+    if scheme.second:
+        share = load(s, MOVED_SHARE)
+        rate = 1 / scheme.duration
         impact = load(s, IMPACT) > 0.0
         for c in range(3):
             u = length * load(s, o + DISPLACEMENT + c)
             p = row + c * PACK
             past = load(state.velocity, p)
-            v = where(impact, rate * u, (u - load(state.moved, p) * third) * inverse_step)
-            store(state.before, p, where(impact, v, past))
+            begun = past
+            if scheme.crowded:
+                begun += scheme.duration * load(state.crowd, p)
+            v = rate * u
+            gain = v - begun
+            old = gain
+            if scheme.share > 0:
+                v = where(impact, v, (u - load(state.moved, p) * share) * inverse_step)
+                gain = where(impact, broadcast(s, 0.0), v - begun)
+                old = where(share > 0.0, past - load(state.before, p), gain)
+                old = where(impact, broadcast(s, 0.0), old)
+            store(state.before, p, v - gain)
             store(state.velocity, p, v)
+            store(state.ahead, p, v + GAIN * gain - OLD_GAIN * old)
             store(state.moved, p, u)
     else:
         for c in range(3):

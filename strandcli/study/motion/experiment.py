@@ -20,7 +20,7 @@ from ...errors import UsageError
 from ...groom.emit import emit
 from ...groom.record import Groom
 from ...scene.model import Scene
-from ...simulate.material import rigidity
+from ...simulate.material import integrator_of, rigidity
 from ...simulate.surroundings import gravity
 from ..axes import STRANDS, Axis, Request, chosen_solvers
 from ..points import Knobs, Limit, Point, described, grid, limit
@@ -113,7 +113,7 @@ class Motion:
             *fewer, most = self.iterations(one)
             integrators = self.request.integrators or one.integrators
             out += grid({**choices, "rod.integrator": integrators, "rod.iterations": (most,), **steps})
-            own = [name for name in integrators if name == self.scene.rod.integrator] or integrators[:1]
+            own = [name for name in integrators if name == integrator_of(self.scene)] or integrators[:1]
             out += grid({**choices, "rod.integrator": own, "rod.iterations": fewer, **steps})
         return out
 

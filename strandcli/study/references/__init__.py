@@ -4,12 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from . import beam, buckling, catenary, chain, elastica, incline, pendulum, spring, tip_load, twist
+from . import beam, buckling, catenary, chain, elastica, free_swing, incline, pendulum, spring, tip_load, twist
 from .base import NEEDS, Case, Reference, Track
 
 REFERENCES: Mapping[str, Reference] = {
     module.REFERENCE.name: module.REFERENCE
-    for module in (elastica, tip_load, buckling, beam, chain, catenary, pendulum, spring, twist, incline)
+    for module in (
+        elastica,
+        tip_load,
+        buckling,
+        beam,
+        chain,
+        free_swing,
+        catenary,
+        pendulum,
+        spring,
+        twist,
+        incline,
+    )
 }
 """By name, in the order in which `--reference all` goes through them."""
 
