@@ -73,16 +73,15 @@ def cases() -> list[tuple[str, ...]]:
     return found
 
 
-def run(arguments: tuple[str, ...], said: Path) -> tuple[int, int, float]:
-    """Exit code, peak bytes and the processor's seconds of a command."""
+def run(arguments: tuple[str, ...], said: Path) -> tuple[int, float]:
+    """Exit code and the processor's seconds of a command."""
     with open(said, "w", encoding="utf-8") as out:
         pid = os.posix_spawn(
             sys.executable, [sys.executable, "-c", PROCESSOR, *arguments], os.environ,
             file_actions=[(os.POSIX_SPAWN_DUP2, out.fileno(), 1), (os.POSIX_SPAWN_DUP2, out.fileno(), 2)],
         )  # fmt: skip
         _, status, usage = os.wait4(pid, 0)
-    scale = 1 if sys.platform == "darwin" else 1024
-    return os.waitstatus_to_exitcode(status), usage.ru_maxrss * scale, usage.ru_utime + usage.ru_stime
+    return os.waitstatus_to_exitcode(status), usage.ru_utime + usage.ru_stime
 
 
 def measured(case: tuple[str, ...], folder: Path, keep: Path | None = None, timed: bool = True) -> Measured:
@@ -97,7 +96,7 @@ def measured(case: tuple[str, ...], folder: Path, keep: Path | None = None, time
         raise RuntimeError(asked.stderr)
     plan = json.loads(asked.stdout)
     for _ in range(2):
-        status, peak, seconds = run(
+        status, seconds = run(
             ("render", *usual, "-o", str(folder / "out"), "--overwrite", "--no-progress"), said
         )  # fmt: skip
         if status:
@@ -105,6 +104,7 @@ def measured(case: tuple[str, ...], folder: Path, keep: Path | None = None, time
         report = json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))
         if not report["compile_seconds"]:
             break
+    peak = report["totals"]["peak_rss_bytes"]
     if keep is not None:
         with open(keep, "a", encoding="utf-8") as out:
             out.write(json.dumps({"case": " ".join(case), "peak": peak, "cpu": seconds, "frames": report["frames"],

@@ -138,8 +138,10 @@ def test_contact_keeps_momentum() -> None:
 
 
 def test_a_twisted_pair_keeps_its_turns(steps: list[tuple[Floats, Floats]]) -> None:
-    """Two strands about each other, pulled straight by their weight: without contact they come out of it at once."""
+    """Two strands about each other, pulled straight by their weight: without contact they come out of it at once. With
+    it the tips, which nothing holds, come apart one turn after the other; the upper half stays as it is."""
     n, turns, radius = 24, 2.0, 0.012
+    half = n // 2
     angles = 2 * np.pi * turns * np.arange(n + 1) / n
     points = [
         np.stack([s * radius * np.cos(angles), -np.arange(n + 1) / n, s * radius * np.sin(angles)], 1) for s in (1, -1)
@@ -160,12 +162,12 @@ def test_a_twisted_pair_keeps_its_turns(steps: list[tuple[Floats, Floats]]) -> N
         solver = solver_of(text % rule, groom)
         solver.advance(16)
         way = solver.particles()[1].astype(float) - solver.particles()[0]
-        around = np.unwrap(np.arctan2(way[:20, 2], way[:20, 0]))
+        around = np.unwrap(np.arctan2(way[: half + 1, 2], way[: half + 1, 0]))
         left.append(abs(around[-1] - around[0]) / (2 * np.pi))
         if rule:
             assert sum(crossings(*one) for one in steps) == 0
             assert solver.errors(16)["strand_penetration_max"] < 4e-3  # type: ignore[operator]
-    assert left[0] > 0.8 * turns * 19 / n
+    assert left[0] > 0.85 * turns * half / n
     assert left[1] < 0.5 * left[0]
 
 
@@ -246,7 +248,7 @@ def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump() -> 
     text = "rod: {radius: 2.0e-4, young: 1.0e+6}\nemitter: {strands: 9, particles: 9, length: 0.2}\ntime: {fps: 24}\n"
     solver = solver_of(text + "rules: [gravity, contact: {thickness: 0.002}]", groom)
     past = solver.particles()
-    alone = solver_of(text + "rules: [gravity]", groom)
+    alone = solver_of(text.replace("rod: {", "rod: {integrator: euler, ") + "rules: [gravity]", groom)
     alone.advance(9)
     for frame in range(2, 10):
         solver.advance(frame)
