@@ -126,8 +126,6 @@ class Place(NamedTuple):
 class Scheme(NamedTuple):
     """Time integration: how a particle's free displacement is predicted."""
 
-    velocity: Any
-    """(P, N, 3 S) with which particles go on: `State.ahead` for BDF2, `State.velocity` for Euler's method."""
     share: Any
     """Of the last displacement that goes on, 1/3 for BDF2."""
     second: Any

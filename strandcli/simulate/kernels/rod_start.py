@@ -43,28 +43,34 @@ def set_coefficients(s, at, state, material, forcing, scheme):
     """Set the strand's coefficients in the scratch, by the method of each lane: Euler's in those whose strands were
     pressed by solids in the step before, where BDF2 would go on with what contact has changed."""
     numbers = forcing.numbers
-    length = load(material.lengths, at.strand)
-    store(s, INVERSE_LENGTH, 1.0 / length)
-    h = broadcast(s, numbers[STEP])
-    g = broadcast(s, numbers[VELOCITY_STEP])
-    share = broadcast(s, scheme.share)
-    mass = 1 + numbers[DRAG] * numbers[VELOCITY_STEP]  # that `Material.mass` has been multiplied by
-    drag = broadcast(s, mass)
-    square = broadcast(s, numbers[STEP] * numbers[VELOCITY_STEP])
-    if scheme.pressed and scheme.share > 0:
+    h, g = numbers[STEP], numbers[VELOCITY_STEP]
+    mass = 1 + numbers[DRAG] * g  # that `Material.mass` has been multiplied by
+    if scheme.second and scheme.pressed and scheme.share > 0:
         calm = load(state.touching, at.strand) > 0.0
-        h = where(calm, broadcast(s, scheme.duration), h)
-        g = where(calm, broadcast(s, scheme.duration), g)
-        share = where(calm, broadcast(s, 0.0), share)
-        drag = 1.0 + numbers[DRAG] * g
-        square = where(calm, h * g * (mass / drag), square)
-    store(s, VELOCITY_SCALE, h / (drag * length))
+        step = where(calm, broadcast(s, scheme.duration), h)
+        velocity_step = where(calm, broadcast(s, scheme.duration), g)
+        drag = 1.0 + numbers[DRAG] * velocity_step
+        square = where(calm, step * velocity_step * (mass / drag), h * g)
+        store(s, MOVED_SHARE, where(calm, broadcast(s, 0.0), scheme.share))
+        store_coefficients(s, at, material, forcing, step, velocity_step, drag, square)
+    else:
+        store(s, MOVED_SHARE, scheme.share)
+        store_coefficients(s, at, material, forcing, h, g, mass, h * g)
+
+
+@inlined
+def store_coefficients(s, at, material, forcing, h, g, drag, square):
+    """Store what follows from the h of displacements, s, that of velocities, what drag makes of a mass, and h², s²;
+    numbers, or vectors where lanes differ."""
+    numbers = forcing.numbers
+    length = load(material.lengths, at.strand)
     reach = h * g / drag
-    store(s, REACH, reach)
+    store(s, INVERSE_LENGTH, 1.0 / length)
+    store(s, VELOCITY_SCALE, h / (drag * length))
     store(s, ACCELERATION_SCALE, reach / length)
+    store(s, REACH, reach)
     store(s, SQUARE, square)
     store(s, INVERSE_STEP, 1.0 / h)
-    store(s, MOVED_SHARE, share)
     air = numbers[DRAG] * load(forcing.gust, at.strand)
     for c in range(3):
         store(s, ADDED_VELOCITY + c, g * (numbers[GRAVITY + c] + air * numbers[AIR + c]))
@@ -126,15 +132,15 @@ def predict_along(s, row, c, state, scheme):
     """Coordinate c of `predict`."""
     place = row + c * PACK
     scale, added = load(s, VELOCITY_SCALE), load(s, ADDED_VELOCITY + c)
-    v = load(scheme.velocity, place)
-    if scheme.pressed and scheme.share > 0:
-        v = where(load(s, MOVED_SHARE) > 0.0, v, load(state.velocity, place))
-    v += added
     if scheme.crowded:
-        v += scheme.duration * load(state.crowd, place)
-    u = scale * v
-    if scheme.share > 0:
-        u += load(state.moved, place) * load(s, MOVED_SHARE) * load(s, INVERSE_LENGTH)
+        added += scheme.duration * load(state.crowd, place)
+    if scheme.second and scheme.share > 0:
+        v = load(state.ahead, place)
+        if scheme.pressed:
+            v = where(load(s, MOVED_SHARE) > 0.0, v, load(state.velocity, place))
+        u = scale * (v + added) + load(state.moved, place) * load(s, MOVED_SHARE) * load(s, INVERSE_LENGTH)
+    else:
+        u = scale * (load(state.velocity, place) + added)
     u = min(max(u, -FARTHEST), FARTHEST)
     if scheme.pressed:
         u += load(s, ACCELERATION_SCALE) * load(state.push, place)

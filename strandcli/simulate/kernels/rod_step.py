@@ -195,11 +195,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         at = Place(n, strand, pack * n * AXES + lane, pack * n * PACK + lane, pack * (n + 1) * AXES + lane, position)
         place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
-        share = numbers[MOVED]
-        scheme = Scheme(
-            state.ahead if share > 0 else state.velocity, share, flags.second, touched, flags.crowded,
-            contact.duration,
-        )  # fmt: skip
+        scheme = Scheme(numbers[MOVED], flags.second, touched, flags.crowded, contact.duration)
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         worst = broadcast(scratch, 0.0)
         for count in range(PASSES if flags.curled and flags.second else 1):

@@ -97,7 +97,11 @@ def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
         py += length * y
         pz += length * z
         store3(positions, here, W, px, py, pz)
-        update_velocity(s, o, row, length, state, scheme)
+        if scheme.second:
+            update_velocity(s, o, row, length, state, scheme)
+        else:
+            for c in range(3):
+                store(state.velocity, row + c * PACK, length * load(s, o + DISPLACEMENT + c) * load(s, INVERSE_STEP))
     if contact.any_solids:
         store(state.touching, strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), 0.0))
 
@@ -178,29 +182,25 @@ def update_velocity(s, o, row, length, state, scheme):
     the next step goes on with. After an `IMPACT` BDF2 starts anew from u alone: it would extrapolate the jump of
     velocity, and strands bounce. After a step of Euler's method it takes the acceleration to have been the same."""
     inverse_step = load(s, INVERSE_STEP)
-    if scheme.second:
-        share = load(s, MOVED_SHARE)
-        rate = 1 / scheme.duration
-        impact = load(s, IMPACT) > 0.0
-        for c in range(3):
-            u = length * load(s, o + DISPLACEMENT + c)
-            p = row + c * PACK
-            past = load(state.velocity, p)
-            begun = past
-            if scheme.crowded:
-                begun += scheme.duration * load(state.crowd, p)
-            v = rate * u
-            gain = v - begun
-            old = gain
-            if scheme.share > 0:
-                v = where(impact, v, (u - load(state.moved, p) * share) * inverse_step)
-                gain = where(impact, broadcast(s, 0.0), v - begun)
-                old = where(share > 0.0, past - load(state.before, p), gain)
-                old = where(impact, broadcast(s, 0.0), old)
-            store(state.before, p, v - gain)
-            store(state.velocity, p, v)
-            store(state.ahead, p, v + GAIN * gain - OLD_GAIN * old)
-            store(state.moved, p, u)
-    else:
-        for c in range(3):
-            store(state.velocity, row + c * PACK, length * load(s, o + DISPLACEMENT + c) * inverse_step)
+    share = load(s, MOVED_SHARE)
+    rate = 1 / scheme.duration
+    impact = load(s, IMPACT) > 0.0
+    for c in range(3):
+        u = length * load(s, o + DISPLACEMENT + c)
+        p = row + c * PACK
+        past = load(state.velocity, p)
+        begun = past
+        if scheme.crowded:
+            begun += scheme.duration * load(state.crowd, p)
+        v = rate * u
+        gain = v - begun
+        old = gain
+        if scheme.share > 0:
+            v = where(impact, v, (u - load(state.moved, p) * share) * inverse_step)
+            gain = where(impact, broadcast(s, 0.0), v - begun)
+            old = where(share > 0.0, past - load(state.before, p), gain)
+            old = where(impact, broadcast(s, 0.0), old)
+        store(state.before, p, v - gain)
+        store(state.velocity, p, v)
+        store(state.ahead, p, v + GAIN * gain - OLD_GAIN * old)
+        store(state.moved, p, u)
