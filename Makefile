@@ -97,10 +97,18 @@ WITHOUT_JIT := tests/scene tests/output tests/cameras
 WITH_JIT := output/test_layers.py output/test_claim.py cameras/test_film.py cameras/test_usd_cameras.py
 COVERED := 'strandcli/scene/*,strandcli/output/*,strandcli/cameras/*'
 
-coverage: $(READY)
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run --source=strandcli -m pytest -q $(WITHOUT_JIT) \
+MEASURED := .venv-coverage
+
+coverage: $(MEASURED)/.ready
+	NUMBA_DISABLE_JIT=1 $(MEASURED)/bin/python -m coverage run --source=strandcli -m pytest -q $(WITHOUT_JIT) \
 	  $(foreach file,$(WITH_JIT),--ignore=tests/$(file))
-	$(BIN)/python -m coverage report --include=$(COVERED) --skip-covered --fail-under=90
+	$(MEASURED)/bin/python -m coverage report --include=$(COVERED) --skip-covered --fail-under=90
+
+$(MEASURED)/.ready: pyproject.toml
+	$(PYTHON) -m venv $(MEASURED)
+	$(MEASURED)/bin/python -m pip install --quiet --upgrade pip
+	$(MEASURED)/bin/python -m pip install --quiet --group coverage --editable .
+	@touch $@
 
 # every index of every kernel is looked at; minutes of compiling, for a cache of its own
 bounds: $(READY)

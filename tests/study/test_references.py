@@ -294,20 +294,21 @@ def test_corners_of_a_coil_are_equally_far_apart() -> None:
         assert spring.arm_of(len(spring.coil(arm))) == arm
 
 
-def test_the_angle_of_friction_is_told_by_which_strands_slide() -> None:
+def test_the_angle_of_friction_is_where_ways_of_sliding_strands_vanish() -> None:
     made = incline.strands()
     start = np.zeros((2, made.strands, 3, 3))
     rows = np.arange(0, made.strands, 1 + len(incline.RAILS))
 
-    def angle(slides: list[int]) -> float | None:
+    def angle(begin: float, stuck: float = 0.004) -> float | None:
         positions = start.copy()
-        positions[1, rows[slides], -1, 2] = 2 * incline.SLIDES
+        off = np.array(incline.OFF)
+        positions[1, rows, -1, 2] = np.where(off > begin, 0.013 * (off - begin), stuck)
         return incline.measure(Track(np.array([0.0, 1.0]), positions))["angle"]
 
-    assert angle([4, 5, 6, 7]) == pytest.approx(0, abs=1e-9)
-    assert angle([6, 7]) == pytest.approx(2 / incline.exact()["angle"], rel=1e-6)
-    assert angle([]) == pytest.approx(4 / incline.exact()["angle"], rel=1e-6)
-    assert angle([1, 5]) is None
+    assert angle(0) == pytest.approx(0, abs=1e-9)
+    assert angle(-2) == pytest.approx(2 / incline.exact()["angle"], rel=1e-6)
+    assert angle(4) is None  # none slides
+    assert angle(0, 0.02) is None  # those that should stick move as far as those that slide
 
 
 def test_a_strand_across_others_begins_to_slide_at_the_angle_of_friction() -> None:

@@ -1,8 +1,10 @@
 """Friction between strands: one that lies across others, down a slope, begins to slide at the angle atan µ (Coulomb).
 
 Each of several slopes has rails, short strands that lead straight down it, and a long one that lies across them and is
-clamped at its root. What friction does not hold of its weight along the slope bends it downhill, so that its tip tells
-whether it slides. Slopes are a degree apart and as many are flatter than atan µ as steeper.
+clamped at its root. What friction does not hold of its weight along the slope bends it downhill, in proportion to
+tan (slope) − µ. Slopes are a degree apart, and as many are flatter than atan µ as steeper: the way of tips on the
+steeper ones, drawn on to where it vanishes, is the angle. What the first touch moves on the flatter ones before it
+sticks is less than any of these ways.
 """
 
 from __future__ import annotations
@@ -25,9 +27,9 @@ RAILS = (0.2, 0.4, 0.6, 0.8, 1.0)
 RAIL = 0.1
 """Length of a rail, metres; that of the long strand is a metre."""
 THICKNESS = 0.002
-SLIDES = 5e-3
-"""Way of the tip in metres from which on a strand slides: half a degree beyond atan µ it goes 8 mm, and what the
-first touch moves before it sticks is less than 4 mm."""
+STEEPER = 5e-3
+"""Way of the tip in metres by which a degree more has to bring a strand further, at the least: it is some 13 mm where
+friction does nothing but what Coulomb's law says."""
 APART = 2.0
 """Metres between slopes."""
 
@@ -72,19 +74,16 @@ def case(particles: int) -> Case:
 
 
 def measure(track: Track) -> dict[str, float | None]:
-    """``angle``: error of the angle at which strands begin to slide, as a share. None where one slides on a slope that
-    is flatter than one where another sticks."""
+    """``angle``: error of the angle at which strands begin to slide, as a share. None where a strand on a slope flatter
+    than atan µ moves as far as one on a steeper slope, or where steeper slopes do not bring strands further."""
     rows = slice(None, None, 1 + len(RAILS))
     ways = np.linalg.norm(track.last[rows, -1] - track.positions[0, rows, -1], axis=1)
-    slides = ways > SLIDES
-    count = int(slides.sum())
-    if not slides[len(slides) - count :].all():
+    off = np.array(OFF)
+    steep = off > 0
+    each, level = np.polyfit(off[steep], ways[steep], 1)
+    if ways[~steep].max() >= ways[steep].min() or each < STEEPER:
         return {"angle": None}
-    found = angles()
-    at = len(found) - count
-    beyond = np.radians(0.5)
-    begin = found[at] - beyond if count else found[-1] + beyond
-    return {"angle": abs(float(begin) / math.atan(MU) - 1)}
+    return {"angle": abs(float(level / each)) / exact()["angle"]}
 
 
 REFERENCE = Reference(
