@@ -292,8 +292,10 @@ raise SystemExit(status)
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 def test_memory_is_what_a_run_takes(tmp_path: Path) -> None:
-    """A slice of `make plan-figures`."""
+    """A slice of `make plan-figures`, for an environment whose modules keep their bytecode: one that compiles Numba's
+    Python anew takes some 50 MB more, a fifth of this small run."""
     if sys.platform == "win32":
         pytest.skip("measured by wait4")
     found = measured(("minimal", "--size", "320x240", "-f", "1"), tmp_path, timed=False)
