@@ -67,7 +67,7 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
     hangs = emitter.comb is not None or emitter.tie is not None or isinstance(emitter.shape, MeshShape)
     radius = extent + (HANGING if hangs else 1.0) * length
     height = scene.image.size[1] * scene.image.supersample
-    share_seen = min(1.0, (height / max(scale * 2 * radius, 1e-9)) ** 1.0)
+    share_seen = min(1.0, height / max(scale * 2 * radius, 1e-9))
     segments = drawn * share * (points - 1) * pieces_of(scene, scale * min(1.0, share_seen + 0.5), length, points)
     ahead = drawn * share * length * scale * ACROSS * share_seen
     width = scene.material.width * (1 - scene.material.taper / 2) * scale if scene.material.width > 0 else 1.0

@@ -294,8 +294,8 @@ raise SystemExit(status)
 
 @pytest.mark.long
 def test_memory_is_what_a_run_takes(tmp_path: Path) -> None:
-    """A slice of `make plan-figures`, for an environment whose modules keep their bytecode: one that compiles Numba's
-    Python anew takes some 50 MB more, a fifth of this small run."""
+    """A slice of `make plan-figures`. Of LLVM's library, which is a file in memory, the system maps 40 MB or 100,
+    as it holds the file in pages or in larger pieces: a fifth of this small run."""
     if sys.platform == "win32":
         pytest.skip("measured by wait4")
     found = measured(("minimal", "--size", "320x240", "-f", "1"), tmp_path, timed=False)
