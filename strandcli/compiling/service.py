@@ -95,8 +95,7 @@ class Service:
             request = pickle.dumps(sig)
         except Exception:  # types that only this process has
             return False
-        module = sys.modules.get(function.__module__)
-        file = getattr(module, "__file__", None)
+        file = getattr(sys.modules.get(function.__module__), "__file__", None)
         if function.__module__ == "__main__" or "<locals>" in function.__qualname__ or file is None:
             return False
         with self._lock:
@@ -107,7 +106,7 @@ class Service:
             if worker is None:
                 return False
             try:
-                worker.send("compile", function.__module__, file, function.__qualname__, request, entry)
+                worker.send("compile", function.__module__, function.__qualname__, request, entry)
                 told = worker.answer()
             except BaseException as error:
                 self._first = None

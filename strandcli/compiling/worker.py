@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import importlib.abc
+import importlib.machinery
 import importlib.util
 import json
 import os
@@ -34,6 +36,7 @@ def main(settings: str) -> None:
 
     cache.use(Path(path))
     service.enabled = False
+    sys.meta_path.append(WrittenModules())
     import numba
 
     from . import faster
@@ -64,12 +67,12 @@ def _listen(inbound: BinaryIO, messages: queue.SimpleQueue[Any]) -> None:
         os._exit(0)
 
 
-def _compile(module: str, file: str, name: str, signature: bytes, entry: str) -> str:
+def _compile(module: str, name: str, signature: bytes, entry: str) -> str:
     """Compile a kernel; returns "done", "failed", or "lost" where the entry meant is not in the cache afterwards."""
     from .folder import cache
 
     try:
-        found: Any = _import(module, file)
+        found: Any = importlib.import_module(module)
         for part in name.split("."):
             found = getattr(found, part)
         found.compile(pickle.loads(signature))
@@ -78,24 +81,25 @@ def _compile(module: str, file: str, name: str, signature: bytes, entry: str) ->
     return "done" if (cache.path / entry).is_file() else "lost"
 
 
-def _import(name: str, file: str) -> Any:
-    """A module by its name, or, for those that are written into the cache's folder, by its file, which is run if its
-    hash is that in its name. Raises `ImportError`."""
-    if name in sys.modules:
-        return sys.modules[name]
-    from .folder import cache, text_hash
+class WrittenModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Imports modules that are written into the cache's folder by their names, for kernels are made of them and
+    signatures name them; one whose hash is not that in its name is refused."""
 
-    if Path(file).parent != cache.path:
-        return importlib.import_module(name)
-    spec = importlib.util.spec_from_file_location(name, file)
-    assert spec is not None
-    text = Path(file).read_bytes()
-    if not name.endswith(text_hash(text)):
-        raise ImportError(f"{file}: its content is not what was written")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    exec(compile(text, file, "exec"), module.__dict__)
-    return module
+    def find_spec(self, fullname: str, path: Any, target: Any = None) -> importlib.machinery.ModuleSpec | None:
+        from .folder import cache
+
+        file = cache.path / f"{fullname}.py"
+        if path is not None or not file.is_file():
+            return None
+        return importlib.util.spec_from_file_location(fullname, file, loader=self)
+
+    def exec_module(self, module: Any) -> None:
+        from .folder import text_hash
+
+        text = Path(module.__file__).read_bytes()
+        if not module.__name__.endswith(text_hash(text)):
+            raise ImportError(f"{module.__file__}: its content is not what was written")
+        exec(compile(text, module.__file__, "exec"), module.__dict__)
 
 
 def _ahead(data: bytes, parts: list[str]) -> None:

@@ -20,6 +20,7 @@ from strandcli.draw.film.film import curve_of
 from strandcli.draw.film.kernels import film
 from strandcli.jit import function
 from strandcli.jit.dispatcher import KernelDispatcher
+from strandcli.written import module_of
 
 pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
 ROOT = Path(__file__).resolve().parents[2]
@@ -87,6 +88,26 @@ def test_what_only_this_process_has_is_compiled_here(place: Path) -> None:
 
     assert local(1) == 2
     assert mine()._first is None
+
+
+PAIR = "from typing import NamedTuple\n\nclass Pair(NamedTuple):\n    a: float\n    b: float\n"
+TOTAL = "from strandcli.jit import function\n\n@function\ndef total(pair):\n    return pair.a + pair.b\n"
+
+
+def test_a_worker_knows_the_types_of_written_modules(place: Path) -> None:
+    """Solids of a scene are such types: it would refuse to read the signature, and this process compile."""
+    pair, total = (module_of(text, name, place) for text, name in ((PAIR, "pair"), (TOTAL, "total")))
+    assert total.total(pair.Pair(1.0, 2.5)) == 3.5
+    assert hits(total.total) == 1
+
+
+def test_a_worker_runs_no_written_module_that_was_changed(place: Path) -> None:
+    pair, total = (module_of(text, name, place) for text, name in ((PAIR, "pair"), (TOTAL, "total")))
+    ran = place / "ran"
+    Path(pair.__file__).write_text(f"open({str(ran)!r}, 'w')\n{PAIR}", encoding="utf-8")
+    assert total.total(pair.Pair(1.0, 2.5)) == 3.5
+    assert hits(total.total) == 0
+    assert not ran.exists()
 
 
 def test_without_workers_kernels_are_compiled_here(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:

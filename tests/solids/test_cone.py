@@ -43,11 +43,12 @@ def local(solid: Any, points: Any) -> Floats:
     return np.asarray((np.asarray(points, float) - pose.translation) @ np.array(pose.rotation))
 
 
-def signed(solid: Any, points: Any) -> Floats:
+def signed(solid: Any, points: Any, angles: Floats = ANGLES) -> Floats:
     """Signed distance of points (..., 3) of the world from a convex body: over all directions, the greatest by which a
-    point is beyond the plane that touches the body. Here for the directions of a half plane, exact to 2e-4."""
+    point is beyond the plane that touches the body. Here for the directions of a half plane at these angles, exact to
+    the step between them: 2e-4 for all of them."""
     x, y, z = np.moveaxis(local(solid, points), -1, 0)
-    flat, up, h = np.cos(ANGLES), np.sin(ANGLES), solid.length / 2
+    flat, up, h = np.cos(angles), np.sin(angles), solid.length / 2
     touch = np.maximum(solid.radius * flat - h * up, solid.top * flat + h * up)
     found = [np.max(q * flat + v * up - touch) for q, v in zip(np.hypot(x, z).ravel(), y.ravel(), strict=True)]
     return np.reshape(found, x.shape)
@@ -142,7 +143,7 @@ def test_it_hides_a_light_where_it_is_in_the_way(sizes: dict[str, float]) -> Non
     for o, d in rays_at(solid, 200, 1.5, 5):
         way = d / np.linalg.norm(d)
         within = int(inside(solid, o + share * way.astype(float)).sum())
-        if within == 0 and np.min([signed(solid, o + t * way.astype(float)) for t in share[::40]]) < 0.02:
+        if within == 0 and signed(solid, o + share[::40] * way.astype(float), ANGLES[::20]).min() < 0.02:
             continue  # grazes
         if 0 < within < 20:
             continue
