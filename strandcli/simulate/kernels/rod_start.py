@@ -121,15 +121,33 @@ def predict(s, row, state, scheme):
     before has left (`rod_sweep.update_velocity`).
     """
     # computed anew where it is needed: to keep it would cost more, by the room that it takes in the scratch
-    x = predict_along(s, row, 0, state, scheme)
-    y = predict_along(s, row, 1, state, scheme)
-    z = predict_along(s, row, 2, state, scheme)
+    if scheme.second or scheme.crowded:
+        x = predict_along(s, row, 0, state, scheme)
+        y = predict_along(s, row, 1, state, scheme)
+        z = predict_along(s, row, 2, state, scheme)
+    else:
+        x = predict_alone(s, row, 0, state)
+        y = predict_alone(s, row, 1, state)
+        z = predict_alone(s, row, 2, state)
+    if scheme.pressed:
+        px, py, pz = load3(state.push, row, PACK)
+        scale = load(s, ACCELERATION_SCALE)
+        x += scale * px
+        y += scale * py
+        z += scale * pz
     return x, y, z
 
 
 @inlined
+def predict_alone(s, row, c, state):
+    """Coordinate c of the free displacement by Euler's method, where strands do not interact."""
+    u = load(s, VELOCITY_SCALE) * (load(state.velocity, row + c * PACK) + load(s, ADDED_VELOCITY + c))
+    return min(max(u, -FARTHEST), FARTHEST)
+
+
+@inlined
 def predict_along(s, row, c, state, scheme):
-    """Coordinate c of `predict`."""
+    """Coordinate c of the free displacement by either method, among strands that interact too."""
     place = row + c * PACK
     scale, added = load(s, VELOCITY_SCALE), load(s, ADDED_VELOCITY + c)
     if scheme.crowded:
@@ -141,7 +159,4 @@ def predict_along(s, row, c, state, scheme):
         u = scale * (v + added) + load(state.moved, place) * load(s, MOVED_SHARE) * load(s, INVERSE_LENGTH)
     else:
         u = scale * (load(state.velocity, place) + added)
-    u = min(max(u, -FARTHEST), FARTHEST)
-    if scheme.pressed:
-        u += load(s, ACCELERATION_SCALE) * load(state.push, place)
-    return u
+    return min(max(u, -FARTHEST), FARTHEST)
