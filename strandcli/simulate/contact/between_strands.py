@@ -33,6 +33,7 @@ from .kernels.contact_columns import (
     FIRST,
     FIRST_SEGMENT,
     GAP,
+    KEPT,
     NUMBERS,
     SAME,
     SECOND,
@@ -50,7 +51,8 @@ MARGIN = 0.5
 """Thicknesses beyond the thickness at which pairs are looked at: a round of forces may bring them nearer."""
 EASE, MOST_EASE = 5.0, 0.25
 """Share of the thickness by which strands that begin closer come apart a second, and in a step at the most."""
-SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, 40_000
+import os
+SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, int(os.environ.get("UPD", "40000"))
 """Sweeps of a contact solve at the most: the first where contacts are few, the second at the least, and else as many as
 make so many updates of a contact."""
 TOLERANCE, ENOUGH = 2e-3, 2e-2
@@ -96,9 +98,24 @@ class Contacts(NamedTuple):
         ways = np.linalg.norm(self.vectors[:, END : END + 3] - self.vectors[:, START : START + 3], axis=1)
         return bool(((self.numbers[:, GAP] < least) & (ways > thickness)).any())
 
+    def update(self, start: Floats, end: Floats) -> None:
+        """Set ways and distances at the same places."""
+        i, a, j, b = self.pairs.T
+        alpha, beta = self.numbers[:, ALPHA, None], self.numbers[:, BETA, None]
+        for place, x in ((START, start), (END, end)):
+            one = x[i, a] + alpha * (x[i, a + 1] - x[i, a])
+            self.vectors[:, place : place + 3] = x[j, b] + beta * (x[j, b + 1] - x[j, b]) - one
+        self.numbers[:, GAP] = np.einsum("ic,ic->i", self.vectors[:, :3], self.vectors[:, END : END + 3])
+
     def where(self, some: NDArray[np.bool_]) -> Contacts:
         """Return some of them."""
         return Contacts(self.pairs[some], self.numbers[some], self.vectors[some])
+
+
+NOTHING = Contacts(np.zeros((0, 4), np.int64), np.zeros((0, NUMBERS)), np.zeros((0, VECTORS)))
+import os
+WARM, GUARD, FREEZE, NNCG = (c == "1" for c in os.environ.get("CFG", "1111"))
+WORSE, ANEW = 1.5, 0.02
 
 
 class StrandContact:
@@ -117,12 +134,14 @@ class StrandContact:
         self.groom = groom
         self.segments = scene.emitter.particles - 1
         self.lengths = groom.emitted(groom.lengths.astype(np.float64)) / self.segments
+        self._roots = groom.emitted(groom.roots.astype(np.float64))
         apart = 1 + math.ceil(2 * self.thickness / float(self.lengths.min()))
         self._nearby = Nearby(self.segments, min(apart, self.segments))
+        self.last = NOTHING.pairs, NOTHING.numbers, np.zeros((0, 3)), 1.0
         self.penetration = 0.0
         """How much closer than their thickness strands were at the end of the last step, metres."""
 
-    def step(self, run: Callable[[], None], solver: Any) -> bool:
+    def step(self, run: Callable[[], None], solver: Any, h: float) -> bool:
         """Make a step by ``run``, again where strands touch. ``solver``: the rod solver whose step it is. Return False
         where some strand has come through another, for the step is too long."""
         state: State = solver.state
@@ -130,33 +149,104 @@ class StrandContact:
             state.crowd[...] = 0
         before = {name: one.copy() for name, one in state._asdict().items()}
         start = self._particles(state)
-        forces: dict[tuple[int, ...], Floats] = {}
+        held, forces = self._last_of(h) if WARM else (NOTHING, np.zeros((0, 3)))
+        if len(forces):
+            self._load(held, forces, solver)
+        held = NOTHING if not len(forces) else held
+        warm = True
+        best, kept = math.inf, None
+        share = 1.0
         for iteration in range(self.iterations + 1):
             run()
-            found = self._look(start, self._particles(state), float(solver.forcing.numbers[STEP]))
+            end = self._particles(state)
+            found = self._look(start, end, h)
             if found is None:
+                self._keep(NOTHING, np.zeros((0, 3)), h)
                 return True
-            given = np.array([forces.get(tuple(pair), NONE) for pair in found.pairs.tolist()]).reshape(-1, 3)
-            counts = (found.numbers[:, COUNTS] > 0) & (found.numbers[:, GAP] < (1 + MARGIN) * self.thickness)
-            found, given = found.where(counts | given.any(1)), given[counts | given.any(1)]
-            self.penetration = max(0.0, float(self.thickness - found.numbers[:, GAP].min(initial=self.thickness)))
-            if iteration == self.iterations or not len(found.pairs):
-                return not found.through(self.thickness)
+            excess = float(found.excess()[found.numbers[:, COUNTS] > 0].max(initial=0.0))
+            self.penetration = max(0.0, float((found.numbers[:, KEPT] - found.numbers[:, GAP])[found.numbers[:, COUNTS] > 0].max(initial=0.0)))
+            passed = found.where(found.numbers[:, COUNTS] > 0).through(self.thickness)
             tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
-            wanted = found.excess().max() > tolerance
-            if not wanted and (iteration >= ROUNDS or not forces):
-                return True
-            # the normal of others is that of the end, which is on the wrong side where they have passed each other
-            active = (found.excess() > 0) | given.any(1) | (found.numbers[:, SAME] > ALIKE)
-            found, given = found.where(active), given[active]
-            changed = self._solve(found, given, solver)
+            if iteration == self.iterations:
+                break
+            if GUARD and excess > WORSE * best and kept is not None:
+                share *= 0.5
+                held, forces, now = kept
+                trial = forces + share * (now - forces)
+                self._again(state, before, held, trial, solver)
+                continue
+            applied = forces
+            held, forces = self._merged(held, forces, found, start, end, FREEZE and not warm)
+            warm = False
+            if not len(forces) :
+                break
+            wanted = excess > tolerance
+            if not wanted and (iteration >= ROUNDS or not forces.any()):
+                break
+            after = forces.copy()
+            changed = self._solve(held, after, solver)
             if not wanted and changed < 2 * tolerance:
-                return True
-            forces = {tuple(p): f for p, f in zip(found.pairs.tolist(), given, strict=True) if f.any()}
-            for name, one in state._asdict().items():
-                one[...] = before[name]
-            self._load(found, given, solver)
-        return True
+                break
+            if excess < best:
+                best, kept = excess, (held, forces, after)
+                share = min(1.0, 2 * share)
+            forces = forces + share * (after - forces)
+            self._again(state, before, held, forces, solver)
+        self._keep(held, forces, h)
+        return not passed
+
+    def _again(self, state: State, before: dict[str, NDArray[Any]], held: Contacts, forces: Floats, solver: Any) -> None:
+        """Go back to the begin of a step, with the forces of contacts among its loads."""
+        for name, one in state._asdict().items():
+            one[...] = before[name]
+        self._load(held, forces, solver)
+
+    def _keep(self, held: Contacts, forces: Floats, h: float) -> None:
+        some = forces.any(1)
+        self.last = held.pairs[some], held.numbers[some], forces[some], h
+
+    def _last_of(self, h: float) -> tuple[Contacts, Floats]:
+        pairs, numbers, forces, before = self.last
+        return Contacts(pairs, numbers, np.zeros((len(pairs), VECTORS))), forces * (h / before) ** 2
+
+    def _codes(self, pairs: NDArray[np.int64]) -> NDArray[np.int64]:
+        n, count = self.segments, len(self.lengths)
+        return ((pairs[:, 0] * n + pairs[:, 1]) * count + pairs[:, 2]) * n + pairs[:, 3]
+
+    def _merged(self, held: Contacts, forces: Floats, found: Contacts, start: Floats, end: Floats, freeze: bool):
+        """Return the contacts of a round and their forces: those of the rounds before at the places that they were
+        found at, and what is found now."""
+        given = np.zeros((len(found.pairs), 3))
+        near = (found.numbers[:, COUNTS] > 0) & (found.numbers[:, GAP] < (1 + MARGIN) * self.thickness)
+        near &= (found.excess() > 0) | (found.numbers[:, SAME] > ALIKE)
+        new, old = self._codes(found.pairs), self._codes(held.pairs)
+        _, one, other = np.intersect1d(new, old, assume_unique=True, return_indices=True)
+        given[one] = forces[other]
+        if not freeze:
+            some = near | given.any(1)
+            return found.where(some), given[some]
+        held.update(start, end)
+        now, then = found.excess()[one], held.excess()[other]
+        anew = near[one] & (now > ANEW * self.thickness) & (now > 2 * then)
+        some = near
+        some[one[~anew]] = False
+        stay = np.ones(len(old), bool)
+        stay[other[anew]] = False
+        a, b = held.where(stay), found.where(some)
+        both = Contacts(*(np.concatenate(parts) for parts in zip(a, b, strict=True)))
+        return both, np.concatenate([forces[stay], given[some]])
+
+    def state_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return what a step takes from the one before: forces of contacts and where they act."""
+        pairs, numbers, forces, h = self.last
+        free = np.concatenate([pairs, numbers, forces], 1)
+        return {"free contacts": free.reshape(-1), "found": np.array([self.penetration, h])}
+
+    def restore(self, state: Any) -> None:
+        """Go on from such a state."""
+        self.penetration, h = state["found"].tolist()
+        rows = state["free contacts"].reshape(-1, 4 + NUMBERS + 3)
+        self.last = rows[:, :4].astype(np.int64), rows[:, 4:-3].copy(), rows[:, -3:].copy(), h
 
     def _look(self, start: Floats, end: Floats, dt: float) -> Contacts | None:
         """Return what comes near in a step; None where a coordinate is not finite."""
@@ -165,7 +255,7 @@ class StrandContact:
         pairs = self._nearby.find(start, end, (1 + MARGIN) * self.thickness)
         numbers, vectors = np.zeros((len(pairs), NUMBERS)), np.zeros((len(pairs), VECTORS))
         sizes = self.thickness, min(EASE * dt, MOST_EASE)
-        contact_approach.look(start, end, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
+        contact_approach.look(start, end, self._roots, self.lengths, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
         return Contacts(pairs, numbers, vectors)
 
     def _solve(self, found: Contacts, forces: Floats, solver: Any) -> float:
@@ -189,9 +279,10 @@ class StrandContact:
         contact_solve.own_responses(found.pairs, found.numbers, responses, own)
         moves, after = np.zeros((len(self.lengths), n, 3)), forces.copy()
         sweeps = min(SWEEPS, max(LEAST_SWEEPS, UPDATES // len(forces)))
-        settings = self.friction, sweeps, PRECISION * self.thickness, IMMOBILE / float(self.lengths.max())
+        settings = self.friction, NNCG, sweeps, PRECISION * self.thickness, IMMOBILE / float(self.lengths.max())
+        ways = after.flatten(), np.zeros(after.size), moves.flatten(), np.zeros(moves.size)
         contact_solve.solve(
-            found.pairs, (found.numbers, found.vectors), (responses, own), settings, after, moves, np.zeros((7, 3))
+            found.pairs, (found.numbers, found.vectors), (responses, own), settings, after, moves, ways, np.zeros((7, 3))
         )
         moved = float(np.abs(moves).max())
         share = min(1.0, TRUST * max(float(found.excess().max()), self.thickness) / max(moved, TINY))

@@ -146,18 +146,30 @@ def slide(vector, missing, friction, w, rows):
             sliding[c] = sliding[c] / max(total, TINY)
 
 
+@device
+def go_on(x, before, way, share):
+    """Add to x a ``share`` of the ``way`` that it went before, and keep what it was, and the way, for the next time."""
+    for i in range(len(x)):
+        gone = x[i] - before[i]
+        x[i] += share * way[i]
+        way[i] = share * way[i] + gone
+        before[i] = x[i]
+
+
 @function
-def solve(pairs, contacts, responses, settings, forces, moves, rows):
+def solve(pairs, contacts, responses, settings, forces, moves, ways, rows):
     """Change ``forces`` (m, 3) and with them ``moves`` (S, N, 3), displacements against `END` of the contacts'
     ``vectors``, until no contact changes its way by more than the tolerance. ``contacts``: numbers and vectors;
     ``responses``: those of `contact_response.respond` and `own_responses`; ``settings``: friction, sweeps at the most,
     tolerance in metres, response of contacts that are left out; ``rows`` (7, 3) is scratch. Returns the sweeps."""
     numbers, vectors = contacts
     response, own = responses
-    friction, sweeps, tolerance, immobile = settings
+    friction, conjugate, sweeps, tolerance, immobile = settings
     w = rows[4:7]
+    before, way, moves_before, moves_way = ways
+    past = 0.0
     for sweep in range(sweeps):
-        worst = 0.0
+        worst = size = 0.0
         for i in range(len(pairs)):
             a, b = pairs[i, FIRST], pairs[i, SECOND]
             soft = own[i, 0, 0] + own[i, 1, 1] + own[i, 2, 2]
@@ -173,15 +185,26 @@ def solve(pairs, contacts, responses, settings, forces, moves, rows):
                 x -= moved(moves, a, pairs[i, FIRST_SEGMENT], numbers[i, ALPHA], c)
                 rows[0, c] = x - w[c, 0] * forces[i, 0] - w[c, 1] * forces[i, 1] - w[c, 2] * forces[i, 2]
             force_of(vectors[i], numbers[i, WANTED], friction, w, rows)
+            total = 0.0
             for d in range(AXES):
                 change = rows[1, d] - forces[i, d]
                 forces[i, d] = rows[1, d]
+                rows[1, d] = change
                 worst = max(worst, abs(change) * own[i, d, d])
-                if change != 0.0:
-                    for j in range(moves.shape[1]):
-                        for c in range(AXES):
-                            moves[a, j, c] -= response[i, 0, j, c, d] * change
-                            moves[b, j, c] += response[i, 1, j, c, d] * change
+                total += change * change * own[i, d, d]
+            size += total
+            if total > 0.0:
+                x, y, z = rows[1, 0], rows[1, 1], rows[1, 2]
+                for j in range(moves.shape[1]):
+                    for c in range(AXES):
+                        one, other = response[i, 0, j, c], response[i, 1, j, c]
+                        moves[a, j, c] -= one[0] * x + one[1] * y + one[2] * z
+                        moves[b, j, c] += other[0] * x + other[1] * y + other[2] * z
         if worst < tolerance:
             return sweep + 1
+        if conjugate and sweep < sweeps - 1:
+            share = size / past if size < past else 0.0
+            past = size
+            go_on(forces.reshape(-1), before, way, share)
+            go_on(moves.reshape(-1), moves_before, moves_way, share)
     return sweeps
