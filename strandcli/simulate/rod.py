@@ -126,7 +126,7 @@ class RodSolver(Solver):
         state = {f"state {name}": one for name, one in self.state._asdict().items() if one is not self.positions}
         last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
         crowd = {} if self.crowd is None else self.crowd.state_arrays()
-        found = {} if self.contact is None else self.contact.state_arrays()
+        found = {} if self.contact is None else {"found": np.array([self.contact.penetration])}
         return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd, **found}
 
     def check(self, state: Mapping[str, NDArray[Any]], frame: int) -> None:
@@ -148,7 +148,7 @@ class RodSolver(Solver):
         if self.crowd is not None:
             self.crowd.restore(state)
         if self.contact is not None:
-            self.contact.restore(state)
+            self.contact.penetration = float(state["found"][0])
 
     def _pose(self, time: float) -> Pose:
         """The emitter's pose; at rest where no rule carries the roots along."""
@@ -195,7 +195,7 @@ class RodSolver(Solver):
         damping = max(rod.damping, self._least_damping * dt) * (h / dt)
         numbers = h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction
         run = partial(self._run, pose, *numbers)
-        short = run() is None if self.contact is None else self.contact.step(run, self, h)
+        short = run() is None if self.contact is None else self.contact.step(run, self)
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         self.pose, self._last_step = pose, dt

@@ -51,8 +51,7 @@ MARGIN = 0.5
 """Thicknesses beyond the thickness at which pairs are looked at: a round of forces may bring them nearer."""
 EASE, MOST_EASE = 5.0, 0.25
 """Share of the thickness by which strands that begin closer come apart a second, and in a step at the most."""
-import os
-SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, int(os.environ.get("UPD", "40000"))
+SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, 100_000
 """Sweeps of a contact solve at the most: the first where contacts are few, the second at the least, and else as many as
 make so many updates of a contact."""
 TOLERANCE, ENOUGH = 2e-3, 2e-2
@@ -92,6 +91,10 @@ class Contacts(NamedTuple):
         """Return (m,) by how much they are closer than they should be, metres."""
         return np.asarray(self.numbers[:, WANTED] - self.numbers[:, GAP])
 
+    def penetration(self) -> float:
+        """Return by how much strands are closer than what roots leave to them, at the most, metres."""
+        return max(0.0, float((self.numbers[:, KEPT] - self.numbers[:, GAP]).max(initial=0.0)))
+
     def through(self, thickness: float) -> bool:
         """Whether strands have come through each other because they are fast."""
         least = THROUGH * np.minimum(self.numbers[:, BEGIN], thickness)
@@ -113,9 +116,8 @@ class Contacts(NamedTuple):
 
 
 NOTHING = Contacts(np.zeros((0, 4), np.int64), np.zeros((0, NUMBERS)), np.zeros((0, VECTORS)))
-import os
-WARM, GUARD, FREEZE, NNCG = (c == "1" for c in os.environ.get("CFG", "1111"))
-WORSE, ANEW = 1.5, 0.02
+ANEW = 0.02
+"""Excess over the thickness from which on a contact is looked for anew, if it is more than twice that at its place."""
 
 
 class StrandContact:
@@ -134,14 +136,12 @@ class StrandContact:
         self.groom = groom
         self.segments = scene.emitter.particles - 1
         self.lengths = groom.emitted(groom.lengths.astype(np.float64)) / self.segments
-        self._roots = groom.emitted(groom.roots.astype(np.float64))
         apart = 1 + math.ceil(2 * self.thickness / float(self.lengths.min()))
         self._nearby = Nearby(self.segments, min(apart, self.segments))
-        self.last = NOTHING.pairs, NOTHING.numbers, np.zeros((0, 3)), 1.0
         self.penetration = 0.0
         """How much closer than their thickness strands were at the end of the last step, metres."""
 
-    def step(self, run: Callable[[], None], solver: Any, h: float) -> bool:
+    def step(self, run: Callable[[], None], solver: Any) -> bool:
         """Make a step by ``run``, again where strands touch. ``solver``: the rod solver whose step it is. Return False
         where some strand has come through another, for the step is too long."""
         state: State = solver.state
@@ -149,114 +149,63 @@ class StrandContact:
             state.crowd[...] = 0
         before = {name: one.copy() for name, one in state._asdict().items()}
         start = self._particles(state)
-        held, forces = self._last_of(h) if WARM else (NOTHING, np.zeros((0, 3)))
-        if len(forces):
-            self._load(held, forces, solver)
-        held = NOTHING if not len(forces) else held
-        warm = True
-        best, kept = math.inf, None
-        share = 1.0
+        held, forces = NOTHING, np.zeros((0, 3))
         for iteration in range(self.iterations + 1):
             run()
             end = self._particles(state)
-            found = self._look(start, end, h)
+            found = self._look(start, end, float(solver.forcing.numbers[STEP]))
             if found is None:
-                self._keep(NOTHING, np.zeros((0, 3)), h)
                 return True
-            excess = float(found.excess()[found.numbers[:, COUNTS] > 0].max(initial=0.0))
-            self.penetration = max(0.0, float((found.numbers[:, KEPT] - found.numbers[:, GAP])[found.numbers[:, COUNTS] > 0].max(initial=0.0)))
-            passed = found.where(found.numbers[:, COUNTS] > 0).through(self.thickness)
+            self.penetration = found.penetration()
             tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
+            wanted = found.excess().max(initial=0.0) > tolerance
             if iteration == self.iterations:
-                break
-            if GUARD and excess > WORSE * best and kept is not None:
-                share *= 0.5
-                held, forces, now = kept
-                trial = forces + share * (now - forces)
-                self._again(state, before, held, trial, solver)
-                continue
-            applied = forces
-            held, forces = self._merged(held, forces, found, start, end, FREEZE and not warm)
-            warm = False
-            if not len(forces) :
-                break
-            wanted = excess > tolerance
-            if not wanted and (iteration >= ROUNDS or not forces.any()):
-                break
-            after = forces.copy()
-            changed = self._solve(held, after, solver)
+                return not found.through(self.thickness)
+            if not wanted and (iteration >= ROUNDS or not len(forces)):
+                return True
+            held, forces = self._merged(held, forces, found, start, end)
+            changed = self._solve(held, forces, solver)
             if not wanted and changed < 2 * tolerance:
-                break
-            if excess < best:
-                best, kept = excess, (held, forces, after)
-                share = min(1.0, 2 * share)
-            forces = forces + share * (after - forces)
-            self._again(state, before, held, forces, solver)
-        self._keep(held, forces, h)
-        return not passed
-
-    def _again(self, state: State, before: dict[str, NDArray[Any]], held: Contacts, forces: Floats, solver: Any) -> None:
-        """Go back to the begin of a step, with the forces of contacts among its loads."""
-        for name, one in state._asdict().items():
-            one[...] = before[name]
-        self._load(held, forces, solver)
-
-    def _keep(self, held: Contacts, forces: Floats, h: float) -> None:
-        some = forces.any(1)
-        self.last = held.pairs[some], held.numbers[some], forces[some], h
-
-    def _last_of(self, h: float) -> tuple[Contacts, Floats]:
-        pairs, numbers, forces, before = self.last
-        return Contacts(pairs, numbers, np.zeros((len(pairs), VECTORS))), forces * (h / before) ** 2
+                return True
+            for name, one in state._asdict().items():
+                one[...] = before[name]
+            self._load(held, forces, solver)
+        return True
 
     def _codes(self, pairs: NDArray[np.int64]) -> NDArray[np.int64]:
         n, count = self.segments, len(self.lengths)
         return ((pairs[:, 0] * n + pairs[:, 1]) * count + pairs[:, 2]) * n + pairs[:, 3]
 
-    def _merged(self, held: Contacts, forces: Floats, found: Contacts, start: Floats, end: Floats, freeze: bool):
-        """Return the contacts of a round and their forces: those of the rounds before at the places that they were
-        found at, and what is found now."""
-        given = np.zeros((len(found.pairs), 3))
-        near = (found.numbers[:, COUNTS] > 0) & (found.numbers[:, GAP] < (1 + MARGIN) * self.thickness)
-        near &= (found.excess() > 0) | (found.numbers[:, SAME] > ALIKE)
+    def _merged(
+        self, held: Contacts, forces: Floats, found: Contacts, start: Floats, end: Floats
+    ) -> tuple[Contacts, Floats]:
+        """Return the contacts of a round and their forces: those of the rounds before at the places where they were
+        found, and those that are ``found`` now. Places that moved from round to round would let rounds not converge."""
+        held.update(start, end)
+        # the normal of others is that of the end, which is on the wrong side where they have passed each other
+        some = (found.excess() > 0) | (found.numbers[:, SAME] > ALIKE)
         new, old = self._codes(found.pairs), self._codes(held.pairs)
         _, one, other = np.intersect1d(new, old, assume_unique=True, return_indices=True)
-        given[one] = forces[other]
-        if not freeze:
-            some = near | given.any(1)
-            return found.where(some), given[some]
-        held.update(start, end)
         now, then = found.excess()[one], held.excess()[other]
-        anew = near[one] & (now > ANEW * self.thickness) & (now > 2 * then)
-        some = near
+        anew = some[one] & (now > ANEW * self.thickness) & (now > 2 * then)
+        given = np.zeros((len(new), 3))
+        given[one] = forces[other]
         some[one[~anew]] = False
         stay = np.ones(len(old), bool)
         stay[other[anew]] = False
-        a, b = held.where(stay), found.where(some)
-        both = Contacts(*(np.concatenate(parts) for parts in zip(a, b, strict=True)))
-        return both, np.concatenate([forces[stay], given[some]])
-
-    def state_arrays(self) -> dict[str, NDArray[Any]]:
-        """Return what a step takes from the one before: forces of contacts and where they act."""
-        pairs, numbers, forces, h = self.last
-        free = np.concatenate([pairs, numbers, forces], 1)
-        return {"free contacts": free.reshape(-1), "found": np.array([self.penetration, h])}
-
-    def restore(self, state: Any) -> None:
-        """Go on from such a state."""
-        self.penetration, h = state["found"].tolist()
-        rows = state["free contacts"].reshape(-1, 4 + NUMBERS + 3)
-        self.last = rows[:, :4].astype(np.int64), rows[:, 4:-3].copy(), rows[:, -3:].copy(), h
+        parts = zip(held.where(stay), found.where(some), strict=True)
+        return Contacts(*(np.concatenate(pair) for pair in parts)), np.concatenate([forces[stay], given[some]])
 
     def _look(self, start: Floats, end: Floats, dt: float) -> Contacts | None:
-        """Return what comes near in a step; None where a coordinate is not finite."""
+        """Return the contacts that are near at the end of a step; None where a coordinate is not finite."""
         if not np.isfinite(end).all():
             return None
         pairs = self._nearby.find(start, end, (1 + MARGIN) * self.thickness)
         numbers, vectors = np.zeros((len(pairs), NUMBERS)), np.zeros((len(pairs), VECTORS))
         sizes = self.thickness, min(EASE * dt, MOST_EASE)
-        contact_approach.look(start, end, self._roots, self.lengths, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
-        return Contacts(pairs, numbers, vectors)
+        contact_approach.look(start, end, self.lengths, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
+        near = (numbers[:, COUNTS] > 0) & (numbers[:, GAP] < (1 + MARGIN) * self.thickness)
+        return Contacts(pairs, numbers, vectors).where(near)
 
     def _solve(self, found: Contacts, forces: Floats, solver: Any) -> float:
         """Change ``forces`` (m, 3) so that contacts hold; return by how much particles move by that, metres."""
@@ -279,10 +228,9 @@ class StrandContact:
         contact_solve.own_responses(found.pairs, found.numbers, responses, own)
         moves, after = np.zeros((len(self.lengths), n, 3)), forces.copy()
         sweeps = min(SWEEPS, max(LEAST_SWEEPS, UPDATES // len(forces)))
-        settings = self.friction, NNCG, sweeps, PRECISION * self.thickness, IMMOBILE / float(self.lengths.max())
-        ways = after.flatten(), np.zeros(after.size), moves.flatten(), np.zeros(moves.size)
+        settings = self.friction, sweeps, PRECISION * self.thickness, IMMOBILE / float(self.lengths.max())
         contact_solve.solve(
-            found.pairs, (found.numbers, found.vectors), (responses, own), settings, after, moves, ways, np.zeros((7, 3))
+            found.pairs, (found.numbers, found.vectors), (responses, own), settings, after, moves, np.zeros((7, 3))
         )
         moved = float(np.abs(moves).max())
         share = min(1.0, TRUST * max(float(found.excess().max()), self.thickness) / max(moved, TINY))

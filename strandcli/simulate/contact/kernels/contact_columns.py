@@ -10,7 +10,8 @@ FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT = range(4)
 ALPHA, BETA, GAP, WANTED, BEGIN, SAME, COUNTS, KEPT = range(8)
 """Of a contact (float64): places on both segments as shares from their beginnings; distance along the normal at the end
 of the step, and the one that is wanted there; distance of the segments when the step begins; cosine between
-the normal and that when the step begins; 1 where the place is nearest on both strands."""
+the normal and that when the step begins; 1 where the place is nearest on both strands; the distance that
+roots leave to the pair, at most the thickness."""
 NUMBERS = 8
 NORMAL, START, END = 0, 3, 6
 VECTORS = 9

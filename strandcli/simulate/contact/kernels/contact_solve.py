@@ -146,30 +146,18 @@ def slide(vector, missing, friction, w, rows):
             sliding[c] = sliding[c] / max(total, TINY)
 
 
-@device
-def go_on(x, before, way, share):
-    """Add to x a ``share`` of the ``way`` that it went before, and keep what it was, and the way, for the next time."""
-    for i in range(len(x)):
-        gone = x[i] - before[i]
-        x[i] += share * way[i]
-        way[i] = share * way[i] + gone
-        before[i] = x[i]
-
-
 @function
-def solve(pairs, contacts, responses, settings, forces, moves, ways, rows):
+def solve(pairs, contacts, responses, settings, forces, moves, rows):
     """Change ``forces`` (m, 3) and with them ``moves`` (S, N, 3), displacements against `END` of the contacts'
     ``vectors``, until no contact changes its way by more than the tolerance. ``contacts``: numbers and vectors;
     ``responses``: those of `contact_response.respond` and `own_responses`; ``settings``: friction, sweeps at the most,
     tolerance in metres, response of contacts that are left out; ``rows`` (7, 3) is scratch. Returns the sweeps."""
     numbers, vectors = contacts
     response, own = responses
-    friction, conjugate, sweeps, tolerance, immobile = settings
+    friction, sweeps, tolerance, immobile = settings
     w = rows[4:7]
-    before, way, moves_before, moves_way = ways
-    past = 0.0
     for sweep in range(sweeps):
-        worst = size = 0.0
+        worst = 0.0
         for i in range(len(pairs)):
             a, b = pairs[i, FIRST], pairs[i, SECOND]
             soft = own[i, 0, 0] + own[i, 1, 1] + own[i, 2, 2]
@@ -185,15 +173,14 @@ def solve(pairs, contacts, responses, settings, forces, moves, ways, rows):
                 x -= moved(moves, a, pairs[i, FIRST_SEGMENT], numbers[i, ALPHA], c)
                 rows[0, c] = x - w[c, 0] * forces[i, 0] - w[c, 1] * forces[i, 1] - w[c, 2] * forces[i, 2]
             force_of(vectors[i], numbers[i, WANTED], friction, w, rows)
-            total = 0.0
+            some = False
             for d in range(AXES):
                 change = rows[1, d] - forces[i, d]
                 forces[i, d] = rows[1, d]
                 rows[1, d] = change
                 worst = max(worst, abs(change) * own[i, d, d])
-                total += change * change * own[i, d, d]
-            size += total
-            if total > 0.0:
+                some = some or change != 0.0
+            if some:
                 x, y, z = rows[1, 0], rows[1, 1], rows[1, 2]
                 for j in range(moves.shape[1]):
                     for c in range(AXES):
@@ -202,9 +189,4 @@ def solve(pairs, contacts, responses, settings, forces, moves, ways, rows):
                         moves[b, j, c] += other[0] * x + other[1] * y + other[2] * z
         if worst < tolerance:
             return sweep + 1
-        if conjugate and sweep < sweeps - 1:
-            share = size / past if size < past else 0.0
-            past = size
-            go_on(forces.reshape(-1), before, way, share)
-            go_on(moves.reshape(-1), moves_before, moves_way, share)
     return sweeps
