@@ -139,7 +139,8 @@ class StrandContact:
         apart = 1 + math.ceil(2 * self.thickness / float(self.lengths.min()))
         self._nearby = Nearby(self.segments, min(apart, self.segments))
         self.penetration = 0.0
-        """How much closer than their thickness strands were at the end of the last step, metres."""
+        """How much closer strands were at the end of the last step than their thickness, or near their roots than these
+        leave to them, metres."""
 
     def step(self, run: Callable[[], None], solver: Any) -> bool:
         """Make a step by ``run``, again where strands touch. ``solver``: the rod solver whose step it is. Return False
