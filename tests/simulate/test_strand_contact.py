@@ -309,7 +309,9 @@ def test_a_dense_bundle_is_shaken_without_cutting_steps(steps: list[tuple[Floats
         solver.advance(frame)
         deep.append(solver.errors(frame)["strand_penetration_max"])
     assert len(steps) <= 8
-    assert np.diff(np.array(deep, float)).max() < 0.01 * 0.0015  # what roots hold too close is led apart, and nothing comes closer
+    assert (
+        np.diff(np.array(deep, float)).max() < 0.01 * 0.0015
+    )  # what roots hold too close is led apart, and nothing comes closer
 
 
 @pytest.mark.parametrize("count", [50, pytest.param(200, marks=pytest.mark.long)])
