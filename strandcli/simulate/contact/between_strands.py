@@ -33,6 +33,7 @@ from .kernels.contact_columns import (
     FIRST,
     FIRST_SEGMENT,
     GAP,
+    KEPT,
     NUMBERS,
     SAME,
     SECOND,
@@ -50,7 +51,7 @@ MARGIN = 0.5
 """Thicknesses beyond the thickness at which pairs are looked at: a round of forces may bring them nearer."""
 EASE, MOST_EASE = 5.0, 0.25
 """Share of the thickness by which strands that begin closer come apart a second, and in a step at the most."""
-SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, 40_000
+SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, 100_000
 """Sweeps of a contact solve at the most: the first where contacts are few, the second at the least, and else as many as
 make so many updates of a contact."""
 TOLERANCE, ENOUGH = 2e-3, 2e-2
@@ -90,15 +91,33 @@ class Contacts(NamedTuple):
         """Return (m,) by how much they are closer than they should be, metres."""
         return np.asarray(self.numbers[:, WANTED] - self.numbers[:, GAP])
 
+    def penetration(self) -> float:
+        """Return by how much strands are closer than what roots leave to them, at the most, metres."""
+        return max(0.0, float((self.numbers[:, KEPT] - self.numbers[:, GAP]).max(initial=0.0)))
+
     def through(self, thickness: float) -> bool:
         """Whether strands have come through each other because they are fast."""
         least = THROUGH * np.minimum(self.numbers[:, BEGIN], thickness)
         ways = np.linalg.norm(self.vectors[:, END : END + 3] - self.vectors[:, START : START + 3], axis=1)
         return bool(((self.numbers[:, GAP] < least) & (ways > thickness)).any())
 
+    def update(self, start: Floats, end: Floats) -> None:
+        """Set ways and distances at the same places."""
+        i, a, j, b = self.pairs.T
+        alpha, beta = self.numbers[:, ALPHA, None], self.numbers[:, BETA, None]
+        for place, x in ((START, start), (END, end)):
+            one = x[i, a] + alpha * (x[i, a + 1] - x[i, a])
+            self.vectors[:, place : place + 3] = x[j, b] + beta * (x[j, b + 1] - x[j, b]) - one
+        self.numbers[:, GAP] = np.einsum("ic,ic->i", self.vectors[:, :3], self.vectors[:, END : END + 3])
+
     def where(self, some: NDArray[np.bool_]) -> Contacts:
         """Return some of them."""
         return Contacts(self.pairs[some], self.numbers[some], self.vectors[some])
+
+
+NOTHING = Contacts(np.zeros((0, 4), np.int64), np.zeros((0, NUMBERS)), np.zeros((0, VECTORS)))
+ANEW = 0.02
+"""Excess over the thickness from which on a contact is looked for anew, if it is more than twice that at its place."""
 
 
 class StrandContact:
@@ -120,7 +139,8 @@ class StrandContact:
         apart = 1 + math.ceil(2 * self.thickness / float(self.lengths.min()))
         self._nearby = Nearby(self.segments, min(apart, self.segments))
         self.penetration = 0.0
-        """How much closer than their thickness strands were at the end of the last step, metres."""
+        """How much closer strands were at the end of the last step than their thickness, or near their roots than these
+        leave to them, metres."""
 
     def step(self, run: Callable[[], None], solver: Any) -> bool:
         """Make a step by ``run``, again where strands touch. ``solver``: the rod solver whose step it is. Return False
@@ -130,43 +150,63 @@ class StrandContact:
             state.crowd[...] = 0
         before = {name: one.copy() for name, one in state._asdict().items()}
         start = self._particles(state)
-        forces: dict[tuple[int, ...], Floats] = {}
+        held, forces = NOTHING, np.zeros((0, 3))
         for iteration in range(self.iterations + 1):
             run()
-            found = self._look(start, self._particles(state), float(solver.forcing.numbers[STEP]))
+            end = self._particles(state)
+            found = self._look(start, end, float(solver.forcing.numbers[STEP]))
             if found is None:
                 return True
-            given = np.array([forces.get(tuple(pair), NONE) for pair in found.pairs.tolist()]).reshape(-1, 3)
-            counts = (found.numbers[:, COUNTS] > 0) & (found.numbers[:, GAP] < (1 + MARGIN) * self.thickness)
-            found, given = found.where(counts | given.any(1)), given[counts | given.any(1)]
-            self.penetration = max(0.0, float(self.thickness - found.numbers[:, GAP].min(initial=self.thickness)))
-            if iteration == self.iterations or not len(found.pairs):
-                return not found.through(self.thickness)
+            self.penetration = found.penetration()
             tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
-            wanted = found.excess().max() > tolerance
-            if not wanted and (iteration >= ROUNDS or not forces):
+            wanted = found.excess().max(initial=0.0) > tolerance
+            if iteration == self.iterations:
+                return not found.through(self.thickness)
+            if not wanted and (iteration >= ROUNDS or not len(forces)):
                 return True
-            # the normal of others is that of the end, which is on the wrong side where they have passed each other
-            active = (found.excess() > 0) | given.any(1) | (found.numbers[:, SAME] > ALIKE)
-            found, given = found.where(active), given[active]
-            changed = self._solve(found, given, solver)
+            held, forces = self._merged(held, forces, found, start, end)
+            changed = self._solve(held, forces, solver)
             if not wanted and changed < 2 * tolerance:
                 return True
-            forces = {tuple(p): f for p, f in zip(found.pairs.tolist(), given, strict=True) if f.any()}
             for name, one in state._asdict().items():
                 one[...] = before[name]
-            self._load(found, given, solver)
+            self._load(held, forces, solver)
         return True
 
+    def _codes(self, pairs: NDArray[np.int64]) -> NDArray[np.int64]:
+        n, count = self.segments, len(self.lengths)
+        return ((pairs[:, 0] * n + pairs[:, 1]) * count + pairs[:, 2]) * n + pairs[:, 3]
+
+    def _merged(
+        self, held: Contacts, forces: Floats, found: Contacts, start: Floats, end: Floats
+    ) -> tuple[Contacts, Floats]:
+        """Return the contacts of a round and their forces: those of the rounds before at the places where they were
+        found, and those that are ``found`` now. Places that moved from round to round would let rounds not converge."""
+        held.update(start, end)
+        # the normal of others is that of the end, which is on the wrong side where they have passed each other
+        some = (found.excess() > 0) | (found.numbers[:, SAME] > ALIKE)
+        new, old = self._codes(found.pairs), self._codes(held.pairs)
+        _, one, other = np.intersect1d(new, old, assume_unique=True, return_indices=True)
+        now, then = found.excess()[one], held.excess()[other]
+        anew = some[one] & (now > ANEW * self.thickness) & (now > 2 * then)
+        given = np.zeros((len(new), 3))
+        given[one] = forces[other]
+        some[one[~anew]] = False
+        stay = np.ones(len(old), bool)
+        stay[other[anew]] = False
+        parts = zip(held.where(stay), found.where(some), strict=True)
+        return Contacts(*(np.concatenate(pair) for pair in parts)), np.concatenate([forces[stay], given[some]])
+
     def _look(self, start: Floats, end: Floats, dt: float) -> Contacts | None:
-        """Return what comes near in a step; None where a coordinate is not finite."""
+        """Return the contacts that are near at the end of a step; None where a coordinate is not finite."""
         if not np.isfinite(end).all():
             return None
         pairs = self._nearby.find(start, end, (1 + MARGIN) * self.thickness)
         numbers, vectors = np.zeros((len(pairs), NUMBERS)), np.zeros((len(pairs), VECTORS))
         sizes = self.thickness, min(EASE * dt, MOST_EASE)
-        contact_approach.look(start, end, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
-        return Contacts(pairs, numbers, vectors)
+        contact_approach.look(start, end, self.lengths, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
+        near = (numbers[:, COUNTS] > 0) & (numbers[:, GAP] < (1 + MARGIN) * self.thickness)
+        return Contacts(pairs, numbers, vectors).where(near)
 
     def _solve(self, found: Contacts, forces: Floats, solver: Any) -> float:
         """Change ``forces`` (m, 3) so that contacts hold; return by how much particles move by that, metres."""

@@ -19,6 +19,7 @@ from .contact_columns import (
     FIRST,
     FIRST_SEGMENT,
     GAP,
+    KEPT,
     NORMAL,
     SAME,
     SECOND,
@@ -34,6 +35,8 @@ CLOSE = 1.02
 ADVANCES = 64
 BOUND = 4.0
 """Segments from the second on over which strands that begin too close come to be led apart: roots hold them there."""
+SLOPE = 0.1
+"""By how much the distance that strands keep grows along them, from that of their roots to their thickness."""
 OBLIQUE = 0.05
 """Sine of the angle beyond a joint at which the segment before it comes nearer."""
 TINY = 1e-30
@@ -138,18 +141,33 @@ def aside(pair, p, way):
         way[k] = way[k] / max(size, TINY)
 
 
+@device
+def kept_distance(start, pair, lengths, thickness):
+    """The distance that segments should keep: that of their roots, which hold them there, and more the further from
+    these, up to the thickness."""
+    if pair[FIRST] == pair[SECOND]:
+        return thickness
+    total = 0.0
+    for k in range(AXES):
+        total += (start[pair[FIRST], 0, k] - start[pair[SECOND], 0, k]) ** 2
+    one = lengths[pair[FIRST]] * pair[FIRST_SEGMENT]
+    other = lengths[pair[SECOND]] * pair[SECOND_SEGMENT]
+    return min(thickness, math.sqrt(total) + SLOPE * min(one, other))
+
+
 @function
-def look(start, end, pairs, sizes, numbers, vectors, scratch):
+def look(start, end, lengths, pairs, sizes, numbers, vectors, scratch):
     """Set the contacts of ``pairs``: their ``numbers`` and ``vectors`` as in `contact_columns`. ``start`` and ``end``
     (S, N + 1, 3): particles when the step begins, and where it would end. ``sizes``: the distance that strands keep,
-    and how much of it they come apart in a step at the most, where they begin closer. ``scratch`` (3, 2, 3)."""
+    and how much of it they come apart in a step at the most, where they begin closer.
+    ``lengths`` (S,): of a segment. ``scratch`` (3, 2, 3)."""
     thickness, ease = sizes
     for i in range(len(pairs)):
-        look_at(start, end, pairs[i], thickness, ease, numbers[i], vectors[i], scratch)
+        look_at(start, end, lengths, pairs[i], thickness, ease, numbers[i], vectors[i], scratch)
 
 
 @device
-def look_at(start, end, pair, thickness, ease, number, vector, scratch):
+def look_at(start, end, lengths, pair, thickness, ease, number, vector, scratch):
     """Set a contact of a pair."""
     p, q, found = scratch[0], scratch[1], scratch[2].reshape(-1)
     at_time(start, end, pair[FIRST], pair[FIRST_SEGMENT], 0.0, p)
@@ -159,7 +177,8 @@ def look_at(start, end, pair, thickness, ease, number, vector, scratch):
     for k in range(AXES):
         vector[NORMAL + k] = found[2 + k] / max(begin, TINY)
     free = min(1.0, max(0.0, min(pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]) - 1.0) / BOUND)
-    number[WANTED] = min(thickness, begin + free * ease * thickness)
+    number[KEPT] = kept = kept_distance(start, pair, lengths, thickness)
+    number[WANTED] = min(kept, begin + free * ease * thickness)
     speed = greatest_speed(start, end, pair)
     least = NEAR * min(begin, thickness)
     t = 0.0

@@ -16,8 +16,9 @@ BLOCK, BAND = 4, 12
 columns left of the diagonal."""
 MULTIPLIER = 3
 AXES = 3
-HELD = 1e4
-"""Masses that a solid which a particle touches adds to it along its normal."""
+HELD = 2.0
+"""Masses that a solid which a particle touches adds to it along its normal: solids do not hold what is led away from
+them, so that a response far too small would make rounds overshoot, and one twice too large lets them converge."""
 LEAST = 1e-12
 
 

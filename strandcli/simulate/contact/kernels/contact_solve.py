@@ -173,15 +173,20 @@ def solve(pairs, contacts, responses, settings, forces, moves, rows):
                 x -= moved(moves, a, pairs[i, FIRST_SEGMENT], numbers[i, ALPHA], c)
                 rows[0, c] = x - w[c, 0] * forces[i, 0] - w[c, 1] * forces[i, 1] - w[c, 2] * forces[i, 2]
             force_of(vectors[i], numbers[i, WANTED], friction, w, rows)
+            some = False
             for d in range(AXES):
                 change = rows[1, d] - forces[i, d]
                 forces[i, d] = rows[1, d]
+                rows[1, d] = change
                 worst = max(worst, abs(change) * own[i, d, d])
-                if change != 0.0:
-                    for j in range(moves.shape[1]):
-                        for c in range(AXES):
-                            moves[a, j, c] -= response[i, 0, j, c, d] * change
-                            moves[b, j, c] += response[i, 1, j, c, d] * change
+                some = some or change != 0.0
+            if some:
+                x, y, z = rows[1, 0], rows[1, 1], rows[1, 2]
+                for j in range(moves.shape[1]):
+                    for c in range(AXES):
+                        one, other = response[i, 0, j, c], response[i, 1, j, c]
+                        moves[a, j, c] -= one[0] * x + one[1] * y + one[2] * z
+                        moves[b, j, c] += other[0] * x + other[1] * y + other[2] * z
         if worst < tolerance:
             return sweep + 1
     return sweeps
