@@ -9,6 +9,7 @@ What was done is kept in out/kills/counts.json: a run that is stopped goes on fr
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import random
@@ -52,7 +53,8 @@ def frames_in(folder: Path) -> dict[str, bytes]:
 
 
 def kills(numbers: range, folder: Path, preset: str = "minimal") -> Iterator[Counter[str]]:
-    """Kill renders, each at a random moment of those that the last has left, and look at what lies there.
+    """Kill renders, each at a random moment of those that the last has left, and look at what lies there: half of them
+    at any time, half while files are written, right after some have come into the folder.
 
     Every tenth is a process from its start, the others are forks of one that has imported all, for what they write comes
     after that.
@@ -67,7 +69,9 @@ def kills(numbers: range, folder: Path, preset: str = "minimal") -> Iterator[Cou
         whole, out = frames_in(folder / "whole"), folder / "killed"
         for number in numbers:
             chance, found = random.Random(SEED * 1_000_000 + number), Counter[str]()
-            code = _killed(job(preset, out, "--resume"), forks, chance.uniform(0.0, 1.05) * took, number % 10 == 9)
+            files, after = (0, chance.uniform(0.2, 1.3) * took) if number % 2 else (chance.randint(1, 6), 0.0)
+            after += chance.uniform(0.0, 0.03)
+            code = _killed(job(preset, out, "--resume"), forks, after, number % 10 == 9, Arrivals(out, files))
             found["killed" if code == -signal.SIGKILL else f"exit code {code}" if code else "was done before"] += 1
             for name, data in frames_in(out).items():
                 found["frames"] += 1
@@ -82,16 +86,31 @@ def kills(numbers: range, folder: Path, preset: str = "minimal") -> Iterator[Cou
             yield found
 
 
-def _killed(arguments: list[str], forks: Forks, after: float, from_start: bool) -> int:
-    """The exit code of a render that gets SIGKILL after so many seconds, if it has not ended before."""
+class Arrivals:
+    """Waits for so many new files in a folder and in those within it."""
+
+    def __init__(self, folder: Path, count: int) -> None:
+        self._folder, self._count = folder, count
+        self._before = set(folder.rglob("*"))
+
+    def wait(self, process: int) -> None:
+        """Until they are there, or the process is not."""
+        while Path(f"/proc/{process}").exists() and len(set(self._folder.rglob("*")) - self._before) < self._count:
+            time.sleep(0.001)
+
+
+def _killed(arguments: list[str], forks: Forks, after: float, from_start: bool, arrivals: Arrivals) -> int:
+    """The exit code of a render that gets SIGKILL so many seconds after files, if it has not ended before."""
     if from_start:
         process = start(arguments)
         time.sleep(after + 1.0)  # Python, NumPy and Numba come first
         process.kill()
         return process.wait()
     (number,) = forks.start([arguments])
+    arrivals.wait(number)
     time.sleep(after)
-    os.kill(number, signal.SIGKILL)  # waited for by the other process only after that, or there already
+    with contextlib.suppress(ProcessLookupError):  # it has ended, and the other process has waited for it
+        os.kill(number, signal.SIGKILL)
     return forks.codes()[0]
 
 

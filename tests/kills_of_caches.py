@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 from collections import Counter
 from collections.abc import Iterator
@@ -39,7 +40,13 @@ def damaged_caches(numbers: range, folder: Path) -> Iterator[Counter[str]]:
         assert forks.run([job(folder / "whole")]) == [0]
         whole = picture(folder / "whole")
         assert whole
-        kernels = sorted((folder / "cache").rglob("*.kernel"))
+        entries = sorted((folder / "cache").rglob("*.kernel"))
+        for one in entries:
+            os.utime(one, (0, 0))
+        assert forks.run([job(folder / "whole")]) == [0]
+        # an entry that is read gets a new time; others are only read where a kernel that contains them is compiled
+        kernels = [one for one in entries if one.stat().st_mtime > 0]
+        assert len(kernels) > 10
         sound = {one: one.read_bytes() for one in kernels}
         for number in numbers:
             chance, found = random.Random(1_000_000 + number), Counter[str]()
