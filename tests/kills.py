@@ -56,8 +56,8 @@ def kills(numbers: range, folder: Path, preset: str = "minimal") -> Iterator[Cou
     """Kill renders, each at a random moment of those that the last has left, and look at what lies there: half of them
     at any time, half while files are written, right after some have come into the folder.
 
-    Every tenth is a process from its start, the others are forks of one that has imported all, for what they write comes
-    after that.
+    Every tenth is a process from its start, the others are forks of one that has imported all, for what they write
+    comes after that.
     """
     from strandcli.compiling.folder import cache
 
