@@ -294,18 +294,3 @@ def test_the_shell_completes_commands_and_options(run: Runner) -> None:
     done = subprocess.run([sys.executable, "-c", code], env=settings, capture_output=True, text=True, check=False)
     assert done.returncode == 0
     assert done.stdout.split() == ["plain,render"]
-
-
-def test_a_kernel_that_cannot_run_without_the_compiler_is_one_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    import numba
-
-    fault = NotImplementedError("<intrinsic typed> is not usable in pure-python")
-    assert module.report(fault, False) == 1
-    assert "unexpected NotImplementedError" in capsys.readouterr().err
-    monkeypatch.setattr(numba.config, "DISABLE_JIT", 1)
-    assert module.report(fault, False) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("strandcli: error: NUMBA_DISABLE_JIT is set")
-    assert len(told.splitlines()) == 1
