@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import platform
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,6 +24,8 @@ every step of a small simulation waits for a thread to wake up."""
 
 MOST_THREADS = 4096
 """That NUMBA_NUM_THREADS may ask for; of a hundred thousand Numba crashes."""
+
+NO_COMPILER = "NUMBA_DISABLE_JIT is set, and strandcli draws and reads nothing without Numba's compiler: unset it"
 
 
 def start(threads: int | None = None, notify: Callable[[str], None] | None = None) -> None:
@@ -50,13 +53,22 @@ def checked_threads(threads: int | None) -> int:
     import numba
 
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
-        raise UsageError("NUMBA_DISABLE_JIT is set, and strandcli does nothing without Numba's compiler: unset it")
+        raise UsageError(NO_COMPILER)
     most = int(numba.config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
     if threads is None:
         threads = most
     if not 1 <= threads <= most:
         raise UsageError(f"--threads {threads}: this machine offers 1 to {most}")
     return threads
+
+
+def lacks_compiler(error: BaseException) -> bool:
+    """Whether an error is Numba's way to say that a kernel cannot run without its compiler, which is switched off."""
+    if not isinstance(error, NotImplementedError) or "numba" not in sys.modules:
+        return False
+    import numba
+
+    return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
 
 
 @contextmanager

@@ -182,6 +182,9 @@ def report(error: BaseException, debug: bool) -> int:
         case click.Abort() | KeyboardInterrupt():
             cause = error.__cause__ if isinstance(error, click.Abort) else error
             return signals.exit_code(cause)
+        case NotImplementedError() if runtime.lacks_compiler(error):
+            _say(runtime.NO_COMPILER)
+            return USAGE
         case MemoryError():
             _say(
                 "out of memory; ask for fewer --strands or --particles or a smaller --size "

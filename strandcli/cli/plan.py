@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .. import runtime
 from . import options
 from .frame_range import FrameRange
 from .progress import Progress, duration, pace
@@ -59,7 +60,12 @@ def command(
     plan = make_plan(scene, numbers, threads=threads)
     foretold = _foretold(plan, scene, threads, measure)
     with naming_files(scene):
-        warnings = [*_warnings(scene, numbers), *plan.warnings]
+        try:
+            warnings = [*_warnings(scene, numbers), *plan.warnings]
+        except NotImplementedError as error:
+            if not runtime.lacks_compiler(error):
+                raise
+            warnings = [*plan.warnings, f"solids and meshes were not looked at: {runtime.NO_COMPILER}"]
     if as_json:
         sizes = plan.sizes and plan.sizes._asdict()
         data = {
