@@ -260,7 +260,7 @@ class RodSolver(Solver):
         """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
         precision the last digit is 6e-8 m a metre from the origin. ``density_max``, where strands interact: the
         greatest density when the last step began, over the one allowed; ``strand_penetration_max``, with contact: by
-        how much strands were closer than their thickness at its end, metres."""
+        how much strands were closer than their thickness, or than their roots allow, at its end, metres."""
         out = super().errors(frame)
         edges = self.state.edges
         if edges.shape[1] > FEWEST_BY_EDGES or self.dtype == np.float64:
