@@ -29,11 +29,16 @@ WORDS = (
     ["wind", "wind"],
 )  # fmt: skip
 """What values become."""
+OUT, TOLD = io.StringIO(), io.StringIO()
+"""What commands write: the same each time, for click keeps every stream that it has written to."""
 
 
 def command(*words: object, good: Mapping[int, str] = GOOD) -> str:
     """What becomes of a command: as its exit code says, or what is wrong with how it ends."""
-    out, told, begin = io.StringIO(), io.StringIO(), time.process_time()
+    for stream in (OUT, TOLD):
+        stream.seek(0)
+        stream.truncate()
+    out, told, begin = OUT, TOLD, time.process_time()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(told):
         code = main([str(word) for word in words])
     took = time.process_time() - begin
