@@ -57,12 +57,11 @@ class _Guard:
             path, _, flags = arguments
             if isinstance(flags, int) and flags & WRITES and self.outside(path):
                 self.done.append(f"{path} was opened to be written")
-        elif event == "pickle.find_class" and _loading_kernels():
-            return
-        elif event == "ctypes.dlopen" and os.sep not in str(arguments[0]):  # the system's, for Numba's threads
-            return
         elif event in NEVER:
-            self.done.append(f"{event} {arguments!s:.80}")
+            ours = event == "pickle.find_class" and _loading_kernels()
+            systems = event == "ctypes.dlopen" and os.sep not in str(arguments[0])  # such as for Numba's threads
+            if not (ours or systems):
+                self.done.append(f"{event} {arguments!s:.80}")
         elif event in PLACES:
             paths, folders = arguments[: PLACES[event]], [one for one in arguments[PLACES[event] :] if one is not None]
             folders = [one for one in folders if isinstance(one, int)][-len(paths) :] if event in RELATIVE else []

@@ -86,11 +86,13 @@ def command(
 
 
 def _warnings(scene: Scene, numbers: Any) -> list[str]:
-    """What `render` would warn of before it simulates, of `LOOKED_AT` strands; of panels with their labels."""
+    """What `render` would warn of before it simulates, of `LOOKED_AT` strands; of panels with their labels. Raises
+    `UsageError` for what it would refuse of contact between strands."""
     from ..groom.emit import emit
     from ..plan import needed_strands
     from ..scene.model import MeshShape
     from ..simulate.advice import warnings
+    from ..simulate.material import require_contact
 
     found = []
     for one in scene.panels or (scene,):
@@ -106,6 +108,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
 
                 lines = _of_mesh(one.emitter)
                 groom = at_start(one, groom)
+            require_contact(one, groom)
             lines += warnings(one, groom)
         found += [f"{one.label}: {words}" if one.label else words for words in lines]
     return found
