@@ -47,6 +47,7 @@ def command(
     numbers = options.frame_numbers(frames, scene)
 
     from ..plan import make_plan
+    from ..plan.libraries import look
     from ..scene.named_files import naming_files
 
     for drawn in scene.panels or (scene,):
@@ -56,6 +57,7 @@ def command(
             with naming_files(scene):
                 read(drawn.environment.image)
     threads = threads or options.available_cores()
+    look()
     plan = make_plan(scene, numbers, threads=threads)
     foretold = _foretold(plan, scene, threads, measure)
     with naming_files(scene):

@@ -38,9 +38,21 @@ def mapped_bytes(smaps: Path = SMAPS) -> int:
     return total
 
 
+class _Known:
+    """What plans reckon with."""
+
+    bytes = USUAL
+
+
 def known_bytes() -> int:
-    """Return what they take in this environment: as measured, else `USUAL`."""
-    return _kept().get(_environment(), USUAL)
+    """Return what they take: as `look` has found, else `USUAL`."""
+    return _Known.bytes
+
+
+def look() -> None:
+    """Have plans reckon with what was measured in this environment, if that was done; for commands, since it chooses
+    the cache folder."""
+    _Known.bytes = _kept().get(_environment(), USUAL)
 
 
 def keep(measured: int) -> None:
