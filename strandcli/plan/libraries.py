@@ -30,9 +30,9 @@ def mapped_bytes(smaps: Path = SMAPS) -> int:
     except OSError:
         return 0
     for line in lines:
-        words = line.split()
+        words = line.split(None, 5)
         if len(words) >= 5 and not words[0].endswith(":"):  # a mapping; its file is the last word
-            library = len(words) > 5 and ".so" in words[5].rpartition("/")[2]
+            library = len(words) > 5 and ".so" in words[5].strip().rpartition("/")[2]
         elif library and words[:1] == ["Rss:"]:
             total += 1024 * int(words[1])
     return total

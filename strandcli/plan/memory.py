@@ -28,6 +28,8 @@ NEARER, SEEN = 1.3, 0.75
 """How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
 ROD, CROWDED = 80, 30
 """Bytes of a particle of a rod, and more where strands push each other."""
+TOUCHING = 1420
+"""More where strands have contact: the state before the step, boxes and cells of segments; contacts come on top."""
 
 
 def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
@@ -57,6 +59,7 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     blocks = -(-plan.strands // W) * W
     rods = ROD if scene.solver == "rod" else 0
     rods += CROWDED if rods and any(use.name == "interaction" for use in scene.rules) else 0
+    rods += TOUCHING if rods and any(use.name == "contact" for use in scene.rules) else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
     return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n)
 
