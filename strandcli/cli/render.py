@@ -121,9 +121,7 @@ def command(
     numbers = options.frame_numbers(frames, scene, from_cache)
 
     from ..plan import checked_plan
-    from ..plan.libraries import look
 
-    look()
     plan = checked_plan(scene, numbers, check=memory_check)
 
     from ..output.report import RunReport
