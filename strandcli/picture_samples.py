@@ -77,6 +77,8 @@ def samples(image: Any) -> npt.NDArray[Any]:
         return np.repeat(np.asarray(image, np.float64)[..., None] / STEP, 3, axis=2)
     if image.mode in ("I", "F"):
         raise ValueError("its samples have 32 bits; save it with 8 or 16, as PNG")
+    if image.mode in ("P", "PA") and image.palette is None:
+        raise ValueError("it has colours of a palette, and no palette")
     if ";16" not in raw:
         return np.asarray(image.convert("RGBA" if image.has_transparency_data else "RGB"))
     if image.format != "PNG":

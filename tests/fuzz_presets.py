@@ -16,6 +16,7 @@ import yaml
 
 from fuzz_changes import OTHERS, mutated
 from strandcli.cli.main import main
+from strandcli.scene import chain, library
 
 LONGEST = 1.0
 """Seconds of a processor's time for one command."""
@@ -28,11 +29,16 @@ WORDS = (
     ["wind", "wind"],
 )  # fmt: skip
 """What values become."""
+OUT, TOLD = io.StringIO(), io.StringIO()
+"""What commands write: the same each time, for click keeps every stream that it has written to."""
 
 
 def command(*words: object, good: Mapping[int, str] = GOOD) -> str:
     """What becomes of a command: as its exit code says, or what is wrong with how it ends."""
-    out, told, begin = io.StringIO(), io.StringIO(), time.process_time()
+    for stream in (OUT, TOLD):
+        stream.seek(0)
+        stream.truncate()
+    out, told, begin = OUT, TOLD, time.process_time()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(told):
         code = main([str(word) for word in words])
     took = time.process_time() - begin
@@ -94,6 +100,24 @@ def _place(tree: Any, generator: np.random.Generator) -> tuple[Any, Any]:
         if not isinstance(tree[key], dict | list) or generator.random() < 0.15:
             return tree, key
         tree = tree[key]
+
+
+def remember_shipped() -> None:
+    """Have shipped presets found and parsed once in this process: damaged ones extend them, and they are the same each
+    time."""
+    whole = {path.read_bytes() for path in FILES.glob("**/*.yaml")}
+    known: dict[tuple[bytes, str], Any] = {}
+    parse = chain.read
+
+    def read(data: bytes, file: str) -> Any:
+        if data not in whole or not file.startswith(str(FILES)):
+            return parse(data, file)
+        if (data, file) not in known:
+            known[data, file] = parse(data, file)
+        return known[data, file]
+
+    chain.read = read
+    library.list_presets = cache(library.list_presets)
 
 
 def attempt_preset(content: bytes, folder: Path) -> str:

@@ -3,6 +3,7 @@ kernels."""
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import shutil
@@ -131,7 +132,9 @@ def attempt_checkpoint(content: bytes, folder: Path) -> str:
     if content not in (whole, signed(content)):
         return "a damaged one was believed"
     if content[-1] % 8 == 0:
-        with np.errstate(all="ignore"):  # numbers that nobody would have written
+        # numbers that nobody would have written; where strands fly apart the grid between them grows to its most, more
+        # than the little that may be taken here: a command ends with exit code 4 then
+        with np.errstate(all="ignore"), contextlib.suppress(MemoryError):
             solver.step(0.2, 0.01)
     return "read"
 

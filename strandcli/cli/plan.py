@@ -48,6 +48,7 @@ def command(
     numbers = options.frame_numbers(frames, scene)
 
     from ..plan import make_plan
+    from ..plan.libraries import look
     from ..scene.named_files import naming_files
 
     for drawn in scene.panels or (scene,):
@@ -57,6 +58,7 @@ def command(
             with naming_files(scene):
                 read(drawn.environment.image)
     threads = threads or options.available_cores()
+    look()
     plan = make_plan(scene, numbers, threads=threads)
     foretold = _foretold(plan, scene, threads, measure)
     with naming_files(scene):
@@ -92,11 +94,13 @@ def command(
 
 
 def _warnings(scene: Scene, numbers: Any) -> list[str]:
-    """What `render` would warn of before it simulates, of `LOOKED_AT` strands; of panels with their labels."""
+    """What `render` would warn of before it simulates, of `LOOKED_AT` strands; of panels with their labels. Raises
+    `UsageError` for what it would refuse of contact between strands."""
     from ..groom.emit import emit
     from ..plan import needed_strands
     from ..scene.model import MeshShape
     from ..simulate.advice import warnings
+    from ..simulate.material import require_contact
 
     found = []
     for one in scene.panels or (scene,):
@@ -112,6 +116,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
 
                 lines = _of_mesh(one.emitter)
                 groom = at_start(one, groom)
+            require_contact(one, groom)
             lines += warnings(one, groom)
         found += [f"{one.label}: {words}" if one.label else words for words in lines]
     return found

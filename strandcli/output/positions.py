@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -172,12 +173,13 @@ def _check_header(path: Path, shape: tuple[int, int, int]) -> None:
         with zipfile.ZipFile(path) as archive, archive.open("positions.npy") as member:
             version = np.lib.format.read_magic(member)
             header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-            found, _, dtype = header(member)
+            with warnings.catch_warnings(action="error"):  # a header of another program
+                found, _, dtype = header(member)
     except KeyError:
         raise UsageError(f"{path}: holds no array named 'positions'; {AGAIN}") from None
     except PermissionError:
         raise RefusedError(f"{path}: no permission to read it") from None
-    except ARCHIVE_ERRORS as error:
+    except (*ARCHIVE_ERRORS, UserWarning) as error:
         raise UsageError(f"{path}: not a file of positions: {_words(error)}; {AGAIN}") from None
     if tuple(found) != shape:
         strands, particles, _ = shape

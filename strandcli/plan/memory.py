@@ -11,14 +11,15 @@ from ..draw.shadows.shadow_model import ShadowModel, casts_map, model_of, shades
 from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
+from .libraries import known_bytes
 from .sizes import map_rows, share_in_maps, side_of
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
     from .make import Plan
 
-RESIDENT = 190_000_000
-"""Bytes of the interpreter, its libraries and the compiled kernels of a plain scene."""
+PRIVATE = 85_000_000
+"""Bytes of the interpreter, of what libraries hold besides their files, and of kernels of a plain scene."""
 SORTING, RODS, CHILDREN, MESHES = 18_000_000, 8_000_000, 18_000_000, 40_000_000
 """Of the further kernels, and of what reads meshes, where a scene has them."""
 
@@ -27,6 +28,8 @@ NEARER, SEEN = 1.3, 0.75
 """How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
 ROD, CROWDED = 80, 30
 """Bytes of a particle of a rod, and more where strands push each other."""
+TOUCHING = 1420
+"""More where strands have contact: the state before the step, boxes and cells of segments; contacts come on top."""
 
 
 def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
@@ -35,10 +38,15 @@ def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
     return total + (picture_bytes(plan, scene) if draw else plan.strands * scene.emitter.particles * 24)
 
 
+def resident() -> int:
+    """Return the bytes of a process that draws a plain scene, without the scene."""
+    return PRIVATE + known_bytes()
+
+
 def program_bytes(scene: Scene, draw: bool = True) -> int:
     """Return the bytes of the program, its libraries and kernels."""
     meshes = isinstance(scene.emitter.shape, MeshShape) or any(solid.kind == "mesh" for solid in scene.solids)
-    total = RESIDENT if draw else RESIDENT - 40_000_000
+    total = resident() if draw else resident() - 40_000_000
     total += SORTING if draw and scene.image.resolver != "zbuffer" else 0
     total += RODS if scene.solver == "rod" else 0
     total += CHILDREN if draw and scene.children is not None else 0
@@ -51,6 +59,7 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     blocks = -(-plan.strands // W) * W
     rods = ROD if scene.solver == "rod" else 0
     rods += CROWDED if rods and any(use.name == "interaction" for use in scene.rules) else 0
+    rods += TOUCHING if rods and any(use.name == "contact" for use in scene.rules) else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
     return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n)
 

@@ -31,6 +31,8 @@ SAMPLED_ROOTS = 1000
 GRAZED = 0.02
 """Least share of the roots in a moving solid that is reported; below, the solid only grazes the emitter and releases
 them. Of roots that stay inside until the end, one is enough."""
+MOST_FRAMES = 4000
+"""Frames that are looked at, the last and others, evenly spaced; all of films that have no more."""
 RETURNED = 1e-6
 """Tolerance between the first and the last pose of a loop, metres and elements of the rotation matrix."""
 SMALL = 0.5
@@ -187,14 +189,15 @@ def _first_frame(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> int
     roots, least = groom.roots[some], DEEP * segment[some]
     middle = groom.roots.mean(0, keepdims=True)
     around = float(np.linalg.norm(groom.roots - middle, axis=1).max())
-    for frame in range(2, scene.time.frames + 1):
+    frames = range(scene.time.frames, 1, -max(1, -(-scene.time.frames // MOST_FRAMES)))
+    for frame in reversed(frames):
         time = _time(scene, frame)
         if depth(_roots(scene, middle, frame), solid, scene.emitter, time)[0] <= -around:
             continue  # too far away to contain any
         if (depth(_roots(scene, roots, frame), solid, scene.emitter, time) > least).mean() >= GRAZED:
             return frame
     held = None
-    for frame in range(scene.time.frames, 1, -1):
+    for frame in frames:
         under = depth(_roots(scene, groom.roots, frame), solid, scene.emitter, _time(scene, frame))
         if not (under > DEEP * segment).any():
             break

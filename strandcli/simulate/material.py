@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError
+from ..groom.record import Groom
 from ..scene.model import Rod, Scene
 
 MATERIALS = {
@@ -61,6 +62,30 @@ def integrator_of(scene: Scene) -> str:
     if scene.rod.integrator != "auto":
         return scene.rod.integrator
     return "euler" if rules & {"interaction", "contact"} else "bdf2"
+
+
+def contact_thickness(scene: Scene, groom: Groom, given: float | None) -> float:
+    """Return the distance that the middles of strands keep by the rule contact, metres. Raises `UsageError` for one
+    that does not fit the groom."""
+    own = 2 * matter(scene.rod)[1]
+    found = given or own
+    spread = float(np.linalg.norm(np.ptp(groom.roots, axis=0))) + 2 * float(groom.lengths.max())
+    if found > spread:
+        raise UsageError(
+            f"{scene.label or scene.source or 'scene'}: rule contact.thickness: {found:g} m is more than the groom, "
+            f"which is {spread:.3g} m wide; make it smaller, such as {own:.2g}, the strands' own"
+        )
+    return found
+
+
+def require_contact(scene: Scene, groom: Groom) -> None:
+    """Raise `UsageError` for what rods with the rule contact refuse before they begin."""
+    if scene.solver != "rod":
+        return
+    integrator_of(scene)
+    for use in scene.rules:
+        if use.name == "contact":
+            contact_thickness(scene, groom, use.parameters.thickness)
 
 
 def rigidity(rod: Rod) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,16 @@ def test_files_of_another_kind_are_refused(cache: Path, data: bytes) -> None:
     (cache / positions_file(1)).write_bytes(data)
     with pytest.raises(UsageError, match=r"positions_0001.npz: not a file of positions"):
         PositionCache(cache, [1], 5, 4)
+
+
+def test_a_header_of_another_program_is_refused_and_not_warned_of(cache: Path) -> None:
+    with zipfile.ZipFile(cache / positions_file(2)) as archive:
+        member = archive.read("positions.npy")
+    assert b", 3), }" in member
+    with zipfile.ZipFile(cache / positions_file(2), "w") as archive:
+        archive.writestr("positions.npy", member.replace(b", 3), }", b", 3L),}"))
+    with pytest.raises(UsageError, match=r"not a file of positions: .*Python 2"):
+        PositionCache(cache, [2], 5, 4)
 
 
 def test_a_file_without_the_array_is_refused(cache: Path) -> None:

@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 
 from ...blocks import lanes
 from ...constants import W
-from ...errors import UsageError
 from ...groom.record import Groom
 from ..kernels.records import DAMPING, STEP, State
 from ..kernels.rod_scratch import PACK
-from ..material import matter
+from ..material import contact_thickness
 from .kernels import contact_approach, contact_response, contact_solve
 from .kernels.contact_columns import (
     ALPHA,
@@ -125,14 +124,7 @@ class StrandContact:
 
     def __init__(self, scene: Scene, groom: Groom, parameters: Any) -> None:
         self.friction, self.iterations = parameters.friction, parameters.iterations
-        self.thickness = parameters.thickness or 2 * matter(scene.rod)[1]
-        where = f"{scene.label or scene.source or 'scene'}: rule contact.thickness"
-        spread = float(np.linalg.norm(np.ptp(groom.roots, axis=0))) + 2 * float(groom.lengths.max())
-        if self.thickness > spread:
-            raise UsageError(
-                f"{where}: {self.thickness:g} m is more than the groom, which is {spread:.3g} m wide; make it smaller, "
-                f"such as {2 * matter(scene.rod)[1]:.2g}, the strands' own"
-            )
+        self.thickness = contact_thickness(scene, groom, parameters.thickness)
         self.groom = groom
         self.segments = scene.emitter.particles - 1
         self.lengths = groom.emitted(groom.lengths.astype(np.float64)) / self.segments
