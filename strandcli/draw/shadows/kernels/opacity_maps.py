@@ -7,16 +7,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, function, parallel, prange
+from ....jit import device, function, inlined, parallel, prange
+from ....simd import pointer, prefetch
 from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.raster import Window
-from . import splats
+from . import cell_extents, splats
 from .minmax import FARTHEST, NEAREST
 from .opacity import FIVE, HEAD, SCALE, START
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+PARTS = 8
+"""Parts of a strand that are drawn apart, each after others that are near it."""
+AHEAD = 3
+"""Parts of strands that are fetched before they are drawn."""
+LINE = 16
+"""Numbers of a line of the processor's cache."""
 
 
 class StrandsInMap(NamedTuple):
@@ -55,24 +62,46 @@ def draw(strands, bands, size, view, opacity_map):
     view: `MapView`; opacity_map: `OpacityMap`.
     """
     for task in prange(bands.workers):
-        work = np.zeros(splats.ROWS * splats.BATCH, np.float32)
+        work = np.empty(splats.ROWS * splats.BATCH, np.float32)
+        splats.start_batch(work)
         for b in range(task, bands.begin.shape[0] - 1, bands.workers):
             top = b * bands.rows
             window = Window(top, min(top + bands.rows, size), size)
             n = np.int64(0)
             for m in range(bands.begin[b], bands.begin[b + 1]):
-                n = draw_strand(
+                fetch(strands, np.int64(bands.members[min(m + AHEAD, bands.begin[b + 1] - 1)]))
+                n = draw_part(
                     work, n, strands, np.int64(bands.members[m]), window, view, opacity_map, opacity_map.stacks,
                     strands.along,
                 )  # fmt: skip
-            add_rest(work, n, window, opacity_map, opacity_map.stacks)
+            end_batch(work, n, window, opacity_map, opacity_map.stacks)
 
 
 @device
-def add_rest(work, n, window, opacity_map, stacks):
-    """Run `splats.add`; nothing in the pass that finds the extents."""
-    if stacks is not None:
+def end_batch(work, n, window, opacity_map, stacks):
+    """Add what a batch holds to the layers, or in the pass that finds the extents to these."""
+    if stacks is None:
+        cell_extents.widen(work, n, opacity_map.extents)
+    else:
         splats.add(work, n, window, opacity_map)
+
+
+@device
+def fetch(strands, part):
+    """Have the processor fetch the vertices of a part that is drawn soon: they are anywhere in memory."""
+    s, number = part // PARTS, part % PARTS
+    a, end = strands.first[s], strands.first[s + 1]
+    begin = a + part_begin(end - a, number, PARTS)
+    last = a + part_begin(end - a, number + 1, PARTS)
+    rows = pointer(strands.screen)
+    for at in range(3 * begin, 3 * last + 3, LINE):
+        prefetch(rows, at)
+
+
+@inlined
+def part_begin(vertices, number, parts):
+    """Return the first vertex of a part of a strand, which is the last of the part before."""
+    return max(vertices - 1, 0) * number // parts
 
 
 @device
@@ -82,27 +111,30 @@ def width_of(width, scale, s):
 
 
 @device
-def draw_strand(work, n, strands, s, window, view, opacity_map, stacks, along):
-    """Draw the part of strand s within the window; return how many splats the batch holds then, which held n.
+def draw_part(work, n, strands, part, window, view, opacity_map, stacks, along):
+    """Draw what lies within the window of a part of a strand, numbered strand by strand; return how many splats the
+    batch holds then, which held n.
 
     work: rows of `splats`; stacks: those of the map; along: of the strands.
     """
+    s, number = part // PARTS, part % PARTS
     width = width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
     a, end = strands.first[s], strands.first[s + 1]
     thin = width * strands.taper / np.float32(max(end - a - 1, 1))
     middle = HALF * np.float32(window.width)
-    x1 = screen[a, 0]
-    y1 = screen[a, 1]
-    q1 = screen[a, 2]
-    for v in range(a + 1, end):
+    begin = a + part_begin(end - a, number, PARTS)
+    x1 = screen[begin, 0]
+    y1 = screen[begin, 1]
+    q1 = screen[begin, 2]
+    for v in range(begin + 1, a + part_begin(end - a, number + 1, PARTS) + 1):
         x0 = x1
         y0 = y1
         q0 = q1
         x1 = screen[v, 0]
         y1 = screen[v, 1]
         q1 = screen[v, 2]
-        # footprints of samples extend beyond the segment, so segments next to these rows count too
+        # splats of flat segments add to the row next to theirs, so segments next to these rows count too
         if max(y0, y1) < np.float32(window.top) - ONE or min(y0, y1) > np.float32(window.bottom) + ONE:
             continue
         if q0 <= ZERO or q1 <= ZERO:
@@ -117,40 +149,10 @@ def draw_strand(work, n, strands, s, window, view, opacity_map, stacks, along):
         if far <= ZERO:  # perspective widens strands away from the axis
             w *= perspective_widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
         if stacks is None:
-            widen_extents(x0, y0, d0, x1, y1, d1, window, opacity_map.extents)
+            n = cell_extents.collect_cells(work, n, (x0, y0, d0), (x1, y1, d1), window, opacity_map.extents)
         else:
             n = splats.collect(work, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
     return n
-
-
-@function
-def widen_extents(x0, y0, d0, x1, y1, d1, window, extents):
-    """Widen the extents of all cells in the window to which `splats.collect` may add. The segment is divided into
-    short parts, so that few other cells are widened. x, y: texels; d: metres; extents: of `OpacityMap`."""
-    top, bottom, size = window
-    dx = x1 - x0
-    dy = y1 - y0
-    length = max(abs(dx), abs(dy))
-    if not length <= np.float32(4 * size):
-        return
-    parts = max(np.int64(length * HALF), 1)
-    per = ONE / np.float32(parts)
-    for part in range(parts):
-        xa = x0 + dx * (np.float32(part) * per)
-        ya = y0 + dy * (np.float32(part) * per)
-        da = d0 + (d1 - d0) * (np.float32(part) * per)
-        xb = x0 + dx * (np.float32(part + 1) * per)
-        yb = y0 + dy * (np.float32(part + 1) * per)
-        db = d0 + (d1 - d0) * (np.float32(part + 1) * per)
-        first = max(np.int64(min(ya, yb) - HALF), top) >> 1
-        last = min(np.int64(max(ya, yb) + HALF), bottom - 1) >> 1
-        left = max(np.int64(min(xa, xb) - HALF), 0) >> 1
-        right = min(np.int64(max(xa, xb) + HALF), size - 1) >> 1
-        for row in range(first, last + 1):
-            for column in range(left, right + 1):
-                cell = np.uint64(row * (size >> 1) + column)
-                extents[cell, NEAREST] = min(extents[cell, NEAREST], min(da, db))
-                extents[cell, FARTHEST] = max(extents[cell, FARTHEST], max(da, db))
 
 
 @function
