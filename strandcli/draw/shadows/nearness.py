@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.scratch import Scratch
 from ..zbuffer.raster import Bands, sort_into_bands
-from .kernels.opacity_maps import PARTS
+from .kernels.opacity_maps import PART, PARTS
 
 BITS = 8
 """Of a place, of each coordinate: 256 × 256 tiles, of two to eight texels, sort as 16-bit numbers."""
@@ -30,19 +30,22 @@ def sort_by_place(
     """
     bands = sort_into_bands(first, screen, side, margin, workers, scratch)
     if len(screen) == 0:
-        return bands._replace(begin=np.zeros_like(bands.begin))
-    numbers = np.arange(PARTS)
-    most = np.maximum(np.diff(first) - 1, 0)[:, None]
-    middle = first[:-1, None] + most * (2 * numbers + 1) // (2 * PARTS)
+        return bands._replace(begin=np.zeros_like(bands.begin))  # nothing to draw
+    segments = np.maximum(np.diff(first) - 1, 0)[:, None]
+    begin = PART * np.arange(PARTS)
+    there = begin < np.maximum(segments, 1)
+    middle = first[:-1, None] + np.minimum(begin + PART // 2, (begin + segments) // 2)
     middle = np.nan_to_num(screen[np.minimum(middle, len(screen) - 1).ravel(), :2])  # strands may have no vertices
     places = np.clip(middle * np.float32(2**BITS / side), 0, 2**BITS - 1).astype(np.uint16)
-    keys = (_apart(places[:, 0]) | _apart(places[:, 1]) << 1).reshape(-1, PARTS)
-    members = np.empty((len(bands.members), PARTS), np.int32)
-    for begin, end in pairwise(bands.begin):
-        own = bands.members[begin:end]
-        order = np.argsort(keys[own].ravel(), kind="stable")
-        members[begin:end] = (own[:, None] * PARTS + numbers.astype(np.int32)).ravel()[order].reshape(-1, PARTS)
-    return bands._replace(members=members.ravel(), begin=PARTS * bands.begin)
+    keys = (_apart(places[:, 0]) | _apart(places[:, 1]) << 1).reshape(there.shape)
+    numbers = np.arange(keys.size, dtype=np.int32).reshape(keys.shape)
+    members, ends = [], [0]
+    for first_of_band, end in pairwise(bands.begin):
+        own = bands.members[first_of_band:end]
+        parts = numbers[own][there[own]]
+        members.append(parts[np.argsort(keys.ravel()[parts], kind="stable")])
+        ends.append(ends[-1] + len(parts))
+    return bands._replace(members=np.concatenate(members), begin=np.array(ends))
 
 
 def _apart(x: NDArray[np.uint16]) -> NDArray[np.uint16]:

@@ -18,8 +18,10 @@ from .opacity import FIVE, HEAD, SCALE, START
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-PARTS = 8
-"""Parts of a strand that are drawn apart, each after others that are near it."""
+PARTS, PART = 4, 16
+"""Most parts of a strand that are drawn apart, each after others that are near it, and segments of all but the last."""
+SHORT = np.float32(1.0)
+"""Texels."""
 AHEAD = 3
 """Parts of strands that are fetched before they are drawn."""
 LINE = 16
@@ -89,19 +91,32 @@ def end_batch(work, n, window, opacity_map, stacks):
 @device
 def fetch(strands, part):
     """Have the processor fetch the vertices of a part that is drawn soon: they are anywhere in memory."""
-    s, number = part // PARTS, part % PARTS
-    a, end = strands.first[s], strands.first[s + 1]
-    begin = a + part_begin(end - a, number, PARTS)
-    last = a + part_begin(end - a, number + 1, PARTS)
+    begin, last = part_range(strands.first, part)
     rows = pointer(strands.screen)
     for at in range(3 * begin, 3 * last + 3, LINE):
         prefetch(rows, at)
 
 
-@inlined
-def part_begin(vertices, number, parts):
-    """Return the first vertex of a part of a strand, which is the last of the part before."""
-    return max(vertices - 1, 0) * number // parts
+@device
+def part_range(first, part):
+    """Return the first vertex of a part, numbered strand by strand, and the last, which is the first of the next part.
+    first: of `StrandsInMap`."""
+    s, number = part // PARTS, part % PARTS
+    last = first[s + 1] - 1
+    begin = min(first[s] + number * PART, last)
+    return begin, last if number == PARTS - 1 else min(begin + PART, last)
+
+
+@device
+def depth_of(q, near, far):
+    """Return the depth, metres, of a depth number; near, far: of `MapView`."""
+    return near + (ONE - q) * far if far > ZERO else ONE / q
+
+
+@device
+def widening(x, y, dx, dy, view):
+    """Return by how much perspective widens a segment away from the axis; x, y: from the middle, texels."""
+    return ONE if view.far > ZERO else perspective_widening(x, y, dx, dy, view.focal)
 
 
 @device
@@ -113,45 +128,40 @@ def width_of(width, scale, s):
 @device
 def draw_part(work, n, strands, part, window, view, opacity_map, stacks, along):
     """Draw what lies within the window of a part of a strand, numbered strand by strand; return how many splats the
-    batch holds then, which held n.
+    batch holds then, which held n. Vertices less than `SHORT` behind the last are left out, but for the part's end.
 
     work: rows of `splats`; stacks: those of the map; along: of the strands.
     """
-    s, number = part // PARTS, part % PARTS
+    s = part // PARTS
     width = width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
-    a, end = strands.first[s], strands.first[s + 1]
-    thin = width * strands.taper / np.float32(max(end - a - 1, 1))
+    a = strands.first[s]
+    thin = width * strands.taper / np.float32(max(strands.first[s + 1] - a - 1, 1))
     middle = HALF * np.float32(window.width)
-    begin = a + part_begin(end - a, number, PARTS)
-    x1 = screen[begin, 0]
-    y1 = screen[begin, 1]
-    q1 = screen[begin, 2]
-    for v in range(begin + 1, a + part_begin(end - a, number + 1, PARTS) + 1):
-        x0 = x1
-        y0 = y1
-        q0 = q1
-        x1 = screen[v, 0]
-        y1 = screen[v, 1]
-        q1 = screen[v, 2]
-        # splats of flat segments add to the row next to theirs, so segments next to these rows count too
-        if max(y0, y1) < np.float32(window.top) - ONE or min(y0, y1) > np.float32(window.bottom) + ONE:
-            continue
-        if q0 <= ZERO or q1 <= ZERO:
-            continue
-        d0 = near + (ONE - q0) * far if far > ZERO else ONE / q0
-        d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
+    begin, last = part_range(strands.first, part)
+    u = begin
+    x0, y0, q0 = screen[u, 0], screen[u, 1], screen[u, 2]
+    for v in range(begin + 1, last + 1):
+        x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
+        there = q0 > ZERO and q1 > ZERO
+        d0 = depth_of(q0, near, far) if there else ONE
+        d1 = depth_of(q1, near, far) if there else ONE
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
-        if along is None:
-            w = (width - thin * (np.float32(v - a) - HALF)) * scale
-        else:
-            w = width * (ONE - strands.taper * HALF * (along[v - 1] + along[v])) * scale
-        if far <= ZERO:  # perspective widens strands away from the axis
-            w *= perspective_widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
-        if stacks is None:
-            n = cell_extents.collect_cells(work, n, (x0, y0, d0), (x1, y1, d1), window, opacity_map.extents)
-        else:
-            n = splats.collect(work, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
+        if v < last and there and max(max(abs(x1 - x0), abs(y1 - y0)), abs(d1 - d0) * scale) < SHORT:
+            continue
+        # splats of flat segments add to the row next to theirs, so segments next to these rows count too
+        beside = max(y0, y1) < np.float32(window.top) - ONE or min(y0, y1) > np.float32(window.bottom) + ONE
+        if there and not beside:
+            if along is None:
+                w = width - thin * (HALF * np.float32(u + v - a - a))
+            else:
+                w = width * (ONE - strands.taper * HALF * (along[u] + along[v]))
+            w *= scale * widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, view)
+            if stacks is None:
+                n = cell_extents.collect_cells(work, n, (x0, y0, d0), (x1, y1, d1), window, opacity_map.extents)
+            else:
+                n = splats.collect(work, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
+        u, x0, y0, q0 = v, x1, y1, q1
     return n
 
 
