@@ -113,6 +113,13 @@ def depth_of(q, near, far):
     return near + (ONE - q) * far if far > ZERO else ONE / q
 
 
+@inlined
+def too_short(begin, end, scale):
+    """Return whether a segment is less than `SHORT` along all axes; arguments as in `splats.collect`."""
+    dx, dy, rise = end[0] - begin[0], end[1] - begin[1], end[2] - begin[2]
+    return max(max(abs(dx), abs(dy)), abs(rise) * scale) < SHORT
+
+
 @device
 def widening(x, y, dx, dy, view):
     """Return by how much perspective widens a segment away from the axis; x, y: from the middle, texels."""
@@ -147,7 +154,7 @@ def draw_part(work, n, strands, part, window, view, opacity_map, stacks, along):
         d0 = depth_of(q0, near, far) if there else ONE
         d1 = depth_of(q1, near, far) if there else ONE
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
-        if v < last and there and max(max(abs(x1 - x0), abs(y1 - y0)), abs(d1 - d0) * scale) < SHORT:
+        if v < last and there and too_short((x0, y0, d0), (x1, y1, d1), scale):
             continue
         # splats of flat segments add to the row next to theirs, so segments next to these rows count too
         beside = max(y0, y1) < np.float32(window.top) - ONE or min(y0, y1) > np.float32(window.bottom) + ONE

@@ -66,13 +66,24 @@ def start_batch(work):
 
 
 @device
-def cut(from_, to, rise, scale):
-    """Return into how many pieces a texel is cut along a segment's longer axis, from one place to another, texels: one,
-    or more where the segment leads more than a texel away from the light meanwhile. rise: metres; scale: texels a
-    metre."""
-    away = abs(rise) * scale
-    length = abs(to - from_)
-    return np.float32(np.int64(min(away / length, FINEST))) + ONE if away > length else ONE
+def pieces(begin, end, scale, window):
+    """Return into how many pieces a segment cuts texels of its longer axis, its first piece within the window, and the
+    end of its pieces: one piece a texel, or more where it leads farther away from the light than along the map.
+
+    Arguments as in `collect`.
+    """
+    along, across = abs(end[1] - begin[1]), abs(end[0] - begin[0])
+    steep = along >= across
+    length = max(along, across)
+    # the light may be so near that a segment is longer than its map
+    if not (length >= TINY and length <= np.float32(4 * window.width)):
+        return ONE, np.int64(0), np.int64(0)
+    away = abs(end[2] - begin[2]) * scale
+    parts = np.float32(np.int64(min(away / length, FINEST))) + ONE if away > length else ONE
+    low = parts * (min(begin[1], end[1]) if steep else min(begin[0], end[0]))
+    high = parts * (max(begin[1], end[1]) if steep else max(begin[0], end[0]))
+    first, last = (window.top, window.bottom) if steep else (0, window.width)
+    return parts, max(np.int64(low), first * np.int64(parts)), min(np.int64(high) + 1, last * np.int64(parts))
 
 
 @device
@@ -81,18 +92,13 @@ def collect(work, n, begin, end, scale, w, window, opacity_map):
 
     work (ROWS * BATCH,); begin, end: x and y, texels, and depth, metres; scale: texels a metre; w: width, texels.
     """
+    parts, first, last = pieces(begin, end, scale, window)
+    if first >= last:
+        return n
     dx, dy, rise = end[0] - begin[0], end[1] - begin[1], end[2] - begin[2]
     steep = abs(dy) >= abs(dx)
     near, far = (begin[1], end[1]) if steep else (begin[0], end[0])
-    length = abs(far - near)
-    # the light may be so near that a segment is longer than its map
-    if not (length >= TINY and length <= np.float32(4 * window.width)):
-        return n
-    parts = cut(near, far, rise, scale)
     low, high = parts * min(near, far), parts * max(near, far)
-    first, last = (window.top, window.bottom) if steep else (0, window.width)
-    first = max(np.int64(low), first * np.int64(parts))
-    last = min(np.int64(high) + 1, last * np.int64(parts))
     per = ONE / parts
     share = w * math.sqrt(dx * dx + dy * dy) / (high - low)
     slope = ONE / (far - near)
