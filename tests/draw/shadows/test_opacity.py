@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise, product
+from itertools import pairwise
 
 import numba
 import numpy as np
@@ -113,7 +113,10 @@ def splatted(maps: ShadowMaps, light: Light, lines: Polylines) -> np.ndarray:
         for p, q in pairwise(kept):
             begin, way = places[p], places[q] - places[p]
             long = 1 if abs(way[1]) >= abs(way[0]) else 0
-            steps = max(int(abs(way[2]) * view.focal / abs(way[long])) + 1 if abs(way[2]) * view.focal > abs(way[long]) else 1, 1)
+            steps = max(
+                int(abs(way[2]) * view.focal / abs(way[long])) + 1 if abs(way[2]) * view.focal > abs(way[long]) else 1,
+                1,
+            )
             borders = np.arange(size * steps + 1) / steps
             t = np.unique(np.clip((borders - begin[long]) / way[long], 0, 1))
             wide = WIDE.width * (1 - WIDE.taper * (p + q) / 2 / (b - a - 1)) * view.focal
