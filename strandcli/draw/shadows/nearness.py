@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.scratch import Scratch
 from ..zbuffer.raster import Bands, sort_into_bands
+from .kernels.opacity_maps import PART, PARTS
 
 BITS = 8
 """Of a place, of each coordinate: 256 × 256 tiles, of two to eight texels, sort as 16-bit numbers."""
@@ -29,15 +30,22 @@ def sort_by_place(
     """
     bands = sort_into_bands(first, screen, side, margin, workers, scratch)
     if len(screen) == 0:
-        return bands
-    middle = screen[np.minimum((first[:-1] + first[1:]) // 2, len(screen) - 1), :2]  # strands may have no vertices
-    places = np.clip(np.nan_to_num(middle) * np.float32(2**BITS / side), 0, 2**BITS - 1).astype(np.uint16)
-    keys = _apart(places[:, 0]) | _apart(places[:, 1]) << 1
-    members = bands.members.copy()
-    for begin, end in pairwise(bands.begin):
-        own = members[begin:end]
-        members[begin:end] = own[np.argsort(keys[own], kind="stable")]
-    return bands._replace(members=members)
+        return bands._replace(begin=np.zeros_like(bands.begin))  # nothing to draw
+    segments = np.maximum(np.diff(first) - 1, 0)[:, None]
+    begin = PART * np.arange(PARTS)
+    there = begin < np.maximum(segments, 1)
+    middle = first[:-1, None] + np.minimum(begin + PART // 2, (begin + segments) // 2)
+    middle = np.nan_to_num(screen[np.minimum(middle, len(screen) - 1).ravel(), :2])  # strands may have no vertices
+    places = np.clip(middle * np.float32(2**BITS / side), 0, 2**BITS - 1).astype(np.uint16)
+    keys = (_apart(places[:, 0]) | _apart(places[:, 1]) << 1).reshape(there.shape)
+    numbers = np.arange(keys.size, dtype=np.int32).reshape(keys.shape)
+    members, ends = [], [0]
+    for first_of_band, end in pairwise(bands.begin):
+        own = bands.members[first_of_band:end]
+        parts = numbers[own][there[own]]
+        members.append(parts[np.argsort(keys.ravel()[parts], kind="stable")])
+        ends.append(ends[-1] + len(parts))
+    return bands._replace(members=np.concatenate(members), begin=np.array(ends))
 
 
 def _apart(x: NDArray[np.uint16]) -> NDArray[np.uint16]:

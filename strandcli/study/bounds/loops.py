@@ -249,7 +249,7 @@ BOUNDS: dict[str, Bound] = {
         lambda c: 12 + 24 * c["children"] / max(c["child_particles"], 1), _is(15), make_children,
     ),
     "curves": Bound("vertex", _of("vertices"), lambda c: 24 + 12 / pieces_of(c), _is(43), make_curves),
-    "splats": Bound("splat", _of("splats"), _is(48), _is(16), make_splats),
+    "splats": Bound("splat", _of("splats"), _is(32), _is(5), make_splats),
     "lines": Bound("vertex in a map", _of("strand_vertices_in_maps"), _is(24), _is(21), make_lines),
     "texels": Bound("texel on a line", _of("map_texels"), _is(24), _is(2), make_texels),
     "fragments": Bound("fragment", _of("fragments_found"), _is(24), _is(2), make_fragments),

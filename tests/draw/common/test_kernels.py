@@ -19,9 +19,9 @@ from strandcli.draw.film.kernels import film
 from strandcli.draw.geometry.kernels import curves, joints, ribbon, silhouette, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.shadows.kernels import (
+    cell_extents,
     minmax,
     opacity,
-    opacity_maps,
     penumbra,
     percentage_closer,
     soft_shadows,
@@ -111,7 +111,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
          splats.OpacityMap(np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32))),
     ),
     "widen extents": (
-        opacity_maps.widen_extents, (*[ONE] * 6, raster.Window(0, 8, 8), np.ones((16, 2), np.float32)),
+        cell_extents.widen, (np.ones(splats.ROWS * splats.BATCH, np.float32), 3, np.ones((16, 2), np.float32)),
     ),
     "dual angles": (dual.angles, (*[ONE] * 9, 64)),
     "dual lobes": (dual.lobes, (ONE,) * 8),

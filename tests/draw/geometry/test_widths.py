@@ -196,7 +196,7 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     rows = np.empty(size * size // 4, np.float32)
     stacks = np.empty(0, np.float32)
     strands = opacity_maps.StrandsInMap(first, screen, np.float32(2 * radius), np.float32(0), None)
-    bands = Bands(np.array([0, 1]), np.zeros(1, np.int32), size, 1)
+    bands = Bands(np.array([0, opacity_maps.PARTS]), np.arange(opacity_maps.PARTS, dtype=np.int32), size, 1)
     seen = opacity_maps.MapView(np.float32(0), np.float32(view.near), np.float32(view.focal))
     for layered in (False, True):
         opacity_map = splats.OpacityMap(extents, np.float32(1), layers, stacks if layered else None)

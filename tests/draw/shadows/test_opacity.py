@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise, product
+from itertools import pairwise
 
+import numba
 import numpy as np
 import pytest
 
@@ -17,6 +18,7 @@ from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows import shadow
 from strandcli.draw.shadows.kernels import minmax as minmax
 from strandcli.draw.shadows.kernels import opacity
+from strandcli.draw.shadows.kernels.opacity_maps import PARTS, part_range
 from strandcli.draw.shadows.nearness import sort_by_place
 from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.draw.zbuffer.raster import sort_into_bands, to_screen
@@ -95,28 +97,39 @@ def test_a_map_counts_projected_area() -> None:
 
 
 def splatted(maps: ShadowMaps, light: Light, lines: Polylines) -> np.ndarray:
-    """τ of each texel and layer (size, size, layers + 1), added splat by splat in double precision."""
+    """τ of each texel and layer (size, size, layers + 1), added piece by piece in double precision."""
     size, layers, view = int(maps.sizes[0]), maps.layers[0], maps.views[0]
     screen = to_screen(lines, view, Scratch()).astype(np.float64)
     heads = maps.extents[0].reshape(size // 2, size // 2, 2)
     found = np.zeros((size, size, layers + 1))
     for a, b in pairwise(lines.first):
-        for number, (p, q) in enumerate(pairwise(screen[a:b])):
-            (x0, y0, z0), (x1, y1, z1) = p, q
-            d0, d1 = (view.near + (1 - z) * (view.far - view.near) for z in (z0, z1))
-            reach = max(abs(x1 - x0), abs(y1 - y0), abs(d1 - d0) * view.focal)
-            spots = int(reach) + 1 if reach > 1.5 else 1
-            wide = WIDE.width * (1 - WIDE.taper * (number + 0.5) / (b - a - 1)) * view.focal
-            for t in (np.arange(spots) + 0.5) / spots:
-                u, v, d = x0 + t * (x1 - x0) - 0.5, y0 + t * (y1 - y0) - 0.5, d0 + t * (d1 - d0)
-                for row, column in product((math.floor(v), math.floor(v) + 1), (math.floor(u), math.floor(u) + 1)):
-                    if min(row, column) < 0 or max(row, column) >= size:
-                        continue
+        places = screen[a:b].copy()
+        places[:, 2] = view.near + (1 - places[:, 2]) * (view.far - view.near)
+        kept = [0]
+        for number in range(1, b - a):
+            aside = np.abs((places[number] - places[kept[-1]]) * (1, 1, view.focal)).max()
+            if aside >= 1 or number == b - a - 1:
+                kept.append(number)
+        for p, q in pairwise(kept):
+            begin, way = places[p], places[q] - places[p]
+            long = 1 if abs(way[1]) >= abs(way[0]) else 0
+            steps = max(
+                int(abs(way[2]) * view.focal / abs(way[long])) + 1 if abs(way[2]) * view.focal > abs(way[long]) else 1,
+                1,
+            )
+            borders = np.arange(size * steps + 1) / steps
+            t = np.unique(np.clip((borders - begin[long]) / way[long], 0, 1))
+            wide = WIDE.width * (1 - WIDE.taper * (p + q) / 2 / (b - a - 1)) * view.focal
+            for one, two in pairwise(t):
+                place = begin + (one + two) / 2 * way
+                beside, d = place[1 - long] - 0.5, place[2]
+                for number in (math.floor(beside), math.floor(beside) + 1):
+                    row, column = (math.floor(place[1]), number) if long else (number, math.floor(place[0]))
                     start, scale = heads[row // 2, column // 2]
                     far = max((d - start) * maps.over, 0)
                     layer = min(int(scale * far / (far + 1)), layers - 1)
-                    share = (1 - abs(u - column)) * (1 - abs(v - row))
-                    found[row, column, layer + 1] += share * wide * math.hypot(x1 - x0, y1 - y0) / spots
+                    area = wide * math.hypot(*way[:2]) * (two - one)
+                    found[row, column, layer + 1] += (1 - abs(beside - number)) * area
     return found.cumsum(2)
 
 
@@ -138,8 +151,10 @@ def test_texels_and_layers_are_those_of_splats_one_by_one() -> None:
     np.testing.assert_allclose(texels[..., -1], expected[..., -1], atol=2e-6)
 
 
-def test_strands_in_the_order_of_their_places_are_all_of_them() -> None:
-    lines = straight(500, 3)
+@pytest.mark.parametrize("segments", [8, 40])
+def test_strands_in_the_order_of_their_places_are_all_of_them(segments: int) -> None:
+    part_range_of = numba.njit(part_range.py_func)
+    lines = straight(500, 3, segments)
     maps = maps_of(SUN, lines)
     screen = to_screen(lines, maps.views[0], Scratch())
     screen[7] = np.nan
@@ -147,15 +162,19 @@ def test_strands_in_the_order_of_their_places_are_all_of_them() -> None:
     given = first, screen, int(maps.sizes[0]), 1.0
     for workers in (1, 2):
         plain, sorted_ = (sort(*given, workers, Scratch()) for sort in (sort_into_bands, sort_by_place))
-        assert (plain.begin == sorted_.begin).all()
         steps = []
-        for bands in (plain, sorted_):
-            members = bands.members[: bands.begin[1]]
-            middles = screen[lines.first[members[members < 500]] + 4, :2]
+        for bands, parts in ((plain, 1), (sorted_, PARTS)):
+            members = bands.members[: bands.begin[1]] // parts
+            middles = screen[lines.first[members[members < 500]] + segments // 2, :2]
             steps.append(np.abs(np.diff(middles, axis=0)).sum(1).mean())
-        for a, b in pairwise(plain.begin):
-            assert set(plain.members[a:b]) == set(sorted_.members[a:b])
-        assert steps[1] < 0.3 * steps[0]
+        for band, (a, b) in enumerate(pairwise(plain.begin)):
+            parts = sorted_.members[sorted_.begin[band] : sorted_.begin[band + 1]]
+            assert len(set(parts)) == len(parts)
+            assert set(plain.members[a:b]) == set(parts // PARTS)
+            vertices = np.concatenate([np.arange(p, q) for p, q in (part_range_of(first, int(part)) for part in parts)])
+            every = np.concatenate([np.arange(first[s], first[s + 1] - 1) for s in plain.members[a:b]])
+            assert sorted(vertices) == sorted(every)
+        assert steps[1] < 0.5 * steps[0]
 
 
 def test_a_sheet_of_strands_lets_through_what_lies_between_them() -> None:

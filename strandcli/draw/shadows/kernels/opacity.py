@@ -2,11 +2,11 @@
 
 The layers of a cell divide the depths from its nearest strand to its farthest, at a distance D behind it. Of the n
 layers, n (x / (x + h)) (1 + h / D) end within x metres behind the nearest strand. So layers are nearly uniform within a
-few times h, where light falls off, and coarse behind that, where it is dark. Each strand segment adds its projected
-length × width / texel area to a layer, divided between the four texels around it; the sum is the mean number of strands
-that a ray crosses, the optical depth τ. The transmittance is e^-τ where strand positions are independent. Crowded
-strands avoid each other and cover more: τ is increased by a part of itself that is proportional to τ and to
-(width / distance between strands)².
+few times h, where light falls off, and coarse behind that, where it is dark. Each piece of a strand in a texel adds its
+projected length × width / texel area to a layer, divided between two texels beside each other; the sum is the mean
+number of strands that a ray crosses, the optical depth τ. The transmittance is e^-τ where strand positions are
+independent. Crowded strands avoid each other and cover more: τ is increased by a part of itself that is proportional to
+τ and to (width / distance between strands)².
 
 A cell is 2×2 texels whose layers have the same depths, so their mean is one texel twice as wide. Where the layers near
 a point show that strands lie far apart, `corrected_depth` uses the cell means instead, and a blend between the two: a
@@ -45,7 +45,7 @@ TEXELS = 4
 FIVE = 5
 """Numbers of a layer boundary: one for each texel, and their mean."""
 OWN = np.float32(0.375)
-"""Half of the value at the centre of a quadratic B-spline, 3/4: own contribution of a strand one texel wide."""
+"""Half of what a strand one texel wide has on its own middle line, 2/3 along the map's axes to .78 between them."""
 BEGIN, NEXT = np.float32(HEAD), np.float32(HEAD + FIVE)
 """Offsets in a row of the first and second layer boundary."""
 EACH, MEAN = np.float32(FIVE), np.float32(TEXELS)

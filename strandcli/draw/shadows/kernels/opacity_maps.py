@@ -7,16 +7,25 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, function, parallel, prange
+from ....jit import device, function, inlined, parallel, prange
+from ....simd import pointer, prefetch
 from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.raster import Window
-from . import splats
+from . import cell_extents, splats
 from .minmax import FARTHEST, NEAREST
 from .opacity import FIVE, HEAD, SCALE, START
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+PARTS, PART = 4, 16
+"""Most parts of a strand that are drawn apart, each after others that are near it, and segments of all but the last."""
+SHORT = np.float32(1.0)
+"""Texels."""
+AHEAD = 3
+"""Parts of strands that are fetched before they are drawn."""
+LINE = 16
+"""Numbers of a line of the processor's cache."""
 
 
 class StrandsInMap(NamedTuple):
@@ -55,24 +64,66 @@ def draw(strands, bands, size, view, opacity_map):
     view: `MapView`; opacity_map: `OpacityMap`.
     """
     for task in prange(bands.workers):
-        work = np.zeros(splats.ROWS * splats.BATCH, np.float32)
+        work = np.empty(splats.ROWS * splats.BATCH, np.float32)
+        splats.start_batch(work)
         for b in range(task, bands.begin.shape[0] - 1, bands.workers):
             top = b * bands.rows
             window = Window(top, min(top + bands.rows, size), size)
             n = np.int64(0)
             for m in range(bands.begin[b], bands.begin[b + 1]):
-                n = draw_strand(
+                fetch(strands, np.int64(bands.members[min(m + AHEAD, bands.begin[b + 1] - 1)]))
+                n = draw_part(
                     work, n, strands, np.int64(bands.members[m]), window, view, opacity_map, opacity_map.stacks,
                     strands.along,
                 )  # fmt: skip
-            add_rest(work, n, window, opacity_map, opacity_map.stacks)
+            end_batch(work, n, window, opacity_map, opacity_map.stacks)
 
 
 @device
-def add_rest(work, n, window, opacity_map, stacks):
-    """Run `splats.add`; nothing in the pass that finds the extents."""
-    if stacks is not None:
+def end_batch(work, n, window, opacity_map, stacks):
+    """Add what a batch holds to the layers, or in the pass that finds the extents to these."""
+    if stacks is None:
+        cell_extents.widen(work, n, opacity_map.extents)
+    else:
         splats.add(work, n, window, opacity_map)
+
+
+@device
+def fetch(strands, part):
+    """Have the processor fetch the vertices of a part that is drawn soon: they are anywhere in memory."""
+    begin, last = part_range(strands.first, part)
+    rows = pointer(strands.screen)
+    for at in range(3 * begin, 3 * last + 3, LINE):
+        prefetch(rows, at)
+
+
+@device
+def part_range(first, part):
+    """Return the first vertex of a part, numbered strand by strand, and the last, which is the first of the next part.
+    first: of `StrandsInMap`."""
+    s, number = part // PARTS, part % PARTS
+    last = first[s + 1] - 1
+    begin = min(first[s] + number * PART, last)
+    return begin, last if number == PARTS - 1 else min(begin + PART, last)
+
+
+@device
+def depth_of(q, near, far):
+    """Return the depth, metres, of a depth number; near, far: of `MapView`."""
+    return near + (ONE - q) * far if far > ZERO else ONE / q
+
+
+@inlined
+def too_short(begin, end, scale):
+    """Return whether a segment is less than `SHORT` along all axes; arguments as in `splats.collect`."""
+    dx, dy, rise = end[0] - begin[0], end[1] - begin[1], end[2] - begin[2]
+    return max(max(abs(dx), abs(dy)), abs(rise) * scale) < SHORT
+
+
+@device
+def widening(x, y, dx, dy, view):
+    """Return by how much perspective widens a segment away from the axis; x, y: from the middle, texels."""
+    return ONE if view.far > ZERO else perspective_widening(x, y, dx, dy, view.focal)
 
 
 @device
@@ -82,75 +133,43 @@ def width_of(width, scale, s):
 
 
 @device
-def draw_strand(work, n, strands, s, window, view, opacity_map, stacks, along):
-    """Draw the part of strand s within the window; return how many splats the batch holds then, which held n.
+def draw_part(work, n, strands, part, window, view, opacity_map, stacks, along):
+    """Draw what lies within the window of a part of a strand, numbered strand by strand; return how many splats the
+    batch holds then, which held n. Vertices less than `SHORT` behind the last are left out, but for the part's end.
 
     work: rows of `splats`; stacks: those of the map; along: of the strands.
     """
+    s = part // PARTS
     width = width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
-    a, end = strands.first[s], strands.first[s + 1]
-    thin = width * strands.taper / np.float32(max(end - a - 1, 1))
+    a = strands.first[s]
+    thin = width * strands.taper / np.float32(max(strands.first[s + 1] - a - 1, 1))
     middle = HALF * np.float32(window.width)
-    x1 = screen[a, 0]
-    y1 = screen[a, 1]
-    q1 = screen[a, 2]
-    for v in range(a + 1, end):
-        x0 = x1
-        y0 = y1
-        q0 = q1
-        x1 = screen[v, 0]
-        y1 = screen[v, 1]
-        q1 = screen[v, 2]
-        # footprints of samples extend beyond the segment, so segments next to these rows count too
-        if max(y0, y1) < np.float32(window.top) - ONE or min(y0, y1) > np.float32(window.bottom) + ONE:
-            continue
-        if q0 <= ZERO or q1 <= ZERO:
-            continue
-        d0 = near + (ONE - q0) * far if far > ZERO else ONE / q0
-        d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
+    begin, last = part_range(strands.first, part)
+    u = begin
+    x0, y0, q0 = screen[u, 0], screen[u, 1], screen[u, 2]
+    for v in range(begin + 1, last + 1):
+        x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
+        there = q0 > ZERO and q1 > ZERO
+        d0 = depth_of(q0, near, far) if there else ONE
+        d1 = depth_of(q1, near, far) if there else ONE
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
-        if along is None:
-            w = (width - thin * (np.float32(v - a) - HALF)) * scale
-        else:
-            w = width * (ONE - strands.taper * HALF * (along[v - 1] + along[v])) * scale
-        if far <= ZERO:  # perspective widens strands away from the axis
-            w *= perspective_widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
-        if stacks is None:
-            widen_extents(x0, y0, d0, x1, y1, d1, window, opacity_map.extents)
-        else:
-            n = splats.collect(work, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
+        if v < last and there and too_short((x0, y0, d0), (x1, y1, d1), scale):
+            continue
+        # splats of flat segments add to the row next to theirs, so segments next to these rows count too
+        beside = max(y0, y1) < np.float32(window.top) - ONE or min(y0, y1) > np.float32(window.bottom) + ONE
+        if there and not beside:
+            if along is None:
+                w = width - thin * (HALF * np.float32(u + v - a - a))
+            else:
+                w = width * (ONE - strands.taper * HALF * (along[u] + along[v]))
+            w *= scale * widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, view)
+            if stacks is None:
+                n = cell_extents.collect_cells(work, n, (x0, y0, d0), (x1, y1, d1), window, opacity_map.extents)
+            else:
+                n = splats.collect(work, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
+        u, x0, y0, q0 = v, x1, y1, q1
     return n
-
-
-@function
-def widen_extents(x0, y0, d0, x1, y1, d1, window, extents):
-    """Widen the extents of all cells in the window to which `splats.collect` may add. The segment is divided into
-    short parts, so that few other cells are widened. x, y: texels; d: metres; extents: of `OpacityMap`."""
-    top, bottom, size = window
-    dx = x1 - x0
-    dy = y1 - y0
-    length = max(abs(dx), abs(dy))
-    if not length <= np.float32(4 * size):
-        return
-    parts = max(np.int64(length * HALF), 1)
-    per = ONE / np.float32(parts)
-    for part in range(parts):
-        xa = x0 + dx * (np.float32(part) * per)
-        ya = y0 + dy * (np.float32(part) * per)
-        da = d0 + (d1 - d0) * (np.float32(part) * per)
-        xb = x0 + dx * (np.float32(part + 1) * per)
-        yb = y0 + dy * (np.float32(part + 1) * per)
-        db = d0 + (d1 - d0) * (np.float32(part + 1) * per)
-        first = max(np.int64(min(ya, yb) - HALF), top) >> 1
-        last = min(np.int64(max(ya, yb) + HALF), bottom - 1) >> 1
-        left = max(np.int64(min(xa, xb) - HALF), 0) >> 1
-        right = min(np.int64(max(xa, xb) + HALF), size - 1) >> 1
-        for row in range(first, last + 1):
-            for column in range(left, right + 1):
-                cell = np.uint64(row * (size >> 1) + column)
-                extents[cell, NEAREST] = min(extents[cell, NEAREST], min(da, db))
-                extents[cell, FARTHEST] = max(extents[cell, FARTHEST], max(da, db))
 
 
 @function

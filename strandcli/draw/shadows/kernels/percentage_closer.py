@@ -151,7 +151,7 @@ def filter_light(rows, k, deep, loss):
             across, left, right = column_of(windows, np.float32(column))
             total = total + (left + right) * (above + below)
             number = cell_at(across, down, inside, deep)
-            if not any_lane(number > ZERO):
+            if not any_blocks(number, d, deep):
                 continue
             layer, part, _, back = layers_of(number, d, deep)
             grey = lost_r = lost_g = lost_b = ZERO * u
@@ -195,7 +195,7 @@ def blur_radius(rows, k, deep):
         for column in range(wide):
             across, left, _ = column_of(windows, np.float32(column))
             number = cell_at(across, down, used, deep)
-            if not any_lane(number > ZERO):
+            if not any_blocks(number, d, deep):
                 continue
             layer, part, front, back = layers_of(number, d, deep)
             passed = passed_at(number, layer, part, ZERO, deep)
@@ -223,6 +223,16 @@ def cell_at(across, down, used, deep):
     there = used & (across >= ZERO) & (down >= ZERO) & (across <= last) & (down <= last)
     number = gather(deep.rows, deep.start, where(there, down, ZERO), half, where(there, across, ZERO))
     return where(there, number, ZERO)
+
+
+@device
+def any_blocks(number, d, deep):
+    """Return whether any of the rows `number` of a `DeepMap` has strands in front of the depths d. Vectors."""
+    some = number > ZERO
+    if not any_lane(some):
+        return False
+    body, stride = rows_of(deep)
+    return any_lane(some & (gather(deep.rows, body, number, stride, np.float32(opacity.START)) < d))
 
 
 @inlined

@@ -12,24 +12,20 @@ ONE = np.float32(1.0)
 
 @parallel
 def add_splats(splats, layer, area, side, maps):
-    """Add areas bilinearly to four texels each, in a layer of their own.
+    """Add areas linearly to two texels beside each other each, in a layer of their own.
 
-    maps (tiles, layers, side * side): changed; splats (tiles, n, 2): column and row, 0 ≤ x < side − 1; layer
-    (tiles, n) int32; area (tiles, n).
+    maps (tiles, layers, side * side): changed; splats (tiles, n, 2): column and row, 0 ≤ x < side − 1, of which the row
+    is rounded down; layer (tiles, n) int32; area (tiles, n).
     """
     for tile in prange(maps.shape[0]):
         t = np.uint64(tile)
         for k in range(np.uint64(splats.shape[1])):
-            u, v = splats[t, k, 0], splats[t, k, 1]
-            column, row = np.int64(u), np.int64(v)
-            u -= np.float32(column)
-            v -= np.float32(row)
-            low, one = area[t, k] * v, area[t, k] - area[t, k] * v
+            u = splats[t, k, 0]
+            column, row = np.int64(u), np.int64(splats[t, k, 1])
+            part = area[t, k] * (u - np.float32(column))
             at, deep = np.uint64(row * side + column), np.uint64(layer[t, k])
-            maps[t, deep, at] += one - one * u
-            maps[t, deep, at + np.uint64(1)] += one * u
-            maps[t, deep, at + np.uint64(side)] += low - low * u
-            maps[t, deep, at + np.uint64(side + 1)] += low * u
+            maps[t, deep, at] += area[t, k] - part
+            maps[t, deep, at + np.uint64(1)] += part
 
 
 @parallel
