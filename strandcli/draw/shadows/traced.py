@@ -98,11 +98,12 @@ class Grid(VertexShadows):
 
 def grid_of(
     light: Light, lines: Polylines, thickness: Thickness, opacity: float, bounds: NDArray[np.float64], workers: int,
-    scratch: Scratch, number: int = 0, room: int = GRID_BYTES,
+    scratch: Scratch, number: int = 0, room: int = GRID_BYTES, left_out: NDArray[np.uint8] | None = None,
 ) -> Grid:  # fmt: skip
     """Build a light's grid of all strands, which lie in the box ``bounds`` (2, 3), metres.
 
-    ``number``: index of the light among those with a grid; ``room``: greatest size of the lists, bytes."""
+    ``number``: index of the light among those with a grid; ``room``: greatest size of the lists, bytes;
+    ``left_out`` (V,): non-zero at vertices whose segments are not listed."""
     piece = max(_mean_piece(lines), 1e-6 * ball(bounds)[1])
     margin = piece + thickness.width
     wider = np.stack([bounds[0] - margin, bounds[1] + margin])
@@ -113,6 +114,9 @@ def grid_of(
     while True:
         views = light_views(light, size, wider)
         sides = [_bands_of(lines, view, thickness, scratch) for view in views]
+        if left_out is not None:
+            for bands in sides:
+                bands[left_out != 0, 2] = 0  # as what is behind the light
         begin = np.zeros(len(views) * size * size + 1, np.int64)
         for side, bands in enumerate(sides):
             here = slice(1 + side * size * size, 1 + (side + 1) * size * size)
