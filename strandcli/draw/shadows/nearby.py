@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from ...scene.model import Light
 from ..common.kernels.light_columns import CLEAR_ROW
 from ..geometry.curves import Polylines
-from ..view.camera import View
 from .kernels import nearby as kernel
 from .traced import Grid, grid_of
 from .vertex_shadows import StrandsInLight, VertexShadows
@@ -45,17 +44,6 @@ class NearbyShadows(VertexShadows):
         """See `VertexShadows.visibility`."""
         open_to_light = ((marks != 0) & (self.buried == 0)).astype(np.uint8)
         self.grid.visibility(lines, open_to_light, screen, out)
-        self._shade_by_map(marks, out)
-
-    def visibility_across(
-        self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],
-        eye: View, slots: NDArray[np.int32], shown: NDArray[np.uint64] | None, shades: NDArray[np.uint64],
-    ) -> None:  # fmt: skip
-        """See `VertexShadows.visibility_across`; across strands all that is listed counts."""
-        self.grid.visibility_across(lines, marks, screen, out, eye, slots, shown, shades)
-        self._shade_by_map(marks, out)
-
-    def _shade_by_map(self, marks: NDArray[np.uint8], out: NDArray[np.float32]) -> None:
         dark = np.flatnonzero((marks != 0) & (self.buried != 0))
         out[dark] = np.exp(-self.depth[dark].astype(np.float64))
 

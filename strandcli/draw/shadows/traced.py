@@ -34,7 +34,7 @@ from .kernels.occluder_intervals import OccluderLists
 from .shadow import light_views, texel_of
 from .vertex_shadows import VertexShadows
 
-LIST = 64.0
+LIST = 400.0
 """Target number of segments that overlap a cell."""
 COARSE = 64
 """Cells along a side of the grid that estimates the area covered by strands."""
