@@ -7,7 +7,7 @@ others are in the lists of `traced`, and are shaded by them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,16 @@ from numpy.typing import NDArray
 from ...scene.model import Light
 from ..common.kernels.light_columns import CLEAR_ROW
 from ..geometry.curves import Polylines
+from ..view.camera import View
 from .kernels import nearby as kernel
 from .traced import Grid, grid_of
 from .vertex_shadows import StrandsInLight, VertexShadows
 
 LIMIT = np.float32(4.0)
 """Optical depth; e^-4 is 2 % of the light."""
+
+TOGETHER = 8
+"""Lines across a strand that share one computed shadow: all of them, that of the middle that the camera sees."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,18 @@ class NearbyShadows(VertexShadows):
         """See `VertexShadows.visibility`."""
         open_to_light = ((marks != 0) & (self.buried == 0)).astype(np.uint8)
         self.grid.visibility(lines, open_to_light, screen, out)
+        self._shade_by_map(marks, out)
+
+    def visibility_across(
+        self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],
+        eye: View, slots: NDArray[np.int32], shown: NDArray[np.uint64] | None, shades: NDArray[np.uint64],
+    ) -> None:  # fmt: skip
+        """See `VertexShadows.visibility_across`; across strands all that is listed counts."""
+        self.grid.visibility_across(lines, marks, screen, out, eye, slots, shown, shades)
+        self._shade_by_map(marks, out)
+
+    def _shade_by_map(self, marks: NDArray[np.uint8], out: NDArray[np.float32]) -> None:
+        """Write what the map leaves at the marked vertices that are buried."""
         dark = np.flatnonzero((marks != 0) & (self.buried != 0))
         out[dark] = np.exp(-self.depth[dark].astype(np.float64))
 
@@ -60,4 +76,4 @@ def nearby_of(light: Light, strands: StrandsInLight) -> NearbyShadows:
         light, lines, strands.thickness, strands.opacity, strands.bounds, strands.workers, scratch, number,
         left_out=buried,
     )  # fmt: skip
-    return NearbyShadows(grid, depth, buried)
+    return NearbyShadows(replace(grid, together=TOGETHER), depth, buried)

@@ -60,6 +60,8 @@ class Grid(VertexShadows):
     words: int
     """64-bit words of visibility samples along a segment."""
     thickness: Thickness
+    together: int = 1
+    """Least number of lines across a strand that share one computed shadow, of `column_light.LINES`."""
 
     @property
     def nbytes(self) -> int:
@@ -91,7 +93,7 @@ class Grid(VertexShadows):
         )  # fmt: skip
         wide = kernel.WideStrands(
             None if eye is None else eye.pack(), width, np.float32(self.thickness.taper), slots,
-            ALL_SHOWN if shown is None else shown, shades,
+            ALL_SHOWN if shown is None else shown, shades, self.together,
         )  # fmt: skip
         kernel.visibility(shaded, self.lists, wide, out)
 
