@@ -31,7 +31,7 @@ from .lighting.occlusion import Occlusion
 from .lighting.pack_lights import pack_lights
 from .lighting.palette import Palette
 from .shadows.needs import needs_counts
-from .shadows.shadow import ShadowMaps, plan_maps
+from .shadows.shadow import ShadowMaps, map_arrays, plan_maps
 from .shadows.shadow_model import casts_map, counts_strands, model_of, shades_vertices
 from .shadows.vertex_shadows import StrandsInLight
 from .solids.solids import packed as pack_solids
@@ -163,17 +163,17 @@ class Renderer:
         lines = next(batches.lines()) if len(batches.ranges) == 1 else None
         if maps is not None and made is None:
             self._fill_maps(maps, batches, lines, workers)
+        lights = pack_lights(scene.lights, maps, bounds)
         grids = []
         if self.traced and lines is not None:
+            strands_in_light = StrandsInLight(
+                lines, thickness, scene.material.opacity, bounds, workers, self.scratch, 0, lights, map_arrays(maps)
+            )
             grids = [
-                model_of(light).vertex_shadows(
-                    light,
-                    StrandsInLight(lines, thickness, scene.material.opacity, bounds, workers, self.scratch, number),
-                )
+                model_of(light).vertex_shadows(light, strands_in_light._replace(number=number))
                 for number, light in enumerate(self.traced)
             ]
         drawing.lap("shadow")
-        lights = pack_lights(scene.lights, maps, bounds)
         lighting = Lighting(scene, self.palette, self.sky, view, at, lights, maps, hidden, solids, self.grain)
         canvas = Canvas(
             self.size, scene.image.supersample, self.backdrop, lighting, grids, self.shade, recorder,

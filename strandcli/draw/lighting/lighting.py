@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ from ..solids.solids import NONE, coats_of, paint_of
 from ..view.camera import View
 from .kernels import shade_strands, shade_surfaces
 from .kernels.inputs import Coating, Lights, Screen, StrandColour, StrandLight, Surround, Vertices, WidthProfiles
+from .kernels.mirror import DULL
 from .kernels.occlusion_columns import BOX_SIZE
 from .occlusion import Occlusion
 from .palette import Palette
@@ -35,6 +37,12 @@ def given(array: NDArray[np.float32] | None, *shape: int) -> NDArray[np.float32]
     """Return the array, or one without rows of this shape for None. Kernels test its length; with None, another type,
     they would be compiled again."""
     return np.zeros((0, *shape), np.float32) if array is None else array
+
+
+def coating_of(solids: Sequence[Any], paint: NDArray[np.float32]) -> Coating:
+    """Return the materials of visible solids; paint: from `paint_of`."""
+    polished = any(solid.coat > 0 and solid.roughness < DULL for solid in solids)
+    return Coating(paint, given(coats_of(solids), 7), given(None, 7), np.uint8(1) if polished else None)
 
 
 @dataclass(frozen=True)
@@ -100,7 +108,7 @@ class Lighting:
         shade_surfaces.surfaces(
             Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN)), self._surround(),
             StrandLight(self.palette.colour, given(self.palette.loss, 3)), self._lights(given(None, 0)),
-            map_arrays(self.maps), self.solids, Coating(paint, given(coats_of(seen), 7)), image,
+            map_arrays(self.maps), self.solids, coating_of(seen, paint), image,
         )  # fmt: skip
 
     def _surround(self) -> Surround:

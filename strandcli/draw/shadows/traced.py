@@ -34,7 +34,7 @@ from .kernels.occluder_intervals import OccluderLists
 from .shadow import light_views, texel_of
 from .vertex_shadows import VertexShadows
 
-LIST = 64.0
+LIST = 400.0
 """Target number of segments that overlap a cell."""
 COARSE = 64
 """Cells along a side of the grid that estimates the area covered by strands."""
@@ -60,6 +60,8 @@ class Grid(VertexShadows):
     words: int
     """64-bit words of visibility samples along a segment."""
     thickness: Thickness
+    together: int = 1
+    """Least number of lines across a strand that share one computed shadow, of `column_light.LINES`."""
 
     @property
     def nbytes(self) -> int:
@@ -91,18 +93,19 @@ class Grid(VertexShadows):
         )  # fmt: skip
         wide = kernel.WideStrands(
             None if eye is None else eye.pack(), width, np.float32(self.thickness.taper), slots,
-            ALL_SHOWN if shown is None else shown, shades,
+            ALL_SHOWN if shown is None else shown, shades, self.together,
         )  # fmt: skip
         kernel.visibility(shaded, self.lists, wide, out)
 
 
 def grid_of(
     light: Light, lines: Polylines, thickness: Thickness, opacity: float, bounds: NDArray[np.float64], workers: int,
-    scratch: Scratch, number: int = 0, room: int = GRID_BYTES,
+    scratch: Scratch, number: int = 0, room: int = GRID_BYTES, left_out: NDArray[np.uint8] | None = None,
 ) -> Grid:  # fmt: skip
     """Build a light's grid of all strands, which lie in the box ``bounds`` (2, 3), metres.
 
-    ``number``: index of the light among those with a grid; ``room``: greatest size of the lists, bytes."""
+    ``number``: index of the light among those with a grid; ``room``: greatest size of the lists, bytes;
+    ``left_out`` (V,): non-zero at vertices whose segments are not listed."""
     piece = max(_mean_piece(lines), 1e-6 * ball(bounds)[1])
     margin = piece + thickness.width
     wider = np.stack([bounds[0] - margin, bounds[1] + margin])
@@ -113,6 +116,9 @@ def grid_of(
     while True:
         views = light_views(light, size, wider)
         sides = [_bands_of(lines, view, thickness, scratch) for view in views]
+        if left_out is not None:
+            for bands in sides:
+                bands[left_out != 0, 2] = 0  # as what is behind the light
         begin = np.zeros(len(views) * size * size + 1, np.int64)
         for side, bands in enumerate(sides):
             here = slice(1 + side * size * size, 1 + (side + 1) * size * size)

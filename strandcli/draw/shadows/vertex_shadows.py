@@ -12,6 +12,7 @@ from ..coverage.kernels.column_light import LINES, PLACES
 from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View
+from .kernels.shadow_arrays import ShadowArrays
 
 EVENLY = np.array(
     [
@@ -41,6 +42,10 @@ class StrandsInLight(NamedTuple):
     scratch: Scratch
     number: int
     """Index of the light among those whose model shades vertices."""
+    lights: NDArray[np.float32]
+    """(n, `light_columns.COLUMNS`) all lights that shine; `CLEAR_ROW` of this one is `number` + 1."""
+    maps: ShadowArrays
+    """Shadow maps of all lights, drawn."""
 
 
 class VertexShadows:

@@ -20,7 +20,8 @@ class Shadow:
         "minmax",
         SHADOWS,
         doc="minmax: nearest and farthest strand a texel; opacity: layers that count strands; traced: every strand "
-        "against all others, and on solids as opacity; off: no shadow map",
+        "against all others, and on solids as opacity; nearby: as traced where light gets, as opacity deep in a groom; "
+        "off: no shadow map",
     )
     size: int | None = integer(
         None, low=1, high=8192, unit="texels",

@@ -128,6 +128,7 @@ def test_neither_workers_nor_portions_of_marks_nor_the_grid_change_a_bit(monkeyp
     grid(LAMP, lines).visibility(lines, marks, np.zeros((len(marks), 3), np.float32), out)
     np.testing.assert_array_equal(out[::3], one[::3].astype(np.float32))
     assert (out[1::3] == -1).all()
+    monkeypatch.setattr("strandcli.draw.shadows.traced.LIST", 64.0)  # cells that may still be fewer
     fine = grid(LAMP, lines)
     bounds = np.stack([lines.world.min(0), lines.world.max(0)]).astype(np.float64)
     coarse = grid_of(LAMP, lines, WIDE, 1.0, bounds, 2, Scratch(), room=fine.nbytes // 3)

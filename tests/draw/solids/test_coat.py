@@ -89,6 +89,22 @@ def test_a_wide_lights_gleam_is_the_mean_over_its_disc(rough: float, degrees: fl
     assert point > 1.3 * mean
 
 
+def test_a_polished_coat_shows_a_lights_disc_with_its_edge() -> None:
+    """From the disc's middle to beyond its edge, against the mean over 4,000 places of it, as a share of the middle."""
+    angle, eye = np.radians(8.0), towards(0.1, np.pi)
+    j = np.arange(4000) + 0.5
+    disc = (np.sqrt(j / 4000) * np.array([np.cos(2.399963 * j), np.sin(2.399963 * j)])).T
+    got, true = [], []
+    for off in np.radians([0.0, 4.0, 7.0, 8.0, 9.0, 14.0]):
+        middle = towards(0.1 + off)
+        up = np.cross(middle, [0.0, 1.0, 0.0])
+        ways = [middle + np.tan(angle) * (u * np.array([0.0, 1.0, 0.0]) + v * up) for u, v in disc]
+        true.append(np.mean([exact(0.04, 0.12, way / np.linalg.norm(way), eye) for way in ways]))
+        got.append(brdf(0.04, 0.12, middle, eye, np.sin(angle)))
+    np.testing.assert_allclose(np.array(got) / true[0], np.array(true) / true[0], atol=0.03)
+    assert got[1] > 0.9 * got[0]  # a disc, not a bell
+
+
 @pytest.mark.parametrize("rough", [0.2, 0.58])
 def test_a_coat_weaker_than_waters_covers_part_of_the_surface(rough: float) -> None:
     """A third of what one of .02 mirrors, the Fresnel term at grazing angles included, of lights as of the sky."""
@@ -207,3 +223,30 @@ def test_patches_finer_than_pixels_are_not_drawn() -> None:
     spread = [noise(places, pixel=pixel).std() for pixel in (0.001, 0.1, 0.2, 0.4)]
     assert (np.diff(spread) <= 0).all()
     assert spread[-1] < 0.5 * spread[0]
+
+
+MIRROR = """
+emitter: {strands: 1, length: 0.01, shape: {kind: sphere, radius: 0.01}}
+rules: []
+solids:
+  - {kind: sphere, radius: 1, position: [0, 1.5, 0], colour: [0, 0, 0], coat: 1, roughness: %s}
+  - {kind: plane, colour: [0.2, 0.5, 0.1]}
+camera: {position: [0, 1.5, 4], target: [0, 1.5, 0]}
+ambient: [0.5, 0.5, 0.5]
+lights: []
+image: {size: 65x49, background: [0.5, 0.5, 0.5]}
+"""
+
+
+def test_a_perfect_mirror_shows_the_floor_below_and_the_sky_above_and_a_dull_one_neither() -> None:
+    image = frames_of(scene_of(MIRROR % 0.05), 1)[0].image.astype(int)
+    sky, floor = image[1, 1], image[-2, 1]
+    assert abs(sky - floor).max() > 30
+    ball = image[:, 32]
+    middle = next(row for row in range(24, 49) if abs(ball[row] - floor).max() < 3)
+    assert abs(ball[12] - sky).max() < 3
+    # the ray back to a horizon: the normal there looks half as far down as from the ball's middle to the eye
+    assert 24 <= middle <= 28
+    assert abs(ball[middle : middle + 8] - floor).max() < 3
+    dull = frames_of(scene_of(MIRROR % 0.5), 1)[0].image.astype(int)[:, 32]
+    assert abs(dull[30] - dull[20]).max() < 3

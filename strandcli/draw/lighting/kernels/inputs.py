@@ -102,6 +102,10 @@ class Coating(NamedTuple):
     """(m, 8) colour, then `FADE` and the centre of the fading, and an unused column."""
     coats: NDArray[np.float32]
     """(m, 7) columns of `strandcli.draw.solids.kernels.coat`; no rows without coats, patches and subsurface."""
+    bare: NDArray[np.float32]
+    """(0, 7) the coats of what a coat mirrors: none."""
+    mirrors: Any
+    """uint8, or None if no coat is so polished that it mirrors solids and strands, which is then not compiled."""
 
 
 class StrandLight(NamedTuple):

@@ -38,8 +38,8 @@ from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.minmax import transmittance
 from ...solids.kernels import appearance, blended, coat, rays
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
-from . import occlusion
-from .inputs import FADE, FADE_X, FADE_Y, FADE_Z
+from . import mirror, occlusion
+from .inputs import FADE, FADE_X, FADE_Y, FADE_Z, Coating
 from .light import SURFACE, around
 from .reflection import bend, deepest, gleam, lift, reflect, reflect_from_below, rise, unbend
 from .shade_strands import aim, past_solids
@@ -70,11 +70,16 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
         end = min(p + PIXELS, count)
         work = np.empty(ROWS * W, np.float32)
         which = np.empty(W, np.int64)
+        way = mirror.Rays(
+            work, np.empty(mirror.room(coating.mirrors, mirror.RAYS * W), np.float32), np.empty(W, np.int64),
+            np.empty(W, np.int64), np.empty(mirror.room(coating.mirrors, ROWS * W), np.float32),
+        )  # fmt: skip
         while p < end:
             p, n, solid, fine = fill_batch(keys, p, end, width, screen.camera, solids, screen.spots, work, which)
             if n > 0:
                 look(work, n, screen.camera)
                 batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
+                mirror_solids(n, solid, surround, strands, lights, shadows, solids, coating, way, coating.mirrors)
                 if fine:
                     average(work, n)
                 composite(work, np.int64(1) if fine else n, which, screen, width, picture)
@@ -133,6 +138,32 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
                 work[RADIANCE + c * W + k] = under * tone
             else:
                 work[RADIANCE + c * W + k] = work[UNDER + k] * under * tone + work[COAT + c * W + k]
+
+
+@device
+def mirror_solids(n, which, surround, strands, lights, shadows, solids, coating, way, mirrors):
+    """Add to the radiance of a batch the solids and strands that its coat mirrors; way: `mirror.Rays`; mirrors: None
+    compiles nothing."""
+    if mirrors is None:  # an argument, not a field: Numba then compiles nothing of the rest
+        return
+    coats, seen, ways = coating.coats, way.seen, way.ways
+    if mirror.strength(coats, which) == ZERO:
+        return
+    mirror.follow(way, n, solids, which)
+    bare = Coating(coating.paint, coating.bare, coating.bare, mirrors)
+    for hit in range(mirror.FREE, mirror.number_of(solids)):
+        m = mirror.gather(way, n, hit)
+        if m > 0 and hit >= 0:
+            batch(seen, m, hit, surround, strands, lights, shadows, solids, bare)
+        for k in range(m):
+            p = way.points[k]
+            light = ZERO, ZERO, ZERO
+            there = ZERO
+            if hit >= 0:
+                light = seen[RADIANCE + k], seen[RADIANCE + W + k], seen[RADIANCE + 2 * W + k]
+                there = seen[THERE + k]
+            sky = surroundings(surround, ways[p], ways[W + p], ways[2 * W + p])
+            mirror.add(way, p, light, there, sky, surround, strands, lights.rows, coats, which)
 
 
 @device

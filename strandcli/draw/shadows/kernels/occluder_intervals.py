@@ -172,9 +172,9 @@ def darken_span(span, cell, v, lists, own, cuts, dark):
     if all_dark(dark, np.int64(begin), np.int64(begin + size)):
         return
     for k in range(0, n, BATCH):
-        if keys[i + k] >= behind:
+        count = nearer(keys, i + k, min(n - k, BATCH), behind)
+        if count == 0:
             return
-        count = min(n - k, BATCH)
         cut(lists.rows, ROWS * i + k, n, count, span, cuts)
         covered = False
         for m in range(count):
@@ -191,6 +191,19 @@ def darken_span(span, cell, v, lists, own, cuts, dark):
                     covered |= darken(dark, max(since, high), until, lists.opacity, v, w)
         if covered and all_dark(dark, np.int64(begin), np.int64(begin + size)):
             return
+
+
+@device
+def nearer(keys, at, count, behind):
+    """Return how many of `count` sorted keys from number `at` on are less than `behind`."""
+    low = np.int64(0)
+    while low < count:
+        middle = (low + count) >> 1
+        if keys[at + middle] < behind:
+            low = middle + 1
+        else:
+            count = middle
+    return low
 
 
 @device

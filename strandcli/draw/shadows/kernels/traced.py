@@ -81,6 +81,8 @@ class WideStrands(NamedTuple):
     the camera sees, a bit for each of 64 positions along it; without rows all are computed."""
     shades: NDArray[np.uint64] | None
     """(n, LINES) out: bits of the occluded positions, and of those that were not computed."""
+    together: int
+    """Least number of neighbouring lines across a strand that share one computed shadow."""
 
 
 class Work(NamedTuple):
@@ -166,7 +168,7 @@ def light_across(lit, lists, wide, work, own, n, p, size, slots):
         return NARROWER
     half = HALF * wide.width * size
     thin = half * wide.taper / np.float32(n)
-    together = shared(half, lit.screen[a + p, 2], wide.eye)
+    together = max(shared(half, lit.screen[a + p, 2], wide.eye), np.int64(wide.together))
     left = np.int64(0)
     places = np.int64(0)
     for j in range(0, LINES, together):

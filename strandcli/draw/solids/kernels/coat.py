@@ -1,11 +1,13 @@
 """Surface of solids beyond their colour: a specular coat, and patches.
 
 The coat is a microfacet layer with the Trowbridge-Reitz (GGX) distribution, α = roughness² (Burley 2012), Smith's
-height-correlated masking and shadowing, and Schlick's Fresnel term. A light's size widens the distribution: over a disc
-of angular radius a, half vectors lie within a / 2, and in the mirror direction of its centre the mean of
-α² / (α² + s²)² over such a disc of s is 1 / (α² + a² / 4). Away from it the highlight falls off more softly than that
-of a disc. Ambient light is mirrored as a whole, with a Fresnel term that rises less the rougher the coat is. The base
-receives what the coat does not mirror, so that a white solid in uniform light is as bright as the light.
+height-correlated masking and shadowing, and Schlick's Fresnel term. Over a light of angular radius a, half vectors lie
+within a / 2, and the coat mirrors the mean of the distribution over that disc: a polished one shows the disc, with its
+edge. The density of slopes, α² / (π (α² + s²)²), is that of a sphere's surface in stereographic projection, which makes
+a disc a cap: its share is ½ (1 + x / √(x² + 4 α² b²)), with x = b² − s² − α², for a disc of radius b at a distance s.
+Ambient light is mirrored as a whole, with a Fresnel term that rises less the rougher the coat is; a polished coat also
+mirrors solids and strands (`strandcli.draw.lighting.kernels.mirror`). The base receives what the coat does not mirror,
+so that a white solid in uniform light is as bright as the light.
 
 No liquid or solid has an index of refraction below that of water, which mirrors 2 % straight on. A weaker coat covers
 part of the surface with one of 2 %: at grazing angles it mirrors that part of the light, not all of it. Measured skin
@@ -27,6 +29,7 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 THREE = np.float32(3.0)
+FOUR = np.float32(4.0)
 TINY = np.float32(1e-6)
 QUARTER = np.float32(0.25)
 INV_PI = np.float32(1 / math.pi)
@@ -70,11 +73,22 @@ def gleam(coat, rough, size, normal, light, eye):
     lh = min((lx * hx + ly * hy + lz * hz) * per, ONE)
     nl = max(nx * lx + ny * ly + nz * lz, TINY)
     nv = max(nx * vx + ny * vy + nz * vz, TINY)
-    square = rough * rough * rough * rough + QUARTER * size * size
-    bent = nh * nh * (square - ONE) + ONE
-    facets = square * INV_PI / (bent * bent)
+    disc = QUARTER * size * size
+    facets = facets_over(rough * rough * rough * rough, disc, max(nh * nh, TINY))
+    square = rough * rough * rough * rough + disc
     seen = nl * math.sqrt(nv * nv * (ONE - square) + square) + nv * math.sqrt(nl * nl * (ONE - square) + square)
     return fresnel(coat, ONE, lh) * facets * HALF / max(seen, TINY)
+
+
+@device
+def facets_over(square, disc, cosine):
+    """Return the mean of the distribution of half vectors over a disc of slopes, 1/sr; square: α², disc: the square of
+    its radius, cosine: the square of that between the normal and its middle."""
+    away = (ONE - cosine) / cosine
+    inside = disc - away - square
+    root = math.sqrt(inside * inside + FOUR * square * disc)
+    density = HALF * (root + inside) / (root * disc) if inside > ZERO else TWO * square / (root * (root - inside))
+    return density * INV_PI / (cosine * cosine)
 
 
 @function

@@ -1,0 +1,180 @@
+"""What a polished coat mirrors: solids, shaded as those that are seen, and strands.
+
+One ray in the mirror direction is followed from each point to the nearest other solid. Strands are known from the grid
+of ambient occlusion: where hardly any sky is left along the ray, there are strands in its way, and they mirror as a
+matt surface of their colour that faces the point. The rougher a coat, the less of this it shows, and at a roughness of
+`DULL` it mirrors ambient light alone. What a coat mirrors has no coat.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....constants import W
+from ....jit import device
+from ....solids.kernels import built_in
+from ....solids.kernels import other as other_solids
+from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
+from ...common.kernels.light_columns import POWER_R
+from ...common.kernels.surface_batch import NX, NY, NZ, PIXEL
+from ...solids.kernels import coat, rays
+from . import occlusion
+from .light import toward
+from .occlusion_columns import COUNT_X, PER_METRE_X
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+THREE = np.float32(3.0)
+INV_PI = np.float32(1 / math.pi)
+DULL = np.float32(0.4)
+"""Roughness from which on a coat mirrors ambient light alone."""
+SHARP = np.float32(0.2)
+"""Roughness up to which a coat mirrors solids and strands in full."""
+STEPS = 16
+"""Places along a ray at which strands are looked for."""
+OPEN, SHUT = np.float32(0.42), np.float32(0.2)
+"""Share of the whole sky that is left where there are no strands, and where a ray does not get through."""
+FREE = np.int64(-1)
+"""Stands for a ray that meets no solid."""
+MX, MY, MZ, FAR = range(4)
+"""Rows of a batch's rays: unit direction, and metres to the nearest other solid."""
+RAYS = 4
+
+
+@device
+def strength(coats, which):
+    """Return how much of solids and strands the coat of solid number `which` shows, 0 to 1."""
+    if coats.shape[0] == 0 or coats[which, coat.COAT] <= ZERO:
+        return ZERO
+    return min(max((DULL - coats[which, coat.ROUGH]) / (DULL - SHARP), ZERO), ONE)
+
+
+class Rays(NamedTuple):
+    """The mirror rays of a batch."""
+
+    work: NDArray[np.float32]
+    """The batch."""
+    ways: NDArray[np.float32]
+    """(RAYS W,)"""
+    hits: NDArray[np.int64]
+    """(W,) number of the solid that each ray meets, or `FREE`."""
+    points: NDArray[np.int64]
+    """(W,) the rays whose ends are in `seen`."""
+    seen: NDArray[np.float32]
+    """A batch of the places that rays meet."""
+
+
+@device
+def room(mirrors, count):
+    """Return `count`, or 0 where `mirrors` is None."""
+    if mirrors is None:
+        return np.int64(0)
+    return np.int64(count)
+
+
+@device
+def number_of(solids):
+    """Return the number of solids."""
+    return built_in.count(solids) + other_solids.count(solids)
+
+
+@device
+def follow(way, n, solids, which):
+    """Store the mirror rays, `Rays`, of the first n points of a batch of solid number `which`, and what each meets."""
+    work, ways = way.work, way.ways
+    for k in range(n):
+        nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
+        facing = nx * work[EX + k] + ny * work[EY + k] + nz * work[EZ + k]
+        mx = TWO * facing * nx - work[EX + k]
+        my = TWO * facing * ny - work[EY + k]
+        mz = TWO * facing * nz - work[EZ + k]
+        near = rays.INF
+        hit = FREE
+        for j in range(number_of(solids)):
+            if j == which:
+                continue
+            t = rays.meet(solids, j, work[X + k], work[Y + k], work[Z + k], mx, my, mz)
+            if ZERO < t < near:
+                near = t
+                hit = np.int64(j)
+        ways[MX * W + k] = mx
+        ways[MY * W + k] = my
+        ways[MZ * W + k] = mz
+        ways[FAR * W + k] = near
+        way.hits[k] = hit
+
+
+@device
+def gather(way, n, hit):
+    """Fill the batch `Rays.seen` with the points at which rays meet solid number `hit`; return how many."""
+    work, ways, other = way.work, way.ways, way.seen
+    m = np.int64(0)
+    for k in range(n):
+        if way.hits[k] != hit:
+            continue
+        far = ways[FAR * W + k]
+        other[X + m] = work[X + k] + far * ways[MX * W + k]
+        other[Y + m] = work[Y + k] + far * ways[MY * W + k]
+        other[Z + m] = work[Z + k] + far * ways[MZ * W + k]
+        other[EX + m] = -ways[MX * W + k]
+        other[EY + m] = -ways[MY * W + k]
+        other[EZ + m] = -ways[MZ * W + k]
+        other[PIXEL + m] = TWO * work[PIXEL + k]
+        way.points[m] = k
+        m += np.int64(1)
+    return m
+
+
+@device
+def add(way, k, seen, there, sky, surround, strands, lights, coats, which):
+    """Add to point k of a batch what its coat mirrors instead of ambient light: a radiance `seen` (r, g, b), of which
+    the share `there` covers the radiance `sky` (r, g, b), behind strands. strands: `StrandLight`; lights: the rows of
+    `Lights`."""
+    work, ways = way.work, way.ways
+    ray = ways[MX * W + k], ways[MY * W + k], ways[MZ * W + k]
+    place = work[X + k], work[Y + k], work[Z + k]
+    facing = work[NX + k] * work[EX + k] + work[NY + k] * work[EY + k] + work[NZ + k] * work[EZ + k]
+    share = strength(coats, which) * coat.mirrored(coats[which, coat.COAT], coats[which, coat.ROUGH], facing)
+    visible = ONE
+    covered = ZERO
+    if surround.volume.shape[0] > 0:
+        visible = occlusion.sky_visibility(
+            surround.volume, surround.box, place[0], place[1], place[2], ray[0], ray[1], ray[2]
+        )
+        covered = strands_along(surround, place, ray, ways[FAR * W + k])
+    for c in range(3):
+        arrives = HALF * sky[c]
+        for i in range(lights.shape[0]):
+            lx, ly, lz, _, falloff = toward(lights, i, place[0], place[1], place[2])
+            away = -(ray[0] * lx + ray[1] * ly + ray[2] * lz)
+            arrives += INV_PI * max(away, ZERO) * falloff * lights[i, POWER_R + c]
+        found = there * seen[c] + (ONE - there) * sky[c]
+        found += covered * (strands.bounce[c] * arrives - found)
+        work[RADIANCE + c * W + k] += share * (found - visible * sky[c])
+
+
+@device
+def strands_along(surround, place, ray, far):
+    """Return how much of what is behind them strands hide along a ray of `far` metres: by the least share of the sky
+    that is left on it, the solids' part of which is there at its ends."""
+    box = surround.box
+    long = ZERO
+    for axis in range(3):
+        side = box[COUNT_X + axis] / box[PER_METRE_X + axis]
+        long += side * side
+    long = min(math.sqrt(long), far)
+    least = ONE
+    for step in range(STEPS):
+        t = long * (np.float32(step) + HALF) / np.float32(STEPS)
+        sky = occlusion.sky_visibility(
+            surround.volume, box, place[0] + t * ray[0], place[1] + t * ray[1], place[2] + t * ray[2], ZERO, ZERO, ZERO
+        )
+        least = min(least, sky)
+    hidden = min(max((OPEN - least) / (OPEN - SHUT), ZERO), ONE)
+    return hidden * hidden * (THREE - TWO * hidden)
