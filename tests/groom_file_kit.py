@@ -11,7 +11,10 @@ import numpy.typing as npt
 
 import exchange_kit
 import strandcli
+from strandcli import pipeline
+from strandcli.blocks import unpack
 from strandcli.scene.model import Scene
+from strandcli.stages import RunOptions, SimulationStage
 
 Strand = npt.NDArray[np.float32]
 SMALL = {"image.size": (64, 48), "lights.0.shadow.size": 64, "lights.1.shadow.size": 64, "ambient_occlusion": None}
@@ -42,3 +45,17 @@ def scene(path: Path, **settings: Any) -> Scene:
     given = {key.replace("__", "."): value for key, value in settings.items()}
     plain = {"emitter.groom.size": None, "emitter.groom.place": "file", "emitter.groom.up": "y"}
     return strandcli.load("groom", settings={**SMALL, **plain, "emitter.groom.file": str(path), **given})
+
+
+def drawn(given: Scene, frame: int = 1) -> list[npt.NDArray[np.float32]]:
+    """What is drawn of each strand, in the order of the file, (points, 3)."""
+    stage = SimulationStage(given, [frame], None, RunOptions())
+    moved = stage.begin(frame)
+    packed = unpack(moved.positions, stage.groom.strands)[:, 1:]
+    return list(stage.groom.emitted(packed))
+
+
+def image(given: Scene, frame: int = 1, **options: Any) -> npt.NDArray[np.uint8]:
+    (found,) = pipeline.render(given, [frame], **options)
+    assert found.image is not None
+    return found.image
