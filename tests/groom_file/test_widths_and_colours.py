@@ -1,0 +1,149 @@
+"""Widths and colours of a file's strands, in records and in pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import exchange_kit
+from groom_file_kit import SMALL, Strand, drawn, hanging, image, scene, write
+from strandcli.groom_file import from_file
+
+
+def test_strands_have_the_widths_of_the_file(tmp_path: Path) -> None:
+    strands = hanging([8] * 60)
+    each = np.repeat(np.where(np.arange(60) < 30, 0.04, 0.01).astype("<f4"), 8)
+    path = tmp_path / "a.hair"
+    path.write_bytes(exchange_kit.hair(strands, more=each.tobytes(), flags=4))
+    given = scene(path, emitter__groom__scale=2.0)
+    assert given.material.width == pytest.approx(0.05)
+    groom = from_file(given.emitter.groom, given.seed).groom  # type: ignore[arg-type]
+    assert groom.widths is not None
+    assert groom.emitted(groom.widths) == pytest.approx([1.6] * 30 + [0.4] * 30)
+    alike = tmp_path / "b.hair"
+    alike.write_bytes(exchange_kit.hair(strands, more=np.full(480, 0.025, "<f4").tobytes(), flags=4))
+    uneven, even = (image(scene(one, emitter__groom__scale=2.0)) for one in (path, alike))
+    assert np.abs(uneven.astype(int) - even).max() > 20
+    bare = write(tmp_path / "c.data", strands)
+    assert (image(scene(bare, emitter__groom__scale=2.0, material__width=0.05)) == even).all()
+
+
+def test_widths_that_cannot_be_meant_are_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "a.hair"
+    path.write_bytes(exchange_kit.hair(hanging([8] * 60), more=np.full(480, 1e3, "<f4").tobytes(), flags=4))
+    found = from_file(scene(path).emitter.groom, 0)  # type: ignore[arg-type]
+    assert found.groom.widths is None
+    assert any("widths of the file are left out" in words for words in found.notes)
+
+
+def coloured(path: Path, strands: list[Strand], colours: npt.NDArray[np.floating]) -> Path:
+    """A .hair file of strands of five points with a colour (S, 3) each."""
+    each = np.repeat(colours, 5, axis=0).astype("<f4")
+    path.write_bytes(exchange_kit.hair(strands, more=each.tobytes(), flags=16))
+    return path
+
+
+@pytest.mark.parametrize("count", [1, 3, 40, 2000])
+def test_each_strand_has_its_colour(tmp_path: Path, count: int) -> None:
+    colours = np.random.default_rng(count).random((2000, 3)).astype(np.float32)[np.arange(2000) % count]
+    path = coloured(tmp_path / "a.hair", hanging([5] * 2000), colours)
+    given = scene(path)
+    assert given.emitter.groom is not None
+    found = from_file(given.emitter.groom, 0)
+    groom = found.groom
+    assert groom.colours is not None
+    rows = np.rint((groom.tones + 1) / 2 * (len(groom.colours) - 1)).astype(int)
+    own = groom.colours[rows]
+    assert np.abs(groom.emitted(own) - colours).max() < (1e-6 if count < 256 else 0.4)
+    assert np.abs(groom.emitted(own) - colours).mean() < (1e-6 if count < 256 else 0.06)
+    np.testing.assert_allclose(found.colour, colours.mean(axis=0), atol=0.01)
+    assert any("have the file's colours" in one for one in found.notes)
+
+
+def along(groom: Any) -> npt.NDArray[np.float32]:
+    """(S, ALONG, 3): the colours that strands are drawn with, in the order of the file."""
+    rows = np.rint((groom.tones + 1) / 2 * (groom.colours.shape[1] - 1)).astype(int)
+    return np.asarray(groom.emitted(groom.colours.transpose(1, 0, 2)[rows]))
+
+
+@pytest.mark.parametrize("counts", [[9] * 60, [5, 2, 9, 3] * 15])
+def test_colours_stay_at_their_points(tmp_path: Path, counts: list[int]) -> None:
+    """Where colours are taken along a strand, they are those of the points that are drawn there."""
+    strands = hanging(counts)
+    colours = np.random.default_rng(1).random((sum(counts), 3)).astype("<f4")
+    path = tmp_path / "a.hair"
+    path.write_bytes(exchange_kit.hair(strands, more=colours.tobytes(), flags=16))
+    found = from_file(scene(path).emitter.groom, 0).groom  # type: ignore[arg-type]
+    for strand, line, own, made in zip(
+        strands, drawn(scene(path)), np.split(colours, np.cumsum(counts)[:-1]), along(found), strict=True
+    ):
+        places = [int(np.flatnonzero((line == point).all(axis=1))[0]) / (len(line) - 1) for point in strand]
+        want = [np.interp(np.linspace(0, 1, 17), places, column) for column in own.T]
+        np.testing.assert_allclose(made, np.transpose(want), atol=1e-6)
+
+
+def test_many_ways_of_changing_colour_become_a_few(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    root, tip = rng.random((2, 2000, 1, 3))
+    colours = (root + np.linspace(0, 1, 5)[:, None] * (tip - root)).astype("<f4")
+    path = tmp_path / "a.hair"
+    path.write_bytes(exchange_kit.hair(hanging([5] * 2000), more=colours.tobytes(), flags=16))
+    found = from_file(scene(path).emitter.groom, 0)  # type: ignore[arg-type]
+    assert found.groom.colours is not None
+    assert found.groom.colours.shape == (17, 256, 3)
+    off = along(found.groom)[:, ::4] - colours
+    assert np.sqrt((off**2).mean()) < 0.5 * colours.std()  # in six dimensions 256 cells halve it
+    np.testing.assert_allclose(found.colour, colours.mean(axis=(0, 1)), atol=1e-3)
+
+
+def test_strands_are_drawn_with_colours_that_change_along_them(tmp_path: Path) -> None:
+    """As those of a material whose tips have another colour, but that light between strands has the mean of both."""
+    colours = np.linspace([0.6, 0.02, 0.02], [0.02, 0.5, 0.3], 5)
+    path = tmp_path / "a.hair"
+    more = np.tile(colours, (400, 1)).astype("<f4").tobytes()
+    path.write_bytes(exchange_kit.hair(hanging([5] * 400), more=more, flags=16))
+    plain = {"emitter.groom.colours": "none", "material.colour_variation": 0, "material.pigment": "rgb"}
+    ends = {"material.colour": colours[0].tolist(), "material.tip_colour": colours[-1].tolist()}
+    own = image(scene(path, **SMALL)).astype(int)
+    other = image(scene(path, **{**SMALL, **plain, **ends})).astype(int)
+    one = image(scene(path, **{**SMALL, **plain, "material.colour": colours.mean(axis=0).tolist()})).astype(int)
+    assert np.abs(own - other).mean() < 0.25 * np.abs(own - one).mean()
+    redder = own[..., 0] - own[..., 1]
+    assert redder[:20].max() > 20
+    assert redder[28:].min() < -20
+
+
+def test_colours_that_are_none_are_left_out(tmp_path: Path) -> None:
+    white = coloured(tmp_path / "a.hair", hanging([5] * 40), np.ones((40, 3)))
+    some = coloured(tmp_path / "b.hair", hanging([5] * 40), np.random.default_rng(1).random((40, 3)))
+    for given in (scene(white), scene(some, **{"emitter.groom.colours": "none"})):
+        assert given.emitter.groom is not None
+        assert from_file(given.emitter.groom, 0).groom.colours is None
+        assert given.material.pigment == "brown"
+
+
+def test_red_strands_are_red_in_the_picture(tmp_path: Path) -> None:
+    """Strands on the left are red, on the right green: pixels are, and are as bright as a material of that colour."""
+    strands = hanging([5] * 900)
+    left = np.array([one[0, 0] < 0 for one in strands])
+    pairs = np.where(left[:, None], [0.6, 0.02, 0.02], [0.02, 0.6, 0.02])
+    path = coloured(tmp_path / "a.hair", strands, pairs)
+    found = image(scene(path, **SMALL)).astype(int)
+    only = {}
+    for name, keep, colour in (("red", left, (0.6, 0.02, 0.02)), ("green", ~left, (0.02, 0.6, 0.02))):
+        alone = coloured(tmp_path / f"{name}.hair", strands, np.broadcast_to(colour, (900, 3)))
+        only[name] = image(scene(alone, **SMALL)).astype(int)
+        plain = scene(alone, **{**SMALL, "emitter.groom.colours": "none", "material.pigment": "rgb",
+                                "material.colour": colour, "material.colour_variation": 0})  # fmt: skip
+        assert np.abs(only[name] - image(plain).astype(int)).max() <= 1
+        assert keep.any()
+    half = found.shape[1] // 2
+    # far from the middle, strands of the other side are not seen
+    for name, side in (("red", np.s_[:, : half - 14]), ("green", np.s_[:, half + 14 :])):
+        assert np.abs(found[side] - only[name][side]).mean() < 6
+    assert (found[:, : half - 14, 0] > found[:, : half - 14, 1] + 30).any()
+    assert (found[:, half + 14 :, 1] > found[:, half + 14 :, 0] + 30).any()
