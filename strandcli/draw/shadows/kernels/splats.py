@@ -82,6 +82,8 @@ def pieces(begin, end, scale, window):
     parts = np.float32(np.int64(min(away / length, FINEST))) + ONE if away > length else ONE
     low = parts * (min(begin[1], end[1]) if steep else min(begin[0], end[0]))
     high = parts * (max(begin[1], end[1]) if steep else max(begin[0], end[0]))
+    if not low < high:  # rounded, where the segment is the shortest that coordinates can tell
+        return ONE, np.int64(0), np.int64(0)
     first, last = (window.top, window.bottom) if steep else (0, window.width)
     return parts, max(np.int64(low), first * np.int64(parts)), min(np.int64(high) + 1, last * np.int64(parts))
 
@@ -116,7 +118,7 @@ def collect(work, n, begin, end, scale, w, window, opacity_map):
         store(rows, along + n, floor((piece + HALF) * per))
         store(rows, beside + n, across + t * step)
         store(rows, DEPTH + n, begin[2] + t * (rise * slope))
-        store(rows, AREA + n, share * (bottom - top))
+        store(rows, AREA + n, share * max(bottom - top, ZERO))  # a segment may end before the first texel
         n += min(last - i, lanes)
     return n
 
