@@ -215,6 +215,6 @@ def test_what_a_scene_goes_without_asks_for_no_kernel_of_its_own(
     monkeypatch.setattr(kernels, name, note)
     Image.new("RGB", (4, 2)).save(tmp_path / "sky.png")
     more = f"environment: {{image: {tmp_path / 'sky.png'}}}\nambient_occlusion: {{cells: 2000}}\n"
-    for text in (BALL % ("", ""), BALL % (", coat: 0.1", ", tip_colour: [1, 1, 1]") + more):
+    for text in (BALL % ("", ""), BALL % (", coat: 0.1, roughness: 0.5", ", tip_colour: [1, 1, 1]") + more):
         frames_of(scene_of(text), 1)
     assert found[0] == found[1]

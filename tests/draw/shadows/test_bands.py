@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from opacity_twin import splatted
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
@@ -16,7 +15,7 @@ from strandcli.draw.shadows import traced
 from strandcli.draw.shadows.kernels import opacity
 from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.draw.shadows.traced import grid_of
-from strandcli.draw.zbuffer.raster import ROWS, to_screen
+from strandcli.draw.zbuffer.raster import ROWS
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 
 BOX = np.array([[-1.0, -1, -1], [1, 1, 1]])
@@ -100,36 +99,12 @@ def weights(maps: ShadowMaps) -> np.ndarray:
     return ends.transpose(0, 2, 1, 3).reshape(size, size)
 
 
-def twin(maps: ShadowMaps, lines: Polylines) -> np.ndarray:
-    """The same in double precision, piece by piece and spot by spot, over a whole map of a directional light."""
-    view, size = maps.views[0], int(maps.sizes[0])
-    screen = to_screen(lines, view, Scratch()).astype(np.float64)
-    out = np.zeros((size, size))
-    for a, end in zip(lines.first[:-1], lines.first[1:], strict=True):
-        for v in range(a + 1, end):
-            (x0, y0, q0), (x1, y1, q1) = screen[v - 1 : v + 1]
-            rise = abs(q1 - q0) * (view.far - view.near) * view.focal
-            length = max(abs(x1 - x0), abs(y1 - y0), rise)
-            spots = int(length) + 1 if length > 1.5 else 1
-            width = WIDE.width * (1 - WIDE.taper * (v - a - 0.5) / (end - a - 1)) * view.focal
-            share = width * math.hypot(x1 - x0, y1 - y0) / spots
-            t = (np.arange(spots) + 0.5) / spots
-            u, w = x0 + t * (x1 - x0) - 0.5, y0 + t * (y1 - y0) - 0.5
-            column, row = np.floor(u).astype(int), np.floor(w).astype(int)
-            for right in (0, 1):
-                for lower in (0, 1):
-                    part = np.abs(1 - right - (u - column)) * np.abs(1 - lower - (w - row))
-                    np.add.at(out, (row + lower, column + right), share * part)
-    return out
-
-
 @pytest.mark.parametrize("workers", [1, 3])
 def test_no_weight_is_lost_at_the_edge_of_a_band(workers: int) -> None:
     lines, sun = walks(400, 3), lights_of(4 * ROWS)[0]
     maps = built((sun,), lines, workers)
     assert maps.sizes[0] == 4 * ROWS
-    expected, found = twin(maps, lines), weights(maps)
+    expected, found = splatted(maps, lines, WIDE)[..., -1], weights(maps)
     assert expected[ROWS - 1 : ROWS + 1].sum() > 0.005 * expected.sum()
     assert found.sum(dtype=np.float64) == pytest.approx(expected.sum(), rel=1e-4)
-    # a spot at the edge of a texel may be on its other side in single precision
     np.testing.assert_allclose(found.sum(1, dtype=np.float64), expected.sum(1), atol=2e-3 * expected.sum(1).max())

@@ -10,6 +10,7 @@ import numba
 import numpy as np
 import pytest
 
+from opacity_twin import splatted
 from strand_kit import frames_of, scene_of
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
@@ -96,43 +97,6 @@ def test_a_map_counts_projected_area() -> None:
     assert whole == pytest.approx((across * width).sum(), rel=1e-4)
 
 
-def splatted(maps: ShadowMaps, light: Light, lines: Polylines) -> np.ndarray:
-    """τ of each texel and layer (size, size, layers + 1), added piece by piece in double precision."""
-    size, layers, view = int(maps.sizes[0]), maps.layers[0], maps.views[0]
-    screen = to_screen(lines, view, Scratch()).astype(np.float64)
-    heads = maps.extents[0].reshape(size // 2, size // 2, 2)
-    found = np.zeros((size, size, layers + 1))
-    for a, b in pairwise(lines.first):
-        places = screen[a:b].copy()
-        places[:, 2] = view.near + (1 - places[:, 2]) * (view.far - view.near)
-        kept = [0]
-        for number in range(1, b - a):
-            aside = np.abs((places[number] - places[kept[-1]]) * (1, 1, view.focal)).max()
-            if aside >= 1 or number == b - a - 1:
-                kept.append(number)
-        for p, q in pairwise(kept):
-            begin, way = places[p], places[q] - places[p]
-            long = 1 if abs(way[1]) >= abs(way[0]) else 0
-            steps = max(
-                int(abs(way[2]) * view.focal / abs(way[long])) + 1 if abs(way[2]) * view.focal > abs(way[long]) else 1,
-                1,
-            )
-            borders = np.arange(size * steps + 1) / steps
-            t = np.unique(np.clip((borders - begin[long]) / way[long], 0, 1))
-            wide = WIDE.width * (1 - WIDE.taper * (p + q) / 2 / (b - a - 1)) * view.focal
-            for one, two in pairwise(t):
-                place = begin + (one + two) / 2 * way
-                beside, d = place[1 - long] - 0.5, place[2]
-                for number in (math.floor(beside), math.floor(beside) + 1):
-                    row, column = (math.floor(place[1]), number) if long else (number, math.floor(place[0]))
-                    start, scale = heads[row // 2, column // 2]
-                    far = max((d - start) * maps.over, 0)
-                    layer = min(int(scale * far / (far + 1)), layers - 1)
-                    area = wide * math.hypot(*way[:2]) * (two - one)
-                    found[row, column, layer + 1] += (1 - abs(beside - number)) * area
-    return found.cumsum(2)
-
-
 def test_texels_and_layers_are_those_of_splats_one_by_one() -> None:
     """A splat at the edge of a layer may be rounded into the next one, so a few places differ."""
     lines = straight(300, 4)
@@ -144,7 +108,7 @@ def test_texels_and_layers_are_those_of_splats_one_by_one() -> None:
     rows = maps.stacks[cells:].reshape(-1, opacity.stride_for(layers))[numbers, opacity.HEAD :]
     four = rows.reshape(size // 2, size // 2, layers + 1, opacity.FIVE)[..., : opacity.TEXELS]
     texels = four.reshape(size // 2, size // 2, layers + 1, 2, 2).transpose(0, 3, 1, 4, 2).reshape(size, size, -1)
-    expected = splatted(maps, SUN, lines)
+    expected = splatted(maps, lines, WIDE)
     assert expected.max() > 0.05
     apart = np.abs(texels - expected) > 1e-5
     assert apart.mean() < 1e-4
