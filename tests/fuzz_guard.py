@@ -25,7 +25,14 @@ NEVER = frozenset(
      "socket.bind", "pickle.find_class", "ctypes.dlopen", "webbrowser.open")
 )  # fmt: skip
 SINKS = ("/dev/null",)
-KERNELS = os.path.join("strandcli", "jit", "cache.py")
+OWN = {
+    "pickle.find_class": (os.path.join("strandcli", "jit", "cache.py"),),
+    "subprocess.Popen": (
+        os.path.join("strandcli", "exchange", "usd", "process.py"), os.path.join("strandcli", "compiling", "service.py")
+    ),
+}  # fmt: skip
+"""Files of the program that may do so: kernels are loaded after their hash was looked at (`attempt_kernel`); .usd is
+read, and kernels are compiled, in processes of their own."""
 
 
 class _Guard:
@@ -58,7 +65,7 @@ class _Guard:
             if isinstance(flags, int) and flags & WRITES and self.outside(path):
                 self.done.append(f"{path} was opened to be written")
         elif event in NEVER:
-            ours = event == "pickle.find_class" and _loading_kernels()
+            ours = _called_by(OWN.get(event, ()))
             systems = event == "ctypes.dlopen" and os.sep not in str(arguments[0])  # such as for Numba's threads
             if not (ours or systems):
                 self.done.append(f"{event} {arguments!s:.80}")
@@ -70,12 +77,12 @@ class _Guard:
                     self.done.append(f"{event} {path}")
 
 
-def _loading_kernels() -> bool:
-    """Whether this is called by the cache of kernels, which has looked at an entry's hash before (`attempt_kernel`)."""
+def _called_by(files: tuple[str, ...]) -> bool:
+    """Whether one of these files of the program is among those that call."""
     frame = sys._getframe()
-    while frame.f_back is not None:
+    while files and frame.f_back is not None:
         frame = frame.f_back
-        if frame.f_code.co_filename.endswith(KERNELS):
+        if frame.f_code.co_filename.endswith(files):
             return True
     return False
 
