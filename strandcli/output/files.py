@@ -7,6 +7,7 @@ run, perhaps on another machine that shares the folder, is writing just now.
 from __future__ import annotations
 
 import errno
+import glob
 import json
 import os
 import re
@@ -57,11 +58,19 @@ def placed(path: Path, suffix: str = "") -> Iterator[Path]:
         yield temporary
         os.replace(temporary, path)
     except OSError as error:
-        _discard(temporary)
+        _discard_all(temporary)
         raise refusal(error, path) from error
     except BaseException:
-        _discard(temporary)
+        _discard_all(temporary)
         raise
+
+
+def _discard_all(temporary: Path) -> None:
+    """Remove a temporary file, and those that a library which was stopped has begun beside it: ``stem.xxxxxx``."""
+    _discard(temporary)
+    with suppress(OSError):
+        for one in temporary.parent.glob(f"{glob.escape(temporary.stem)}.*"):
+            _discard(one)
 
 
 @contextmanager

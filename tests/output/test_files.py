@@ -51,6 +51,20 @@ def test_the_system_s_refusals_become_one_clear_line(
     assert os.listdir(tmp_path) == []
 
 
+def test_what_a_stopped_library_has_begun_beside_its_file_goes_too(tmp_path: Path) -> None:
+    (tmp_path / "b.usd").write_bytes(b"old")
+
+    def stop() -> None:
+        with files.placed(tmp_path / "b.usd", ".usd") as temporary:
+            temporary.write_bytes(b"half")
+            temporary.with_name(f"{temporary.stem}.Z3tJAN").write_bytes(b"half")
+            raise ValueError("stopped")
+
+    with pytest.raises(ValueError, match="stopped"):
+        stop()
+    assert os.listdir(tmp_path) == ["b.usd"]
+
+
 def test_json_is_whole_and_has_no_nan(tmp_path: Path) -> None:
     files.write_json(tmp_path / "a.json", {"é": [1, None]})
     assert json.loads((tmp_path / "a.json").read_text(encoding="utf-8")) == {"é": [1, None]}
