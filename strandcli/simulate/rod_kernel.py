@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from types import ModuleType
 from typing import Any
 
 import numba
@@ -13,7 +14,7 @@ from ..constants import VECTOR, W
 from .kernels import rod_step, rod_tension, work_queue
 from .kernels.records import Flags, Forcing, Material, State
 from .kernels.rod_scratch import PACK
-from .rod_others import code_among
+from .rod_others import module_among
 from .surroundings import Surroundings
 
 SEGMENTS_A_THREAD = 4_000
@@ -39,7 +40,8 @@ class StepKernel:
         self._descriptor = rod_step.descriptor_of(
             strands, segments, iterations, flags, self.scratch, *self._kept, self._data
         )
-        self._others, self._double = surroundings.others, edges.dtype == np.float64
+        self._others = surroundings.others
+        self._function = ("double" if edges.dtype == np.float64 else "single") + ("_crowded" if flags.crowded else "")
         self._code: int | None = None
         # lanes without a strand are copies of the last strand, and the queue leaves most of them alone
         last = rows[-1].reshape(-1, W)
@@ -50,7 +52,8 @@ class StepKernel:
         """Move all strands by one step, as `Forcing` says."""
         self._descriptor[work_queue.NEXT] = 0
         if self._code is None:  # compiled no sooner than anything moves, which need not be
-            self._code = code_among(self._others, self._data, self._double) if self._others else _code(self._double)
+            module = module_among(self._others, self._data) if self._others else rod_step
+            self._code = _address(module, self._function)
         if self._data is not self._surroundings.data:
             self._data = self._surroundings.data
             self._descriptor[rod_step.DATA :] = rod_step.data_numbers(self._data)
@@ -67,6 +70,6 @@ class StepKernel:
 
 
 @cache
-def _code(double: bool) -> int:
-    """Address of the step, compiled for a precision."""
-    return work_queue.address(rod_step.double if double else rod_step.single)
+def _address(module: ModuleType, function: str) -> int:
+    """Address of a step's machine code."""
+    return work_queue.address(getattr(module, function))

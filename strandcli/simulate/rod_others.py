@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from .. import runtime
 from ..solids.shapes.other_code import module_for
 from ..written import module_of
-from .kernels import work_queue
 
 TEMPLATE = '''\
 """The step of rods among solids without kernels of their own, written by strandcli.simulate.rod_others."""
@@ -46,23 +45,28 @@ def all_of(kind, descriptor):
 
 @function
 def single(descriptor, worker):
-    work(np.float32, descriptor, worker, all_of)
+    work(np.float32, descriptor, worker, all_of, None)
 
 
 @function
 def double(descriptor, worker):
-    work(np.float64, descriptor, worker, all_of)
+    work(np.float64, descriptor, worker, all_of, None)
+
+
+@function
+def single_crowded(descriptor, worker):
+    work(np.float32, descriptor, worker, all_of, True)
+
+
+@function
+def double_crowded(descriptor, worker):
+    work(np.float64, descriptor, worker, all_of, True)
 '''
 
 
-def code_among(others: Sequence[Any], data: Sequence[NDArray[Any]], double: bool) -> int:
-    """Address of the step, compiled for a precision, the kinds of these solids and the types of their arrays."""
-    module = module_among(others, data)
-    return work_queue.address(module.double if double else module.single)
-
-
 def module_among(others: Sequence[Any], data: Sequence[NDArray[Any]]) -> Any:
-    """The module that holds the step among solids of these kinds with such arrays, `single` and `double`."""
+    """The module that holds the step among solids of these kinds with such arrays: functions as those of
+    `strandcli.simulate.kernels.rod_step`."""
     arrays, place = "", 0
     for one in data:
         shape = "".join(f"descriptor[DATA + {place + 1 + axis}], " for axis in range(one.ndim))

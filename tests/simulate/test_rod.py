@@ -171,13 +171,13 @@ def test_a_step_takes_no_more_threads_than_its_caller_has(monkeypatch: pytest.Mo
 
 def test_nothing_is_compiled_for_strands_that_do_not_move(monkeypatch: pytest.MonkeyPatch) -> None:
     """A first frame without a pre-roll, or positions from a cache; a step of weeks asks for a kernel of its own."""
-    asked: list[bool] = []
+    asked: list[str] = []
 
-    def code(double: bool) -> int:
-        asked.append(double)
+    def address(module: Any, function: str) -> int:
+        asked.append(function)
         raise NotImplementedError
 
-    monkeypatch.setattr(rod_kernel, "_code", code)
+    monkeypatch.setattr(rod_kernel, "_address", address)
     one = scene(10.0, **{"time.fps": 1e-6, "time.preroll": 2.5})
     solver = RodSolver(one, emit(one.emitter, one.seed))
     solver.advance(1)
@@ -186,7 +186,7 @@ def test_nothing_is_compiled_for_strands_that_do_not_move(monkeypatch: pytest.Mo
     assert asked == []
     with pytest.raises(NotImplementedError):
         solver.advance(2)
-    assert asked == [True]
+    assert asked == ["double"]
 
 
 def test_a_step_of_no_length_changes_nothing() -> None:
@@ -238,7 +238,7 @@ def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch
     assert off.mean() < 6e-5
 
 
-@pytest.mark.parametrize("step", [rod_step.single, rod_step.double], ids=["single", "double"])
+@pytest.mark.parametrize("step", [rod_step.single, rod_step.double, rod_step.single_crowded])
 def test_the_compiled_step_can_be_kept_in_the_cache(step: Any) -> None:
     """Machine code that holds addresses of this process is compiled anew by every run."""
     work_queue.address(step)

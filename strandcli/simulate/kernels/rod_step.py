@@ -59,8 +59,8 @@ them where the first has led to, and not that before the step, which drives what
 # columns of a descriptor after those of the work queue: numbers, an address for each array, and solids: addresses of
 # the four kinds, their sizes, and where there are any, address, size and columns of solids without kernels of their
 # own, and the address and shape of each array of their data
-SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING, CROWDED = range(2, 10)
-SCRATCH, SCRATCH_BYTES, STATE = range(10, 13)
+SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
+SCRATCH, SCRATCH_BYTES, STATE = range(9, 12)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
 SOLIDS = FORCING + len(Forcing._fields)
@@ -80,7 +80,7 @@ def descriptor_of(
     """
     flat = [one for part in arrays for one in part]
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *flat, *solids))
-    numbers = [0, -(-strands // PACK), segments, iterations, *flags, scratch.ctypes.data, scratch.strides[0]]
+    numbers = [0, -(-strands // PACK), segments, iterations, *flags[:-1], scratch.ctypes.data, scratch.strides[0]]
     addresses = [one.ctypes.data for one in (*flat, *solids[:4])]
     others = [number for one in solids[4:] for number in (one.ctypes.data, one.size, one.shape[1])]
     others += data_numbers(data)
@@ -126,11 +126,11 @@ def forcing_of(kind, descriptor):
 
 
 @device
-def flags_of(descriptor):
-    """`Flags` as booleans."""
+def flags_of(descriptor, crowded):
+    """`Flags` as booleans but for ``crowded``, which is as it is given."""
     return Flags(
         descriptor[SECOND] != 0, descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
-        descriptor[DEFORMING] != 0, descriptor[CROWDED] != 0,
+        descriptor[DEFORMING] != 0, crowded,
     )  # fmt: skip
 
 
@@ -154,22 +154,35 @@ def others_of(kind, descriptor):
 @function
 def single(descriptor, worker):
     """Run the step in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of)
+    work(np.float32, descriptor, worker, solids_of, None)
 
 
 @function
 def double(descriptor, worker):
     """Run the step in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of)
+    work(np.float64, descriptor, worker, solids_of, None)
+
+
+@function
+def single_crowded(descriptor, worker):
+    """Run the step of strands that interact in single precision, as one of the threads."""
+    work(np.float32, descriptor, worker, solids_of, True)
+
+
+@function
+def double_crowded(descriptor, worker):
+    """Run the step of strands that interact in double precision, as one of the threads."""
+    work(np.float64, descriptor, worker, solids_of, True)
 
 
 @inlined  # machine code that hands on a function's address could not be kept in the cache
-def work(kind, descriptor, worker, solids_of):
+def work(kind, descriptor, worker, solids_of, crowded):
     """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
-    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it."""
+    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``crowded``: True, or None
+    where strands do not interact, which compiles nothing of it."""
     scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
     state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
-    flags, solids = flags_of(descriptor), solids_of(kind, descriptor)
+    flags, solids = flags_of(descriptor, crowded), solids_of(kind, descriptor)
     pack = take(descriptor)
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
