@@ -15,6 +15,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     lane_count(rows)                 numbers in a vector
     x = load(rows, o)                a vector from place o on
     gather(rows, o, x, stride, y)    a vector of the numbers at places o + stride * x + y; x and y are whole
+    gather2(rows, o, x, stride, y), gather4(…)   two or four vectors: of those numbers and of the ones after them
     store(rows, o, x)
     x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
     x, y, z = load_deinterleaved(rows, o)   vectors of every third number from places o, o + 1 and o + 2 on
@@ -80,6 +81,7 @@ from .memory import (
     vector_pointer,
     vector_pointer_at,
 )
+from .records import gather2, gather4
 
 __all__ = [
     "any_lane",
@@ -90,6 +92,8 @@ __all__ = [
     "deinterleave",
     "floor",
     "gather",
+    "gather2",
+    "gather4",
     "half_width_pointer",
     "has_fma",
     "lane",

@@ -18,6 +18,8 @@ from strandcli.simd import (  # fmt: skip
     deinterleave,
     floor,
     gather,
+    gather2,
+    gather4,
     half_width_pointer,
     has_fma,
     lane_count,
@@ -128,6 +130,10 @@ def picked(given, first, second, out):
     x, y = load(pointer(first), 0), load(pointer(second), 0)
     store(to, 0, gather(rows, 5, x, 7, y))
     store(to, lane_count(to), gather(rows, np.int64(0), x, 3, 2.0))
+    a, b = gather2(rows, np.int64(1), x, 3, y)
+    c, d, e, f = gather4(rows, 4, x, 3, y)
+    store3(to, 2 * lane_count(to), lane_count(to), a, b, c)
+    store3(to, 5 * lane_count(to), lane_count(to), d, e, f)
     return count_true(x > y)
 
 
@@ -135,10 +141,13 @@ def picked(given, first, second, out):
 def test_numbers_are_picked_from_where_they_are_said_to_be(dtype: Any) -> None:
     count = VECTOR // np.dtype(dtype).itemsize
     rng = np.random.default_rng(6)
-    given, out = rng.normal(size=400).astype(dtype), np.zeros(2 * count, dtype)
+    given, out = rng.normal(size=400).astype(dtype), np.zeros(8 * count, dtype)
     first, second = (rng.integers(0, 40, count).astype(dtype) for _ in range(2))
     assert picked(given, first, second, out) == np.count_nonzero(first > second)
-    places = np.concatenate([5 + 7 * first + second, 3 * first + 2]).astype(int)
+    beside = 3 * first + second
+    places = np.concatenate([5 + 7 * first + second, 3 * first + 2, *(beside + k for k in (1, 2, 4, 5, 6, 7))]).astype(
+        int
+    )
     np.testing.assert_array_equal(out, given[places])
 
 

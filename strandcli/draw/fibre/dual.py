@@ -56,13 +56,14 @@ APART = 0.02
 
 
 def loss_table(tables: kernel.DualArrays) -> NDArray[np.float32]:
-    """(`LOSS_NODES`, 3): the share of a light that τ strands keep from what is behind them, in even steps of
-    τ / (τ + 2): 1 less `kernels.dual.through`. The last row is that of no end of strands."""
+    """(`LOSS_NODES`, 4): the share of a light that τ strands keep from what is behind them, in even steps of
+    τ / (τ + 2): 1 less `kernels.dual.through`. The last row is that of no end of strands; the last
+    column makes rows of four numbers, which kernels fetch at once."""
     streams = streams_of(tables)
-    table = np.ones((LOSS_NODES, 3), np.float32)
+    table = np.ones((LOSS_NODES, 4), np.float32)
     for row, share in enumerate(np.linspace(0.0, 1.0, LOSS_NODES)[:-1]):
         passed = np.float32(float(HALF_WAY) * share / (1.0 - share))
-        table[row] = [1.0 - kernel.through(passed, streams, c) for c in range(3)]
+        table[row, :3] = [1.0 - kernel.through(passed, streams, c) for c in range(3)]
     return np.clip(table, 0, 1)
 
 

@@ -107,7 +107,7 @@ class Lighting:
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
             Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN)), self._surround(),
-            StrandLight(self.palette.colour, given(self.palette.loss, 3)), self._lights(given(None, 0)),
+            StrandLight(self.palette.colour, given(self.palette.loss, 4)), self._lights(given(None, 0)),
             map_arrays(self.maps), self.solids, coating_of(seen, paint), image,
         )  # fmt: skip
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...jit import device
-from ...simd import floor, gather, pointer, sqrt, where
+from ...simd import floor, gather2, pointer, sqrt, where
 
 
 class DistanceGrid(NamedTuple):
@@ -96,10 +96,10 @@ def vector_distance(grid, x, y, z):
     u1, v1, w1 = cu - i, cv - j, cw - k
     numbers = pointer(values)
     row, slab = k * np.float32(ny) + j, nx * ny  # rows are counted exactly: there are less than 2^24
-    a, b = gather(numbers, 0, row, nx, i), gather(numbers, 1, row, nx, i)
-    c, d = gather(numbers, nx, row, nx, i), gather(numbers, nx + 1, row, nx, i)
-    e, f = gather(numbers, slab, row, nx, i), gather(numbers, slab + 1, row, nx, i)
-    g, h = gather(numbers, slab + nx, row, nx, i), gather(numbers, slab + nx + 1, row, nx, i)
+    a, b = gather2(numbers, 0, row, nx, i)
+    c, d = gather2(numbers, nx, row, nx, i)
+    e, f = gather2(numbers, slab, row, nx, i)
+    g, h = gather2(numbers, slab + nx, row, nx, i)
     ab, cd, ef, gh = a + u1 * (b - a), c + u1 * (d - c), e + u1 * (f - e), g + u1 * (h - g)
     below, above = ab + v1 * (cd - ab), ef + v1 * (gh - ef)
     near = below + w1 * (above - below)

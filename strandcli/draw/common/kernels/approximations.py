@@ -109,7 +109,13 @@ def exp(x: np.float32) -> np.float32:
 @inlined
 def exp_lanes(x):
     """Return e to the power of each lane of a vector of float32, to the bit that `exp` gives."""
-    y = max(EXPONENT_LOW, min(EXPONENT_HIGH, x * LOG2_E))
+    return exp2_lanes(x * LOG2_E)
+
+
+@inlined
+def exp2_lanes(x):
+    """Return 2 to the power of each lane of a vector of float32, to the bit that `exp2` gives."""
+    y = max(EXPONENT_LOW, min(EXPONENT_HIGH, x))
     biased = floor(y + ROUNDING)
     f = y - (biased - EXPONENT_BIAS)
     p = ((((E5 * f + E4) * f + E3) * f + E2) * f + E1) * f + ONE

@@ -6,6 +6,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device
+from ....simd import floor, gather4, lane_count, load, pointer, store, store3
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import (
     CHANNELS,
@@ -36,6 +37,8 @@ from ...common.kernels.batch import (
 from ...common.kernels.light_columns import POWER_R
 from . import dual
 
+ZERO = np.float32(0.0)
+
 
 @device
 def dual_scattering(work, n, lights, one, tables):
@@ -57,12 +60,7 @@ def dual_scattering(work, n, lights, one, tables):
         work[COS_V + k] = cos_v
         work[COS_PHI + k] = cos_phi
         work[PLACE + k] = place
-    for k in range(n):
-        i = min(np.int64(work[PLACE + k]), nodes - 2)
-        part = work[PLACE + k] - np.float32(i)
-        for c in range(CHANNELS):
-            low = rows[i, c]
-            work[TABLE + c * W + k] = low + part * (rows[i + 1, c] - low)
+    look_up(work, n, rows)
     for k in range(n):
         back, through = dual.lobes(
             work[SIN_L + k], work[COS_L + k], work[SIN_V + k], work[COS_V + k], work[PASSED + k],
@@ -84,3 +82,25 @@ def dual_scattering(work, n, lights, one, tables):
                 work[COLOUR + c * W + k] * per,
             )  # fmt: skip
             work[RADIANCE + c * W + k] += work[UNBLOCKED + k] * power * s
+
+
+@device
+def look_up(work, n, table):
+    """Store the rows `TABLE` at the places `PLACE` of the first n vertices; table (n_θ, CHANNELS)."""
+    for k in range(n, W):  # the unused lanes of the last vector must read valid nodes
+        work[PLACE + k] = ZERO
+    rows, nodes = pointer(work), pointer(table)
+    last = np.float32(table.shape[0] - 2)
+    for k in range(0, n, lane_count(rows)):
+        place = load(rows, PLACE + k)
+        i = min(floor(place), last)
+        part = place - i
+        for c in range(0, CHANNELS, 4):
+            low = gather4(nodes, c, i, CHANNELS, ZERO)
+            high = gather4(nodes, c + CHANNELS, i, CHANNELS, ZERO)
+            store3(
+                rows, TABLE + c * W + k, W,
+                low[0] + part * (high[0] - low[0]), low[1] + part * (high[1] - low[1]),
+                low[2] + part * (high[2] - low[2]),
+            )  # fmt: skip
+            store(rows, TABLE + (c + 3) * W + k, low[3] + part * (high[3] - low[3]))

@@ -7,18 +7,23 @@ more inner reflections.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from ....constants import W
-from ....jit import device
+from ....jit import device, inlined
+from ....simd import any_lane, floor, gather4, lane_count, load, load3, pointer, store3, where
 from ...common.kernels import batch
-from ...common.kernels.approximations import exp2
+from ...common.kernels.approximations import exp2, exp2_lanes
 from ...common.kernels.batch import ARRIVES, EXTRA, RADIANCE
 from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 GROWTH_LIMIT = np.float32(40.0)
+ALL = np.int64(0)
+"""First of all channels."""
 R, TT, TRT, REST = (np.int64(c) for c in (0, 1, 4, 7))  # for each literal `mix` would be compiled anew
 """Channels of a node."""
 PATH_TT, PATH_TRT, PATH_REST = (np.int64(c) for c in range(3))
@@ -30,19 +35,121 @@ def add_lobes(work, n, lights, i, rest, tables):
     """Add what the lobes scatter of light number i to the radiance of the first n vertices of a batch.
 
     work: rows of `batch`, of which `NODE_X`, `NODE_Y`, R, TT and TRT hold what `longitudinal` gave; rest: the row with
-    M of the rest, None with tables that have none; tables: `MarschnerArrays` or `ChiangArrays`.
+    M of the rest, None with tables that have none; tables: `MarschnerArrays` or `ChiangArrays`, read four channels at
+    a time.
     """
-    for k in range(n):
-        arrives = work[ARRIVES + k]
-        if arrives > ZERO:
-            r, g, b = azimuthal(
-                work[batch.NODE_X + k], work[batch.NODE_Y + k],
-                (work[batch.R + k], work[batch.TT + k], work[batch.TRT + k]), None if rest is None else work[rest + k],
-                tables.nodes, tables.paths, (work[EXTRA + k], work[EXTRA + W + k], work[EXTRA + 2 * W + k]),
-            )  # fmt: skip
-            work[RADIANCE + k] += arrives * lights[i, POWER_R] * r
-            work[RADIANCE + W + k] += arrives * lights[i, POWER_G] * g
-            work[RADIANCE + 2 * W + k] += arrives * lights[i, POWER_B] * b
+    for k in range(n, W):  # the unused lanes of the last vector must read valid nodes
+        work[batch.NODE_X + k] = work[batch.NODE_Y + k] = ZERO
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        arrives = load(rows, ARRIVES + k)
+        lit = arrives > ZERO
+        if not any_lane(lit):
+            continue
+        m = load(rows, batch.R + k), load(rows, batch.TT + k), load(rows, batch.TRT + k)
+        place = place_of(rows, k)
+        red, green, blue = azimuthal_lanes(m, place, tables, load3(rows, EXTRA + k, W))
+        if rest is not None:
+            r, g, b = rest_lanes(load(rows, rest + k), place, tables, load3(rows, EXTRA + k, W))
+            red, green, blue = red + r, green + g, blue + b
+        r, g, b = load3(rows, RADIANCE + k, W)
+        store3(
+            rows, RADIANCE + k, W,
+            where(lit, r + arrives * lights[i, POWER_R] * red, r),
+            where(lit, g + arrives * lights[i, POWER_G] * green, g),
+            where(lit, b + arrives * lights[i, POWER_B] * blue, b),
+        )  # fmt: skip
+
+
+class Place(NamedTuple):
+    """A place in the tables; all numbers are vectors."""
+
+    i: Any
+    """Row of nodes, and node in it."""
+    j: Any
+    x: Any
+    """How far it is from that row to the next, 0 to 1."""
+    w00: Any
+    """Weights of the four nodes about it."""
+    w01: Any
+    w10: Any
+    w11: Any
+
+
+@inlined
+def place_of(rows, k):
+    """Return the place of the vertices from number k on. rows: `pointer` to the batch."""
+    x, y = load(rows, batch.NODE_X + k), load(rows, batch.NODE_Y + k)
+    i, j = floor(x), floor(y)
+    x = x - i
+    y = y - j
+    w11 = x * y
+    w01 = y - w11
+    return Place(i, j, x, ONE - x - w01, w01, x - w11, w11)
+
+
+@device
+def azimuthal_lanes(m, place, tables, extra):
+    """R, TT and TRT of `azimuthal`, to its bits, of vectors; place: `Place`."""
+    _, tt_r, tt_g, tt_b = first = mixed(tables.nodes, ALL, place)
+    trt_r, trt_g, trt_b, _ = mixed(tables.nodes, TRT, place)
+    m_r, m_tt, m_trt = m
+    tt_r, tt_g, tt_b = m_tt * tt_r, m_tt * tt_g, m_tt * tt_b
+    trt_r, trt_g, trt_b = m_trt * trt_r, m_trt * trt_g, m_trt * trt_b
+    if tables.paths.shape[0] > 0:
+        l_tt, l_trt, _, _ = mixed(tables.paths, ALL, place)
+        tt_r = tt_r * left_of(extra[0], l_tt)
+        tt_g = tt_g * left_of(extra[1], l_tt)
+        tt_b = tt_b * left_of(extra[2], l_tt)
+        trt_r = trt_r * left_of(extra[0], l_trt)
+        trt_g = trt_g * left_of(extra[1], l_trt)
+        trt_b = trt_b * left_of(extra[2], l_trt)
+    r = m_r * first[0]
+    return r + tt_r + trt_r, r + tt_g + trt_g, r + tt_b + trt_b
+
+
+@device
+def rest_lanes(m, place, tables, extra):
+    """The rest of `azimuthal`, to its bits, of vectors; place: `Place`."""
+    red, green, blue, _ = between(tables.nodes, REST, place)
+    red, green, blue = m * red, m * green, m * blue
+    if tables.paths.shape[0] > 0:
+        _, _, length, _ = between(tables.paths, ALL, place)
+        red, green, blue = (
+            red * left_of(extra[0], length), green * left_of(extra[1], length), blue * left_of(extra[2], length)
+        )  # fmt: skip
+    return red, green, blue
+
+
+@inlined
+def mixed(table, c, place):
+    """Return channels c to c + 3 of a table (A, B, C), as `mix`, of vectors."""
+    rows, width = pointer(table), table.shape[2]
+    node = place.i * np.float32(table.shape[1]) + place.j
+    across = c + width * table.shape[1]
+    a, b = gather4(rows, c, node, width, ZERO), gather4(rows, c + width, node, width, ZERO)
+    d, e = gather4(rows, across, node, width, ZERO), gather4(rows, across + width, node, width, ZERO)
+    w00, w01, w10, w11 = place.w00, place.w01, place.w10, place.w11
+    return (
+        w00 * a[0] + w01 * b[0] + w10 * d[0] + w11 * e[0], w00 * a[1] + w01 * b[1] + w10 * d[1] + w11 * e[1],
+        w00 * a[2] + w01 * b[2] + w10 * d[2] + w11 * e[2], w00 * a[3] + w01 * b[3] + w10 * d[3] + w11 * e[3],
+    )  # fmt: skip
+
+
+@inlined
+def between(table, c, place):
+    """Return channels c to c + 3 of a table between two rows of nodes, for channels that do not vary along a row."""
+    rows, width = pointer(table), table.shape[2]
+    node = place.i * np.float32(table.shape[1]) + place.j
+    a, b = gather4(rows, c, node, width, ZERO), gather4(rows, c + width * table.shape[1], node, width, ZERO)
+    near, x = ONE - place.x, place.x
+    return near * a[0] + x * b[0], near * a[1] + x * b[1], near * a[2] + x * b[2], near * a[3] + x * b[3]
+
+
+@inlined
+def left_of(extra, length):
+    """`grown` of vectors."""
+    return exp2_lanes(min(GROWTH_LIMIT, -extra * length))
 
 
 @device

@@ -18,7 +18,7 @@ from ....constants import W
 from ....jit import device
 from ...common.kernels.batch import COLOUR, RADIANCE, TX, TY, TZ, X, Y, Z
 from .light import STRAND, around
-from .occlusion import sky_visibility
+from .occlusion import whole_sky_visibility
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -43,7 +43,7 @@ def ambient_light(work, n, surround):
     if surround.volume.shape[0] > 0:
         for k in range(n):
             x, y, z = work[X + k], work[Y + k], work[Z + k]
-            share = sky_visibility(surround.volume, surround.box, x, y, z, ZERO, ZERO, ZERO)
+            share = whole_sky_visibility(surround.volume, surround.box, x, y, z)
             for c in range(3):
                 colour = min(work[COLOUR + c * W + k], ONE)
                 work[RADIANCE + c * W + k] *= share / max(colour * share + FACE * (ONE - colour), TINY)

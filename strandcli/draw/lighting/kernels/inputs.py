@@ -114,4 +114,4 @@ class StrandLight(NamedTuple):
     bounce: NDArray[np.float32]
     """(3,) colour of a mass of strands."""
     loss: NDArray[np.float32]
-    """(n, 3) from `strandcli.draw.fibre.dual.loss_table`; no rows where strands absorb all colours alike."""
+    """(n, 4) from `strandcli.draw.fibre.dual.loss_table`; no rows where strands absorb all colours alike."""

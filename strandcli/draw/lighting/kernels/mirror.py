@@ -172,8 +172,8 @@ def strands_along(surround, place, ray, far):
     least = ONE
     for step in range(STEPS):
         t = long * (np.float32(step) + HALF) / np.float32(STEPS)
-        sky = occlusion.sky_visibility(
-            surround.volume, box, place[0] + t * ray[0], place[1] + t * ray[1], place[2] + t * ray[2], ZERO, ZERO, ZERO
+        sky = occlusion.whole_sky_visibility(
+            surround.volume, box, place[0] + t * ray[0], place[1] + t * ray[1], place[2] + t * ray[2]
         )
         least = min(least, sky)
     hidden = min(max((OPEN - least) / (OPEN - SHUT), ZERO), ONE)

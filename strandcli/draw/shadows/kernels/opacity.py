@@ -26,7 +26,7 @@ import math
 import numpy as np
 
 from ....jit import device, function, inlined
-from ....simd import broadcast, floor, gather, pointer, reduce_max, where
+from ....simd import broadcast, floor, gather, gather2, pointer, reduce_max, where
 from ...common.kernels.approximations import exp
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS, PER_FALL
 from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
@@ -37,7 +37,7 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
 START, SCALE = 0, 1
-"""Offsets in a row of the nearest depth, metres, and of n (1 + h / D)."""
+"""Offsets in a row of the nearest depth, metres, and of n (1 + h / D), one after the other."""
 HEAD = 2
 """Numbers of a row before its layer boundaries."""
 TEXELS = 4
@@ -83,9 +83,9 @@ def layers_at(d, rows, start, number, over, layers):
     that end in front (may exceed `layers`), and layers a metre. Vectors; rows: `pointer` to the maps; start: first row
     of the map; over: 1 / h, 1/m."""
     stride = HEAD + FIVE * (layers + 1)
-    far = max(ZERO, (d - gather(rows, start, number, stride, np.float32(START))) * over)
+    front, most = gather2(rows, start, number, stride, np.float32(START))
+    far = max(ZERO, (d - front) * over)
     near = ONE / (far + ONE)
-    most = gather(rows, start, number, stride, np.float32(SCALE))
     gone = most * (far * near)
     ended = min(np.float32(layers), gone)
     k = min(np.float32(layers - 1), floor(ended))
@@ -136,10 +136,8 @@ def in_front(u, v, d, scale, rows, start, size, over, layers):
     up = min(last, max(ZERO, floor(wide_v)))
     wide_u = min(max(wide_u - left, ZERO), ONE)
     wide_v = min(max(wide_v - up, ZERO), ONE)
-    a = gather(rows, start, up, half, left)
-    b = gather(rows, start, up, half, left + ONE)
-    c = gather(rows, start, up + ONE, half, left)
-    e = gather(rows, start, up + ONE, half, left + ONE)
+    a, b = gather2(rows, start, up, half, left)
+    c, e = gather2(rows, start, up + ONE, half, left)
     reach = REACH / scale
     k_a, part_a, gone_a, dense_a = layers_at(d, rows, body, a, over, layers)
     k_b, part_b, gone_b, dense_b = layers_at(d, rows, body, b, over, layers)

@@ -27,7 +27,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
-from ....simd import any_lane, floor, gather, lane_count, load, pointer, sqrt, store, where
+from ....simd import any_lane, floor, gather, gather2, gather4, lane_count, load, pointer, sqrt, store, where
 from ...common.kernels.approximations import exp_lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, PER_FALL
@@ -40,9 +40,9 @@ from .minmax import texel_of as project
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
+ALL, FOUR = np.int64(0), np.int64(4)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
-RED, GREEN, BLUE, THREE = (np.int64(c) for c in range(4))
 LEAST = np.float32(1.5)
 """Least radius of the filter, texels."""
 DISC = np.float32(7.0 / 4.0)
@@ -77,7 +77,7 @@ def transmittance(work, n, lights, i, loss, stacks, starts, sizes, views):
     """Store the transmittance of light number i, in red, green and blue, at the first n points of a batch.
 
     Reads the rows of positions and `ARRIVES` of `surface_batch`, and writes `LEFT`, which is 1 where no light arrives.
-    lights, stacks, starts, sizes, views: as in `opacity.optical_depth`; loss (m, 3): from
+    lights, stacks, starts, sizes, views: as in `opacity.optical_depth`; loss (m, 4): from
     `strandcli.draw.fibre.dual.loss_table`, whose nearest row is taken; no rows where strands absorb all colours
     alike, by 1 − e^-τ.
     """
@@ -154,16 +154,16 @@ def filter_light(rows, k, deep, loss):
             if not any_blocks(number, d, deep):
                 continue
             layer, part, _, back = layers_of(number, d, deep)
-            grey = lost_r = lost_g = lost_b = ZERO * u
-            for which in range(texels):
-                weight = (right if which & 1 else left) * (below if which & 2 else above)
-                passed = passed_at(number, layer, part, np.float32(which), deep)
-                grey = grey + weight * (ONE - exp_lanes(-passed))
-                if loss.shape[0] > 0:
-                    at = floor(passed / (passed + HALF_WAY) * np.float32(loss.shape[0] - 1) + HALF)
-                    lost_r = lost_r + weight * gather(pointer(loss), RED, at, THREE, ZERO)
-                    lost_g = lost_g + weight * gather(pointer(loss), GREEN, at, THREE, ZERO)
-                    lost_b = lost_b + weight * gather(pointer(loss), BLUE, at, THREE, ZERO)
+            lost = ZERO * u, ZERO * u, ZERO * u, ZERO * u
+            if texels == 1:
+                lost = lost_in(lost, left * above, passed_at(number, layer, part, deep), loss)
+            else:
+                one, two, three, four = passed_in_cell(number, layer, part, deep)
+                lost = lost_in(lost, left * above, one, loss)
+                lost = lost_in(lost, right * above, two, loss)
+                lost = lost_in(lost, left * below, three, loss)
+                lost = lost_in(lost, right * below, four, loss)
+            grey, lost_r, lost_g, lost_b = lost
             if loss.shape[0] == 0:
                 red = red + grey
             else:
@@ -177,6 +177,21 @@ def filter_light(rows, k, deep, loss):
     store(rows, LEFT + k, where(inside, ONE - red * per, load(rows, LEFT + k)))
     store(rows, LEFT + W + k, where(inside, ONE - green * per, load(rows, LEFT + W + k)))
     store(rows, LEFT + 2 * W + k, where(inside, ONE - blue * per, load(rows, LEFT + 2 * W + k)))
+
+
+@inlined
+def lost_in(lost, weight, passed, loss):
+    """Return what strands keep of light, grey and in red, green and blue, with that of a texel of an optical depth
+    added. Vectors; loss: as in `transmittance`."""
+    grey, red, green, blue = lost
+    grey = grey + weight * (ONE - exp_lanes(-passed))
+    if loss.shape[0] > 0:
+        at = floor(passed / (passed + HALF_WAY) * np.float32(loss.shape[0] - 1) + HALF)
+        r, g, b, _ = gather4(pointer(loss), ALL, at, FOUR, ZERO)
+        red = red + weight * r
+        green = green + weight * g
+        blue = blue + weight * b
+    return grey, red, green, blue
 
 
 @inlined
@@ -198,7 +213,7 @@ def blur_radius(rows, k, deep):
             if not any_blocks(number, d, deep):
                 continue
             layer, part, front, back = layers_of(number, d, deep)
-            passed = passed_at(number, layer, part, ZERO, deep)
+            passed = passed_at(number, layer, part, deep)
             weight = left * above * passed / (passed + ONE)
             share = share + weight
             distance = distance + weight * (d - HALF * (front + min(back, d)))
@@ -241,8 +256,7 @@ def layers_of(number, d, deep):
     and farthest depth of strands, metres; both d where there are none. Vectors."""
     body, stride = rows_of(deep)
     most = np.float32(deep.layers)
-    front = gather(deep.rows, body, number, stride, np.float32(opacity.START))
-    scale = gather(deep.rows, body, number, stride, np.float32(opacity.SCALE))
+    front, scale = gather2(deep.rows, body, number, stride, np.float32(opacity.START))
     some = number > ZERO
     front, scale = where(some, front, d), where(some, scale, most + ONE)
     far = max((d - front) * deep.over, ZERO)
@@ -253,12 +267,24 @@ def layers_of(number, d, deep):
 
 
 @inlined
-def passed_at(number, layer, part, which, deep):
-    """Return the optical depth of the texels `which` of cells, 0 to 3, at a position within a layer; 0 without strands.
-    Vectors."""
+def passed_at(number, layer, part, deep):
+    """Return the optical depth of the first texel of cells at a position within a layer; 0 without strands. Vectors."""
     body, _ = rows_of(deep)
-    passed = opacity.depth_at(deep.rows, body, number, layer, part, which, deep.layers)
+    passed = opacity.depth_at(deep.rows, body, number, layer, part, ZERO, deep.layers)
     return where(number > ZERO, passed, ZERO)
+
+
+@inlined
+def passed_in_cell(number, layer, part, deep):
+    """Return the same of all four texels."""
+    body, stride = rows_of(deep)
+    low = gather4(deep.rows, body + opacity.HEAD, number, stride, opacity.EACH * layer)
+    high = gather4(deep.rows, body + opacity.HEAD + opacity.FIVE, number, stride, opacity.EACH * layer)
+    some = number > ZERO
+    return (
+        where(some, low[0] + part * (high[0] - low[0]), ZERO), where(some, low[1] + part * (high[1] - low[1]), ZERO),
+        where(some, low[2] + part * (high[2] - low[2]), ZERO), where(some, low[3] + part * (high[3] - low[3]), ZERO),
+    )  # fmt: skip
 
 
 @inlined

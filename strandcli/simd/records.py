@@ -1,0 +1,90 @@
+"""Numbers that lie beside each other at a place of each lane's own: fetched together, and then sorted into vectors.
+
+A processor fetches the lanes of a `gather` one by one, so four gathers cost as much as sixty-four loads. Where what a
+lane needs lies in one piece, a load brings all of it, and a few shuffles turn rows into columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir
+from numba.core import types
+from numba.core.extending import intrinsic
+
+from .kinds import PointerType, VectorType, vector_of, widened
+
+INDEX = ir.IntType(32)
+
+
+def _of_records(size: int) -> Callable[..., Any]:
+    def typed(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> Any:
+        if not (
+            isinstance(rows, PointerType)
+            and not rows.whole
+            and isinstance(x, VectorType)
+            and isinstance(stride, types.Integer)
+        ):
+            return None
+
+        def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            base, begin, first, step, second = args
+            kind = vector_of(sig.args[0])
+            count = context.get_value_type(kind).count
+            whole = ir.VectorType(INDEX, count)
+            none = ir.Constant(whole, ir.Undefined)
+            turn = builder.insert_element(none, context.cast(builder, step, sig.args[3], types.int32), INDEX(0))
+            turn = builder.shuffle_vector(turn, none, ir.Constant(whole, None))
+            place = builder.mul(builder.fptosi(first, whole), turn)
+            place = builder.add(place, builder.fptosi(widened(context, builder, second, sig.args[4], kind), whole))
+            start = builder.gep(base, [begin])
+            record = ir.VectorType(start.type.pointee, size)
+            found = []
+            for k in range(count):
+                at = builder.sext(builder.extract_element(place, INDEX(k)), ir.IntType(64))
+                here = builder.bitcast(builder.gep(start, [at]), record.as_pointer())
+                found.append(builder.load(here, align=kind.dtype.bitwidth // 8))
+            return context.make_tuple(builder, sig.return_type, columns(builder, found, size))
+
+        return types.UniTuple(vector_of(rows), size)(rows, o, x, stride, y), emit
+
+    return typed
+
+
+def columns(builder: Any, records: list[Any], size: int) -> list[Any]:
+    """Vectors of the first number of each record, of the second, and so on; records: vectors of so many numbers, which
+    divides how many there are."""
+    full = list(records)
+    while len(full) > size:  # until each is as long as a vector of one number a record
+        full = in_pairs(builder, full)
+    each = len(records) // size
+    out = []
+    for c in range(size):
+        parts = [
+            builder.shuffle_vector(a, b, _mask([size * k + c for k in range(2 * each)]))
+            for a, b in zip(full[::2], full[1::2], strict=True)
+        ]
+        while len(parts) > 1:
+            parts = in_pairs(builder, parts)
+        out.append(parts[0])
+    return out
+
+
+def in_pairs(builder: Any, vectors: list[Any]) -> list[Any]:
+    """Vectors, each behind the one before it."""
+    count = vectors[0].type.count
+    return [
+        builder.shuffle_vector(a, b, _mask(list(range(2 * count))))
+        for a, b in zip(vectors[::2], vectors[1::2], strict=True)
+    ]
+
+
+def _mask(places: list[int]) -> Any:
+    return ir.Constant(ir.VectorType(INDEX, len(places)), places)
+
+
+gather2: Any = intrinsic(_of_records(2))
+"""Two vectors: of the numbers that `gather` gives, and of those after them."""
+gather4: Any = intrinsic(_of_records(4))
+"""Four vectors: of the numbers that `gather` gives, and of those one, two and three places after them."""
