@@ -37,6 +37,7 @@ def splatted(maps: ShadowMaps, lines: Polylines, thickness: Thickness) -> np.nda
             )
             borders = np.arange(size * steps + 1) / steps
             t = np.unique(np.clip((borders - begin[long]) / way[long], 0, 1))
+            covered = np.hypot(*np.diff(places[p : q + 1, :2], axis=0).T).sum()
             wide = thickness.width * (1 - thickness.taper * (p + q) / 2 / (b - a - 1)) * view.focal
             for one, two in pairwise(t):
                 place = begin + (one + two) / 2 * way
@@ -46,6 +47,6 @@ def splatted(maps: ShadowMaps, lines: Polylines, thickness: Thickness) -> np.nda
                     start, scale = heads[row // 2, column // 2]
                     far = max((d - start) * maps.over, 0)
                     layer = min(int(scale * far / (far + 1)), layers - 1)
-                    area = wide * math.hypot(*way[:2]) * (two - one)
+                    area = wide * covered * (two - one)
                     found[row, column, layer + 1] += (1 - abs(beside - number)) * area
     return found.cumsum(2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -120,6 +121,13 @@ def too_short(begin, end, scale):
     return max(max(abs(dx), abs(dy)), abs(rise) * scale) < SHORT
 
 
+@inlined
+def distance(screen, u, v):
+    """Return how far vertex v is from vertex u on the map, texels."""
+    dx, dy = screen[v, 0] - screen[u, 0], screen[v, 1] - screen[u, 1]
+    return np.float32(math.sqrt(dx * dx + dy * dy))
+
+
 @device
 def widening(x, y, dx, dy, view):
     """Return by how much perspective widens a segment away from the axis; x, y: from the middle, texels."""
@@ -135,7 +143,8 @@ def width_of(width, scale, s):
 @device
 def draw_part(work, n, strands, part, window, view, opacity_map, stacks, along):
     """Draw what lies within the window of a part of a strand, numbered strand by strand; return how many splats the
-    batch holds then, which held n. Vertices less than `SHORT` behind the last are left out, but for the part's end.
+    batch holds then, which held n. Vertices less than `SHORT` behind the last are left out, but for the part's end; the
+    segment over them covers as much as theirs do, in its own place.
 
     work: rows of `splats`; stacks: those of the map; along: of the strands.
     """
@@ -148,6 +157,7 @@ def draw_part(work, n, strands, part, window, view, opacity_map, stacks, along):
     begin, last = part_range(strands.first, part)
     u = begin
     x0, y0, q0 = screen[u, 0], screen[u, 1], screen[u, 2]
+    way = ZERO  # from the last vertex by way of those that are left out
     for v in range(begin + 1, last + 1):
         x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
         there = q0 > ZERO and q1 > ZERO
@@ -155,6 +165,7 @@ def draw_part(work, n, strands, part, window, view, opacity_map, stacks, along):
         d1 = depth_of(q1, near, far) if there else ONE
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
         if v < last and there and too_short((x0, y0, d0), (x1, y1, d1), scale):
+            way += distance(screen, v - 1, v)
             continue
         # splats of flat segments add to the row next to theirs, so segments next to these rows count too
         beside = max(y0, y1) < np.float32(window.top) - ONE or min(y0, y1) > np.float32(window.bottom) + ONE
@@ -164,11 +175,13 @@ def draw_part(work, n, strands, part, window, view, opacity_map, stacks, along):
             else:
                 w = width * (ONE - strands.taper * HALF * (along[u] + along[v]))
             w *= scale * widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, view)
+            if way > ZERO:
+                w *= (way + distance(screen, v - 1, v)) / max(distance(screen, u, v), splats.TINY)
             if stacks is None:
                 n = cell_extents.collect_cells(work, n, (x0, y0, d0), (x1, y1, d1), window, opacity_map.extents)
             else:
                 n = splats.collect(work, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
-        u, x0, y0, q0 = v, x1, y1, q1
+        u, x0, y0, q0, way = v, x1, y1, q1, ZERO
     return n
 
 
