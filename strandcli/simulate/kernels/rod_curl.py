@@ -11,7 +11,9 @@ edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j 
     T_j − T_{j+1} + q_j e_{j−1} / (1 + e_{j−1}·e_j) − q_{j+1} e_{j+1} / (1 + e_j·e_{j+1}).
 
 Without that reaction the force is no gradient, and strands of many curls gain energy from nothing. It enters through
-c̄, from the edges before the step, so that the matrix of the step stays as it is.
+c̄, so that the matrix of the step stays as it is: by Euler's method that of the edges before the step; by BDF2, which
+such a delay would drive, iterations begin with that which the step before ended with, and go on with that of the edges
+where the first of them has led to.
 """
 
 from __future__ import annotations
@@ -43,8 +45,8 @@ TWIST_OFFSET, TWIST_FACTOR, FOLD_RATE = range(3)
 
 @device
 def set_rest(s, at, state, material, forcing, kept, before):
-    """Add the rest shape to c̄, and update the twist. ``kept``: whether it is kept for the next step; ``before``: whether c̄
-    has what was kept, which is replaced."""
+    """Add the rest shape to c̄, and update the twist. ``kept``: whether it is kept for the next step; ``before``:
+    whether c̄ has what was kept, which is replaced."""
     numbers = forcing.numbers
     transport_frames(s, at, state, material, forcing.pose, numbers[TORSION])
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])

@@ -39,6 +39,8 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     below ``tolerance``. In strands of more than `FINE` segments some may be greater, where the mean of all is small
     enough.
 
+    Where `Scheme.ahead`, rest shapes are set anew before the second iteration, which never is left out.
+
     From where H is indefinite in some lane on, iterations are steps of sequential quadratic programming: H is that of
     the present τ, not of the changed one. There energy is the merit function: a step after one that raised it has half
     the length.

@@ -17,7 +17,6 @@ from ...constants import W
 from ...jit import device, function, inlined
 from ...simd import (
     any_lane,
-    broadcast,
     lane_count,
     load,
     load3,

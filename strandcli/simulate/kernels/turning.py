@@ -1,5 +1,5 @@
-"""Cosine and sine of vectors of angles by polynomials: those of the C library go number by number, take most of a curled
-strand's step, and differ between machines in the last bit."""
+"""Cosine and sine of vectors of angles by polynomials: those of the C library go number by number, would take most of a
+curled strand's step, and differ between machines in the last bit."""
 
 from __future__ import annotations
 
