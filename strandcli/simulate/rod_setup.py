@@ -180,6 +180,7 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         push=zeros(flags.solids),
         touching=aligned((packs if flags.solids else 1, PACK), dtype),
         twist=rest.twist,
+        rest=zeros(flags.curled and flags.second),
         crowd=zeros(flags.crowded),
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),

@@ -7,17 +7,41 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba import njit
 from numpy.typing import NDArray
 
 from strand_kit import scene_of
+from strandcli.blocks import aligned
+from strandcli.constants import VECTOR
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
+from strandcli.simd import load, store, vector_pointer
 from strandcli.simulate.advice import warnings
+from strandcli.simulate.kernels.turning import cosine_sine
 from strandcli.simulate.material import COIL_STEP, MOST_INNER
 from strandcli.simulate.rod import RodSolver
 from strandcli.study.exactness import scene_of as reference_scene
 from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
 from strandcli.study.references import spring
+
+
+@njit(error_model="numpy")
+def turned(given: Any, out: Any, count: int) -> None:
+    """Cosines of vectors of angles, and then their sines."""
+    angles, to = vector_pointer(given), vector_pointer(out)
+    for i in range(count):
+        c, d = cosine_sine(load(angles, i))
+        store(to, i, c)
+        store(to, count + i, d)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_cosines_and_sines_are_right_to_the_last_digits(dtype: Any) -> None:
+    angles, out = aligned((1024,), dtype), aligned((2, 1024), dtype)
+    angles[...] = np.concatenate([np.linspace(-4, 4, 512), np.linspace(-3000, 3000, 512)])
+    turned(angles, out.reshape(-1), angles.nbytes // VECTOR)
+    exact = np.array([np.cos(angles.astype(np.longdouble)), np.sin(angles.astype(np.longdouble))])
+    assert np.abs(out - exact).max() <= np.finfo(dtype).eps
 
 
 def stretched(particles: int, **rod: Any) -> float:

@@ -48,6 +48,9 @@ class State(NamedTuple):
     """(P, S) 1 for strands with forces of contact; needed with solids."""
     twist: Any
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
+    rest: Any
+    """(P, N, 3 S) rest values of each c_j in the world, as the last step had them; needed by curled strands with
+    BDF2."""
     crowd: Any
     """(P, N, 3 S) acceleration of particles by the strands around them, m/s²; needed where strands interact."""
     positions: Any
@@ -137,6 +140,8 @@ class Scheme(NamedTuple):
     """Whether the strands around accelerate particles, as a change of velocity when the step begins: True, or None."""
     duration: Any
     """Of the step, seconds."""
+    ahead: Any
+    """Whether rest shapes begin with those of the step before, and are set where the first change of edges leads to."""
 
 
 class Contact(NamedTuple):

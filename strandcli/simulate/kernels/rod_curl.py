@@ -11,49 +11,56 @@ edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j 
     T_j − T_{j+1} + q_j e_{j−1} / (1 + e_{j−1}·e_j) − q_{j+1} e_{j+1} / (1 + e_j·e_{j+1}).
 
 Without that reaction the force is no gradient, and strands of many curls gain energy from nothing. It enters through
-c̄, from the edges before the step, so that the matrix of the step stays as it is.
+c̄, so that the matrix of the step stays as it is: by Euler's method that of the edges before the step; by BDF2, which
+such a delay would drive, iterations begin with that which the step before ended with, and go on with that of the edges
+where the first of them has led to.
 """
 
 from __future__ import annotations
 
 from ...constants import FOLD
-from ...jit import device
-from ...simd import broadcast, cosine, load, load3, sine, sqrt, store, store3
+from ...jit import device, inlined
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from .records import DAMPING, ROTATION, STEP, TORSION
 from .rod import TINY
-from .rod_scratch import (
-    AXES,
-    EDGE,
-    EDGE_FACTOR,
-    FIRST_SEGMENT,
-    INVERSE_PIVOT,
-    LOAD,
-    PACK,
-    PARTICLE_FACTOR,
-    REST_BEND,
-    SEGMENT,
-)
+from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT
+from .rod_tension import particle_gain
+from .turning import cosine_sine
 
 GREATEST_TWIST_CHANGE = 1.0
 """Radians that ψ changes by in a step at the most."""
 LEAST_FOLD = 1e-6
 """1 + e·e' of two edges below which parallel transport from one to the other has no direction."""
+NEARLY = 0.01
+"""Error of |a|² of a transported normal up to which the first term brings it to unit length."""
 
-# before the iterations begin, these vectors of a segment are free
+# between the iterations, these vectors of a segment are free
 TARGET = LOAD
 """(3) What of m_j is across the edge before it."""
-PAST_TWIST = INVERSE_PIVOT
+PAST_TWIST = INNOVATION
 """ψ_{j−1} before the step."""
-TWIST_OFFSET, TWIST_FACTOR = EDGE_FACTOR, PARTICLE_FACTOR
-"""a and b of ψ_{j−1} = a + b ψ_j, from the elimination."""
+TWIST_OFFSET, TWIST_FACTOR, FOLD_RATE = range(3)
+"""a and b of ψ_{j−1} = a + b ψ_j, from the elimination; 1 / (1 + e_{j−1}·e_j). In place of the particles' gains."""
 
 
 @device
-def add_rest(s, at, state, material, forcing):
-    """Add the rest shape to c̄, and update the twist."""
+def set_rest(s, at, state, material, forcing, kept, before):
+    """Add the rest shape to c̄, and update the twist. ``kept``: whether it is kept for the next step; ``before``:
+    whether c̄ has what was kept, which is replaced."""
     numbers = forcing.numbers
     transport_frames(s, at, state, material, forcing.pose, numbers[TORSION])
-    add_reactions(s, at, state, material, numbers[TORSION], 1 / (1 + numbers[DAMPING] / numbers[STEP]))
+    share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
+    add_reactions(s, at, state, material, numbers[TORSION], share, (kept, before))
+
+
+@inlined
+def unit_edge(s, o):
+    """The edge at place o, brought to unit length to first order; one of wild length becomes 0."""
+    x, y, z = load3(s, o + EDGE, 1)
+    q = x * x + y * y + z * z
+    f = 1.5 - 0.5 * q
+    good = q < 3.0
+    return where(good, f * x, 0.0), where(good, f * y, 0.0), where(good, f * z, 0.0)
 
 
 @device
@@ -72,14 +79,14 @@ def transport_frames(s, at, state, material, pose, torsion):
     b = zero
     for j in range(n):
         o = FIRST_SEGMENT + j * SEGMENT
+        free = particle_gain(n, j)
         _, v, w = load3(bends, bend + (j + 1) * AXES, PACK)
-        c = cosine(angle)
-        d = sine(angle)
+        c, d = cosine_sine(angle)
         v, w = v * c - w * d, v * d + w * c
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
         x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
         store3(s, o + TARGET, 1, x, y, z)
-        ex, ey, ez = load3(s, o + EDGE, 1)
+        ex, ey, ez = unit_edge(s, o)
         if j > 0:
             before = torsion * joint[j - 1]
             after = torsion * joint[j] if j + 1 < n else 0.0
@@ -88,16 +95,23 @@ def transport_frames(s, at, state, material, pose, torsion):
             over = 1.0 / (before * (1.0 - b) + after + stiff)
             a = (joint[j] * turn + stiff * angle + before * a) * over
             b = after * over
-            store(s, o + TWIST_OFFSET, a)
-            store(s, o + TWIST_FACTOR, b)
+            store(s, free + TWIST_OFFSET, a)
+            store(s, free + TWIST_FACTOR, b)
         store(s, o + PAST_TWIST, angle)
         angle = load(state.twist, at.tension + j * PACK)
         # parallel transport: the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
-        f = (ax * ex + ay * ey + az * ez) / max(1.0 + tx * ex + ty * ey + tz * ez, LEAST_FOLD)
-        ax -= f * (tx + ex)
-        ay -= f * (ty + ey)
-        az -= f * (tz + ez)
-        f = 1.0 / sqrt(max(ax * ax + ay * ay + az * az, TINY))
+        rate = 1.0 / max(1.0 + tx * ex + ty * ey + tz * ez, LEAST_FOLD)
+        store(s, free + FOLD_RATE, rate)
+        mx, my, mz = rate * (tx + ex), rate * (ty + ey), rate * (tz + ez)
+        f = ax * ex + ay * ey + az * ez
+        ax -= f * mx
+        ay -= f * my
+        az -= f * mz
+        q = ax * ax + ay * ay + az * az
+        f = 1.5 - 0.5 * q  # 1 / √q: what is carried keeps its length, but for rounding and folds
+        folded = abs(q - 1.0) > NEARLY
+        if any_lane(folded):
+            f = where(folded, 1.0 / sqrt(max(q, TINY)), f)
         ax *= f
         ay *= f
         az *= f
@@ -107,30 +121,32 @@ def transport_frames(s, at, state, material, pose, torsion):
 
 
 @device
-def add_reactions(s, at, state, material, torsion, share):
+def add_reactions(s, at, state, material, torsion, share, kept):
     """From the tip to the root: set the new ψ, and add rest vectors by it, with their reaction on edges before, to c̄.
-    ``share``: of κ, that of the material without damping."""
-    n, joint, damped = at.segments, material.joint, 1 - share
+    ``share``: of κ, that of the material without damping; ``kept``: as in `set_rest`, both."""
+    n, joint = at.segments, material.joint
     zero = broadcast(s, 0.0)
     sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after
     nx, ny, nz = zero, zero, zero  # the edge after it
     bx, by, bz = zero, zero, zero  # sum of the forces on edges so far
     after = zero  # q / (1 + e·e') of the joint after
     angle = zero
-    ex, ey, ez = load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + EDGE, 1)
+    ex, ey, ez = unit_edge(s, FIRST_SEGMENT + (n - 1) * SEGMENT)
     for j in range(n - 1, -1, -1):
         o = FIRST_SEGMENT + j * SEGMENT
-        px, py, pz = load3(s, o - SEGMENT + EDGE, 1)
+        free = particle_gain(n, j)
+        px, py, pz = unit_edge(s, o - SEGMENT)
         past = load(s, o + PAST_TWIST)
         now = zero
         q = zero
         if j > 0:
-            now = load(s, o + TWIST_OFFSET) + load(s, o + TWIST_FACTOR) * angle
+            now = load(s, free + TWIST_OFFSET) + load(s, free + TWIST_FACTOR) * angle
             now = past + min(max(now - past, -GREATEST_TWIST_CHANGE), GREATEST_TWIST_CHANGE)
             store(state.twist, at.tension + (j - 1) * PACK, now)
+        rate = min(load(s, free + FOLD_RATE), 1.0 / FOLD)
         if j + 1 < n:
             q = (torsion * joint[j]) * (now - angle)
-        q = q / max(1.0 + ex * px + ey * py + ez * pz, FOLD)
+        q = q * rate
         angle = now
         # moment and twist torque of the joint after, and the twist torque of this one
         mx, my, mz = cross(nx, ny, nz, sx, sy, sz)
@@ -141,8 +157,7 @@ def add_reactions(s, at, state, material, torsion, share):
         bz += fz + sz - f * ez
         # this joint's rest vector
         x, y, z = load3(s, o + TARGET, 1)
-        c = cosine(now - past)
-        d = sine(now - past)
+        c, d = cosine_sine(now - past)
         wx, wy, wz = cross(px, py, pz, x, y, z)
         u = load(material.bends, at.bend + (j + 1) * AXES)
         x = u * px + c * x + d * wx
@@ -151,26 +166,30 @@ def add_reactions(s, at, state, material, torsion, share):
         f = joint[j]
         sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
         f = 1.0 / joint[j]
-        cx, cy, cz = past_bend(state, s, at, j)
-        cx, cy, cz = damped * cx, damped * cy, damped * cz
-        store3(s, o + REST_BEND, 1, cx + share * (x + f * bx), cy + share * (y + f * by), cz + share * (z + f * bz))
+        set_rest_bend(s, o, at.edge + j * AXES, state, share, kept, (x + f * bx, y + f * by, z + f * bz))
         nx, ny, nz = ex, ey, ez
         ex, ey, ez = px, py, pz
         after = q
 
 
-@device
-def past_bend(state, s, at, j):
-    """c_j before the step."""
-    x, y, z = load3(state.edges, at.edge + j * AXES, PACK)
-    if j > 0:
-        px, py, pz = load3(state.edges, at.edge + (j - 1) * AXES, PACK)
-    else:
-        px, py, pz = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
-    return x - px, y - py, z - pz
+@inlined
+def set_rest_bend(s, o, row, state, share, kept, rest):
+    """Add ``rest`` times ``share`` to c̄ of the segment at place o; where it is ``kept``, for the next step too, and
+    perhaps in place of what has been kept."""
+    x, y, z = load3(s, o + REST_BEND, 1)
+    u, v, w = rest
+    keep, before = kept
+    if keep:
+        if before:
+            px, py, pz = load3(state.rest, row, PACK)
+            x -= share * px
+            y -= share * py
+            z -= share * pz
+        store3(state.rest, row, PACK, u, v, w)
+    store3(s, o + REST_BEND, 1, x + share * u, y + share * v, z + share * w)
 
 
-@device
+@inlined
 def cross(ax, ay, az, bx, by, bz):
     """Vector product."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from ...jit import device
 from ...simd import any_lane, broadcast, load, sqrt, store, where
-from . import rod, rod_elimination, rod_start, rod_tension
+from . import rod, rod_curl, rod_elimination, rod_start, rod_tension
+from .records import TOLERANCE
 from .rod_scratch import AXES, FIRST_SEGMENT, INDEFINITE, SEGMENT, TENSION
 
 PATIENCE = 6
@@ -30,7 +31,7 @@ LONGEST_STEP = 1.9
 
 
 @device
-def iterate(s, at, state, material, scheme, iterations, tolerance):
+def iterate(s, at, state, material, forcing, scheme, iterations):
     """Solve for τ and the edges by Newton's method; returns the greatest | |e|² − 1 | of each lane.
 
     Begins with x(τ) for the τ of the step before, or for a greater one where loads turn out to be far greater than it
@@ -38,11 +39,14 @@ def iterate(s, at, state, material, scheme, iterations, tolerance):
     below ``tolerance``. In strands of more than `FINE` segments some may be greater, where the mean of all is small
     enough.
 
+    Where `Scheme.ahead`, rest shapes are set anew before the second iteration, which never is left out.
+
     From where H is indefinite in some lane on, iterations are steps of sequential quadratic programming: H is that of
     the present τ, not of the changed one. There energy is the merit function: a step after one that raised it has half
     the length.
     """
-    n, mass, joint = at.segments, material.mass, material.joint
+    n, mass, joint, tolerance = at.segments, material.mass, material.joint, forcing.numbers[TOLERANCE]
+    least = 2 if scheme.ahead else 1
     worst = broadcast(s, 0.0)
     total = worst
     single_share = min(1.0, FINE / n)
@@ -52,8 +56,8 @@ def iterate(s, at, state, material, scheme, iterations, tolerance):
     ever_indefinite = broadcast(s, 0.0)
     indefinite = False
     quadratic = False  # whether iterations are steps of quadratic programming
-    for count in range(-1, iterations + 1):
-        if count > 1 and not any_lane(min(worst, max(single_share * worst, mean_share * total)) > tolerance):
+    for count in range(-1, max(iterations, least) + 1):
+        if count > least and not any_lane(min(worst, max(single_share * worst, mean_share * total)) > tolerance):
             break
         if count == 0:
             if not any_lane(worst > WILD):
@@ -63,6 +67,9 @@ def iterate(s, at, state, material, scheme, iterations, tolerance):
         quadratic = count > 0 and (indefinite or quadratic)
         if count > 0:
             far = quadratic or any_lane(worst > rod.FAR)
+            ahead = scheme.ahead and count == 2
+            if ahead:
+                rod_curl.set_rest(s, at, state, material, forcing, True, True)
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR
@@ -74,7 +81,9 @@ def iterate(s, at, state, material, scheme, iterations, tolerance):
                 if quadratic:
                     step = next_step(s, step, chosen, energy > past_energy * RISE, count)
                     past_energy = where(chosen, energy, past_energy)
-            rod_tension.filter_forward(s, n, mass, far)
+            elif ahead:
+                rod_elimination.set_loads(s, n, mass, joint)
+            rod_tension.filter_forward(s, n, mass, far or ahead)
             if quadratic:
                 indefinite = rod_elimination.change_tension(s, n, mass, joint)
                 worst, total = apply_step(s, n, step)

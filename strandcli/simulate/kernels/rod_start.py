@@ -96,7 +96,11 @@ def fill_scratch(s, at, state, material, forcing, scheme):
         store(s, o + TENSION, load(state.tension, at.tension + j * PACK) * square)
         x, y, z = load3(state.edges, row, PACK)
         store3(s, o + EDGE, 1, x, y, z)
-        store3(s, o + REST_BEND, 1, share * (x - px), share * (y - py), share * (z - pz))
+        cx, cy, cz = share * (x - px), share * (y - py), share * (z - pz)
+        if scheme.ahead:
+            u, v, w = load3(state.rest, row, PACK)
+            cx, cy, cz = cx + (1 - share) * u, cy + (1 - share) * v, cz + (1 - share) * w
+        store3(s, o + REST_BEND, 1, cx, cy, cz)
         px = x
         py = y
         pz = z

@@ -17,7 +17,6 @@ from ...constants import W
 from ...jit import device, function, inlined
 from ...simd import (
     any_lane,
-    broadcast,
     lane_count,
     load,
     load3,
@@ -37,7 +36,6 @@ from .records import (
     ROUNDING,
     SHIFTED,
     STEP,
-    TOLERANCE,
     TRANSLATION,
     TURNED,
     Contact,
@@ -51,10 +49,6 @@ from .records import (
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, PACK, ROOT_SHIFT, SEGMENT
 from .rod_sweep import ROW
 from .work_queue import TASKS, take
-
-PASSES = 2
-"""Solutions of a step of curled strands with BDF2: the second has the reaction of rest shapes on the edges that carry
-them where the first has led to, and not that before the step, which drives what swings."""
 
 # columns of a descriptor after those of the work queue: numbers, an address for each array, and solids: addresses of
 # the four kinds, their sizes, and where there are any, address, size and columns of solids without kernels of their
@@ -102,6 +96,7 @@ def state_of(kind, descriptor):
         pointer_at(kind, descriptor[STATE + 6]), pointer_at(kind, descriptor[STATE + 7]),
         pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[STATE + 9]),
         pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
+        pointer_at(kind, descriptor[STATE + 12]),
     )  # fmt: skip
 
 
@@ -208,15 +203,15 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         at = Place(n, strand, pack * n * AXES + lane, pack * n * PACK + lane, pack * (n + 1) * AXES + lane, position)
         place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
-        scheme = Scheme(numbers[MOVED], flags.second, touched, flags.crowded, contact.duration)
+        scheme = Scheme(
+            numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
+            flags.second and flags.curled and numbers[MOVED] > 0,
+        )  # fmt: skip
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
-        worst = broadcast(scratch, 0.0)
-        for count in range(PASSES if flags.curled and flags.second else 1):
-            if flags.curled:
-                rod_curl.add_rest(scratch, at, state, material, forcing)
-            if count == 0:
-                rod_start.give_way(scratch)
-            worst = rod_newton.iterate(scratch, at, state, material, scheme, iterations, numbers[TOLERANCE])
+        if flags.curled and not scheme.ahead:
+            rod_curl.set_rest(scratch, at, state, material, forcing, flags.second, False)
+        rod_start.give_way(scratch)
+        worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations)
         # | |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both
         residual = worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst)))
         store(state.residuals, strand, residual)
