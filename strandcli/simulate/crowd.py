@@ -142,7 +142,7 @@ class Crowd:
         numbers = full, np.float32(dt / (2 * self.cell)), np.float32(min(EASE * dt, MOST))
         crowd_pressure.find_excess(whole, self.grid, self.room, numbers, excess)
         self.pressure *= near[:, :, None]
-        crowd_pressure.relax(whole, excess, self.room.faces, near, pressure)
+        crowd_pressure.relax(whole, excess, self.room.faces, near, self.pressure)
         share = np.float32(1 - (1 - self.friction) ** (dt / FRICTION_TIME))
         numbers = full, share, np.float32(self.cell / dt)
         crowd_forces.find_targets(whole, self.grid, self.room, numbers, pressure, self.targets)

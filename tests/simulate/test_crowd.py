@@ -194,7 +194,7 @@ def test_pressure_solves_the_complementarity_problem() -> None:
     faces, pressure = np.empty_like(open_), np.zeros_like(open_)
     crowd_pressure.find_faces(box, open_, faces)
     for _ in range(20):
-        crowd_pressure.relax(box, excess, faces, np.ones((7, 9), np.bool_), pressure)
+        crowd_pressure.relax(box, excess, faces, np.ones((7, 9), np.bool_), pressure.reshape(7, 9, 16))
     p = np.pad(pressure.reshape(7, 9, 16), 1)
     free = np.pad(open_.reshape(7, 9, 16), 1, constant_values=1) > 0
     left = np.zeros((7, 9, 16))

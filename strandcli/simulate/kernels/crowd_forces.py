@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, parallel, prange
-from ...simd import lane_count, load, pointer, store
+from ...simd import broadcast, lane, lane_count, load, pointer, quarter_width_pointer, store
 from .crowd_grid import cell_of, locate, three
 from .crowd_records import CELL, FIRST, LAST, MASS, MOMENTUM, RATE, RESULT, SHARE, SIZE, TARGET, VELOCITY
 from .rod_scratch import PACK
@@ -73,16 +73,15 @@ def accelerate_pack(moving, lattice, pack, box, targets, rows, crowd):
     is a mean, by their shares. What goes to the root the emitter takes up."""
     wide = box[SIZE] * CELL
     layer = wide * box[SIZE + 1]
+    cells = quarter_width_pointer(targets)
     for sample in range(len(lattice.first)):
         locate(moving, lattice, pack, sample, box, lattice.origins[-1], rows)
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
             at = cell_of(rows, k, wide, layer)
-            r, x, y, z = blend(targets, at, np.uint64(wide), np.uint64(layer), a, c, d)
-            rows[RESULT, k] = r
-            rows[RESULT + 1, k] = x
-            rows[RESULT + 2, k] = y
-            rows[RESULT + 3, k] = z
+            found = blend(cells, at, np.uint64(wide), np.uint64(layer), a, c, d)
+            for column in range(CELL):
+                rows[RESULT + column, k] = lane(found, column)
         share_out(moving, lattice, pack, sample, rows, crowd)
 
 
@@ -92,41 +91,33 @@ def share_out(moving, lattice, pack, sample, rows, crowd):
     read, out = pointer(rows), pointer(crowd)
     n = crowd.shape[1]
     first, m = lattice.first[sample], lattice.mass[sample] / lattice.step
-    for lane in range(0, PACK, lane_count(read)):
-        rate = load(read, RESULT * PACK + lane)
+    for k in range(0, PACK, lane_count(read)):
+        rate = load(read, RESULT * PACK + k)
         for c in range(3):
-            change = load(read, (RESULT + 1 + c) * PACK + lane) - rate * load(read, (VELOCITY + c) * PACK + lane)
+            change = load(read, (RESULT + 1 + c) * PACK + k) - rate * load(read, (VELOCITY + c) * PACK + k)
             for i in range(max(1 - first, 0), lattice.counts[sample]):
                 j = first + i - 1
-                at = ((pack * n + j) * 3 + c) * PACK + lane
+                at = ((pack * n + j) * 3 + c) * PACK + k
                 store(out, at, load(out, at) + m * lattice.weights[sample, i] / moving.mass[j] * change)
 
 
 @device
-def blend(targets, at, wide, layer, a, c, d):
-    """The four columns of ``targets`` interpolated between eight cells, of which ``at`` is the first."""
+def blend(cells, at, wide, layer, a, c, d):
+    """The columns of targets interpolated between eight cells, of which ``at`` is the first."""
     one = np.float32(1)
-    zero = np.float32(0)
     e, f = one - d, d
-    sums = blend_row(targets, at, a, e * (one - c), (zero, zero, zero, zero))
-    sums = blend_row(targets, at + wide, a, e * c, sums)
-    sums = blend_row(targets, at + layer, a, f * (one - c), sums)
-    return blend_row(targets, at + layer + wide, a, f * c, sums)
+    sums = broadcast(cells, 0.0)
+    sums = blend_row(cells, at, a, e * (one - c), sums)
+    sums = blend_row(cells, at + wide, a, e * c, sums)
+    sums = blend_row(cells, at + layer, a, f * (one - c), sums)
+    return blend_row(cells, at + layer + wide, a, f * c, sums)
 
 
 @device
-def blend_row(targets, at, a, weight, sums):
+def blend_row(cells, at, a, weight, sums):
     """Sums plus those of two neighbouring cells, of which the second has the share ``a`` of the weight."""
     f = weight * a
-    e = weight - f
-    next = at + np.uint64(CELL)
-    p, q, r, s = sums
-    return (
-        p + e * targets[at] + f * targets[next],
-        q + e * targets[at + np.uint64(1)] + f * targets[next + np.uint64(1)],
-        r + e * targets[at + np.uint64(2)] + f * targets[next + np.uint64(2)],
-        s + e * targets[at + np.uint64(3)] + f * targets[next + np.uint64(3)],
-    )
+    return sums + (weight - f) * load(cells, at) + f * load(cells, at + np.uint64(CELL))
 
 
 assert CELL == TARGET + 3

@@ -15,7 +15,18 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, parallel, prange
-from ...simd import any_lane, broadcast, floor, lane_count, load, pointer, reduce_max, store
+from ...simd import (
+    any_lane,
+    broadcast,
+    floor,
+    lane_count,
+    load,
+    pointer,
+    quarter_width_pointer,
+    reduce_max,
+    store,
+    with_lane,
+)
 from .crowd_records import BELOW, BOX, CELL, FIRST, LAST, LOW, OFFSET, SHARE, SIZE, VELOCITY
 from .rod_scratch import PACK
 
@@ -69,24 +80,21 @@ def deposit_pack(moving, lattice, pack, box, origins, grid, rows):
     """Add the metres and the momentum of a pack of strands to the cells of a box, ``grid`` (cells `CELL`,)."""
     wide = box[SIZE] * CELL
     layer = wide * box[SIZE + 1]
-    metres = moving.metres[pack]
+    metres, cells = moving.metres[pack], quarter_width_pointer(grid)
     for sample in range(len(lattice.first)):
         share = np.float32(lattice.mass[sample])
         locate(moving, lattice, pack, sample, box, origins, rows)
         for k in range(PACK):
             m = metres[k] * share
-            u, v, w = (
-                np.float32(rows[VELOCITY, k]),
-                np.float32(rows[VELOCITY + 1, k]),
-                np.float32(rows[VELOCITY + 2, k]),
-            )
-            a, c, d = np.float32(rows[SHARE, k]), np.float32(rows[SHARE + 1, k]), np.float32(rows[SHARE + 2, k])
+            u, v, w = three(rows, VELOCITY, k)
+            each = with_lane(with_lane(with_lane(broadcast(cells, 1.0), 1, u), 2, v), 3, w)
+            a, c, d = three(rows, SHARE, k)
             at = cell_of(rows, k, wide, layer)
             e, f = m - m * d, m * d
-            add_row(grid, at, a, e - e * c, u, v, w)
-            add_row(grid, at + np.uint64(wide), a, e * c, u, v, w)
-            add_row(grid, at + np.uint64(layer), a, f - f * c, u, v, w)
-            add_row(grid, at + np.uint64(layer + wide), a, f * c, u, v, w)
+            add_row(cells, at, a, e - e * c, each)
+            add_row(cells, at + np.uint64(wide), a, e * c, each)
+            add_row(cells, at + np.uint64(layer), a, f - f * c, each)
+            add_row(cells, at + np.uint64(layer + wide), a, f * c, each)
 
 
 @device
@@ -134,22 +142,12 @@ def locate(moving, lattice, pack, sample, box, origins, rows):
 
 
 @device
-def add_row(grid, at, a, m, u, v, w):
-    """Add m metres to two neighbouring cells, the share ``a`` to the second, with a velocity (u, v, w)."""
-    f = m - m * a
-    add_cell(grid, at, f, f * u, f * v, f * w)
-    f = m * a
-    add_cell(grid, at + np.uint64(CELL), f, f * u, f * v, f * w)
-
-
-@device
-def add_cell(grid, at, m, x, y, z):
-    """Add to the four columns of a cell."""
-    a, b, c, d = grid[at], grid[at + np.uint64(1)], grid[at + np.uint64(2)], grid[at + np.uint64(3)]
-    grid[at] = a + m
-    grid[at + np.uint64(1)] = b + x
-    grid[at + np.uint64(2)] = c + y
-    grid[at + np.uint64(3)] = d + z
+def add_row(cells, at, a, m, each):
+    """Add m metres to two neighbouring cells, the share ``a`` to the second; ``each``: columns that a metre adds to."""
+    second = m * a
+    store(cells, at, load(cells, at) + (m - second) * each)
+    at += np.uint64(CELL)
+    store(cells, at, load(cells, at) + second * each)
 
 
 @parallel

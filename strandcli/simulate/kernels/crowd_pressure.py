@@ -21,12 +21,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...blocks import aligned
 from ...jit import device, function, parallel, prange
 from ...simd import broadcast, lane_count, load, pointer, store, where
 from ...solids.kernels.any_depth import any_depth
-from .crowd_records import LOW, MASS, MOMENTUM, SIZE
+from .crowd_records import LANES, LOW, MASS, MOMENTUM, SIZE
 
 RELAXATION = np.float32(1.5)
+EVEN = np.array([1, 0] * LANES, np.float32)
+"""1 in lanes of even numbers."""
 ROUNDS = 12
 """Sweeps of a step: the pressure of the step before is nearly right already."""
 
@@ -66,44 +69,49 @@ def inflow(at, stride, i, count, grid, column, open):
     return flow
 
 
-@function
 def relax(box, excess, faces, near, pressure):
-    """Sweep over the cells `ROUNDS` times, rows of one colour after those of the other. ``faces`` (cells,): 1 over the
-    number of a cell's faces that no solid closes, 0 in solids; ``near`` (cells along z, along y): whether strands are
-    near that row of cells, in others pressure stays 0."""
-    high, deep = box[SIZE + 1], box[SIZE + 2]
+    """Sweep over the cells `ROUNDS` times, those of one colour after those of the other, as on a chessboard.
+
+    faces (cells,): 1 over the number of a cell's faces that no solid closes, 0 in solids; near (cells along z, along
+    y): whether strands are near that row of cells, in others pressure stays 0; pressure (cells along z, along y, along
+    x): is changed. While it is, it has a margin of zeros, so that no cell is a special case: the one after a row is
+    that before the next.
+    """
+    wide, high, deep = box[SIZE : SIZE + 3].tolist()
+    work = aligned((deep + 2, high + 1, wide + LANES))
+    inner = work[1:-1, 1:, LANES:]
+    inner[...] = pressure
+    sweep(box, excess, faces, near, work)
+    pressure[...] = inner
+
+
+@function
+def sweep(box, excess, faces, near, work):
+    """`relax` with pressure in its margin."""
+    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    stride = wide + LANES
+    layer = (high + 1) * stride
+    p, e, f = pointer(work), pointer(excess), pointer(faces)
     for round in range(2 * ROUNDS):
         for o in range(deep):
-            for n in range((o + round) % 2, high, 2):
+            for n in range(high):
                 if near[o, n]:
-                    relax_row(o, n, box, excess, faces, pressure)
+                    at = (o + 1) * layer + (n + 1) * stride + LANES
+                    relax_row(p, at, stride, layer, e, f, (o * high + n) * wide, wide, (o + n + round) % 2)
 
 
 @device
-def relax_row(o, n, box, excess, faces, pressure):
-    """Relax the cells of a row, from one end to the other."""
-    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    layer = wide * high
-    row = o * layer + n * wide
-    for i in range(wide):
-        at = row + i
-        around = np.float32(0)
-        if i > 0:
-            around += pressure[at - 1]
-        if i < wide - 1:
-            around += pressure[at + 1]
-        if n > 0:
-            around += pressure[at - wide]
-        if n < high - 1:
-            around += pressure[at + wide]
-        if o > 0:
-            around += pressure[at - layer]
-        if o < deep - 1:
-            around += pressure[at + layer]
-        p = pressure[at]
-        share = faces[at]
-        wanted = p + RELAXATION * ((excess[at] + around) * share - p)
-        pressure[at] = max(wanted, np.float32(0)) if share > 0 else np.float32(0)
+def relax_row(p, at, stride, layer, e, f, row, wide, colour):
+    """Relax a row's cells of a colour: all are computed, and the others stay as they are."""
+    mine = load(pointer(EVEN), colour) > 0.0
+    for i in range(0, wide, LANES):
+        here = at + i
+        around = load(p, here - 1) + load(p, here + 1)
+        around += load(p, here - stride) + load(p, here + stride)
+        around += load(p, here - layer) + load(p, here + layer)
+        own, share = load(p, here), load(f, row + i)
+        wanted = own + RELAXATION * ((load(e, row + i) + around) * share - own)
+        store(p, here, where(mine, where(share > 0.0, max(wanted, 0.0), 0.0), own))
 
 
 @parallel

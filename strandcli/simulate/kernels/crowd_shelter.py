@@ -28,43 +28,44 @@ def shelter(box, grid, way, stop, left):
         if abs(way[axis]) > abs(way[main]):
             main = axis
     first, second = (main + 1) % 3, (main + 2) % 3
-    slopes = way[first] / way[main], way[second] / way[main]
     forward = 1 if way[main] > 0 else -1
+    x, y = -forward * way[first] / way[main], -forward * way[second] / way[main]
+    shifts = np.int64(np.floor(x)), np.int64(np.floor(y))
+    shares = np.float32(x - shifts[0]), np.float32(y - shifts[1])
     stop = np.float32(stop / abs(way[main]))
     for layer in range(sides[main]):
         o = layer if forward > 0 else sides[main] - 1 - layer
+        upwind = (o - forward) * strides[main]
         for n in range(sides[second]):
             for i in range(sides[first]):
                 at = o * strides[main] + n * strides[second] + i * strides[first]
                 if layer == 0:
                     left[at] = 1
                     continue
-                x, y = i - forward * slopes[0], n - forward * slopes[1]
-                upwind = (o - forward) * strides[main]
+                place = i + shifts[0], n + shifts[1]
                 passed, met = between(
-                    left, grid, upwind, (strides[first], strides[second]), (sides[first], sides[second]), x, y
+                    left, grid, upwind, (strides[first], strides[second]), (sides[first], sides[second]), place, shares
                 )  # fmt: skip
                 depth = stop * met
                 left[at] = passed / (1 + depth + np.float32(0.5) * depth * depth)
 
 
 @device
-def between(left, grid, at, strides, sides, x, y):
-    """Interpolate the share that is left, and the metres in a cell, at (x, y) of the layer that begins at ``at``;
-    beside the box there is no strand."""
-    i, n = np.int64(np.floor(x)), np.int64(np.floor(y))
-    a, c = np.float32(x - i), np.float32(y - n)
+def between(left, grid, at, strides, sides, place, shares):
+    """Interpolate the share that is left, and the metres in a cell, of four cells of the layer that begins at ``at``,
+    the first at ``place``, by the ``shares`` of the next ones along both axes; beside the box there is no strand."""
+    a, c = shares
     one = np.float32(1)
     passed, met = np.float32(0), np.float32(0)
     for k in range(4):
-        p, q = i + (k & 1), n + (k >> 1)
+        p, q = place[0] + (k & 1), place[1] + (k >> 1)
         share = (a if k & 1 else one - a) * (c if k >> 1 else one - c)
         if p < 0 or q < 0 or p >= sides[0] or q >= sides[1]:
             passed += share
         else:
-            place = at + p * strides[0] + q * strides[1]
-            passed += share * left[place]
-            met += share * grid[place, MASS]
+            cell = at + p * strides[0] + q * strides[1]
+            passed += share * left[cell]
+            met += share * grid[cell, MASS]
     return passed, met
 
 
