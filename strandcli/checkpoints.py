@@ -23,6 +23,7 @@ from .output.state_file import DamagedError, ForeignError, read_state, write_sta
 from .scene.rule_type import MUTUAL
 
 if TYPE_CHECKING:
+    from .groom.children import Children
     from .scene.model import Scene
 
 FOLDER = "checkpoints"
@@ -37,6 +38,9 @@ CODE = ("strandcli.stages", "strandcli.simulate.thesis", "strandcli.simulate.rod
 
 class Checkpoints:
     """The checkpoints of a run, in the folder of its results."""
+
+    of_all_strands = True
+    """A state holds all strands, for whichever frames are asked for later."""
 
     def __init__(
         self, results: Path, every: int = 0, warn: Callable[[str], None] | None = None, name: str = ""
@@ -94,6 +98,9 @@ class Checkpoints:
             self._prepared = True
         write_state(self.path(frame), self.key(solver.scene), arrays)
         self._bad.discard(frame)
+
+    def share(self, children: Children) -> None:
+        """Do nothing: a run has its children made once."""
 
     def key(self, scene: Scene) -> str:
         """Return the hash of all that a state's bits depend on."""

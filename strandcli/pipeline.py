@@ -17,6 +17,7 @@ from .stages import FrameRenderer, Notify, Positions, RunOptions, SimulationStag
 
 if TYPE_CHECKING:
     from .checkpoints import Checkpoints
+    from .remembered import Remembered
 
 Item = TypeVar("Item")
 
@@ -37,7 +38,7 @@ def render(
     keep_going: bool = False,
     notify: Notify | None = None,
     warn: Notify | None = None,
-    checkpoints: Checkpoints | None = None,
+    checkpoints: Checkpoints | Remembered | None = None,
 ) -> Iterator[Frame]:
     """Frames of a scene in ascending order (all of them by default); those before the first are simulated unseen.
 

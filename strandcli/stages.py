@@ -26,6 +26,7 @@ from .scene.model import MeshShape, Scene
 if TYPE_CHECKING:
     from .checkpoints import Checkpoints
     from .draw.renderer import Renderer
+    from .remembered import Remembered
 
 Notify = Callable[[str], None]
 Positions = Callable[[int], NDArray[np.float32]]
@@ -43,7 +44,7 @@ class RunOptions:
     """Is handed what is being done."""
     warn: Notify | None = None
     """Is handed what is hardly meant."""
-    checkpoints: Checkpoints | None = None
+    checkpoints: Checkpoints | Remembered | None = None
     """From where the simulation goes on, and where it leaves its state."""
 
     def of_panel(self, number: int) -> RunOptions:
@@ -81,6 +82,8 @@ class SimulationStage:
         """What is drawn in place of the strands that are simulated."""
         if draw and scene.children is not None:
             self.children = Children(scene, self.groom)
+            if options.checkpoints is not None:
+                options.checkpoints.share(self.children)
         self.combed = None
         if draw and scene.emitter.tie is not None:
             drawn = self.children.every if isinstance(self.children, Children) else self.groom
@@ -110,8 +113,8 @@ class SimulationStage:
 
                 for words in notes(scene.emitter):
                     self._warn(words)
-            # a state holds all strands, for whichever frames are asked for later
-            needed = self.options.draw and self.options.checkpoints is None
+            kept = self.options.checkpoints
+            needed = self.options.draw and (kept is None or not kept.of_all_strands)
             strands = needed_strands(scene, frames) if needed else None
             return at_start(scene, arranged(emit(scene.emitter, scene.seed, strands)))
         from .groom_file import from_scene, guided
@@ -153,7 +156,7 @@ class SimulationStage:
         """Return the frames to simulate up to one that is asked for, after the last that is known."""
         kept = self.options.checkpoints
         if kept is not None and not self._wrong:
-            before = 1 if self.options.draw and self.scene.camera.shutter > 0 else 0
+            before = 1 if self.options.draw and self.scene.camera.shutter > 0 and number > 1 else 0
             found = kept.go_on(self.solver, self._done, number - before)
             self._done = min(found, number - 1)  # its errors are measured anew
         return range(self._done + 1, number + 1)

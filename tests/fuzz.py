@@ -1,5 +1,5 @@
 """Read damaged files of all that strandcli reads: ``python tests/fuzz.py [COUNT [FORMAT …]]``, and a slice of it in the
-tests.
+tests. ``FIRST-END`` in place of COUNT goes on where a run was stopped.
 
 A file is mutated in a few bytes, words or blocks, cut off, or lengthened, and read. It must be read or refused in one
 line (`StrandError`), within seconds and within three times its size and 100 MB: more ends in MemoryError here, and that
@@ -158,7 +158,8 @@ def forget_peak() -> None:
 
 def main() -> int:
     """Fuzz all formats, or one. Exit code 1 where something is wrong."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    begun, _, end = (sys.argv[1] if len(sys.argv) > 1 else "1000").rpartition("-")
+    count = int(end)
     wrong = 0
     remember_shipped()
     for suffix in sys.argv[2:] or (*seeds(), *KINDS):
@@ -172,7 +173,7 @@ def main() -> int:
         signal.signal(signal.SIGALRM, _stop)
         signal.signal(signal.SIGPROF, _stop)
         begin, total = time.monotonic(), Counter[str]()
-        for first in range(0, count, 100):
+        for first in range(int(begun or 0), count, 100):
             signal.alarm(PATIENCE)
             signal.setitimer(signal.ITIMER_PROF, LONGEST)
             total += fuzz(suffix, range(first, min(first + 100, count)), print)

@@ -18,6 +18,7 @@ from .say import say
 from .terminal_pictures import Preview
 
 if TYPE_CHECKING:
+    from ..remembered import Remembered
     from ..scene.model import Scene
 
 FILE = "watch.png"
@@ -43,9 +44,10 @@ def run(given: Mapping[str, Any]) -> None:
     frame = given["frames"].numbers()[0] if given["frames"] is not None else 1
     from .. import runtime
     from ..output.files import prepare_folder
+    from ..remembered import Remembered
 
     prepare_folder(folder, 0)
-    preview = Preview(given["preview"])
+    preview, motion = Preview(given["preview"]), Remembered(frame)
     watcher = Watcher(given["preset"])
     runtime.start(given["threads"])
     if not given["quiet"]:
@@ -53,7 +55,7 @@ def run(given: Mapping[str, Any]) -> None:
     try:
         while True:
             if watcher.changed():
-                _round(given, watcher, path, frame, preview)
+                _round(given, watcher, path, frame, preview, motion)
             signals.check()
             time.sleep(PAUSE)
     except KeyboardInterrupt as end:
@@ -68,14 +70,16 @@ def _require_ours(path: Path, overwrite: bool) -> None:
         raise UsageError(f"{path}: was not written by strandcli; add --overwrite to replace it")
 
 
-def _round(given: Mapping[str, Any], watcher: Watcher, path: Path, frame: int, preview: Preview) -> None:
+def _round(
+    given: Mapping[str, Any], watcher: Watcher, path: Path, frame: int, preview: Preview, motion: Remembered
+) -> None:
     """Draw once; faults are told in place, and the picture before stays."""
     start = time.perf_counter()
     quiet = given["quiet"]
     try:
         scene = _scene(given)
         watcher.follow(scene)
-        image, compiling = _drawn(scene, frame, given, quiet)
+        image, compiling = _drawn(scene, frame, given, motion)
         from ..output.files import write_pieces
         from ..output.png import encode
 
@@ -104,8 +108,9 @@ def _scene(given: Mapping[str, Any]) -> Scene:
     return scene
 
 
-def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], quiet: bool) -> tuple[Any, float]:
+def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], motion: Remembered) -> tuple[Any, float]:
     """The picture, and the seconds that compiling took."""
+    quiet = given["quiet"]
     from .. import pipeline, runtime
     from ..plan import checked_plan
 
@@ -116,7 +121,7 @@ def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], quiet: bool) -> t
     with Progress(1, options.preset_name(given["preset"]), hidden=quiet or given["no_progress"]) as progress:
         (found,) = pipeline.render(
             scene, [frame], threads=given["threads"], notify=progress.note, keep_going=given["keep_going"],
-            warn=lambda text: None if quiet else progress.line(f"warning: {text}"),
+            warn=lambda text: None if quiet else progress.line(f"warning: {text}"), checkpoints=motion,
         )  # fmt: skip
     return found.image, runtime.compile_seconds() - before
 
