@@ -9,56 +9,35 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
+
+from answering import Answering
 
 ROOT = Path(__file__).resolve().parents[1]
 
 
-class Forks:
+class Forks(Answering):
     """The process that forks, with a cache folder; a context. Kernels that are missing are compiled in each fork."""
 
     def __init__(self, cache: Path) -> None:
-        self._cache = cache
-
-    def __enter__(self) -> Forks:
-        paths = {"PYTHONPATH": str(ROOT), "STRANDCLI_CACHE_DIR": str(self._cache)}
-        env = os.environ | paths | {"STRANDCLI_COMPILERS": "0"}
-        self._process = subprocess.Popen(
-            [sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=env
+        super().__init__(
+            __file__, {"PYTHONPATH": str(ROOT), "STRANDCLI_CACHE_DIR": str(cache), "STRANDCLI_COMPILERS": "0"}
         )
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._process.communicate()
 
     def start(self, jobs: Sequence[Sequence[str]]) -> list[int]:
         """Run strandcli with each of several lists of arguments, all at once; their process numbers."""
-        assert self._process.stdin is not None
-        self._process.stdin.write(json.dumps(jobs) + "\n")
-        self._process.stdin.flush()
-        return self._answer()
+        return list(self.ask(jobs))
 
     def codes(self) -> list[int]:
         """Wait for those of the last start: their exit codes, negative for the signals that ended them."""
-        return self._answer()
+        return list(self.answer())
 
     def run(self, jobs: Sequence[Sequence[str]]) -> list[int]:
         """Start and wait."""
         self.start(jobs)
         return self.codes()
-
-    def _answer(self) -> list[int]:
-        assert self._process.stdout is not None
-        line = self._process.stdout.readline()
-        assert line, "the process that forks has ended: its error is above"
-        found: list[int] = json.loads(line)
-        return found
 
 
 def fork(arguments: list[str]) -> int:

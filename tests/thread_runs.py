@@ -9,40 +9,24 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import subprocess
 import sys
-from types import TracebackType
 from typing import Any
+
+from answering import Answering
 
 THREADS = tuple(range(1, 1 + int(os.environ.get("STRANDCLI_TEST_THREADS", "3"))))
 """Three in CI; `make threads` takes four."""
 
 
-class Drawer:
+class Drawer(Answering):
     """The process that draws; a context."""
 
-    def __enter__(self) -> Drawer:
-        env = os.environ | {"NUMBA_NUM_THREADS": str(max(THREADS))}
-        self._process = subprocess.Popen(
-            [sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=env
-        )
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._process.communicate()
+    def __init__(self) -> None:
+        super().__init__(__file__, {"NUMBA_NUM_THREADS": str(max(THREADS))})
 
     def hashes(self, **job: Any) -> list[str]:
         """What `draw` finds with each number of threads."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        self._process.stdin.write(json.dumps(job) + "\n")
-        self._process.stdin.flush()
-        answer = self._process.stdout.readline()
-        assert answer, "the process that draws has ended: its error is above"
-        found: list[str] = json.loads(answer)
-        return found
+        return list(self.ask(job))
 
 
 def draw(preset: str, overrides: list[str], settings: dict[str, Any], shadow_size: int | None, threads: int) -> str:
