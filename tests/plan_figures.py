@@ -65,9 +65,11 @@ def cases() -> list[tuple[str, ...]]:
         for model in ("opacity", "traced"):
             light = ("--set", f"lights.0.shadow.model={model}", "--set", f"image.resolver={resolver}")
             found.append(("headline", *light, "--set", "material.width=0.004", *shown))
-    for more in ((), ("--set", "rules.interaction={}")):
-        for count in ("2000", "30000"):
-            found.append((*ROD, *more, "--strands", count, *shown))
+    for more, counts in (
+        ((), ("2000", "30000")), (("--set", "rules.interaction={}"), ("2000", "30000")),
+        (("--set", "rules.contact={}"), ("1000", "3000", "8000", "20000")),
+    ):  # fmt: skip
+        found += [(*ROD, *more, "--strands", count, *shown) for count in counts]
     found += [("hair", "--quality", name, *shown) for name in ("draft", "best")]
     found.append(("hair", "--aov", "depth,mask,tangent,strand_id", *shown))
     return found

@@ -5,6 +5,9 @@ from __future__ import annotations
 import pytest
 
 from strandcli.cli.main import main
+from strandcli.plan import Plan, make_plan
+from strandcli.scene import load
+from strandcli.simulate.rules import registry
 
 ROD = ("minimal", "--strands", "20", "--set", "solver=rod", "--set")
 
@@ -19,3 +22,17 @@ ROD = ("minimal", "--strands", "20", "--set", "solver=rod", "--set")
 def test_contact_that_rods_refuse(settings: tuple[str, ...], words: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["plan", *ROD, *settings]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_contact_takes_memory_where_strands_are_many() -> None:
+    """Of few of them what it takes goes into what a picture takes anyhow."""
+    for strands, more in ((200, 0.0), (20_000, 180e6)):
+        plain, touching = (
+            plan_of("minimal", f"emitter.strands={strands}", "solver=rod", f"rules=[gravity{rule}]").memory_bytes
+            for rule in ("", ", {contact: {}}")
+        )
+        assert abs(touching - plain - more) < 20e6, strands
+
+
+def plan_of(preset: str, *overrides: str) -> Plan:
+    return make_plan(load(preset, rules=registry(), overrides=overrides), [1])
