@@ -26,7 +26,7 @@ def splatted(maps: ShadowMaps, lines: Polylines, thickness: Thickness) -> np.nda
         kept = [0]
         for number in range(1, b - a):
             aside = np.abs((places[number] - places[kept[-1]]) * (1, 1, view.focal)).max()
-            if aside >= 1 or number == b - a - 1:
+            if aside >= 0.5 or number == b - a - 1:
                 kept.append(number)
         for p, q in pairwise(kept):
             begin, way = places[p], places[q] - places[p]

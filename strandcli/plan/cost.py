@@ -27,8 +27,6 @@ CHILD, COMBED, CURVE, EVEN = 70 * NS, 60 * NS, 38 * NS, 12 * NS
 """Of a particle of a child, of one that is tied, and of a vertex; less where segments have as many pieces each."""
 MAPPED, LAYER, MINMAX = 70 * NS, 2 * NS, 15 * NS
 """Of a vertex in a light: with an opacity map, more for each of its layers; with a min/max map."""
-TRACED, LISTED = 700 * NS, 100 * NS
-"""Of a fragment that is seen, for each light with exact shadows; and of a vertex, for their lists."""
 FOUND, BINNED, LINED = 38 * NS, 35 * NS, 14 * NS
 """Of a fragment of sorted strands and of a vertex of them, and of a vertex of lines in a z-buffer."""
 COVERED = 0.45
@@ -105,8 +103,9 @@ def _exposure_seconds(plan: Plan, scene: Scene, sizes: Sizes) -> float:
     each = LIT + SEEN * min(covered, MOST_SEEN) ** 0.5
     if scene.material.scatter != "dual":
         each *= LIGHTER
-    lights = sum(shades_vertices(light) for light in scene.lights)
-    traced = lights * (min(shown, MOST_SEEN * vertices) * TRACED + vertices * LISTED)
+    models = [model_of(light) for light in scene.lights if shades_vertices(light)]
+    seen = min(shown, MOST_SEEN * vertices)
+    traced = sum(seen * model.shown_seconds + vertices * model.listed_seconds for model in models)
     return vertices * (curve + len(shining(scene)) * each) + found + traced + plan.samples * FILMED
 
 

@@ -14,17 +14,19 @@ from numpy.typing import NDArray
 
 from ...scene.model import Light
 from ..common.kernels.light_columns import CLEAR_ROW
+from ..coverage.kernels.column_light import LINES, PLACES
 from ..geometry.curves import Polylines
 from ..view.camera import View
 from .kernels import nearby as kernel
 from .traced import Grid, grid_of
-from .vertex_shadows import StrandsInLight, VertexShadows
+from .vertex_shadows import EVENLY, StrandsInLight, VertexShadows
 
 LIMIT = np.float32(4.0)
 """Optical depth; e^-4 is 2 % of the light."""
 
-TOGETHER = 8
-"""Lines across a strand that share one computed shadow: all of them, that of the middle that the camera sees."""
+TOGETHER = LINES // 2
+"""Lines across a strand that share one computed shadow, on either side of the middle that the camera sees. All lines by
+one are a sixth sooner, but .034 of the light off in `hair` in place of .030."""
 
 
 @dataclass(frozen=True)
@@ -46,17 +48,23 @@ class NearbyShadows(VertexShadows):
         self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32]
     ) -> None:
         """See `VertexShadows.visibility`."""
-        open_to_light = ((marks != 0) & (self.buried == 0)).astype(np.uint8)
-        self.grid.visibility(lines, open_to_light, screen, out)
+        self.grid.visibility(lines, self._open_to_light(marks), screen, out)
         self._shade_by_map(marks, out)
 
     def visibility_across(
         self, lines: Polylines, marks: NDArray[np.uint8], screen: NDArray[np.float32], out: NDArray[np.float32],
         eye: View, slots: NDArray[np.int32], shown: NDArray[np.uint64] | None, shades: NDArray[np.uint64],
     ) -> None:  # fmt: skip
-        """See `VertexShadows.visibility_across`; across strands all that is listed counts."""
-        self.grid.visibility_across(lines, marks, screen, out, eye, slots, shown, shades)
+        """See `VertexShadows.visibility_across`; what the map leaves is the same across a strand."""
+        wide = np.flatnonzero(slots >= 0)
+        kept = np.exp(-self.depth[wide])
+        shades[slots[wide]] = EVENLY[np.rint(PLACES * (1 - kept)).astype(np.int64)]  # those below are written over
+        self.grid.visibility_across(lines, self._open_to_light(marks), screen, out, eye, slots, shown, shades)
         self._shade_by_map(marks, out)
+
+    def _open_to_light(self, marks: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Return the marks of vertices that are not buried."""
+        return ((marks != 0) & (self.buried == 0)).astype(np.uint8)
 
     def _shade_by_map(self, marks: NDArray[np.uint8], out: NDArray[np.float32]) -> None:
         """Write what the map leaves at the marked vertices that are buried."""

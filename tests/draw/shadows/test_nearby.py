@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
+from dataclasses import replace
+
 import numpy as np
+import pytest
+from numpy.typing import NDArray
 
 from strand_kit import frames_of, scene_of
 from strandcli.draw.common.scratch import Scratch
@@ -12,7 +17,13 @@ from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows.kernels.nearby import bury, depths
 from strandcli.draw.shadows.nearby import LIMIT
 from strandcli.draw.shadows.shadow import map_arrays, plan_maps
+from strandcli.groom.record import Groom
+from strandcli.plan import make_plan
+from strandcli.plan.cost import frame_seconds
 from strandcli.scene.model import DirectionalLight, Shadow
+
+OF_STRANDS = ("roots", "directions", "lengths", "tones")
+"""Arrays of a groom that have a row for each strand."""
 
 THICKET = """
 emitter: {strands: 6000, particles: 4, length: 0.4, jitter: 30}
@@ -32,6 +43,44 @@ def test_pictures_are_nearer_to_exact_shadows_than_those_of_maps() -> None:
     off = [float(np.sqrt(((frame.image - truth) ** 2).mean())) for frame in (near, maps)]
     assert off[0] < off[1] / 3
     assert abs(near.image.mean() / truth.mean() - 1) < 0.002
+
+
+def test_pixels_do_not_depend_on_threads_portions_or_layers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And but by rounding on the order of strands, in which sums of maps round otherwise, and on a crop window,
+    in which places on the screen do, and pieces of curves with them."""
+    text = THICKET.replace("traced", "nearby")
+
+    def pixels(text: str = text, threads: int = 1) -> NDArray[np.uint8]:
+        image = frames_of(scene_of(text), 1, threads=threads)[0].image
+        assert image is not None
+        return image
+
+    def hashed(image: NDArray[np.uint8]) -> str:
+        return hashlib.sha256(np.ascontiguousarray(image)).hexdigest()
+
+    def shuffled(groom: Groom) -> Groom:
+        order = np.random.default_rng(3).permutation(groom.strands)
+        return replace(groom, **{name: getattr(groom, name)[order] for name in OF_STRANDS})
+
+    whole = pixels()
+    assert len(np.unique(whole)) > 50
+    assert hashed(pixels(threads=2)) == hashed(whole)
+    assert hashed(pixels(text.replace("sorted}", "sorted, aovs: [shadow, depth]}"))) == hashed(whole)
+    part = pixels(text.replace("sorted}", "sorted, crop: [20, 8, 23, 17]}")).astype(np.int64)
+    assert np.abs(part - whole[8:25, 20:43]).mean() < 0.3
+    monkeypatch.setattr("strandcli.draw.strand_batches.BATCH_VERTICES", 4000)
+    assert hashed(pixels()) == hashed(whole)
+    monkeypatch.setattr("strandcli.stages.arranged", shuffled)
+    apart = np.abs(pixels().astype(np.int64) - whole)
+    assert apart.max() <= 1
+    assert (apart > 0).mean() < 0.01
+
+
+def test_planned_seconds_are_between_those_of_maps_and_of_exact_shadows() -> None:
+    large = THICKET.replace("[60, 40]", "[1200, 800]")
+    scenes = [scene_of(large.replace("traced", model)) for model in ("opacity", "nearby", "traced")]
+    maps, near, exact = (frame_seconds(make_plan(scene, [1]), scene) for scene in scenes)
+    assert 1.2 * maps < near < exact / 1.1
 
 
 def test_a_vertex_is_buried_where_its_neighbours_on_its_strand_are() -> None:

@@ -21,7 +21,7 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 PARTS, PART = 4, 16
 """Most parts of a strand that are drawn apart, each after others that are near it, and segments of all but the last."""
-SHORT = np.float32(1.0)
+SHORT = np.float32(0.5)
 """Texels."""
 AHEAD = 3
 """Parts of strands that are fetched before they are drawn."""
