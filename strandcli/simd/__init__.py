@@ -6,7 +6,6 @@ vectorises always; a vector that is wider than the machine's registers takes sev
 
     rows = pointer(array)            the numbers of a contiguous array of any shape, one after the other
     rows = half_width_pointer(array) the same, and vectors of half as many: where most loops are short
-    rows = quarter_width_pointer(array)  and of a quarter as many
     rows = triple_pointer(array)     the same, and vectors of three numbers in single precision
     pile = vector_pointer(array)     the vectors of a contiguous array: place 1 is that of the second vector
     rows = pointer_at(np.float32, a); pile = vector_pointer_at(np.float32, a)
@@ -74,7 +73,6 @@ from .memory import (
     pointer_at,
     prefetch,
     prefetch3,
-    quarter_width_pointer,
     store,
     store3,
     triple_pointer,
@@ -107,7 +105,6 @@ __all__ = [
     "power_of_two",
     "prefetch",
     "prefetch3",
-    "quarter_width_pointer",
     "reduce_max",
     "sqrt",
     "store",

@@ -38,8 +38,6 @@ pointer: Any = intrinsic(_address(False))
 """The numbers of a contiguous array."""
 half_width_pointer: Any = intrinsic(_address(False, VECTOR // 2))
 """The same, for vectors of half the length."""
-quarter_width_pointer: Any = intrinsic(_address(False, VECTOR // 4))
-"""The same, for vectors of a quarter of the length."""
 triple_pointer: Any = intrinsic(_address(False, 3 * 4))
 """The same, for vectors of three numbers in single precision."""
 vector_pointer: Any = intrinsic(_address(True))

@@ -142,7 +142,7 @@ class Crowd:
         numbers = full, np.float32(dt / (2 * self.cell)), np.float32(min(EASE * dt, MOST))
         crowd_pressure.find_excess(whole, self.grid, self.room, numbers, excess)
         self.pressure *= near[:, :, None]
-        crowd_pressure.relax(whole, excess, self.room.faces, near, self.pressure)
+        relax(whole, excess, self.room.faces, near, self.pressure)
         share = np.float32(1 - (1 - self.friction) ** (dt / FRICTION_TIME))
         numbers = full, share, np.float32(self.cell / dt)
         crowd_forces.find_targets(whole, self.grid, self.room, numbers, pressure, self.targets)
@@ -248,6 +248,14 @@ def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
         weights[row, : end - begin] += segments[begin:end] / 2 / mass[row]
         weights[row, 1 : end - begin + 1] += segments[begin:end] / 2 / mass[row]
     return Samples(first, count, weights, mass)
+
+
+def relax(box: NDArray[np.int64], excess: NDArray[Any], faces: NDArray[Any], near: Any, pressure: NDArray[Any]) -> None:
+    """`crowd_pressure.relax` of pressure (z, y, x) without its margin."""
+    work = aligned((pressure.shape[0] + 2, pressure.shape[1] + 1, pressure.shape[2] + LANES))
+    work[1:-1, 1:, LANES:] = pressure
+    crowd_pressure.relax(box, excess, faces, near, work)
+    pressure[...] = work[1:-1, 1:, LANES:]
 
 
 def extent_of(positions: NDArray[Any]) -> float:

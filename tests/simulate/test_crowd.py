@@ -14,9 +14,9 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
-from strandcli.simulate.crowd import Moment
+from strandcli.simulate.crowd import Moment, relax
 from strandcli.simulate.kernels import crowd_pressure, crowd_shelter
-from strandcli.simulate.kernels.crowd_records import LOW, MASS, SIZE
+from strandcli.simulate.kernels.crowd_records import BETWEEN, LOW, MASS, SIZE
 from strandcli.simulate.kernels.rod_scratch import PACK
 from strandcli.simulate.rod import RodSolver
 
@@ -75,8 +75,23 @@ def test_segments_are_spread_over_the_cells_around_them(cell: float) -> None:
     twin = np.zeros((*box[SIZE : SIZE + 3], 4))
     for key, values in spread(solver).items():
         twin[tuple(np.array(key) - box[LOW : LOW + 3])] = values
-    np.testing.assert_allclose(grid, twin.transpose(2, 1, 0, 3).reshape(-1, 4), atol=2e-6)
+    np.testing.assert_allclose(grid[:, :4], twin.transpose(2, 1, 0, 3).reshape(-1, 4), atol=2e-6)
     assert grid[:, MASS].sum() == pytest.approx(40 * 0.2, rel=1e-5)
+
+
+def test_what_lies_between_middles_is_counted_along_each_axis() -> None:
+    """Both are shares of the same metres; of the cells' own, sums along an axis are those of what is between."""
+    solver = solver_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [interaction: {{cell: 0.03}}]")
+    prepare(solver)
+    assert solver.crowd is not None
+    box, grid = solver.crowd.boxes[-1], solver.crowd.grid
+    cells = grid.reshape(*box[SIZE : SIZE + 3][::-1], -1).astype(float)
+    for axis in range(3):
+        between = cells[..., BETWEEN + axis]
+        np.testing.assert_allclose(between.sum(2 - axis), cells[..., MASS].sum(2 - axis), atol=1e-6)
+        own = np.cumsum(cells[..., MASS], 2 - axis)  # what is before a middle and a cell beyond it
+        assert (np.cumsum(between, 2 - axis) >= own - 1e-6).all()
+        assert (np.cumsum(between, 2 - axis) <= own + np.roll(cells[..., MASS], -1, 2 - axis) + 1e-6).all()
 
 
 def test_free_flight_keeps_momentum_and_gains_no_energy() -> None:
@@ -194,7 +209,7 @@ def test_pressure_solves_the_complementarity_problem() -> None:
     faces, pressure = np.empty_like(open_), np.zeros_like(open_)
     crowd_pressure.find_faces(box, open_, faces)
     for _ in range(20):
-        crowd_pressure.relax(box, excess, faces, np.ones((7, 9), np.bool_), pressure.reshape(7, 9, 16))
+        relax(box, excess, faces, np.ones((7, 9), np.bool_), pressure.reshape(7, 9, 16))
     p = np.pad(pressure.reshape(7, 9, 16), 1)
     free = np.pad(open_.reshape(7, 9, 16), 1, constant_values=1) > 0
     left = np.zeros((7, 9, 16))

@@ -23,6 +23,7 @@ from strandcli.study.references import (
     catenary,
     chain,
     incline,
+    layer,
     pendulum,
     spring,
     swing,
@@ -318,3 +319,34 @@ def test_a_strand_across_others_begins_to_slide_at_the_angle_of_friction() -> No
     found = incline.measure(track)["angle"]
     assert found is not None
     assert found * incline.exact()["angle"] < 0.6
+
+
+def test_an_even_layer_has_its_density_and_a_pile_before_the_plate_its_own() -> None:
+    made = layer.strands()
+    half = made.strands // 2
+    share = np.linspace(0, 1, 11)[:, None] * [0.0, -layer.LENGTH, 0.0]
+    x = made.roots[:, None].astype(float) + share
+    x[..., 0] -= layer.MEASURED  # as they stand, beside the plate
+    found = layer.measure(Track(np.zeros(1), x[None]))
+    assert found["pressed"] == pytest.approx(1 - layer.SPARSE / layer.DENSE, abs=0.03)
+    assert found["sprung back"] == found["pressed"]
+    face = layer.SIDE / 2 - layer.MEASURED
+    x[half:, :, 0] = face + (x[half:, :, 0] - face) * layer.SPARSE / layer.DENSE
+    found = layer.measure(Track(np.zeros(1), x[None]))
+    assert found["sprung back"] == pytest.approx(0, abs=0.03)
+    assert found["density"] == found["pressed"]
+
+
+@pytest.mark.long
+def test_a_pressed_layer_keeps_its_density_both_ways() -> None:
+    """Within 1 %; without the rule all that the plate sweeps together is at its face."""
+    case = layer.case(11)
+    errors = {}
+    for rule in ("interaction", None):
+        rules = case.settings["rules"] if rule else ["gravity", "collision"]
+        settings = {**case.settings, "rules": rules}
+        scene = loads(yaml.safe_dump({"solver": "rod", **settings}), rules=registry(), name="layer")
+        track, _ = follow(lambda scene=scene: RodSolver(scene, case.groom), 1 / 60, layer.REFERENCE.span, False)
+        errors[rule] = layer.measure(track)["density"]
+    assert errors["interaction"] < 0.01  # type: ignore[operator]
+    assert errors[None] > 0.15  # type: ignore[operator]

@@ -3,7 +3,8 @@
 Both change the velocity that a step begins with, and so take part in its iterations. A strand loses a share of its
 velocity against the cells', an average of velocities: it can gain no energy, however great the share. What it loses
 others gain, for a cell's velocity is its momentum over its mass, by the same weights. The impulse of pressure on the
-face of two cells is shared by their masses. So sums of momentum stay, to rounding.
+face of two cells is shared by masses, half of it by those of both cells, half by what lies between their middles. So
+sums of momentum stay, to rounding.
 """
 
 from __future__ import annotations
@@ -11,13 +12,19 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, parallel, prange
-from ...simd import broadcast, lane, lane_count, load, pointer, quarter_width_pointer, store
-from .crowd_grid import cell_of, locate, three
-from .crowd_records import CELL, FIRST, LAST, MASS, MOMENTUM, RATE, RESULT, SHARE, SIZE, TARGET, VELOCITY
+from ...simd import half_width_pointer, lane, lane_count, load, pointer, store
+from .crowd_grid import cell_of, locate, three, weights_along
+from .crowd_records import BETWEEN, CELL, FIRST, LAST, MASS, MOMENTUM, PUSH, RATE, RESULT, SHARE, SIZE, TARGET, VELOCITY
 from .rod_scratch import PACK
 
 EMPTY = np.float32(1e-30)
 """Metres in a cell up to which it is empty."""
+BETWEEN_ONLY = np.float32(0.5)
+"""Share of the impulse on a face of two cells that goes to what lies between their middles. Were there none, cells of
+which every other one is dense would feel no pressure at all, and strands would gather in them; were it all, few strands
+that lie there would be thrown."""
+WIDELY = np.float32(0.5) * (1 - BETWEEN_ONLY)
+"""And the share that each of the cells gets, by trilinear weights."""
 
 
 @parallel
@@ -36,26 +43,35 @@ def find_targets(box, grid, room, numbers, pressure, targets):
                 m = grid[at, MASS]
                 rate = share * min(m / full, np.float32(1))
                 f = rate / max(m, EMPTY)
-                x = push_along(at, 1, i, wide, grid, pressure, room.open)
-                y = push_along(at, wide, n, high, grid, pressure, room.open)
-                z = push_along(at, layer, o, deep, grid, pressure, room.open)
                 targets[at, RATE] = rate
-                targets[at, TARGET] = f * grid[at, MOMENTUM] + push * x
-                targets[at, TARGET + 1] = f * grid[at, MOMENTUM + 1] + push * y
-                targets[at, TARGET + 2] = f * grid[at, MOMENTUM + 2] + push * z
+                x, before = push_between(at, 1, i, wide, 0, grid, pressure, room.open)
+                targets[at, TARGET] = f * grid[at, MOMENTUM] + push * WIDELY * (x + before)
+                targets[at, PUSH] = push * BETWEEN_ONLY * x
+                x, before = push_between(at, wide, n, high, 1, grid, pressure, room.open)
+                targets[at, TARGET + 1] = f * grid[at, MOMENTUM + 1] + push * WIDELY * (x + before)
+                targets[at, PUSH + 1] = push * BETWEEN_ONLY * x
+                x, before = push_between(at, layer, o, deep, 2, grid, pressure, room.open)
+                targets[at, TARGET + 2] = f * grid[at, MOMENTUM + 2] + push * WIDELY * (x + before)
+                targets[at, PUSH + 2] = push * BETWEEN_ONLY * x
+                targets[at, CELL - 1] = 0
 
 
 @device
-def push_along(at, stride, i, count, grid, pressure, open):
-    """Change of velocity by pressure along an axis, in cells a step for each metre in a cell."""
-    x = np.float32(0)
-    if open[at] > 0:
-        own, m = pressure[at], grid[at, MASS]
-        if i > 0 and open[at - stride] > 0:
-            x += (pressure[at - stride] - own) / max(grid[at - stride, MASS] + m, EMPTY)
-        if i < count - 1 and open[at + stride] > 0:
-            x += (own - pressure[at + stride]) / max(m + grid[at + stride, MASS], EMPTY)
-    return x
+def push_between(at, stride, i, count, axis, grid, pressure, open):
+    """Change of velocity by the pressure on the faces to the next cell along an axis and to the one before, in cells a
+    step for each metre in a cell."""
+    next = pushed(at, stride, axis, grid, pressure, open) if i < count - 1 else np.float32(0)
+    return next, pushed(at - stride, stride, axis, grid, pressure, open) if i > 0 else np.float32(0)
+
+
+@device
+def pushed(at, stride, axis, grid, pressure, open):
+    """Change of velocity by the pressure on the face to the next cell, which lies a ``stride`` on."""
+    next = at + stride
+    if open[at] <= 0 or open[next] <= 0:
+        return np.float32(0)
+    m = WIDELY * (grid[at, MASS] + grid[next, MASS]) + BETWEEN_ONLY * grid[at, BETWEEN + axis]
+    return (pressure[at] - pressure[next]) / max(m, EMPTY)
 
 
 @parallel
@@ -73,15 +89,16 @@ def accelerate_pack(moving, lattice, pack, box, targets, rows, crowd):
     is a mean, by their shares. What goes to the root the emitter takes up."""
     wide = box[SIZE] * CELL
     layer = wide * box[SIZE + 1]
-    cells = quarter_width_pointer(targets)
+    cells = half_width_pointer(targets)
     for sample in range(len(lattice.first)):
         locate(moving, lattice, pack, sample, box, lattice.origins[-1], rows)
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
             at = cell_of(rows, k, wide, layer)
             found = blend(cells, at, np.uint64(wide), np.uint64(layer), a, c, d)
-            for column in range(CELL):
-                rows[RESULT + column, k] = lane(found, column)
+            rows[RESULT, k] = lane(found, RATE)
+            for axis in range(3):
+                rows[RESULT + 1 + axis, k] = lane(found, TARGET + axis) + lane(found, PUSH + axis)
         share_out(moving, lattice, pack, sample, rows, crowd)
 
 
@@ -104,20 +121,16 @@ def share_out(moving, lattice, pack, sample, rows, crowd):
 @device
 def blend(cells, at, wide, layer, a, c, d):
     """The columns of targets interpolated between eight cells, of which ``at`` is the first."""
-    one = np.float32(1)
-    e, f = one - d, d
-    sums = broadcast(cells, 0.0)
-    sums = blend_row(cells, at, a, e * (one - c), sums)
-    sums = blend_row(cells, at + wide, a, e * c, sums)
-    sums = blend_row(cells, at + layer, a, f * (one - c), sums)
-    return blend_row(cells, at + layer + wide, a, f * c, sums)
+    x, x_next = weights_along(cells, 0, a)
+    y, y_next = weights_along(cells, 1, c)
+    z, z_next = weights_along(cells, 2, d)
+    sums = y * z * blend_row(cells, at, x, x_next)
+    sums += y_next * z * blend_row(cells, at + wide, x, x_next)
+    sums += y * z_next * blend_row(cells, at + layer, x, x_next)
+    return sums + y_next * z_next * blend_row(cells, at + layer + wide, x, x_next)
 
 
 @device
-def blend_row(cells, at, a, weight, sums):
-    """Sums plus those of two neighbouring cells, of which the second has the share ``a`` of the weight."""
-    f = weight * a
-    return sums + (weight - f) * load(cells, at) + f * load(cells, at + np.uint64(CELL))
-
-
-assert CELL == TARGET + 3
+def blend_row(cells, at, x, x_next):
+    """Interpolate along x."""
+    return x * load(cells, at) + x_next * load(cells, at + np.uint64(CELL))

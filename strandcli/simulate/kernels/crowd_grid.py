@@ -19,19 +19,23 @@ from ...simd import (
     any_lane,
     broadcast,
     floor,
+    half_width_pointer,
     lane_count,
     load,
     pointer,
-    quarter_width_pointer,
     reduce_max,
     store,
+    where,
     with_lane,
 )
-from .crowd_records import BELOW, BOX, CELL, FIRST, LAST, LOW, OFFSET, SHARE, SIZE, VELOCITY
+from .crowd_records import BELOW, BETWEEN, BOX, CELL, FIRST, LAST, LOW, OFFSET, SHARE, SIZE, VELOCITY
 from .rod_scratch import PACK
 
 ROW = 3 * W
 """Numbers of a row of positions."""
+OWN = np.zeros((3, CELL), np.float32)
+"""1 in the column of what lies between middles along each axis."""
+OWN[np.arange(3), BETWEEN + np.arange(3)] = 1
 
 
 @parallel
@@ -80,21 +84,41 @@ def deposit_pack(moving, lattice, pack, box, origins, grid, rows):
     """Add the metres and the momentum of a pack of strands to the cells of a box, ``grid`` (cells `CELL`,)."""
     wide = box[SIZE] * CELL
     layer = wide * box[SIZE + 1]
-    metres, cells = moving.metres[pack], quarter_width_pointer(grid)
+    metres, cells = moving.metres[pack], half_width_pointer(grid)
     for sample in range(len(lattice.first)):
         share = np.float32(lattice.mass[sample])
         locate(moving, lattice, pack, sample, box, origins, rows)
         for k in range(PACK):
-            m = metres[k] * share
             u, v, w = three(rows, VELOCITY, k)
             each = with_lane(with_lane(with_lane(broadcast(cells, 1.0), 1, u), 2, v), 3, w)
             a, c, d = three(rows, SHARE, k)
+            x, x_next = weights_along(cells, 0, a)
+            y, y_next = weights_along(cells, 1, c)
+            z, z_next = weights_along(cells, 2, d)
+            m = metres[k] * share
+            x *= m * each
+            x_next *= m * each
             at = cell_of(rows, k, wide, layer)
-            e, f = m - m * d, m * d
-            add_row(cells, at, a, e - e * c, each)
-            add_row(cells, at + np.uint64(wide), a, e * c, each)
-            add_row(cells, at + np.uint64(layer), a, f - f * c, each)
-            add_row(cells, at + np.uint64(layer + wide), a, f * c, each)
+            add_row(cells, at, x, x_next, y * z)
+            add_row(cells, at + np.uint64(wide), x, x_next, y_next * z)
+            add_row(cells, at + np.uint64(layer), x, x_next, y * z_next)
+            add_row(cells, at + np.uint64(layer + wide), x, x_next, y_next * z_next)
+
+
+@device
+def weights_along(cells, axis, a):
+    """The factors along an axis of the weights with which a sample counts in each column of a cell, and of the next
+    one, to whose middle it has gone the share ``a`` of the way. What lies between middles counts for the first."""
+    own = load(half_width_pointer(OWN), CELL * axis) > 0.0
+    return where(own, 1.0, broadcast(cells, np.float32(1) - a)), where(own, 0.0, broadcast(cells, a))
+
+
+@device
+def add_row(cells, at, x, x_next, across):
+    """Add to the columns of two neighbouring cells, by the weights ``across``."""
+    store(cells, at, load(cells, at) + across * x)
+    at += np.uint64(CELL)
+    store(cells, at, load(cells, at) + across * x_next)
 
 
 @device
@@ -139,15 +163,6 @@ def locate(moving, lattice, pack, sample, box, origins, rows):
             store(out, (SHARE + c) * PACK + lane, x - below)
             store(out, (BELOW + c) * PACK + lane, below)
             store(out, (VELOCITY + c) * PACK + lane, u)
-
-
-@device
-def add_row(cells, at, a, m, each):
-    """Add m metres to two neighbouring cells, the share ``a`` to the second; ``each``: columns that a metre adds to."""
-    second = m * a
-    store(cells, at, load(cells, at) + (m - second) * each)
-    at += np.uint64(CELL)
-    store(cells, at, load(cells, at) + second * each)
 
 
 @parallel

@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...blocks import aligned
 from ...jit import device, function, parallel, prange
 from ...simd import broadcast, lane_count, load, pointer, store, where
 from ...solids.kernels.any_depth import any_depth
@@ -69,25 +68,15 @@ def inflow(at, stride, i, count, grid, column, open):
     return flow
 
 
-def relax(box, excess, faces, near, pressure):
+@function
+def relax(box, excess, faces, near, work):
     """Sweep over the cells `ROUNDS` times, those of one colour after those of the other, as on a chessboard.
 
     faces (cells,): 1 over the number of a cell's faces that no solid closes, 0 in solids; near (cells along z, along
-    y): whether strands are near that row of cells, in others pressure stays 0; pressure (cells along z, along y, along
-    x): is changed. While it is, it has a margin of zeros, so that no cell is a special case: the one after a row is
-    that before the next.
+    y): whether strands are near that row of cells, in others pressure stays 0; work (cells along z + 2, along y + 1,
+    along x + `LANES`): pressure, is changed, with a margin of zeros, so that no cell is a special case: the one after a
+    row is that before the next.
     """
-    wide, high, deep = box[SIZE : SIZE + 3].tolist()
-    work = aligned((deep + 2, high + 1, wide + LANES))
-    inner = work[1:-1, 1:, LANES:]
-    inner[...] = pressure
-    sweep(box, excess, faces, near, work)
-    pressure[...] = inner
-
-
-@function
-def sweep(box, excess, faces, near, work):
-    """`relax` with pressure in its margin."""
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     stride = wide + LANES
     layer = (high + 1) * stride

@@ -14,12 +14,13 @@ LOW, SIZE, OFFSET = 0, 3, 6
 """Columns of boxes: number of the lowest cell along x, y and z, cells along each, and place of the first in the
 memory of all parts."""
 BOX = 7
-MASS, MOMENTUM = 0, 1
-"""Columns of a cell: metres of strand; those times their velocity (3), m²/s."""
-RATE, TARGET = 0, 1
-"""Columns of a target: share of its velocity against the cell's that a strand loses in the step, and the rest of what
-its velocity changes by (3), m/s."""
-CELL = 4
+MASS, MOMENTUM, BETWEEN = 0, 1, 4
+"""Columns of a cell: metres of strand; those times their velocity (3), m²/s; metres between its middle and that of the
+next cell along x, y and z (3), by bilinear weights across. One column is not used."""
+RATE, TARGET, PUSH = 0, 1, 4
+"""Columns of a target: share of its velocity against the cell's that a strand loses in the step, the rest of what its
+velocity changes by (3), m/s, and what is added to that between two middles (3), m/s. One is not used."""
+CELL = 8
 """Columns of each."""
 
 

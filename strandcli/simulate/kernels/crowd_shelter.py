@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, function
-from .crowd_records import CELL, MASS, SIZE, TARGET
+from .crowd_records import MASS, SIZE, TARGET
 
 
 @function
@@ -57,6 +57,13 @@ def between(left, grid, at, strides, sides, place, shares):
     a, c = shares
     one = np.float32(1)
     passed, met = np.float32(0), np.float32(0)
+    if 0 <= place[0] < sides[0] - 1 and 0 <= place[1] < sides[1] - 1:
+        cell = np.uint64(at + place[0] * strides[0] + place[1] * strides[1])
+        next, beyond = cell + np.uint64(strides[0]), np.uint64(strides[1])
+        e, f, g, h = (one - a) * (one - c), a * (one - c), (one - a) * c, a * c
+        passed = e * left[cell] + f * left[next] + g * left[cell + beyond] + h * left[next + beyond]
+        met = e * grid[cell, MASS] + f * grid[next, MASS]
+        return passed, met + g * grid[cell + beyond, MASS] + h * grid[next + beyond, MASS]
     for k in range(4):
         p, q = place[0] + (k & 1), place[1] + (k >> 1)
         share = (a if k & 1 else one - a) * (c if k >> 1 else one - c)
@@ -75,5 +82,5 @@ def add_shelter(left, change, targets):
     by the open wind in the step, m/s."""
     for at in range(len(left)):
         lost = left[at] - np.float32(1)
-        for c in range(CELL - TARGET):
+        for c in range(3):
             targets[at, TARGET + c] += lost * change[c]

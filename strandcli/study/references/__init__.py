@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from . import beam, buckling, catenary, chain, elastica, free_swing, incline, pendulum, spring, tip_load, twist
+from . import beam, buckling, catenary, chain, elastica, free_swing, incline, layer, pendulum, spring, tip_load, twist
 from .base import NEEDS, Case, Reference, Track
 
 REFERENCES: Mapping[str, Reference] = {
@@ -21,6 +21,7 @@ REFERENCES: Mapping[str, Reference] = {
         spring,
         twist,
         incline,
+        layer,
     )
 }
 """By name, in the order in which `--reference all` goes through them."""

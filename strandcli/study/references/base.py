@@ -26,6 +26,7 @@ NEEDS = {
     "two ends": "a strand held at both ends",
     "twist": "twist",
     "contact": "contact between strands",
+    "interaction": "strands that push each other apart",
 }
 """What a solver may have to represent, in words."""
 
