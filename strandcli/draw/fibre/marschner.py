@@ -80,7 +80,6 @@ def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None
     n, paths = _azimuthal(theta, n_phi, material.eta, sigma, math.radians(material.azimuthal))
     nodes = np.zeros((n_theta, n_phi, kernel.NODE_SIZE), np.float32)
     nodes[..., :7] = n * np.repeat(peaks(material), (1, 3, 3))
-    paths = np.pad(paths, ((0, 0), (0, 0), (0, 2)))  # kernels fetch four at once
     return FibreTables(kernel.MarschnerArrays, lobes, nodes, paths if varies(material) else None, sigma)
 
 

@@ -14,6 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from strandcli.constants import W
+from strandcli.draw.common.kernels import batch, light_columns
 from strandcli.draw.fibre import chiang as tables_of
 from strandcli.draw.fibre.kernels import chiang as kernel
 from strandcli.draw.fibre.pigment import mass_colour
@@ -211,6 +213,32 @@ def test_absorption_may_differ_from_the_tables() -> None:
             ]
             exact = reference.scattering(Hair(0.3, 0.3, 2.0, sigma), math.radians(light), math.radians(view), phi)
             assert np.abs(got - exact).max() < 0.03 * exact.max()
+
+
+@function
+def shade(work, n, lights, tables):
+    """The kernel for a batch of vertices."""
+    kernel.highlights(work, n, lights, 0, tables)
+
+
+def test_a_batch_is_lit_vertex_by_vertex_to_the_bit() -> None:
+    """Vectors of vertices give what the function for one gives; those behind them, and unlit ones, stay as they are."""
+    found = tables_of.build_tables(replace(material(Hair(0.3, 0.3, 2.0, 0.2)), colour_variation=0.1))
+    assert found is not None
+    rng = np.random.default_rng(8)
+    work = rng.normal(size=(batch.ROWS, W)).astype(np.float32)
+    rows = {name: work[getattr(batch, name) // W :][:3] for name in ("TX", "LX", "EX", "EXTRA", "RADIANCE")}
+    for name in ("TX", "LX", "EX"):
+        rows[name][:] /= np.linalg.norm(rows[name], axis=0)
+    rows["RADIANCE"][:] = 0
+    work[batch.ARRIVES // W] = rng.random(W) > 0.3
+    lights = np.ones((1, light_columns.COLUMNS), np.float32)
+    shade(work.reshape(-1), 100, lights, found.arrays)
+    for k in range(W):
+        tangent, light, eye, extra = (tuple(rows[name][:, k]) for name in ("TX", "LX", "EX", "EXTRA"))
+        lit = k < 100 and work[batch.ARRIVES // W, k] > 0
+        true = kernel.chiang(tangent, light, eye, found.arrays, extra) if lit else (0, 0, 0)
+        np.testing.assert_array_equal(rows["RADIANCE"][:, k], np.float32(true))
 
 
 def test_nothing_to_read_nothing_built() -> None:

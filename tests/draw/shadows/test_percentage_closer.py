@@ -66,7 +66,7 @@ def leave(points: NDArray[np.float64], loss: NDArray[np.float32] | None, *number
     work = np.zeros((surface_batch.ROWS, W), np.float32)
     work[batch.X // W :][:3, : len(points)] = points.T
     work[batch.ARRIVES // W] = 1
-    percentage_closer.transmittance(work.reshape(-1), len(points), *numbers[:2], given(loss, 3), *numbers[2:])
+    percentage_closer.transmittance(work.reshape(-1), len(points), *numbers[:2], given(loss, 4), *numbers[2:])
     return work[surface_batch.LEFT // W :][:3, : len(points)].T.astype(np.float64)
 
 
@@ -212,3 +212,19 @@ def test_light_that_strands_scatter_on_is_added_texel_by_texel() -> None:
     assert (green >= blue - 1e-6).all()
     assert (blue >= grey - 2e-3).all()
     assert (red - grey).max() > 0.05
+
+
+@pytest.mark.parametrize("light", [SUN, LAMP, replace(SUN, size=0.0)])
+def test_a_point_by_itself_is_lit_as_among_others(light: Light) -> None:
+    """Points are filtered in vectors, each of which reads as many texels as the widest window among them asks for."""
+    points = np.concatenate([on_ground(90), on_ground(60, 1, -0.3), on_ground(106, 2, 0.6)])
+    among = left(percentage_closer, light, points)
+    assert 20 < np.count_nonzero(among == 1) < 236
+    bounds = np.stack([LINES.world.min(0), LINES.world.max(0)]).astype(np.float64)
+    maps = plan_maps((light,), bounds, Scratch(), WIDE, SPACING)
+    assert maps is not None
+    maps.build(LINES, 1, Scratch())
+    packed = pack_lights((light,), maps, bounds)
+    numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
+    alone = np.concatenate([leave(one[None], None, *numbers) for one in points])[:, 0]
+    np.testing.assert_array_equal(alone, among)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, inlined
-from ....simd import any_lane, floor, gather4, lane_count, load, load3, pointer, store3, where
+from ....simd import any_lane, floor, gather, gather2, gather4, lane_count, load, load3, pointer, store3, where
 from ...common.kernels import batch
 from ...common.kernels.approximations import exp2, exp2_lanes
 from ...common.kernels.batch import ARRIVES, EXTRA, RADIANCE
@@ -38,8 +38,8 @@ def add_lobes(work, n, lights, i, rest, tables):
     M of the rest, None with tables that have none; tables: `MarschnerArrays` or `ChiangArrays`, read four channels at
     a time.
     """
-    for k in range(n, W):  # the unused lanes of the last vector must read valid nodes
-        work[batch.NODE_X + k] = work[batch.NODE_Y + k] = ZERO
+    for k in range(n, W):  # the unused lanes of the last vector must read valid nodes, and write nothing
+        work[batch.NODE_X + k] = work[batch.NODE_Y + k] = work[ARRIVES + k] = ZERO
     rows = pointer(work)
     for k in range(0, n, lane_count(rows)):
         arrives = load(rows, ARRIVES + k)
@@ -97,7 +97,7 @@ def azimuthal_lanes(m, place, tables, extra):
     tt_r, tt_g, tt_b = m_tt * tt_r, m_tt * tt_g, m_tt * tt_b
     trt_r, trt_g, trt_b = m_trt * trt_r, m_trt * trt_g, m_trt * trt_b
     if tables.paths.shape[0] > 0:
-        l_tt, l_trt, _, _ = mixed(tables.paths, ALL, place)
+        l_tt, l_trt = mixed_paths(tables.paths, place)
         tt_r = tt_r * left_of(extra[0], l_tt)
         tt_g = tt_g * left_of(extra[1], l_tt)
         tt_b = tt_b * left_of(extra[2], l_tt)
@@ -114,7 +114,7 @@ def rest_lanes(m, place, tables, extra):
     red, green, blue, _ = between(tables.nodes, REST, place)
     red, green, blue = m * red, m * green, m * blue
     if tables.paths.shape[0] > 0:
-        _, _, length, _ = between(tables.paths, ALL, place)
+        length = path_between(tables.paths, place)
         red, green, blue = (
             red * left_of(extra[0], length), green * left_of(extra[1], length), blue * left_of(extra[2], length)
         )  # fmt: skip
@@ -144,6 +144,30 @@ def between(table, c, place):
     a, b = gather4(rows, c, node, width, ZERO), gather4(rows, c + width * table.shape[1], node, width, ZERO)
     near, x = ONE - place.x, place.x
     return near * a[0] + x * b[0], near * a[1] + x * b[1], near * a[2] + x * b[2], near * a[3] + x * b[3]
+
+
+@inlined
+def mixed_paths(paths, place):
+    """Return the two first columns of paths, as `mixed`."""
+    rows, width = pointer(paths), paths.shape[2]
+    node = place.i * np.float32(paths.shape[1]) + place.j
+    across = width * paths.shape[1]
+    a, b = gather2(rows, ALL, node, width, ZERO), gather2(rows, width, node, width, ZERO)
+    d, e = gather2(rows, across, node, width, ZERO), gather2(rows, across + width, node, width, ZERO)
+    w00, w01, w10, w11 = place.w00, place.w01, place.w10, place.w11
+    return (
+        w00 * a[0] + w01 * b[0] + w10 * d[0] + w11 * e[0], w00 * a[1] + w01 * b[1] + w10 * d[1] + w11 * e[1]
+    )  # fmt: skip
+
+
+@inlined
+def path_between(paths, place):
+    """Return the mean path of the rest, as `between`."""
+    rows, width = pointer(paths), paths.shape[2]
+    node = place.i * np.float32(paths.shape[1]) + place.j
+    low = gather(rows, PATH_REST, node, width, ZERO)
+    high = gather(rows, PATH_REST + width * paths.shape[1], node, width, ZERO)
+    return (ONE - place.x) * low + place.x * high
 
 
 @inlined

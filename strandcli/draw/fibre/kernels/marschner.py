@@ -137,5 +137,4 @@ class MarschnerArrays(NamedTuple):
     nodes: NDArray[np.float32]
     """(n_θ, n_φ, 8) R, TT rgb, TRT rgb, 0: N_p times the peak of M_p times material.specular."""
     paths: NDArray[np.float32]
-    """(n_θ, n_φ, 4) log₂ e times the mean path length in TT and TRT, in radii; 0, 0; no nodes where no colour
-    varies."""
+    """(n_θ, n_φ, 2) log₂ e times the mean path length in TT and TRT, in radii; no nodes where no colour varies."""
