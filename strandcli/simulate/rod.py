@@ -28,12 +28,15 @@ from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
 from .material import COIL_STEP, MOST_INNER, integrator_of, torsion
 from .rod_kernel import StepKernel
+from .rod_pinned import HEAVY, Pins
+from .rod_pinned import TOLERANCE as PINNED_TOLERANCE
 from .rod_setup import (
     forcing_of,
     hinged,
     material_of,
     matter_of,
     packed,
+    pinned,
     precision_of,
     rest_of,
     shape_of,
@@ -108,12 +111,15 @@ class RodSolver(Solver):
         self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
         self.forcing.numbers[TORSION] = torsion(rod, shape.coiled)
         self.mass = self.material.mass.copy()
+        self.pins = Pins(self.state, self.pose) if pinned(scene, deforming) else None
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
         if self.deforming is not None and shape.curled:
             rows = self.material.bends[:, 0].reshape(-1, 3, PACK).transpose(0, 2, 1)
             self._across = rows.reshape(-1, 3)[: self.strands].copy()
         self._dragged: float | None = None
+        self._moment = 0.0, 0.0
+        """End of the step that is made, and its length, seconds."""
         self._least_damping = LEAST_DAMPING[flags.second] if shape.coiled else 0.0
         self._gravity = tuple(self.surroundings.gravity.tolist())
         self._last_step = 0.0
@@ -149,6 +155,11 @@ class RodSolver(Solver):
             self.crowd.restore(state)
         if self.contact is not None:
             self.contact.penetration = float(state["found"][0])
+
+    def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
+        """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
+        self.pins = self.pins or Pins(self.state, self.pose)
+        self.pins.bring(at, seconds)
 
     def _pose(self, time: float) -> Pose:
         """The emitter's pose; at rest where no rule carries the roots along."""
@@ -187,6 +198,7 @@ class RodSolver(Solver):
         if gust is not None:
             self.forcing.gust[...] = gust.reshape(-1, PACK)[: len(self.forcing.gust)]
         around.solids(time, dt, pose if self.carried else None)
+        self._moment = time, dt
         air = around.air(time)
         if self.crowd is not None:
             strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
@@ -227,10 +239,15 @@ class RodSolver(Solver):
         """Run the kernel to a pose of the emitter; ``numbers`` are those of `Forcing` up to friction."""
         self.forcing.numbers[: FRICTION + 1] = numbers
         now, past = flat(pose), flat(self.pose)
+        if self.pins is not None:
+            self.forcing.numbers[TOLERANCE] = min(self.forcing.numbers[TOLERANCE], PINNED_TOLERANCE)
+            self.pins.aim(self.state, self.forcing, pose, *self._moment)
         self.forcing.pose[:] = (*now, *map(sub, now, past))
         dragged = self.forcing.numbers[VELOCITY_STEP] * numbers[DRAG]
         if dragged != self._dragged:
             np.multiply(self.mass, 1 + dragged, out=self.material.mass)
+            if self.pins is not None:
+                self.material.mass[-1] *= HEAVY
             self._dragged = dragged
         self.kernel.run()
 

@@ -120,6 +120,17 @@ def hinged(scene: Scene, matter: Matter, shape: Shape) -> Matter:
     return matter._replace(joint=joint)
 
 
+def pinned(scene: Scene, deforming: bool) -> bool:
+    """Return whether tips are pinned. Raises `UsageError` where pins have no place."""
+    if scene.rod.end == "free":
+        return False
+    if deforming:
+        raise UsageError(
+            f"{scene.source or 'scene'}: rod.end: tips cannot be pinned on an emitter that deforms; use end: free"
+        )
+    return True
+
+
 def world_edges(shape: Shape, pose: Pose) -> Iterator[Floats]:
     """The edges of a shape in the world, (strands, 3) each: one at a time, since all take much memory."""
     turn = np.array(pose.rotation)

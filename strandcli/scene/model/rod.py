@@ -40,6 +40,11 @@ class Rod:
         ("clamped", "hinged"),
         doc="clamped: along the direction of emission; hinged: turns freely about its place",
     )
+    end: str = choice(
+        "free",
+        ("free", "pinned"),
+        doc="of the tip: free; or pinned where it is emitted, as the emitter carries it, about which it turns freely",
+    )
     torsion: float | None = number(
         None, above=0, high=10,
         doc="torsional over bending rigidity of curled strands, of a round rod 1 / (1 + Poisson's ratio), about 0.7: "
