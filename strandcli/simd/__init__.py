@@ -20,7 +20,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
     x, y, z = load_deinterleaved(rows, o)   vectors of every third number from places o, o + 1 and o + 2 on
     deinterleave(rows, o, count, work, to, stride)   the same of so many triples, into an array
-    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x),
+    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x), sine(x), cosine(x),
     power_of_two(x)
     where(x < y, a, b)               lane by lane, also for !=; masks are joined with &, | and ~
     any_lane(x < y)                  whether it holds in any lane
@@ -49,6 +49,7 @@ from .arithmetic import has_fma
 from .lanes import (
     any_lane,
     broadcast,
+    cosine,
     count_true,
     floor,
     lane,
@@ -56,6 +57,7 @@ from .lanes import (
     no_fma,
     power_of_two,
     reduce_max,
+    sine,
     sqrt,
     where,
     with_lane,
@@ -85,6 +87,7 @@ __all__ = [
     "any_lane",
     "array_at",
     "broadcast",
+    "cosine",
     "count_true",
     "deinterleave",
     "floor",
@@ -106,6 +109,7 @@ __all__ = [
     "prefetch",
     "prefetch3",
     "reduce_max",
+    "sine",
     "sqrt",
     "store",
     "store3",

@@ -28,12 +28,15 @@ from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
 from .material import COIL_STEP, MOST_INNER, integrator_of, torsion
 from .rod_kernel import StepKernel
+from .rod_pinned import HEAVY, Pins
+from .rod_pinned import TOLERANCE as PINNED_TOLERANCE
 from .rod_setup import (
     forcing_of,
     hinged,
     material_of,
     matter_of,
     packed,
+    pinned,
     precision_of,
     rest_of,
     shape_of,
@@ -41,7 +44,8 @@ from .rod_setup import (
     with_coils,
     world_edges,
 )
-from .rod_teleport import Jumps, carry, stop
+from .rod_teleport import Jumps, carry, stop, turned
+from .rod_yield import yielding_of
 from .solver import Solver
 from .surroundings import Surroundings, flat, pose_of
 
@@ -108,12 +112,15 @@ class RodSolver(Solver):
         self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
         self.forcing.numbers[TORSION] = torsion(rod, shape.coiled)
         self.mass = self.material.mass.copy()
+        self.pins = Pins(self.state, self.pose) if pinned(scene, deforming) else None
+        self.yielding = yielding_of(scene, self.material)
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
         if self.deforming is not None and shape.curled:
             rows = self.material.bends[:, 0].reshape(-1, 3, PACK).transpose(0, 2, 1)
             self._across = rows.reshape(-1, 3)[: self.strands].copy()
         self._dragged: float | None = None
+        self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
         self._least_damping = LEAST_DAMPING[flags.second] if shape.coiled else 0.0
         self._gravity = tuple(self.surroundings.gravity.tolist())
         self._last_step = 0.0
@@ -127,7 +134,8 @@ class RodSolver(Solver):
         last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
         crowd = {} if self.crowd is None else self.crowd.state_arrays()
         found = {} if self.contact is None else {"found": np.array([self.contact.penetration])}
-        return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd, **found}
+        rest = {} if self.yielding is None else {"bends": self.material.bends}
+        return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd, **found, **rest}
 
     def check(self, state: Mapping[str, NDArray[Any]], frame: int) -> None:
         """Raise `ValueError` for a state that is none of a frame."""
@@ -149,6 +157,13 @@ class RodSolver(Solver):
             self.crowd.restore(state)
         if self.contact is not None:
             self.contact.penetration = float(state["found"][0])
+        if self.yielding is not None:
+            self.material.bends[...] = state["bends"]
+
+    def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
+        """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
+        self.pins = self.pins or Pins(self.state, self.pose)
+        self.pins.bring(at, seconds)
 
     def _pose(self, time: float) -> Pose:
         """The emitter's pose; at rest where no rule carries the roots along."""
@@ -187,6 +202,7 @@ class RodSolver(Solver):
         if gust is not None:
             self.forcing.gust[...] = gust.reshape(-1, PACK)[: len(self.forcing.gust)]
         around.solids(time, dt, pose if self.carried else None)
+        self._moment = time, dt
         air = around.air(time)
         if self.crowd is not None:
             strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
@@ -198,6 +214,8 @@ class RodSolver(Solver):
         short = run() is None if self.contact is None else self.contact.step(run, self)
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
+        if self.yielding is not None:
+            self.yielding.follow(self.state, self.material, self.forcing, pose)
         self.pose, self._last_step = pose, dt
         return short
 
@@ -212,13 +230,13 @@ class RodSolver(Solver):
             across = np.einsum("nij,nj->ni", self.deforming.turns(time), self._across)
             self.material.bends[:, 0] = packed(across, self.dtype)
         forcing.roots[...], forcing.directions[...] = packed(roots, self.dtype), packed(directions, self.dtype)
-        forcing.drift[...] = _turned(past, forcing.roots - before).reshape(forcing.drift.shape)
+        forcing.drift[...] = turned(past, forcing.roots - before).reshape(forcing.drift.shape)
 
     def _root_velocity(self, pose: Pose, dt: float) -> NDArray[Any]:
         """Return (P, 3 S) the velocity of the roots in a step that ends at a pose, m/s."""
         now, past = (np.array(part, self.dtype) for part in (pose.rotation, self.pose.rotation))
         moved = np.subtract(pose.translation, self.pose.translation).astype(self.dtype)
-        way = _turned(now - past, self.forcing.roots) + moved[:, None]
+        way = turned(now - past, self.forcing.roots) + moved[:, None]
         if len(self.forcing.drift) == len(way):
             way = way + self.forcing.drift.reshape(way.shape)
         return np.asarray(way / self.dtype(dt)).reshape(self.forcing.roots.shape)
@@ -227,10 +245,15 @@ class RodSolver(Solver):
         """Run the kernel to a pose of the emitter; ``numbers`` are those of `Forcing` up to friction."""
         self.forcing.numbers[: FRICTION + 1] = numbers
         now, past = flat(pose), flat(self.pose)
+        if self.pins is not None:
+            self.forcing.numbers[TOLERANCE] = min(self.forcing.numbers[TOLERANCE], PINNED_TOLERANCE)
+            self.pins.aim(self.state, self.forcing, pose, *self._moment)
         self.forcing.pose[:] = (*now, *map(sub, now, past))
         dragged = self.forcing.numbers[VELOCITY_STEP] * numbers[DRAG]
         if dragged != self._dragged:
             np.multiply(self.mass, 1 + dragged, out=self.material.mass)
+            if self.pins is not None:
+                self.material.mass[-1] *= HEAVY
             self._dragged = dragged
         self.kernel.run()
 
@@ -251,8 +274,8 @@ class RodSolver(Solver):
         """Put the first two rows where they are at a frame, to the bits of a step that ends there."""
         self._deform((frame - 1) / self.scene.time.fps)
         turn, moved = (np.array(part, self.dtype) for part in self._pose((frame - 1) / self.scene.time.fps))
-        roots = _turned(turn, self.forcing.roots) + moved[:, None]
-        before = roots - self.material.lengths[:, None] * _turned(turn, self.forcing.directions)
+        roots = turned(turn, self.forcing.roots) + moved[:, None]
+        before = roots - self.material.lengths[:, None] * turned(turn, self.forcing.directions)
         for row, at in enumerate((before, roots)):
             self.positions[:, row] = lanes(at.transpose(0, 2, 1).reshape(-1, 3)[: self.strands])
 
@@ -275,9 +298,3 @@ class RodSolver(Solver):
     def strand_residuals(self) -> NDArray[np.floating]:
         """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
         return self.groom.emitted(self.state.residuals.reshape(-1)[: self.strands])
-
-
-def _turned(turn: NDArray[Any], rows: NDArray[Any]) -> NDArray[Any]:
-    """Vectors (packs, 3 `PACK`) turned by a matrix, (packs, 3, `PACK`), in the order of sums that the kernel has."""
-    x, y, z = rows.reshape(-1, 3, PACK).transpose(1, 0, 2)
-    return np.stack([a * x + b * y + c * z for a, b, c in turn], 1)

@@ -101,7 +101,8 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
     if rest == "sag_free":
         mended = mended or dtype == np.float32
         edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
-    curled = rest == "sag_free" or not (rest == "straight" or straight([axes, *edges]))
+    bent = rest != "straight" and not straight([axes, *edges])
+    curled = bent or rest == "sag_free" or scene.rod.yield_strain is not None
     return Shape(axes, edges, mended, curled, curled and coiled(edges))
 
 
@@ -118,6 +119,17 @@ def hinged(scene: Scene, matter: Matter, shape: Shape) -> Matter:
     joint = matter.joint.copy()
     joint[0] = HINGE if shape.curled else 0.0
     return matter._replace(joint=joint)
+
+
+def pinned(scene: Scene, deforming: bool) -> bool:
+    """Return whether tips are pinned. Raises `UsageError` where pins have no place."""
+    if scene.rod.end == "free":
+        return False
+    if deforming:
+        raise UsageError(
+            f"{scene.source or 'scene'}: rod.end: tips cannot be pinned on an emitter that deforms; use end: free"
+        )
+    return True
 
 
 def world_edges(shape: Shape, pose: Pose) -> Iterator[Floats]:
@@ -137,6 +149,8 @@ def rest_of(scene: Scene, shape: Shape, matter: Matter, pose: Pose, dtype: Any) 
         return Rest(bends, twist, tension, matter.stiffness)
     edges = np.stack(shape.edges)
     targets = np.diff(np.concatenate([shape.axes[None], edges]), axis=0)
+    if scene.rod.rest == "straight":
+        targets = np.zeros_like(targets)
     angles = np.zeros((n, strands))
     stiffer = matter.stiffness
     if scene.rod.rest == "sag_free":

@@ -53,3 +53,9 @@ def stop(*arrays: NDArray[Any]) -> None:
     """Set arrays to zero."""
     for one in arrays:
         one[...] = 0
+
+
+def turned(turn: NDArray[Any], rows: NDArray[Any]) -> NDArray[Any]:
+    """Vectors (packs, 3 `PACK`) turned by a matrix, (packs, 3, `PACK`), in the order of sums that the kernel has."""
+    x, y, z = rows.reshape(-1, 3, PACK).transpose(1, 0, 2)
+    return np.stack([a * x + b * y + c * z for a, b, c in turn], 1)

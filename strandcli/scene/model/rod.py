@@ -40,10 +40,20 @@ class Rod:
         ("clamped", "hinged"),
         doc="clamped: along the direction of emission; hinged: turns freely about its place",
     )
+    end: str = choice(
+        "free",
+        ("free", "pinned"),
+        doc="of the tip: free; or pinned where it is emitted, as the emitter carries it, about which it turns freely",
+    )
     torsion: float | None = number(
         None, above=0, high=10,
         doc="torsional over bending rigidity of curled strands, of a round rod 1 / (1 + Poisson's ratio), about 0.7: "
         "coils are springs; steps become shorter where that takes it; absent: 4, of coils 0.25, at the usual steps",
+    )  # fmt: skip
+    yield_strain: float | None = number(
+        None, above=0, high=10,
+        doc="of bending, radius times curvature, beyond which strands keep a set: the rest shape follows; absent: none "
+        "does",
     )  # fmt: skip
     drag: float = number(1.0, low=0, high=1e6, unit="1/s", doc="rate at which strands take on the velocity of the air")
     damping: float = number(0.001, low=0, high=1e3, unit="s", doc="inner damping: bending moment a rate of bending")

@@ -39,23 +39,18 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     below ``tolerance``. In strands of more than `FINE` segments some may be greater, where the mean of all is small
     enough.
 
-    Where `Scheme.ahead`, rest shapes are set anew before the second iteration, which never is left out.
-
     From where H is indefinite in some lane on, iterations are steps of sequential quadratic programming: H is that of
     the present τ, not of the changed one. There energy is the merit function: a step after one that raised it has half
     the length.
     """
     n, mass, joint, tolerance = at.segments, material.mass, material.joint, forcing.numbers[TOLERANCE]
     least = 2 if scheme.ahead else 1
-    worst = broadcast(s, 0.0)
-    total = worst
+    worst = total = ever_indefinite = broadcast(s, 0.0)
     single_share = min(1.0, FINE / n)
     mean_share = EVEN / n
     step = broadcast(s, 1.0)
     past_energy = broadcast(s, rod.GREATEST_ERROR * rod.GREATEST_ERROR)
-    ever_indefinite = broadcast(s, 0.0)
-    indefinite = False
-    quadratic = False  # whether iterations are steps of quadratic programming
+    indefinite = quadratic = False  # the latter: whether iterations are steps of quadratic programming
     for count in range(-1, max(iterations, least) + 1):
         if count > least and not any_lane(min(worst, max(single_share * worst, mean_share * total)) > tolerance):
             break
@@ -67,17 +62,14 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
         quadratic = count > 0 and (indefinite or quadratic)
         if count > 0:
             far = quadratic or any_lane(worst > rod.FAR)
-            ahead = scheme.ahead and count == 2
-            if ahead:
+            ahead = scheme.ahead and count == least
+            if ahead:  # before the second iteration, which never is left out
                 rod_curl.set_rest(s, at, state, material, forcing, True, True)
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR
                 energy = rod.retract(s, n, mass, joint, chosen)
-                if refactorise:
-                    rod_elimination.factorise_bounded(s, n, mass, joint)
-                else:
-                    rod_elimination.set_loads(s, n, mass, joint)
+                set_loads(s, n, mass, joint, refactorise)
                 if quadratic:
                     step = next_step(s, step, chosen, energy > past_energy * RISE, count)
                     past_energy = where(chosen, energy, past_energy)
@@ -98,6 +90,15 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     if quadratic:
         rod_elimination.factorise_bounded(s, n, mass, joint)
     return worst
+
+
+@device
+def set_loads(s, n, mass, joint, refactorise):
+    """Set the loads of the present edges and τ, and the pivots too where ``refactorise``."""
+    if refactorise:
+        rod_elimination.factorise_bounded(s, n, mass, joint)
+    else:
+        rod_elimination.set_loads(s, n, mass, joint)
 
 
 @device

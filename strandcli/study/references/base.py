@@ -25,6 +25,7 @@ NEEDS = {
     "tip mass": "a mass on the tip",
     "two ends": "a strand held at both ends",
     "twist": "twist",
+    "turned end": "an end that is turned",
     "contact": "contact between strands",
     "interaction": "strands that push each other apart",
 }

@@ -1,6 +1,6 @@
 """Twist: a straight rod, clamped at both ends, coils when one end is turned hard enough (Greenhill 1883).
 
-No solver here holds a strand at both ends and turns one of them, so that none can be measured: every one of them reads
+No solver here turns an end of a strand that it holds at both, so that none can be measured: every one of them reads
 "not represented". `spring` measures twist.
 """
 
@@ -43,7 +43,7 @@ REFERENCE = Reference(
     title="a twisted rod that coils",
     metric="moment",
     unit="of the moment",
-    needs=("bending", "two ends", "twist"),
+    needs=("bending", "two ends", "twist", "turned end"),
     span=20.0,
     exact=exact,
     case=case,

@@ -1,0 +1,65 @@
+"""Tips that are pinned: hinges about places that the emitter carries along.
+
+A pinned particle weighs so much that nothing moves it, and what it has before a step is the velocity that leads to its
+place. So the compiled step knows of no pins, and strands without them are stepped as ever.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..constants import W
+from .kernels.records import AIR, DRAG, GRAVITY, STEP, VELOCITY_STEP, Forcing, State
+from .kernels.rod_scratch import PACK
+
+if TYPE_CHECKING:
+    from ..scene.motion import Pose
+
+HEAVY = 1e6
+"""Factor of a pinned particle's mass."""
+TOLERANCE = 1e-6
+"""Error of |e|² at which iterations stop, in single precision: what is left moves tips off their places."""
+
+
+def tips(state: State) -> NDArray[np.float64]:
+    """(P, 3, `PACK`) where the last particles of strands are, metres."""
+    rows = state.positions[:, -1].reshape(-1, 3, W // PACK, PACK).transpose(0, 2, 1, 3).reshape(-1, 3, PACK)
+    return np.asarray(rows[: len(state.edges)], np.float64)
+
+
+class Pins:
+    """Where tips are pinned: ``places`` (P, 3, `PACK`) metres in the emitter's frame."""
+
+    def __init__(self, state: State, pose: Pose) -> None:
+        """Pins tips where they are, with the emitter in a pose."""
+        away = tips(state) - np.array(pose.translation)[:, None]
+        self.places = np.einsum("ji,pjk->pik", np.array(pose.rotation), away)
+        self._starts, self._seconds = self.places, 0.0
+
+    def bring(self, place: tuple[float, float, float], seconds: float) -> None:
+        """Bring all tips to a place of the emitter's frame, metres, in so many seconds."""
+        self.places, self._seconds = np.broadcast_to(np.array(place)[:, None], self._starts.shape), seconds
+
+    def aim(self, state: State, forcing: Forcing, pose: Pose, time: float, dt: float) -> None:
+        """Give tips the velocity that leads to their places at the end of a step of ``dt`` seconds at ``time``, with
+        the emitter in a pose, whatever else the step adds (`kernels.rod_start`)."""
+        share = min(max(time, 0.0) / self._seconds, 1.0) if self._seconds > 0 else 1.0
+        local = self._starts + share * (self.places - self._starts)
+        goals = np.einsum("ij,pjk->pik", np.array(pose.rotation), local) + np.array(pose.translation)[:, None]
+        way = goals - tips(state)
+        numbers = forcing.numbers.astype(np.float64)
+        h, g, drag = numbers[STEP], numbers[VELOCITY_STEP], numbers[DRAG]
+        if len(state.touching) == len(way):  # strands that touch a solid take Euler's method
+            touching = state.touching[:, None] > 0
+            h, g = np.where(touching, dt, h), np.where(touching, dt, g)
+        air = drag * forcing.gust[:, None] * numbers[AIR : AIR + 3, None]
+        velocity = way * (1 + drag * g) / h - g * (numbers[GRAVITY : GRAVITY + 3, None] + air)
+        for member in (state.velocity, state.ahead):
+            if len(member) == len(way):
+                member[:, -1] = velocity.reshape(len(way), -1)
+        for member in (state.moved, state.push, state.crowd):
+            if len(member) == len(way):
+                member[:, -1] = 0

@@ -1,0 +1,82 @@
+"""Tips that are pinned: the catenary, places that the emitter carries along, checkpoints."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from strand_kit import scene_of
+from strandcli.errors import UsageError
+from strandcli.groom.emit import emit
+from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod_setup import pinned
+from strandcli.study.exactness import scene_of as reference_scene
+from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
+from strandcli.study.references import catenary
+
+
+def hanging(particles: int, integrator: str) -> float:
+    """Greatest distance from the catenary, as a share of the length."""
+    case = catenary.case(particles)
+    scene = reference_scene(case, CONTESTANTS["rod"], {"rod.integrator": integrator})
+    track, _ = follow(lambda: prepare(CONTESTANTS["rod"], scene, case), 1 / 24, 10.0, False)
+    error = catenary.measure(track)["shape"]
+    assert error is not None
+    return error
+
+
+@pytest.mark.parametrize("integrator", ["euler", "bdf2"])
+def test_a_limp_strand_between_two_points_is_a_catenary(integrator: str) -> None:
+    coarse, fine = hanging(7, integrator), hanging(21, integrator)
+    assert fine < 6e-4
+    assert math.log(coarse / fine) / math.log(20 / 6) > 1.8
+
+
+def slack(more: str = "", end: str = "pinned") -> RodSolver:
+    """Loose curls on an emitter that turns and moves, whose rest shape is straight."""
+    scene = scene_of(
+        f"solver: rod\nrod: {{rest: straight, root: hinged, end: {end}, young: 1.0e+7, {more}}}\ntime: {{fps: 24}}\n"
+        "emitter: {shape: {kind: disc, radius: 0.05}, strands: 20, particles: 20, length: 0.3, curl_turns: 2, "
+        "curl_angle: 50, keys: [{time: 0}, {time: 1, position: [0.2, 0.1, 0], rotation: [0, 70, 30]}]}\n"
+        "rules: [emitter_motion, gravity, wind: {strength: 2}]\n"
+    )
+    return RodSolver(scene, emit(scene.emitter, scene.seed))
+
+
+def tips(solver: RodSolver) -> np.ndarray:
+    """(strands, 3) in the emitter's frame."""
+    away = solver.particles()[:, -1].astype(np.float64) - np.array(solver.pose.translation)
+    return away @ np.array(solver.pose.rotation)
+
+
+@pytest.mark.parametrize("more", ["integrator: euler", "integrator: bdf2", "drag: 30"])
+def test_tips_stay_where_the_emitter_carries_them(more: str) -> None:
+    solver, free = slack(more), slack(more, "free")
+    start = tips(solver)
+    for frame in range(2, 40):
+        for one in (solver, free):
+            one.advance(frame)
+        errors = solver.errors(frame)
+        assert errors["nonfinite"] == 0
+        assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
+        assert np.abs(tips(solver) - start).max() < 2e-4 * 0.3
+    assert np.abs(tips(free) - start).max() > 0.1
+
+
+def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:
+    whole, half = slack(), slack()
+    whole.advance(12)
+    half.restore(whole.state_arrays())
+    for one in (whole, half):
+        one.frame = 12
+        one.advance(20)
+    np.testing.assert_array_equal(whole.particles(), half.particles())
+
+
+def test_pins_on_what_deforms_are_refused_by_name() -> None:
+    scene: Any = slack().scene
+    with pytest.raises(UsageError, match=r"rod\.end: tips cannot be pinned on an emitter that deforms"):
+        pinned(scene, True)
