@@ -31,7 +31,7 @@ help:
 	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own; best beside libllvm19"
 	@echo "make check-against-blender   .abc and .usd in Blender and back, in an environment of its own; 400 MB, Python 3.11 or 3.13"
 	@echo "make faults     every place where a command writes fails once in every way; some minutes"
-	@echo "make kills      200 renders killed at random moments, 20 ended by SIGTERM, 1,000 damaged kernel caches, 200 cold starts; an hour"
+	@echo "make kills      200 renders killed at random moments, 20 ended by SIGTERM, 1,000 damaged kernel caches, 200 cold starts; half an hour"
 	@echo "make dask       workers of real Dask clusters, one of them killed, in an environment of its own"
 	@echo "make plan-figures   memory and time as planned beside those that runs take; some minutes"
 	@echo "make fuzz       read damaged files of all that strandcli reads, 100,000 of each format and kind; hours"

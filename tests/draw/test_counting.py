@@ -39,7 +39,8 @@ def drawn(scene: Scene, kind: type[Renderer]) -> Any:
 
 @pytest.mark.long
 def test_counts_of_sorted_strands_are_those_of_the_fragments_blended(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = scene_of(HAIRY % ("sorted", 2, "opacity"))
+    # a map of so many texels that few of the segments in it end near a border between two
+    scene = scene_of((HAIRY % ("sorted", 2, "opacity")).replace("size: 64", "size: 256, texel: 0.01"))
     lit, blended, lines = set(), 0, []
     blend, shadows = Canvas._blend, counting.count_in_maps
 
