@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import warnings
 from collections.abc import Iterator
@@ -20,6 +21,9 @@ PACKED = ("PNG", "JPEG", "MPO", "GIF", "BMP", "TGA", "PPM", "PCX", "ICO")
 """Pillow's names of formats in which a byte holds a limited number of pixels."""
 MOST_IN_A_BYTE = 8300
 """deflate packs at most 1032 bytes in one (zlib's technical details), of 8 pixels each; the others pack less."""
+
+# what it logs of damaged files would be told by Python's handler of last resort, beside the line that refuses them
+logging.getLogger("PIL").addHandler(logging.NullHandler())
 
 
 @contextmanager
