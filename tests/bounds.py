@@ -25,6 +25,8 @@ from strandcli.jit.pruned import device_where
 ROOT = Path(__file__).resolve().parents[1]
 SMALL = ("--strands", "60", "--particles", "6", "--size", "40x32", "--threads", "1", "-q", "--overwrite")
 PRESETS = sorted(path.stem for path in (ROOT / "presets").glob("*.yaml"))
+STILL = ("groom",)
+"""Presets of one frame."""
 LABELS = ("gaussianhaircut", "hairstep", "nerfstudio", "neuralhaircut")
 
 
@@ -80,7 +82,7 @@ def unnoticed() -> list[str]:
 def scenes(presets: list[str]) -> dict[str, list[str]]:
     """Commands by what they run."""
     small = {name: SMALL if name != "groom" else SMALL[4:] for name in presets}
-    found = {name: ["render", name, "-f", "2", "--no-html", *small[name]] for name in presets}
+    found = {name: ["render", name, "-f", "1" if name in STILL else "2", "--no-html", *small[name]] for name in presets}
     for layout in LABELS if presets == PRESETS else ():
         found[f"labels {layout}"] = ["dataset", "minimal", "--layout", layout, "--views", "1", *SMALL]
     return found
