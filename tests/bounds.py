@@ -25,8 +25,8 @@ from strandcli.jit.pruned import device_where
 ROOT = Path(__file__).resolve().parents[1]
 SMALL = ("--strands", "60", "--particles", "6", "--size", "40x32", "--threads", "1", "-q", "--overwrite")
 PRESETS = sorted(path.stem for path in (ROOT / "presets").glob("*.yaml"))
-STILL = ("groom",)
-"""Presets of one frame."""
+STILL, OF_FILES = ("groom",), ("groom", "rope")
+"""Presets of one frame, and those whose strands are from a file."""
 LABELS = ("gaussianhaircut", "hairstep", "nerfstudio", "neuralhaircut")
 
 
@@ -81,7 +81,7 @@ def unnoticed() -> list[str]:
 
 def scenes(presets: list[str]) -> dict[str, list[str]]:
     """Commands by what they run."""
-    small = {name: SMALL if name != "groom" else SMALL[4:] for name in presets}
+    small = {name: SMALL if name not in OF_FILES else SMALL[4:] for name in presets}
     found = {name: ["render", name, "-f", "1" if name in STILL else "2", "--no-html", *small[name]] for name in presets}
     for layout in LABELS if presets == PRESETS else ():
         found[f"labels {layout}"] = ["dataset", "minimal", "--layout", layout, "--views", "1", *SMALL]
