@@ -20,7 +20,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
     x, y, z = load_deinterleaved(rows, o)   vectors of every third number from places o, o + 1 and o + 2 on
     deinterleave(rows, o, count, work, to, stride)   the same of so many triples, into an array
-    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x), sine(x), cosine(x),
+    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x),
     power_of_two(x)
     where(x < y, a, b)               lane by lane, also for !=; masks are joined with &, | and ~
     any_lane(x < y)                  whether it holds in any lane
@@ -31,12 +31,10 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     no_fma(x * y) + z                rounds the product, where it would be fused
     prefetch3(rows, o, stride)       has the processor fetch what `load3` is going to read; any address is allowed
 
-Vectors of whole numbers can be loaded and stored,
-and no more. Numbers that are not vectors stand for lanes that are all
-equal. max and
-min return their first argument where one is NaN that comes second, as Numba's do. Rows are no more than an address:
-handing them on costs nothing, where an array's references are counted, and who calls keeps the array. Places are not
-checked, and arithmetic is IEEE 754's, so that bits are those of scalars.
+Vectors of whole numbers can be loaded and stored, and no more. Numbers that are not vectors stand for lanes that are
+all equal. max and min return their first argument where one is NaN that comes second, as Numba's do. Rows are no more
+than an address: handing them on costs nothing, where an array's references are counted, and who calls keeps the
+array. Places are not checked, and arithmetic is IEEE 754's, so that bits are those of scalars.
 
 Vectors of numbers at an address are fused: a product that is added or subtracted where it is written is not rounded
 before, as IEEE 754's fusedMultiplyAdd, of two products the second. That is one operation where it was two, and which
@@ -49,7 +47,6 @@ from .arithmetic import has_fma
 from .lanes import (
     any_lane,
     broadcast,
-    cosine,
     count_true,
     floor,
     lane,
@@ -57,7 +54,6 @@ from .lanes import (
     no_fma,
     power_of_two,
     reduce_max,
-    sine,
     sqrt,
     where,
     with_lane,
@@ -87,7 +83,6 @@ __all__ = [
     "any_lane",
     "array_at",
     "broadcast",
-    "cosine",
     "count_true",
     "deinterleave",
     "floor",
@@ -109,7 +104,6 @@ __all__ = [
     "prefetch",
     "prefetch3",
     "reduce_max",
-    "sine",
     "sqrt",
     "store",
     "store3",

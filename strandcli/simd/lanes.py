@@ -79,8 +79,6 @@ def _of_each(function: str, doc: str) -> Any:
 
 sqrt = _of_each("llvm.sqrt", "Square root.")
 floor = _of_each("llvm.floor", "The greatest whole number that is no greater.")
-sine = _of_each("llvm.sin", "Sine of radians, number by number: not to be used where time counts.")
-cosine = _of_each("llvm.cos", "Cosine likewise.")
 
 
 @intrinsic
