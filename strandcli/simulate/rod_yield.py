@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..constants import FOLD
-from ..errors import UsageError
 from .kernels.rod_scratch import PACK
 from .material import matter
 
@@ -65,14 +64,9 @@ class Yielding:
 
 
 def yielding_of(scene: Scene, material: Material) -> Yielding | None:
-    """Return what has rest shapes follow strands, where a preset asks for it. Raises `UsageError` for the rule contact,
-    which makes steps several times."""
+    """Return what has rest shapes follow strands, where a preset asks for it."""
     if scene.rod.yield_strain is None:
         return None
-    if any(use.name == "contact" for use in scene.rules):
-        raise UsageError(
-            f"{scene.source or 'scene'}: rod.yield_strain does not go with the rule contact; leave one of them out"
-        )
     return Yielding(scene.rod, material, len(material.joint))
 
 
