@@ -37,6 +37,8 @@ class Yielding:
 
     def follow(self, state: State, material: Material, forcing: Forcing, pose: Pose) -> None:
         """Have rest shapes follow the strands as they are, with the emitter in a pose."""
+        # t: edge before the joint; a, b: axes across it, carried along the strand as by `kernels.rod_curl`, before they
+        # are turned by the angle of twist; x, y: bend less rest, along the turned axes
         turn = np.array(pose.rotation, state.edges.dtype)
         edges = _vectors(state.edges)
         bends = material.bends.reshape(*material.bends.shape[:2], 3, PACK)
@@ -54,7 +56,7 @@ class Yielding:
             if beyond.any():
                 share = np.where(beyond, 1 - self.limits[j] / np.maximum(away, 1e-30), 0.0)
                 v, w = rest[:, 1] + share * x, rest[:, 2] + share * y
-                along = np.sqrt(np.maximum(1 - v * v - w * w, 0.0)) - 1
+                along = np.sqrt(np.maximum(1 - v * v - w * w, 0.0)) - 1  # t plus the rest is a unit vector
                 for c, value in enumerate((along, v, w)):
                     rest[:, c] = np.where(beyond, value, rest[:, c])
             angle = state.twist[:, j]
