@@ -86,7 +86,8 @@ def command(
     if as_json:
         options.print_json({"folder": str(folder), "files": [jobs.SCENE, *files], "chunks": list(chunks), "run": again})
     if not quiet:
-        say(f"{folder}: {len(numbers)} frames in {len(chunks)} tasks; start them with '{again}'", err=True)
+        tasks = "1 task; start it" if len(chunks) == 1 else f"{len(chunks)} tasks; start them"
+        say(f"{folder}: {len(numbers)} frames in {tasks} with '{again}'", err=True)
 
 
 def _simulated(scene: Scene, numbers: tuple[int, ...]) -> str:

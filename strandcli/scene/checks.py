@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from .checks_of_file import clashes, mesh_clashes
+from .checks_of_rod import rod_clashes
 from .faults import hint, shown
 from .fields import Vector
 from .model import (
@@ -52,7 +53,7 @@ def findings(scene: Scene) -> Iterator[Finding]:
     """Everything wrong with ``scene`` that no single setting shows, rules' own checks apart."""
     if scene.emitter.groom is None:
         yield from _spacing(scene.emitter)
-    for paths, message in (*clashes(scene), *mesh_clashes(scene)):
+    for paths, message in (*clashes(scene), *mesh_clashes(scene), *rod_clashes(scene)):
         yield Finding(paths, message, paths)
     yield from _mesh(scene.emitter)
     yield from _tie(scene.emitter, scene.solids)

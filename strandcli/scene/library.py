@@ -41,6 +41,8 @@ def no_such_preset(name: str, others: tuple[str, ...] = ()) -> str:
     inside = (shipped for shipped in names if shipped.rpartition("/")[2] == name)  # fig02 for figures/fig02
     guess = next(inside, None) or near(name, [*others, *names])
     meant = f"did you mean {shown(guess)}? " if guess else ""
+    if name.endswith(SUFFIXES):  # a path, which the list of shipped names does not help with
+        return f"no preset {shown(name)}: there is no such file" + (f"; {meant.strip()}" if guess else "")
     return f"no preset {shown(name)}; {meant}`strandcli presets list` shows what is shipped"
 
 

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from .. import solids
 from ..groom.record import Groom
+from ..scene.fields import settings_of
+from ..scene.model import Rod
 from ..scene.motion import emitter_pose, own_pose, solid_pose
 from ..scene.touched import touched
 from ..solids.shapes import other, other_code
@@ -47,6 +49,7 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
     for use in scene.rules:
         if scene.solver == "rod" and use.name == "stiffness" and use.parameters.strength > 0:
             found.append(f"rule {use.path}: ignored, rods bend by their material; set rod.young and rod.radius instead")
+    found += _idle_rod(scene)
     collisions = [use for use in scene.rules if use.name == "collision"]
     numbers = {id(solid): place for place, solid in enumerate(scene.solids)}
     whole = any(use.parameters.segments for use in collisions)
@@ -70,6 +73,17 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
                 f"passes between two particles unnoticed; {_catching(scene)}, or use more emitter.particles"
             )
     return found + _broken_loops(scene) + softness(scene, groom) + _fast_coils(scene, groom)
+
+
+def _idle_rod(scene: Scene) -> list[str]:
+    """Return a warning for settings of ``rod`` beside another solver. Panels that compare solvers share them."""
+    if scene.solver == "rod" or scene.label:
+        return []
+    keys = [key for key, setting in settings_of(Rod).items() if getattr(scene.rod, key) != setting.spec.default]
+    if not keys:
+        return []
+    names = ", ".join(f"rod.{key}" for key in keys)
+    return [f"{names}: ignored by solver {scene.solver}; set solver: rod to have {'them' if keys[1:] else 'it'} act"]
 
 
 def _meshes(scene: Scene, groom: Groom) -> list[str]:

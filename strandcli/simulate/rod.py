@@ -36,7 +36,6 @@ from .rod_setup import (
     material_of,
     matter_of,
     packed,
-    pinned,
     precision_of,
     rest_of,
     shape_of,
@@ -112,7 +111,7 @@ class RodSolver(Solver):
         self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
         self.forcing.numbers[TORSION] = torsion(rod, shape.coiled)
         self.mass = self.material.mass.copy()
-        self.pins = Pins(self.state, self.pose) if pinned(scene, deforming) else None
+        self.pins = Pins(self.state, self.pose) if rod.end == "pinned" else None
         self.yielding = yielding_of(scene, self.material)
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""

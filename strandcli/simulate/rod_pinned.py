@@ -45,19 +45,20 @@ class Pins:
 
     def aim(self, state: State, forcing: Forcing, pose: Pose, time: float, dt: float) -> None:
         """Give tips the velocity that leads to their places at the end of a step of ``dt`` seconds at ``time``, with
-        the emitter in a pose, whatever else the step adds (`kernels.rod_start`)."""
+        the emitter in a pose. `kernels.rod_start` predicts u* = h / (1 + γ g) (v + g (gravity + γ wind)), with the rate
+        γ of drag: solved for v, where u* is the way to go."""
         share = min(max(time, 0.0) / self._seconds, 1.0) if self._seconds > 0 else 1.0
         local = self._starts + share * (self.places - self._starts)
         goals = np.einsum("ij,pjk->pik", np.array(pose.rotation), local) + np.array(pose.translation)[:, None]
         way = goals - tips(state)
         numbers = forcing.numbers.astype(np.float64)
-        h, g, drag = numbers[STEP], numbers[VELOCITY_STEP], numbers[DRAG]
+        h, g, drag = numbers[STEP], numbers[VELOCITY_STEP], numbers[DRAG]  # h_x, h_v and γ of docs/solvers.md
         if len(state.touching) == len(way):  # strands that touch a solid take Euler's method
             touching = state.touching[:, None] > 0
             h, g = np.where(touching, dt, h), np.where(touching, dt, g)
         air = drag * forcing.gust[:, None] * numbers[AIR : AIR + 3, None]
         velocity = way * (1 + drag * g) / h - g * (numbers[GRAVITY : GRAVITY + 3, None] + air)
-        for member in (state.velocity, state.ahead):
+        for member in (state.velocity, state.ahead):  # arrays that a scene does not need are empty
             if len(member) == len(way):
                 member[:, -1] = velocity.reshape(len(way), -1)
         for member in (state.moved, state.push, state.crowd):

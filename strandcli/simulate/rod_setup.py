@@ -107,29 +107,12 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
 
 
 def hinged(scene: Scene, matter: Matter, shape: Shape) -> Matter:
-    """Return the material with the root's joint as ``rod.root`` asks for. Raises `UsageError` for roots that cannot
-    hold what a sag-free start asks of them."""
+    """Return the material with the root's joint as ``rod.root`` asks for."""
     if scene.rod.root == "clamped":
         return matter
-    if scene.rod.rest == "sag_free":
-        raise UsageError(
-            f"{scene.source or 'scene'}: rod.root: hinged roots hold no strand up, as rest: sag_free asks of "
-            "them; use root: clamped, or rest: shape"
-        )
     joint = matter.joint.copy()
     joint[0] = HINGE if shape.curled else 0.0
     return matter._replace(joint=joint)
-
-
-def pinned(scene: Scene, deforming: bool) -> bool:
-    """Return whether tips are pinned. Raises `UsageError` where pins have no place."""
-    if scene.rod.end == "free":
-        return False
-    if deforming:
-        raise UsageError(
-            f"{scene.source or 'scene'}: rod.end: tips cannot be pinned on an emitter that deforms; use end: free"
-        )
-    return True
 
 
 def world_edges(shape: Shape, pose: Pose) -> Iterator[Floats]:

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..constants import FOLD
-from ..errors import UsageError
 from .kernels.rod_scratch import PACK
 from .material import matter
 
@@ -38,6 +37,8 @@ class Yielding:
 
     def follow(self, state: State, material: Material, forcing: Forcing, pose: Pose) -> None:
         """Have rest shapes follow the strands as they are, with the emitter in a pose."""
+        # t: edge before the joint; a, b: axes across it, carried along the strand as by `kernels.rod_curl`, before they
+        # are turned by the angle of twist; x, y: bend less rest, along the turned axes
         turn = np.array(pose.rotation, state.edges.dtype)
         edges = _vectors(state.edges)
         bends = material.bends.reshape(*material.bends.shape[:2], 3, PACK)
@@ -55,7 +56,7 @@ class Yielding:
             if beyond.any():
                 share = np.where(beyond, 1 - self.limits[j] / np.maximum(away, 1e-30), 0.0)
                 v, w = rest[:, 1] + share * x, rest[:, 2] + share * y
-                along = np.sqrt(np.maximum(1 - v * v - w * w, 0.0)) - 1
+                along = np.sqrt(np.maximum(1 - v * v - w * w, 0.0)) - 1  # t plus the rest is a unit vector
                 for c, value in enumerate((along, v, w)):
                     rest[:, c] = np.where(beyond, value, rest[:, c])
             angle = state.twist[:, j]
@@ -65,14 +66,9 @@ class Yielding:
 
 
 def yielding_of(scene: Scene, material: Material) -> Yielding | None:
-    """Return what has rest shapes follow strands, where a preset asks for it. Raises `UsageError` for the rule contact,
-    which makes steps several times."""
+    """Return what has rest shapes follow strands, where a preset asks for it."""
     if scene.rod.yield_strain is None:
         return None
-    if any(use.name == "contact" for use in scene.rules):
-        raise UsageError(
-            f"{scene.source or 'scene'}: rod.yield_strain does not go with the rule contact; leave one of them out"
-        )
     return Yielding(scene.rod, material, len(material.joint))
 
 

@@ -190,7 +190,8 @@ def test_somebody_elses_page_stays(command: Runner) -> None:
 
 
 def test_studies_and_the_stability_matrix_have_pages(command: Runner) -> None:
-    assert command("study", "--reference", "catenary", "--solver", "rod", "--solver", "thesis", "--substeps", "1", "-o", "s", "-q").code == 0
+    solvers = "--solver", "rod", "--solver", "thesis", "--substeps", "1"
+    assert command("study", "--reference", "catenary", *solvers, "-o", "s", "-q").code == 0
     read = Read(Path("s/catenary.html").read_bytes())
     own(read)
     assert "thesis: not represented: a strand held at both ends" in "".join(read.words)

@@ -57,7 +57,8 @@ def test_a_preset_that_is_not_there() -> None:
     assert fails("fig02") == f"no preset 'fig02'; did you mean 'figures/fig02'? {listing}"
     assert fails("zzzzzz") == f"no preset 'zzzzzz'; {listing}"
     write("my/scene.yaml", "seed: 1")
-    assert "did you mean 'my/scene.yaml'?" in fails("my/scen.yaml")
+    assert fails("my/scen.yaml") == "no preset 'my/scen.yaml': there is no such file; did you mean 'my/scene.yaml'?"
+    assert fails("zzzzzz.yaml") == "no preset 'zzzzzz.yaml': there is no such file"
 
 
 @pytest.mark.parametrize("name", ["", "\0", "a\0b.yaml", "x" * 5000, "x" * 5000 + ".yaml", "../hair", "/", "a\nb", "~"])

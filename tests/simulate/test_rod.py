@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 import strandcli
+from strand_kit import groom_of, scene_of
 from strandcli import runtime
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
+from strandcli.simulate import advice, rod_kernel
 from strandcli.simulate import rod as rod_solver
-from strandcli.simulate import rod_kernel
 from strandcli.simulate.kernels import rod_step, work_queue
 from strandcli.simulate.material import rigidity
 from strandcli.simulate.rod import RodSolver
@@ -244,3 +245,13 @@ def test_the_compiled_step_can_be_kept_in_the_cache(step: Any) -> None:
     work_queue.address(step)
     (made,) = step.overloads.values()
     assert not made.library.has_dynamic_globals
+
+
+def test_settings_of_rods_beside_another_solver_are_warned_of() -> None:
+    idle = scene_of("rod: {end: pinned, drag: 2}\n")
+    assert advice.warnings(idle, groom_of(idle)) == [
+        "rod.end, rod.drag: ignored by solver thesis; set solver: rod to have them act"
+    ]
+    for fine in ("solver: rod\nrod: {drag: 2}\n", "rod: {drag: 1}\n"):
+        scene = scene_of(fine)
+        assert advice.warnings(scene, groom_of(scene)) == []

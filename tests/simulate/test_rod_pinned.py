@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from strand_kit import scene_of
-from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
+from strandcli.scene import SceneError
 from strandcli.simulate.rod import RodSolver
-from strandcli.simulate.rod_setup import pinned
 from strandcli.study.exactness import scene_of as reference_scene
 from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
 from strandcli.study.references import catenary
@@ -76,7 +75,13 @@ def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:
     np.testing.assert_array_equal(whole.particles(), half.particles())
 
 
-def test_pins_on_what_deforms_are_refused_by_name() -> None:
-    scene: Any = slack().scene
-    with pytest.raises(UsageError, match=r"rod\.end: tips cannot be pinned on an emitter that deforms"):
-        pinned(scene, True)
+def test_pins_on_what_deforms_are_refused_with_their_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    text = (
+        "solver: rod\nrod: {end: pinned}\n"
+        "emitter: {shape: {kind: mesh, file: a.obj, deform: [{time: 0, file: a.obj}, {time: 1, file: a.obj}]}}\n"
+    )
+    assert scene_of(text + "rules: [gravity]\n").rod.end == "pinned"  # such an emitter stands still
+    with pytest.raises(SceneError, match=r":2:\d+: rod\.end: tips cannot be pinned on an emitter that deforms"):
+        scene_of(text + "rules: [emitter_motion, gravity]\n")

@@ -90,7 +90,7 @@ def test_a_set_is_kept_in_checkpoints() -> None:
 
 
 def test_what_makes_steps_several_times_is_refused_by_name() -> None:
-    with pytest.raises(UsageError, match=r"rod\.yield_strain does not go with the rule contact"):
+    with pytest.raises(UsageError, match=r"rod\.yield_strain: does not go with the rule contact"):
         rod(rules="contact: {thickness: 0.01}")
 
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 from ...jit import inlined
 from ...simd import floor, where
 
-QUARTERS = 0.6366197723675814
-"""2 / π: quarter turns a radian."""
+QUARTERS_A_RADIAN = 0.6366197723675814
+"""2 / π."""
 QUARTER, QUARTER_REST, QUARTER_LAST = 1.5703125, 4.837512969970703e-4, 7.549789954891882e-8
 """π / 2 in three parts, the first two short enough for whole multiples of them to be exact in single precision."""
 
@@ -17,19 +17,21 @@ def cosine_sine(angle):
     """Cosine and sine of radians, to the last digits of either precision for some thousand turns.
 
     By the nearest quarter turn and Taylor's series about it, of which 1e-17 is left out (|rest| <= π / 4)."""
-    turns = floor(angle * QUARTERS + 0.5)
-    rest = angle - turns * QUARTER
-    rest = rest - turns * QUARTER_REST
-    rest = rest - turns * QUARTER_LAST
+    quarters = floor(angle * QUARTERS_A_RADIAN + 0.5)
+    rest = angle - quarters * QUARTER
+    rest = rest - quarters * QUARTER_REST
+    rest = rest - quarters * QUARTER_LAST
     q = rest * rest
+    # even: cosine of the rest; odd: its sine; coefficients are 1 over factorials, in two lines each
     even = q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q * (1.0 / 87178291200 - q * (1.0 / 20922789888000))))
     even = 1.0 - q * (0.5 - q * (1.0 / 24 - q * (1.0 / 720 - q * (1.0 / 40320 + even))))
     odd = q * (-1.0 / 39916800 + q * (1.0 / 6227020800 - q * (1.0 / 1307674368000 - q * (1.0 / 355687428096000))))
     odd = rest - rest * (q * (1.0 / 6 - q * (1.0 / 120 - q * (1.0 / 5040 - q * (1.0 / 362880 + odd)))))
-    half = 0.5 * turns
+    # which quarter it is, by the fractions of its number over two and four, compared with what they never are
+    half = 0.5 * quarters
     swapped = half - floor(half) > 0.25
     negative = 0.5 * half - floor(0.5 * half) > 0.4  # sine, in the third and the fourth quarter
-    fourth = 0.25 * (turns + 1.0)
+    fourth = 0.25 * (quarters + 1.0)
     behind = fourth - floor(fourth) > 0.4  # cosine, in the second and the third
     cosine, sine = where(swapped, odd, even), where(swapped, even, odd)
     return where(behind, -cosine, cosine), where(negative, -sine, sine)

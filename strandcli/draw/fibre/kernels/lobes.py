@@ -22,6 +22,7 @@ from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 GROWTH_LIMIT = np.float32(40.0)
+"""Of the exponent of 2 in `grown`, so that results are finite."""
 ALL = np.int64(0)
 """First of all channels."""
 R, TT, TRT, REST = (np.int64(c) for c in (0, 1, 4, 7))  # for each literal `mix` would be compiled anew
@@ -65,12 +66,13 @@ class Place(NamedTuple):
     """A place in the tables; all numbers are vectors."""
 
     i: Any
-    """Row of nodes, and node in it."""
+    """Row of nodes."""
     j: Any
+    """Node in that row."""
     x: Any
     """How far it is from that row to the next, 0 to 1."""
     w00: Any
-    """Weights of the four nodes about it."""
+    """Weights of the four nodes about it: this row's node j, its node j + 1, the same of the next row."""
     w01: Any
     w10: Any
     w11: Any
@@ -90,7 +92,7 @@ def place_of(rows, k):
 
 @device
 def azimuthal_lanes(m, place, tables, extra):
-    """R, TT and TRT of `azimuthal`, to its bits, of vectors; place: `Place`."""
+    """As `azimuthal` without the rest, with vectors and the same bits; place: `Place`."""
     _, tt_r, tt_g, tt_b = first = mixed(tables.nodes, ALL, place)
     trt_r, trt_g, trt_b, _ = mixed(tables.nodes, TRT, place)
     m_r, m_tt, m_trt = m
@@ -110,7 +112,7 @@ def azimuthal_lanes(m, place, tables, extra):
 
 @device
 def rest_lanes(m, place, tables, extra):
-    """The rest of `azimuthal`, to its bits, of vectors; place: `Place`."""
+    """The rest that `azimuthal` adds, with vectors and the same bits; place: `Place`."""
     red, green, blue, _ = between(tables.nodes, REST, place)
     red, green, blue = m * red, m * green, m * blue
     if tables.paths.shape[0] > 0:
@@ -123,7 +125,7 @@ def rest_lanes(m, place, tables, extra):
 
 @inlined
 def mixed(table, c, place):
-    """Return channels c to c + 3 of a table (A, B, C), as `mix`, of vectors."""
+    """Return channels c to c + 3 of a table (A, B, C), each as `mix` gives it, with vectors."""
     rows, width = pointer(table), table.shape[2]
     node = place.i * np.float32(table.shape[1]) + place.j
     across = c + width * table.shape[1]
@@ -172,7 +174,7 @@ def path_between(paths, place):
 
 @inlined
 def left_of(extra, length):
-    """`grown` of vectors."""
+    """As `grown`, with vectors."""
     return exp2_lanes(min(GROWTH_LIMIT, -extra * length))
 
 
