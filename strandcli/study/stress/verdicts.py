@@ -43,6 +43,7 @@ LIMITS: dict[str, tuple[str, float]] = {
     "pinned_off": ("<=", 1e-3),
     "pinned_off_told": ("", 0.0),
     "energy_gained": ("<=", 0.01),
+    "energy_gained_told": ("", 0.0),
     "closeness": ("", 0.0),
     "refused": (">=", 1.0),
 }
@@ -76,6 +77,7 @@ MEANING = {
     "pinned_off": "distance of pinned tips from their places, L",
     "pinned_off_told": "the same in long steps, or with anything in the way, L",
     "energy_gained": "energy gained where only weight works, m g L",
+    "energy_gained_told": "the same in long steps of bdf2, m g L",
     "closeness": "strands closer than their thickness, over it",
     "refused": "bad input refused by name",
 }
