@@ -259,6 +259,18 @@ def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump() -> 
     assert nearest_tips(past) > 2 * nearest_tips(alone.particles())
 
 
+def test_a_preset_with_contact_that_names_no_integrator_takes_the_one_that_goes_with_it() -> None:
+    text = CROSS.format(young=1e6) + RULE.format(d=0.01)
+    one = solver_of(text)
+    assert not one.second
+    assert one.contact is not None
+    one.advance(2)
+    assert one.errors(2)["nonfinite"] == 0
+    solver_of(text.replace("rod: {", "rod: {integrator: euler, "))
+    with pytest.raises(UsageError, match="bdf2 does not go with the rule contact; use auto or euler"):
+        solver_of(text.replace("rod: {", "rod: {integrator: bdf2, "))
+
+
 def nearest_tips(x: NDArray[Any]) -> float:
     apart = np.linalg.norm(x[:, None, -1] - x[None, :, -1], axis=2)
     return float(apart[np.triu_indices(len(x), 1)].min())

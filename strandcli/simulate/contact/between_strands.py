@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ...blocks import lanes
 from ...constants import W
 from ...groom.record import Groom
+from ..health import RESIDUAL_MOST
 from ..kernels.records import DAMPING, STEP, State
 from ..kernels.rod_scratch import PACK
 from ..material import contact_thickness
@@ -145,6 +146,7 @@ class StrandContact:
         held, forces = NOTHING, np.zeros((0, 3))
         for iteration in range(self.iterations + 1):
             run()
+            wild = bool(len(forces)) and self._tame(run, (held, forces), before, solver)
             end = self._particles(state)
             found = self._look(start, end, float(solver.forcing.numbers[STEP]))
             if found is None:
@@ -153,7 +155,7 @@ class StrandContact:
             tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
             wanted = found.excess().max(initial=0.0) > tolerance
             if iteration == self.iterations:
-                return not found.through(self.thickness)
+                return not wild and not found.through(self.thickness)
             if not wanted and (iteration >= ROUNDS or not len(forces)):
                 return True
             held, forces = self._merged(held, forces, found, start, end)
@@ -163,6 +165,25 @@ class StrandContact:
             for name, one in state._asdict().items():
                 one[...] = before[name]
             self._load(held, forces, solver)
+        return True
+
+    def _tame(
+        self, run: Callable[[], None], held: tuple[Contacts, Floats], before: dict[str, NDArray[Any]], solver: Any
+    ) -> bool:
+        """Where a round's forces are more than a strand's step can carry, which those of jammed contacts may become,
+        take them from that strand, or from all if that is not enough, and make the step anew. Return whether that
+        was so."""
+        contacts, forces = held
+        for some in (True, False):
+            wild = ~(solver.strand_residuals() <= RESIDUAL_MOST)
+            if not wild.any():
+                return not some
+            mine = wild[contacts.pairs[:, FIRST]] | wild[contacts.pairs[:, SECOND]]
+            forces[mine if some else slice(None)] = 0
+            for name, one in solver.state._asdict().items():
+                one[...] = before[name]
+            self._load(contacts, forces, solver)
+            run()
         return True
 
     def _codes(self, pairs: NDArray[np.int64]) -> NDArray[np.int64]:

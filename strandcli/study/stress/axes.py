@@ -37,7 +37,7 @@ AXES: dict[str, dict[str, Any]] = {
     "offset": {"0": 0.0, "1e6": 1e6},
     # mass a length at the tip over that at the root
     "tip": {"1e-6": 1e-6, "1e-3": 1e-3, "1": 1.0, "1e3": 1e3, "1e6": 1e6},
-    "strands": {"1": 1, "2": 2, "129": 129, "700": 700},
+    "strands": {"1": 1, "2": 2, "4": 4, "129": 129, "700": 700},
     "lengths": {"equal": 0.0, "unequal": 0.9},
     "start": {"straight": None, "zero": None, "coincident": None, "folded": None, "random": None},
 }

@@ -17,9 +17,9 @@ from typing import Any
 from ... import runtime
 from ...errors import UsageError
 from ...scene.faults import hint
-from . import checks, drive, expected, inputs, preset, sheets
+from . import checks, drive, expected, inputs, preset, sheets, traits
 from .axes import AXES, SOLVERS, Case, case_named
-from .strand import NotRepresented
+from .strand import NotRepresented, Refused
 from .task import Task
 from .verdicts import WORDS, Verdict, judge, told_of
 
@@ -71,6 +71,8 @@ def tasks(solvers: Sequence[str], quick: bool = False) -> list[Task]:
     for solver in solvers:
         found += [Task(solver, named=name) for name in inputs.INPUTS]
         found += [Task(solver, named=name) for name in (checks.QUICK if quick else checks.CHECKS)]
+        if solver == "rod":
+            found += [Task(solver, named=name) for name in (traits.quick() if quick else traits.table())]
         cases: Sequence[Case] = sheets.quick(solver) if quick else sheets.full(solver)
         found += [Task(solver, tuple(batch)) for batch in sheets.batches(cases)]
     return found
@@ -80,7 +82,7 @@ def named(name: str) -> Task:
     """The piece of work that a single case is replayed by. Raises `UsageError` where nothing has this name."""
     solver, _, rest = name.partition("/")
     if rest.startswith(("check=", "input=")):
-        known = [*checks.CHECKS, *inputs.INPUTS]
+        known = [*checks.CHECKS, *inputs.INPUTS, *traits.table()]
         if solver not in SOLVERS:
             raise UsageError(f"--case {name}: begins with the solver; {hint(solver, SOLVERS, 'the solvers are')}")
         if rest not in known:
@@ -204,7 +206,11 @@ def _named(task: Task) -> Verdict:
         found.why = found.why or told
         return found
     try:
-        metrics = checks.CHECKS[task.named](task.solver)
+        metrics = {**checks.CHECKS, **traits.table()}[task.named](task.solver)
+    except Refused as reason:
+        found = judge(name, parameters, {"refused": 1.0})
+        found.why = str(reason)
+        return found
     except NotRepresented as reason:
         return judge(name, parameters, {}, absent=str(reason))
     except Exception as error:  # whatever a solver raises is what is looked for here

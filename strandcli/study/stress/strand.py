@@ -23,6 +23,10 @@ class NotRepresented(Exception):
     """The solver has nothing that could be checked; the text says why."""
 
 
+class Refused(Exception):
+    """The product refuses the scene, as it should; the text is what it says."""
+
+
 def only(solver: str, which: str, why: str) -> None:
     """Raise `NotRepresented` for any other solver."""
     if solver != which:

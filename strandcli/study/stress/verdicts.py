@@ -40,6 +40,11 @@ LIMITS: dict[str, tuple[str, float]] = {
     "sag": ("<=", 1e-6),
     "sag_later": ("<=", 1e-6),
     "sag_regained": ("<=", 1e-4),
+    "pinned_off": ("<=", 1e-3),
+    "pinned_off_told": ("", 0.0),
+    "energy_gained": ("<=", 0.01),
+    "energy_gained_told": ("", 0.0),
+    "closeness": ("", 0.0),
     "refused": (">=", 1.0),
 }
 """Metric: how it compares with which limit; "" is told and not judged."""
@@ -69,6 +74,11 @@ MEANING = {
     "sag": "first frame's motion of a sag-free start, L",
     "sag_later": "most motion of a sag-free start in 96 steps, L",
     "sag_regained": "sag-free start after its root turned and back, L",
+    "pinned_off": "distance of pinned tips from their places, L",
+    "pinned_off_told": "the same in long steps, or with anything in the way, L",
+    "energy_gained": "energy gained where only weight works, m g L",
+    "energy_gained_told": "the same in long steps of bdf2, m g L",
+    "closeness": "strands closer than their thickness, over it",
     "refused": "bad input refused by name",
 }
 
