@@ -46,7 +46,7 @@ def test_scenes_are_what_their_labels_say() -> None:
     ("more", "words"),
     [
         ({"between": "thin", "integrator": "bdf2"}, "bdf2 does not go with the rule contact"),
-        ({"between": "thin", "yield": "low"}, "yield_strain does not go with the rule contact"),
+        ({"between": "thin", "yield": "low"}, "yield_strain: does not go with the rule contact"),
         ({"rest": "sag_free", "root": "hinged"}, "hinged roots hold no strand up"),
     ],
 )

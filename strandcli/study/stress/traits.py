@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...errors import UsageError
 from ...groom.record import Groom
+from ...scene.checks_of_rod import rod_clashes
 from ...scene.model import RuleUse, Scene
 from ...simulate import solver_of
 from ...simulate.rod_pinned import tips
@@ -82,7 +83,7 @@ def refusal(labels: dict[str, str]) -> str:
     if touching and labels["integrator"] == "bdf2":
         return "bdf2 does not go with the rule contact"
     if touching and labels["yield"] != "none":
-        return "rod.yield_strain does not go with the rule contact"
+        return "rod.yield_strain: does not go with the rule contact"
     return ""
 
 
@@ -112,6 +113,8 @@ def check_traits(solver: str, *, labels: dict[str, str]) -> Metrics:
     scene, groom, case, times = prepared(labels)
     words = refusal(labels)
     try:
+        for (path, *_), clash in rod_clashes(scene):  # as loading a preset does
+            raise UsageError(f"{path}: {clash}")
         one: Any = solver_of(scene)(scene, groom)
     except UsageError as error:
         if words and words in str(error):
