@@ -1,11 +1,10 @@
 """Volume: a layer of vertical strands that a plate presses from the side holds n strands a square metre.
 
 The strands hang from their roots, and the plate stands beside their lower halves. Without pressure they pile up before
-it, for their weight draws them to it; with it
-those next to it are as dense as allowed, and no denser, up to where as many are as the plate has swept together. Where
-the plate comes back, the layer follows. Of two layers one is pressed to where it is measured, and the other
-further, from where the plate has come back. They are measured from strands and not from a grid: metres of strand in a
-box before the plate.
+it, for their weight draws them to it. With it those next to it are as dense as allowed, and no denser, up to where as
+many are as the plate has swept together. Where the plate comes back, the layer follows. Of two layers one is pressed to
+where it is measured, and the other further, from where the plate has come back. They are measured from strands and not
+from a grid: metres of strand in a box before the plate.
 """
 
 from __future__ import annotations
