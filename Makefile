@@ -98,8 +98,10 @@ unwritable: $(READY)
 # drivers that read, check and write, without Numba's compiler: what they need of it they would not pass. Kernels are
 # LLVM's, and do not run without it
 WITHOUT_JIT := tests/scene tests/output tests/cameras tests/run/test_named_files.py tests/run/test_plan.py \
-  tests/cli/test_plan_contact.py tests/cli/test_look.py::test_ffmpeg_is_handed_every_frame_for_its_time
+  tests/run/test_plan_memory.py tests/cli/test_plan_contact.py \
+  tests/cli/test_look.py::test_ffmpeg_is_handed_every_frame_for_its_time
 WITH_JIT := output/test_layers.py output/test_claim.py cameras/test_film.py cameras/test_usd_cameras.py \
+  cameras/test_usd_commands.py \
   run/test_named_files.py::test_the_key_of_a_file_stands_before_what_is_wrong_with_it \
   run/test_plan.py::test_a_frame_has_no_more_segments_than_planned
 COVERED := 'strandcli/scene/*,strandcli/output/*,strandcli/cameras/*'

@@ -19,7 +19,7 @@ from strandcli.errors import RefusedError, UsageError
 from strandcli.exchange.files import ReadOptions, read, write
 from strandcli.exchange.formats import usd
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
-from strandcli.exchange.usd import cubic, process
+from strandcli.exchange.usd import process
 
 NEEDED = pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
 STRANDS = [np.arange(12, dtype=np.float32).reshape(4, 3) ** 2 + 100 * i for i in range(3)]
@@ -113,30 +113,6 @@ def test_what_is_written_is_what_the_schema_asks_for(tmp_path: Path) -> None:
         assert np.array_equal(extent, [points.min(axis=0) - 2, points.max(axis=0) + 2])
 
 
-def test_points_are_joined_smoothly_where_that_is_asked_for(tmp_path: Path) -> None:
-    held = kit.of([STRANDS[0], STRANDS[1][:2], STRANDS[2]])
-    width = np.arange(10, dtype=np.float32)
-    held = Strands(held.first, held.points, {"width": Attribute("point", width)})
-    moved = [TimeSample(i / 24, held.points + np.float32(i)) for i in range(2)]
-    assert write(tmp_path / "a.usdc", held, moved, basis="catmullRom") == []
-    _, curves = opened(tmp_path / "a.usdc")
-    told = [curves.GetTypeAttr().Get(), curves.GetBasisAttr().Get(), curves.GetWrapAttr().Get()]
-    assert told == ["cubic", "catmullRom", "pinned"]
-    assert np.array(curves.GetPointsAttr().Get(1)).tobytes() == moved[1].points.tobytes()
-    from pxr import Usd
-
-    assert curves.ComputeInterpolationForSize(len(width), Usd.TimeCode(0)) in ("vertex", "varying")
-    made = read(tmp_path / "a.usdc")
-    each = (made.counts() - 1) // (held.counts() - 1)
-    assert (made.counts() == each[0] * (held.counts() - 1) + 1).all()
-    assert each[0] > 1
-    ends = np.concatenate([made.first[i] + each[0] * np.arange(n) for i, n in enumerate(held.counts())])
-    np.testing.assert_allclose(made.points[ends], held.points, rtol=1e-6)
-    np.testing.assert_allclose(made.attributes["width"].values[ends], width, atol=1e-6)
-    with pytest.raises(UsageError, match=r"\.hair is written with straight segments; .* are written to \.usd, \.usda"):
-        write(tmp_path / "a.hair", held, basis="catmullRom")
-
-
 @pytest.mark.parametrize("packed", [False, True])
 def test_a_stage_is_read_as_pixar_reads_it(tmp_path: Path, packed: bool) -> None:
     content = usd_kit.text(STRANDS)
@@ -161,126 +137,6 @@ def test_what_moves_is_read_at_all_its_times(tmp_path: Path) -> None:
     assert read(path).points.tobytes() == found[0].points.tobytes()
     facts = read(path).source.facts
     assert (facts["times"], facts["begin"], facts["end"]) == (3, 1 / 30, 0.1)
-
-
-def bernstein(points: Any, t: Any) -> Any:
-    """The point of a Bezier curve of any degree, by de Casteljau's construction."""
-    points = points.astype(np.float64)
-    while len(points) > 1:
-        points = points[:-1] * (1 - t) + points[1:] * t
-    return points[0]
-
-
-def test_bezier_pieces_are_the_polynomials_that_they_mean() -> None:
-    generator = np.random.default_rng(3)
-    curve = generator.normal(size=(7, 3)).astype(np.float32)
-    found = read_text(usd_kit.text([curve], basis="bezier"))
-    each = found.source.facts["points_a_piece"][0]
-    assert found.count == 1
-    assert found.points.shape[0] == 2 * each + 1
-    for place, point in enumerate(found.points):
-        piece = min(place // each, 1)
-        want = bernstein(curve[3 * piece : 3 * piece + 4], (place - piece * each) / each)
-        np.testing.assert_allclose(point, want, rtol=1e-6, atol=1e-6)
-    assert found.points[0].tobytes() == curve[0].tobytes()
-    assert found.points[each].tobytes() == curve[3].tobytes()
-    assert found.points[-1].tobytes() == curve[6].tobytes()
-
-
-def cardinal(t: float) -> float:
-    """The cubic B-spline of knots -2 … 2, by de Boor's recursion from the unit step."""
-
-    def step(i: float, degree: int) -> float:
-        if degree == 0:
-            return float(i <= t < i + 1)
-        return ((t - i) * step(i, degree - 1) + (i + degree + 1 - t) * step(i + 1, degree - 1)) / degree
-
-    return step(-2, 3)
-
-
-@pytest.mark.parametrize("wrap", cubic.WRAPS)
-def test_b_splines_are_sums_of_cardinal_ones(wrap: str) -> None:
-    curve = np.random.default_rng(4).normal(size=(6, 3))
-    basis = cubic.Basis("cubic", "bspline", wrap)
-    made = cubic.evaluated(np.array([6]), curve, basis, 5)
-    knots = {"nonperiodic": (1, 4), "periodic": (1, 7), "pinned": (0, 5)}[wrap]
-    held = {i: curve[i % 6] for i in range(-2, 12)}
-    if wrap == "pinned":
-        held[-1], held[6] = 2 * curve[0] - curve[1], 2 * curve[5] - curve[4]
-    places = np.linspace(*knots, 5 * (knots[1] - knots[0]) + 1)
-    want = [sum(cardinal(t - i) * point for i, point in held.items() if abs(t - i) < 2) for t in places]
-    np.testing.assert_allclose(made, np.array(want), rtol=1e-5, atol=1e-6)
-
-
-@pytest.mark.parametrize("wrap", cubic.WRAPS)
-def test_catmull_rom_splines_go_through_their_points_with_the_slopes_of_chords(wrap: str) -> None:
-    curve = np.random.default_rng(5).normal(size=(6, 3))
-    basis = cubic.Basis("cubic", "catmullRom", wrap)
-    made = cubic.evaluated(np.array([6]), curve, basis, 1000).astype(np.float64)
-    through = {"nonperiodic": [1, 2, 3, 4], "periodic": [1, 2, 3, 4, 5, 0, 1], "pinned": [0, 1, 2, 3, 4, 5]}[wrap]
-    np.testing.assert_allclose(made[::1000], curve[through], atol=1e-6)
-    for place, i in enumerate(through[1:-1], 1):
-        slope = (made[1000 * place + 1] - made[1000 * place - 1]) * 500
-        np.testing.assert_allclose(slope, (curve[(i + 1) % 6] - curve[(i - 1) % 6]) / 2, atol=1e-2)
-
-
-@pytest.mark.parametrize("basis", list(cubic.MATRICES))
-@pytest.mark.parametrize("wrap", cubic.WRAPS)
-def test_what_is_linear_stays_so(basis: str, wrap: str) -> None:
-    """Control points on a line at even distances make points on it, at even distances."""
-    count = 9 if basis == "bezier" and wrap == "periodic" else 7
-    curve = np.arange(count)[:, None] * np.array([1.0, 2.0, -1.0])
-    told = cubic.Basis("cubic", basis, wrap)
-    made = cubic.evaluated(np.array([count]), curve, told, 4)[:9]
-    np.testing.assert_allclose(np.diff(made, axis=0), np.broadcast_to(np.diff(made, axis=0)[0], (8, 3)), atol=1e-6)
-
-
-@settings(max_examples=60, deadline=None)
-@given(
-    basis=st.sampled_from(list(cubic.MATRICES)), wrap=st.sampled_from(cubic.WRAPS), kind=st.sampled_from([0, 1]),
-    counts=st.lists(st.integers(0, 14), min_size=1, max_size=8), seed=st.integers(0, 99),
-)  # fmt: skip
-def test_counts_agree_with_pixar(basis: str, wrap: str, kind: int, counts: list[int], seed: int) -> None:
-    """Sizes of varying values are those of the schema; each point on a curve is within the bound of its segments."""
-    from pxr import Usd, UsdGeom
-
-    told = cubic.Basis("cubic" if kind else "linear", basis, wrap)
-    pieces = told.pieces(np.array(counts))
-    held = np.array([count for count, piece in zip(counts, pieces, strict=True) if piece > 0], np.int64)
-    stage = Usd.Stage.CreateInMemory()
-    curves = UsdGeom.BasisCurves.Define(stage, "/a")
-    curves.CreateTypeAttr(told.type)
-    curves.CreateBasisAttr(basis)
-    curves.CreateWrapAttr(wrap)
-    curves.CreateCurveVertexCountsAttr(held.tolist())
-    if wrap != "pinned" and (kind or wrap == "nonperiodic"):  # the library does not count what pinning adds
-        assert curves.ComputeVaryingDataSize(Usd.TimeCode.Default()) == told.varying(held).sum()
-    points = np.random.default_rng(seed).normal(size=(int(held.sum()), 3)).astype(np.float32)
-    each, off = cubic.points_a_piece(held, points, told)
-    coarse, fine = (cubic.evaluated(held, points, told, one) for one in (each, 4 * each))
-    assert coarse.shape[0] == cubic.new_counts(held, told, each).sum()
-    begin = np.concatenate([[0], np.cumsum(cubic.new_counts(held, told, each))])
-    begin_fine = np.concatenate([[0], np.cumsum(cubic.new_counts(held, told, 4 * each))])
-    for i in range(held.size):
-        few, many = coarse[begin[i] : begin[i + 1]], fine[begin_fine[i] : begin_fine[i + 1]]
-        assert np.abs(many[::4] - few).max() < 1e-5
-        chord = np.repeat(few[:-1], 4, axis=0) + np.tile([[0], [0.25], [0.5], [0.75]], (len(few) - 1, 1)) * np.repeat(
-            np.diff(few, axis=0), 4, axis=0
-        )
-        assert np.linalg.norm(many[:-1] - chord, axis=1).max() <= off + 1e-5
-
-
-def test_values_of_cubic_curves_follow_them() -> None:
-    curve = np.random.default_rng(6).normal(size=(7, 3)).astype(np.float32)
-    more = '    float[] primvars:a = [0, 1, 4] (\n        interpolation = "varying"\n    )\n'
-    more += f'    float3[] primvars:b = {usd_kit.tuples(curve)} (\n        interpolation = "vertex"\n    )\n'
-    more += '    int[] primvars:c = [0, 1, 4] (\n        interpolation = "varying"\n    )\n'
-    found = read_text(usd_kit.HEAD + usd_kit.prim([curve], basis="bezier", more=more))
-    each = found.source.facts["points_a_piece"][0]
-    want = np.interp(np.arange(2 * each + 1) / each, [0, 1, 2], [0, 1, 4])
-    np.testing.assert_allclose(found.attributes["a"].values, want, rtol=1e-6)
-    assert found.attributes["b"].values.tobytes() == found.points.tobytes()
-    assert found.source.facts["attributes_not_read"] == ["c"]
 
 
 def test_what_is_not_for_pictures_is_left_out_and_told() -> None:

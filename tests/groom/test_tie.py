@@ -11,25 +11,16 @@ import numba
 import numpy as np
 import pytest
 
-from scene_kit import complaint
-from strand_kit import frames_of, scene_of
-from strandcli.blocks import lanes, pack, unpack
-from strandcli.draw.common.scratch import Scratch
-from strandcli.draw.geometry.curves import flatten
-from strandcli.draw.view.camera import camera_view
+from strand_kit import scene_of
 from strandcli.groom.arrange import arranged
-from strandcli.groom.children import Children
 from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
 from strandcli.groom.kernels.combed import lift
 from strandcli.groom.tie import chart_of
-from strandcli.plan import make_plan
-from strandcli.scene.model import Camera, Curves, DiscShape, Emitter, PlaneShape, Scene, SphereShape, Tie
+from strandcli.scene.model import DiscShape, Emitter, PlaneShape, Scene, SphereShape, Tie
 from strandcli.scene.model.emitter import TIED
 from strandcli.scene.motion import emitter_pose
 from strandcli.solids.shapes import capsule
-from strandcli.study.axes import Request
-from strandcli.study.pictures.subject import Subject
 
 SPHERE = SphereShape(radius=0.1, cap=110)
 AXIS = slice(capsule.AXIS_X, capsule.AXIS_Z + 1)
@@ -278,25 +269,6 @@ def test_the_way_out_is_the_first_one() -> None:
     assert apart(points[~outside] + before[..., None] * normals[~outside]).max() < 0
 
 
-def test_strands_are_joined_at_the_tie_and_move_rigidly_with_the_emitter() -> None:
-    scene = scene_of(SCENE)
-    groom = emit(scene.emitter, scene.seed)
-    whole = Combed(scene, groom)
-    hanging = np.random.default_rng(1).normal(size=(300, 7, 3)).astype(np.float32)
-    for at in (0.0, 0.4, 1.0):
-        joined = unpack(whole.join(pack(hanging), at, 300, Scratch()), 300)
-        rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, at))
-        np.testing.assert_allclose((joined[:, : 1 + TIED] - shift) @ rotation, whole.points, atol=2e-7)
-        np.testing.assert_array_equal(joined[:, 1 + TIED :], hanging[:, 1:])
-    still = dataclasses.replace(scene, rules=scene.rules[1:])  # nothing carries the emitter along
-    stays = unpack(Combed(still, groom).join(pack(hanging), 1.0, 300, Scratch()), 300)
-    first = unpack(whole.join(pack(hanging), 0.0, 300, Scratch()), 300)
-    np.testing.assert_array_equal(stays, first)
-    some = np.array([250, 3, 17], np.int32)
-    part = unpack(whole.join(pack(hanging[some]), 1.0, 3, Scratch(), some), 3)
-    np.testing.assert_array_equal(part, joined[some])
-
-
 def test_a_strand_does_not_depend_on_how_many_there_are_nor_on_threads() -> None:
     tie = dataclasses.replace(TIE, slack=0.01)
     many = combed(emitter_of(tie=tie))
@@ -309,114 +281,3 @@ def test_a_strand_does_not_depend_on_how_many_there_are_nor_on_threads() -> None
         np.testing.assert_array_equal(combed(scene.emitter, scene), all_threads)
     finally:
         numba.set_num_threads(before)
-
-
-def test_curves_through_uneven_points_of_a_circle_stay_on_it() -> None:
-    """Segments of which each is a third longer than the one before: by their chords the curve is on the circle, and
-    with one length for all it is not."""
-    angles = np.cumsum([0.0, *(0.02 * 1.35 ** np.arange(9))])
-    ring = np.stack([np.cos(angles), np.sin(angles), 0 * angles], 1)
-    before = ring[0] - 0.1 * np.array([0.0, 1.0, 0.0])
-    positions = pack(np.concatenate([before[None], ring])[None])
-    view = camera_view(Camera(position=(0.0, 0.0, 3.0)), 0.0, 400, 400, np.array([[-1.0] * 3, [1.0] * 3]))
-    curves = Curves(mode="fixed", level=4)
-
-    def off(lengths: np.ndarray | None) -> float:
-        world = flatten(positions, lengths, 1, curves, view, True, Scratch()).world[: -(2**4)].astype(float)
-        return float(np.abs(np.linalg.norm(world, axis=1) - 1).max())
-
-    assert off(None) < 3e-4
-    assert off(lanes(np.array([[0.1]]))) > 1e-3
-    # and where points are even, both are the same curve
-    even = np.stack([np.cos(0.1 * np.arange(9)), np.sin(0.1 * np.arange(9)), np.zeros(9)], 1)
-    positions = pack(np.concatenate([[even[0] - even[1] + even[0]], even])[None])
-    chord = float(np.linalg.norm(even[1] - even[0]))
-    for mode in ("fixed", "adaptive"):
-        first, second = (
-            flatten(positions, lengths, 1, Curves(mode=mode, level=4), view, True, Scratch()).world.copy()
-            for lengths in (None, lanes(np.array([[chord]])))
-        )
-        np.testing.assert_allclose(first, second, atol=1e-6)
-    lines = flatten(positions, None, 1, curves, view, True, Scratch())
-    assert lines.segment == pytest.approx(chord, rel=1e-5)
-
-
-def test_a_frame_of_tied_strands_covers_the_scalp_and_solvers_know_only_what_hangs() -> None:
-    text = SCENE + "image: {size: [80, 60], resolver: sorted, aovs: [mask]}\nmaterial: {width: 0.002}\n"
-    camera = Camera(position=(0.1, 0.2, 0.8), target=(0.1, 0.2, 0.3), fov=40)
-    tied = dataclasses.replace(scene_of(text), camera=camera)
-    (frame,) = frames_of(tied, 25)
-    bound = emit(tied.emitter, tied.seed)
-    rotation, shift = (np.array(part) for part in emitter_pose(tied.emitter, 1.0))
-    assert frame.positions is not None
-    assert frame.positions.shape == (300, 6, 3)
-    np.testing.assert_allclose(frame.positions[:, 0], bound.roots @ rotation.T + shift, atol=1e-6)
-    assert frame.report["counts"]["particles"] == 300 * (TIED + 6)
-    assert "combed" in frame.report["seconds"]
-    assert frame.report["error"]["stretch_max"] < 1e-3
-    assert frame.aovs is not None
-    # the front of the head, which nothing hangs over, is covered
-    ball = frame.aovs["mask"][20:40, 30:50]
-    assert (ball > 0.3).mean() > 0.5
-    children = dataclasses.replace(tied, children=dataclasses.replace(scene_of("children: {}").children, count=4))
-    (more,) = frames_of(children, 25)
-    assert more.report["counts"]["strands"] == 1200
-    assert more.aovs is not None
-    assert more.aovs["mask"][20:40, 30:50].mean() > ball.mean()
-
-
-def test_studies_measure_strands_from_where_they_grow() -> None:
-    scene = scene_of(SCENE + "image: {size: [80, 60], resolver: sorted}\nmaterial: {width: 0.002}\n")
-    subject = Subject(Request(scene, "tied", size=(80, 60), strands=300))
-    subject.move()
-    positions, lengths = subject.whole()
-    assert lengths is None
-    assert positions.shape[1] == 1 + TIED + 6
-    rotation, shift = (np.array(part) for part in emitter_pose(subject.scene.emitter, 0.0))
-    assert subject.groom.grown is not None
-    np.testing.assert_allclose(subject.points()[:, 1], subject.groom.grown @ rotation.T + shift, atol=1e-5)
-    low, high = subject.bounds()
-    assert (high - low).min() > 0.15  # the ball, of .2 across, and not what hangs from its tie alone
-
-
-def test_children_hang_from_the_tie_and_lie_on_ways_of_their_own() -> None:
-    scene = scene_of(SCENE + "children: {count: 5, clumps: [{size: 0.004}]}\n")
-    children = Children(scene, emit(scene.emitter, scene.seed))
-    points = Combed(scene, children.every).points
-    np.testing.assert_array_equal(points[:300], Combed(scene, children.groom).points)
-    assert len(np.unique(points[:, 1].round(6), axis=0)) == 1500
-    # locks are as wide as asked in the bundle, where they hang from
-    assert len(np.unique(children.family.middles[0])) == round(np.pi * 0.016**2 / 0.004**2)
-
-
-def test_a_plan_tells_of_what_is_combed() -> None:
-    stages = {one.stage: one.why for one in make_plan(scene_of(SCENE), [1]).used}
-    assert str(TIED) in stages["combed parts"]
-    left = {one.stage for one in make_plan(scene_of("emitter: {strands: 10}"), [1]).left_out}
-    assert "combed parts" in left
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("tie: {position: [0, -1, 0]}, shape: {kind: sphere, cap: 90}",
-         "the tie is above no place of the emitter's surface that strands grow from; move it there"),
-        ("tie: {position: [0, 0, 0]}", "p.yaml:1:27: emitter.tie.position: the tie is above no place"),
-        ("tie: {position: [0.6, 0, 0]}, shape: {kind: disc, radius: 0.5}", "emitter.tie.position: the tie is above no"),
-        ("tie: {position: [0, 0, 3]}, shape: {kind: plane}", "emitter.tie.position: the tie is above no place"),
-        ("tie: {direction: [1, -0.1, 0]}",
-         "p.yaml:1:28: emitter.tie.direction: leads into the emitter's surface; turn it outward"),
-        ("tie: {}, comb: [1, 0, 0]", "strands that are tied are combed to their tie; take one of the two out"),
-        ("tie: {}, parting: 0.1", "emitter.parting: strands that are tied are combed to their tie"),
-        ("tie: {}, direction: [1, 0, 0]", "emitter.direction: strands that are tied are combed to their tie"),
-        ("tie: {over: [skul]}", "emitter.tie.over.0: no solid has the name 'skul'"),
-        ("tie: {radius: 0}", "emitter.tie.radius: must be a number above 0"),
-    ],
-)  # fmt: skip
-def test_refused(text: str, says: str) -> None:
-    assert says in complaint(f"emitter: {{{text}}}")
-
-
-def test_boxes_and_planes_are_not_combed_over() -> None:
-    text = "emitter: {tie: {over: [floor]}}\nsolids: [{kind: plane, name: floor}]"
-    assert complaint(text).endswith("'floor' is a plane; strands lie over spheres and capsules alone")

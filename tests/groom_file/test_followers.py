@@ -10,9 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from cli_runs import Runner
-from groom_file_kit import SMALL, Strand, hanging, scene, write
-from strandcli import pipeline
+from groom_file_kit import Strand, hanging, scene, write
 from strandcli.blocks import unpack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.errors import UsageError
@@ -23,7 +21,6 @@ from strandcli.scene.model import Scene
 from strandcli.scene.motion import emitter_pose, rotation_matrix
 from strandcli.stages import RunOptions, SimulationStage
 from strandcli.study.axes import Request
-from thread_runs import Drawer
 
 Floats = npt.NDArray[np.float64]
 
@@ -200,80 +197,6 @@ def test_guides_are_told_with_how_far_they_are_off(tmp_path: Path) -> None:
     assert many is not None
     assert 0.2 > few.deviation_share > 10 * many.deviation_share > 0
     assert few.deviation == pytest.approx(few.deviation_share * 0.25, rel=0.5)
-
-
-def test_points_are_thinned_to_pixels_where_curves_are(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.data", curls(150, points=200))
-    fine, coarse = (moving(path, curves__tolerance=pixels, image__size=(400, 300)) for pixels in (0.1, 1.0))
-    everything = moving(path, curves__mode="off")
-    for given in (fine, coarse):
-        assert given.emitter.followers is not None
-        assert everything.emitter.followers is not None
-        assert given.curves.mode == "off"
-        assert given.emitter.followers.points < everything.emitter.followers.points == 200
-        rows = drawn(given, 1).astype(float)
-        for own, kept in zip(drawn(everything, 1)[:20].astype(float), rows, strict=False):
-            way, begin = np.diff(kept, axis=0), kept[:-1]
-            t = np.einsum("psk,sk->ps", own[:, None] - begin, way) / (way * way).sum(1)
-            off = np.linalg.norm(own[:, None] - begin - np.clip(t, 0, 1)[..., None] * way, axis=2).min(1).max()
-            assert off <= given.emitter.followers.tolerance
-    assert fine.emitter.followers is not None
-    assert coarse.emitter.followers is not None
-    assert fine.emitter.followers.points > coarse.emitter.followers.points
-    assert coarse.emitter.followers.tolerance == pytest.approx(10 * fine.emitter.followers.tolerance)
-
-
-def test_level_of_detail_draws_fewer_and_covers_as_much(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.data", hanging([12] * 3000))
-    settings = {"emitter__groom__guides": 50, "image__size": (120, 90), "emitter__groom__cover": 3.0}
-    whole = moving(path, **settings)
-    pixels = 2 * whole.material.width / pixel(whole)
-    fewer = moving(path, detail={"pixels": pixels}, **settings)
-    assert fewer.emitter.followers is not None
-    assert 600 < fewer.emitter.followers.kept < 2400
-    pictures = [next(pipeline.render(one, [3])) for one in (whole, fewer)]
-    assert pictures[0].report["counts"]["strands"] == 3000
-    assert pictures[1].report["counts"]["strands"] <= fewer.emitter.followers.kept
-    a, b = (one.image.astype(float) for one in pictures if one.image is not None)
-    background = a[0, 0]
-    covered = [float((np.abs(one - background).sum(2) > 30).mean()) for one in (a, b)]
-    assert covered[1] == pytest.approx(covered[0], rel=0.1)
-
-
-def pixel(given: Scene) -> float:
-    """Metres a pixel at the strands."""
-    away = np.linalg.norm(np.subtract(given.camera.position, given.camera.target))
-    return float(2 * away * np.tan(np.radians(given.camera.fov / 2)) / given.image.size[1])
-
-
-def test_the_picture_is_the_same_on_any_number_of_threads(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.data", hanging([14] * 500))
-    own = {"emitter.groom.file": str(path), "rules": [FALL, WIND], "emitter.groom.guides": 60, "time.preroll": 0.2}
-    settings = {**SMALL, **ROD, "emitter.groom.size": None, **own}
-    with Drawer() as drawer:
-        hashes = drawer.hashes(preset="groom", overrides=[], settings=settings, shadow_size=64)
-    assert hashes == hashes[:1] * 3
-
-
-def test_a_cache_holds_guides_and_draws_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = write(tmp_path / "a.data", hanging([14] * 200))
-    given = moving(path, emitter__groom__guides=25)
-    frames = list(pipeline.render(given, [1, 3], keep_positions=True))
-    kept = {frame.number: frame.positions for frame in frames}
-    assert kept[3] is not None
-    assert kept[3].shape == (25, 12, 3)
-    again = list(pipeline.render(given, [1, 3], positions=kept.__getitem__))  # type: ignore[arg-type]
-    for one, other in zip(frames, again, strict=True):
-        assert one.image is not None
-        assert other.image is not None
-        assert (one.image == other.image).all()
-    plain = ["--set", "solver=rod", "--set", f"rules={[FALL]!r}".replace("'", '"'), "--set", "emitter.groom.guides=25"]
-    run = Runner(tmp_path, capsys)
-    assert run("simulate", path, "-o", tmp_path / "c", "-f", "1-1", "--particles", 9, *plain).code == 0
-    assert np.load(tmp_path / "c" / "positions_0001.npz")["positions"].shape == (25, 9, 3)
-    told = run("plan", path, *plain)
-    assert told.code == 0
-    assert "25 of 200 strands, 10 particles each, within" in told.out
 
 
 def test_strands_that_follow_a_lost_guide_are_left_out(tmp_path: Path) -> None:

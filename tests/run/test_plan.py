@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,14 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plan_figures import measured
 from strand_kit import frames_of, scene_of, solver_of
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.shadows.shadow import plan_maps
-from strandcli.errors import RefusedError
-from strandcli.plan import Plan, available_memory, checked_plan, limits, make_plan, needed_strands, needs_shadow_maps
-from strandcli.plan import make as making
-from strandcli.plan import require as planning
+from strandcli.plan import Plan, make_plan, needs_shadow_maps
 from strandcli.scene import Scene
 from strandcli.simulate import compose
 from tests.run.test_pipeline_extremes import EVERYTHING, UNLIT
@@ -170,136 +164,6 @@ def test_panels_add_up() -> None:
     used, left = stages(three)
     assert "a: rule elasticity" in used
     assert "panel: rule elasticity" in left
-
-
-def bytes_of(strands: int = 80, particles: int = 5, size: int = 40, draw: bool = True) -> int:
-    text = EVERYTHING.replace("strands: 80", f"strands: {strands}").replace("particles: 5", f"particles: {particles}")
-    return make_plan(scene_of(text.replace("[40, 32]", f"[{size}, 32]")), [1], draw).memory_bytes
-
-
-def test_memory_grows_with_what_takes_it() -> None:
-    small = bytes_of()
-    assert small < 300e6
-    # positions alone: 12 bytes a particle, packed and unpacked
-    assert bytes_of(1_000_000, 10, draw=False) > small + 24 * 10_000_000
-    assert bytes_of(1_000_000, 10) > bytes_of(1_000_000, 10, draw=False)
-    assert bytes_of(1_000_000, 10) < 4e9
-    assert bytes_of(10_000, 10, 800) < 500e6
-    # pictures: a key of 8 bytes and three colours of 4 bytes a sample
-    assert bytes_of(size=30_000) - small > 20 * 30_000 * 31
-
-
-def test_level_of_detail_saves_memory_only_where_frames_are_drawn() -> None:
-    far = EVERYTHING.replace("strands: 80", "strands: 1000000") + "detail: {near: 0.1, fraction: 0.01}\n"
-    drawn, simulated = make_plan(scene_of(far), [1]), make_plan(scene_of(far), [1], draw=False)
-    assert drawn.strands < 50_000
-    assert simulated.strands == 1_000_000
-    assert simulated.memory_bytes > drawn.memory_bytes
-
-
-def test_all_strands_move_where_they_act_on_each_other_however_few_are_drawn() -> None:
-    far = "solver: rod\nemitter: {strands: 3000}\ndetail: {near: 0.1, fraction: 0.01}\ncamera: {position: [0, 0, 50]}\n"
-    assert needed_strands(scene_of(far + "rules: [gravity]\n"), [1]) < 1000
-    assert needed_strands(scene_of(far + "rules: [gravity, interaction]\n"), [1]) == 3000
-
-
-def test_more_than_four_fifths_of_what_is_free_is_refused_with_what_fits(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = scene_of(EVERYTHING.replace("strands: 80", "strands: 2000000").replace("[40, 32]", "[4000, 3200]"))
-    plan = make_plan(scene, [1])
-    free = [plan.memory_bytes / 0.8, None, plan.memory_bytes / 0.8 - 2]
-    monkeypatch.setattr(planning, "available_memory", lambda: free.pop(0))
-    checked_plan(scene, [1])
-    checked_plan(scene, [1])  # nobody tells
-    with pytest.raises(RefusedError, match=r"more than 80 % of the \d\.\d GB that are free: take") as caught:
-        checked_plan(scene, [1])
-    assert caught.value.exit_code == 4
-    assert "--no-memory-check" not in str(caught.value)
-    found = re.search(r"--strands (\d+) \(about ([\d.]+) GB\) or --size (\d+)x(\d+) \(", str(caught.value))
-    assert found is not None
-    fewer = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, strands=int(found[1])))
-    assert make_plan(fewer, [1]).memory_bytes < plan.memory_bytes
-    assert make_plan(fewer, [1]).memory_bytes == pytest.approx(float(found[2]) * 1e9, abs=0.06e9)
-    size = (int(found[3]), int(found[4]))
-    smaller = dataclasses.replace(scene, image=dataclasses.replace(scene.image, size=size))
-    assert make_plan(smaller, [1]).memory_bytes < plan.memory_bytes
-    free[:] = [10**6]
-    checked_plan(scene, [1], check=False)
-    with pytest.raises(RefusedError, match="--no-memory-check goes on all the same"):
-        checked_plan(scene, [1], check=True)
-
-
-@pytest.mark.parametrize("version", [1, 2])
-def test_a_control_group_that_has_less_left_than_the_machine_refuses(
-    version: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    group, told = tmp_path / ("memory" if version == 1 else "") / "user.slice" / "job", tmp_path / "told"
-    group.mkdir(parents=True)
-    names = ("memory.limit_in_bytes", "memory.usage_in_bytes") if version == 1 else ("memory.max", "memory.current")
-    for folder, numbers in ((group, (2**63 - 4096, 0)), (group.parent, (300_000_000, 90_000_000))):
-        for name, number in zip(names, numbers, strict=True):
-            (folder / name).write_text(f"{number}\n")
-    told.write_text("9:cpu,memory:/user.slice/job\n" if version == 1 else "0::/user.slice/job\n")
-    left = limits.memory_left
-    monkeypatch.setattr(limits, "memory_left", lambda: left(tmp_path, told))
-    assert available_memory() == 210_000_000
-    with pytest.raises(RefusedError, match="more than 80 % of the 210 MB that are free"):
-        checked_plan(scene_of(EVERYTHING), [1])
-
-
-def test_frames_at_once_take_no_more_than_is_free(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = scene_of(EVERYTHING.replace("[40, 32]", "[4000, 3200]"))
-    alone = make_plan(scene, range(1, 9))
-    for spare, at_once in ((1e12, 4), (1.5, 1)):
-        monkeypatch.setattr(making, "available_memory", lambda times=spare: int(times * alone.memory_bytes))
-        plan = make_plan(scene, range(1, 9), threads=4)
-        assert plan.memory_bytes == alone.memory_bytes
-        assert plan.frames_at_once <= at_once
-        assert plan.memory_at_once_bytes <= max(alone.memory_bytes, 0.8 * spare * alone.memory_bytes)
-    assert make_plan(scene, [1, 2], threads=4).frames_at_once == 1
-
-
-def test_free_memory_is_known_here() -> None:
-    free = available_memory()
-    if Path("/proc/meminfo").exists():
-        assert free is not None
-        assert 2**20 < free < 2**50
-
-
-@pytest.mark.parametrize(
-    "setting", ["emitter.strands=100000000", "image.size=[32768, 32768]", "emitter.particles=90000"]
-)
-@pytest.mark.parametrize("command", ["render", "simulate"])
-def test_a_run_too_large_for_any_memory_is_refused_before_numpy_is_imported(
-    setting: str, command: str, tmp_path: Path
-) -> None:
-    if command == "simulate" and "size" in setting:
-        return
-    preset = tmp_path / "large.yaml"
-    text = EVERYTHING.replace("length: 0.8", "length: 1000000").replace("particles: 5", "particles: 500")
-    preset.write_text(text.replace("strands: 80", "strands: 1000000"), encoding="utf-8")
-    code = f"""
-import sys
-from strandcli.cli.main import main
-settings = ["--set", {setting!r}, "--set", "image.supersample=8"]
-status = main([{command!r}, {str(preset)!r}, "-o", {str(tmp_path / "out")!r}, *settings])
-assert "numpy" not in sys.modules
-raise SystemExit(status)
-"""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 4, done.stderr
-    assert "GB that are free: " in done.stderr
-    assert "Traceback" not in done.stderr
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.long
-def test_memory_is_what_a_run_takes(tmp_path: Path) -> None:
-    """A slice of `make plan-figures`. Of LLVM's library, which is a file in memory, the system maps 40 MB or 100,
-    as it holds the file in pages or in larger pieces: a fifth of this small run."""
-    if sys.platform == "win32":
-        pytest.skip("measured by wait4")
-    found = measured(("minimal", "--size", "320x240", "-f", "1"), tmp_path, timed=False)
-    assert found.within(), f"{found.planned / 1e6:.0f} MB planned, {found.peak / 1e6:.0f} MB measured"
 
 
 def test_planning_millions_of_strands_makes_few_of_them(

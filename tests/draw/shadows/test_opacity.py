@@ -25,7 +25,6 @@ from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.draw.zbuffer.raster import sort_into_bands, to_screen
 from strandcli.errors import RefusedError
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
-from strandcli.study.pictures.shadow import BUNDLE, bundle, transmittance
 
 BOX = np.array([[-1.0, -1, -1], [1, 1, 1]])
 DEEP = Shadow(model="opacity", size=64, layers=13, texel=1e-6)
@@ -60,23 +59,6 @@ def depth(maps: ShadowMaps, light: Light, point: np.ndarray) -> float:
     x, y, z = np.asarray(point, np.float32)
     numbers = packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed
     return float(opacity.optical_depth(x, y, z, np.float32(0), *numbers))
-
-
-def off_by(
-    lines: Polylines, light: Light, points: np.ndarray, truth: np.ndarray, thickness: Thickness, spacing: float
-) -> np.ndarray:
-    """What a light's map says of the points, less the truth."""
-    bounds = np.stack([lines.world.min(0), lines.world.max(0)]).astype(np.float64)
-    maps = plan_maps((light,), bounds, Scratch(), thickness, spacing)
-    assert maps is not None
-    maps.build(lines, 1, Scratch())
-    packed = pack_lights((light,), maps, bounds)
-    rest = packed, 0, maps.stacks if maps.deep else maps.texels, maps.starts, maps.sizes, maps.packed
-    if maps.deep:
-        found = [opacity.transmittance(*point, packed[0, 13], *rest) for point in np.float32(points)]
-    else:
-        found = [minmax.transmittance(*point, *rest) for point in np.float32(points)]
-    return np.array(found) - truth
 
 
 def test_a_map_counts_projected_area() -> None:
@@ -246,123 +228,6 @@ def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
         numbers = (packed, number, maps.stacks, maps.starts, maps.sizes, maps.packed)
         here = opacity.optical_depth(x, y, z, np.float32(0), *numbers)
         assert float(here) == depth(maps_of(light, lines), light, point) > 0
-
-
-def test_a_strand_alone_has_no_shadow_on_itself() -> None:
-    """Whatever part of a texel it goes through; on something else it has one."""
-    for seed in range(20):
-        lines = straight(1, seed)
-        maps = maps_of(SUN, lines, Thickness(0.02))
-        packed = pack_lights((SUN,), maps, BOX)
-        own = [
-            opacity.optical_depth(x, y, z, packed[0, 13], packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
-            for x, y, z in lines.world[1:-1]
-        ]
-        below = lines.world[1:-1] + 0.3 * np.array(SUN.direction, np.float32)
-        cast = [depth(maps, SUN, point) for point in below]
-        assert np.mean(own) < 0.25 * np.mean(cast)
-        assert min(cast) > 0
-
-
-def test_a_strand_alone_loses_next_to_no_light() -> None:
-    """With texels as they are chosen for it: .06 % in the mean, 2.8 % at the most, from whatever side it is lit."""
-    deep = Shadow(model="opacity")
-    shade = []
-    for seed in range(40):
-        lines = straight(1, seed)
-        for light in (DirectionalLight(direction=(-0.5, -1.0, -0.3), shadow=deep), replace(LAMP, shadow=deep)):
-            points = lines.world[1:-1]
-            shade.append(off_by(lines, light, points, np.ones(len(points)), Thickness(0.02), 0.0))
-    assert np.mean(shade) > -0.001
-    assert np.min(shade) > -0.03
-
-
-def test_where_strands_lie_apart_a_map_is_read_with_a_wider_window() -> None:
-    """Behind a sheet, where τ does not grow: of strands 6 texels apart it is lower in the middle of a shadow, of
-    a dense sheet the same, but for half of what a strand has in a texel."""
-    sun = DirectionalLight(direction=(0, -1, 0), shadow=DEEP)
-    spread = {}
-    for apart in (6, 0.5):
-        step = apart * 3.5 / 64
-        count = int(1.2 / step)
-        world = np.zeros((count, 2, 3), np.float32)
-        world[:, :, 0] = (np.arange(count) - count / 2)[:, None] * step
-        world[:, 0, 2], world[:, 1, 2] = -0.6, 0.6
-        lines = Polylines(np.arange(count + 1) * 2, world.reshape(-1, 3))
-        maps = maps_of(sun, lines, Thickness(0.01))
-        packed = pack_lights((sun,), maps, BOX)
-        asked = [np.float32((x, -0.5, 0.01)) for x in np.linspace(-0.3, 0.3, 200)]
-        for width in (np.float32(0), packed[0, 13]):
-            numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
-            spread[apart, width > 0] = np.array([opacity.optical_depth(*point, width, *numbers) for point in asked])
-    own = 0.375 * 0.01 * maps.views[0].focal / 2
-    assert np.abs(spread[0.5, True] + own - spread[0.5, False]).mean() < 0.01
-    assert -2 * own + 0.02 < spread[6, True].max() - spread[6, False].max() < -own - 0.02
-
-
-def test_crowded_strands_let_less_light_through_than_independent_ones() -> None:
-    """Sheets as far from each other as the strands in them: by a part of τ (width / distance)², whose estimate does not
-    waver with layers thinner than a sheet's distance; always less than if each strand had a slot of its own."""
-    sun = DirectionalLight(direction=(0, -1, 0), shadow=replace(DEEP, layers=127))
-    step = 0.5 * 3.5 / 64
-    across = np.arange(-0.4, 0.4, step)
-    deep = np.arange(-0.4, 0.4, step)
-    world = np.zeros((len(deep), len(across), 2, 3), np.float32)
-    world[..., 0] = (across + step * np.random.default_rng(0).random((len(deep), 1)))[:, :, None]
-    world[..., 1] = deep[:, None, None]
-    world[..., 0, 2], world[..., 1, 2] = -0.6, 0.6
-    lines = Polylines(np.arange(world[..., 0, 0].size + 1) * 2, world.reshape(-1, 3))
-    for share in (0.05, 0.7):
-        maps = maps_of(sun, lines, Thickness(share * step))
-        packed = pack_lights((sun,), maps, BOX)
-        numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
-        for y in np.linspace(0.2, -0.1, 40, dtype=np.float32):
-            place = np.float32(0.01), y, np.float32(0.02)
-            own = 0.375 * share * step * maps.views[0].focal
-            independent = float(opacity.optical_depth(*place, np.float32(0), *numbers)) - own
-            found = float(opacity.optical_depth(*place, packed[0, 13], *numbers))
-            grown = float(opacity.CROWDED) * share**2 * independent**2
-            assert found == pytest.approx(independent + grown, abs=0.005 + 0.35 * grown)
-            assert found <= independent * -np.log(1 - share) / share + 1e-3
-
-
-@pytest.mark.parametrize("spacing", [1e-4, 0.02])
-def test_layers_are_even_over_some_of_the_groom_however_dense_it_is(spacing: float) -> None:
-    """Over nine times what the light takes to fall, or a fiftieth of the groom's size."""
-    maps = plan_maps((SUN,), BOX, Scratch(), Thickness(0.01), spacing)
-    assert maps is not None
-    assert 1 / maps.over == pytest.approx(max(9 * spacing**2 / 0.01, math.dist(*BOX) / 50))
-
-
-@pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
-def test_transmittance_agrees_with_rays_that_meet_cylinders(light: Light) -> None:
-    """Mean error under .03 on a groom of three thousand strands; a min/max map is off by some ten times that."""
-    lines = straight(3000, 7)
-    thickness, spacing = Thickness(0.008, 0.3), 0.04
-    rng = np.random.default_rng(0)
-    own = rng.integers(0, 3000, 600)
-    vertex, part = 9 * own + rng.integers(0, 8, 600), rng.random((600, 1))
-    points = (1 - part) * lines.world[vertex] + part * lines.world[vertex + 1]
-    truth = transmittance(lines, thickness, light, points, own, bundle(1024, BUNDLE * spacing, rng)).mean(1)
-    assert 0.1 < truth.mean() < 0.9
-    deep = off_by(lines, replace(light, shadow=Shadow(model="opacity")), points, truth, thickness, spacing)
-    assert np.abs(deep).mean() < 0.03
-    assert abs(deep.mean()) < 0.015
-    flat = off_by(lines, replace(light, shadow=Shadow(size=128)), points, truth, thickness, spacing)
-    assert np.abs(flat).mean() > 0.25
-
-
-def test_the_rays_own_answers_are_right() -> None:
-    """One cylinder over a probe: rays within its half width meet it, and its own strand is not met."""
-    world = np.array([[-5, 1, 0], [5, 1, 0], [-1, 0, 0], [1, 0, 0]], np.float32)
-    lines = Polylines(np.array([0, 2, 4]), world)
-    sun = DirectionalLight(direction=(0, -1, 0))
-    radius, half = 1.5, 0.2
-    covered = 2 * (half * math.sqrt(radius**2 - half**2) + radius**2 * math.asin(half / radius)) / (math.pi * radius**2)
-    points, own = np.array([[0.3, 0, 0], [-2.0, 1, 0]]), np.array([1, 0])
-    found = transmittance(lines, Thickness(0.4), sun, points, own, bundle(4096, radius, np.random.default_rng(0)))
-    assert found[0] == pytest.approx(1 - covered, abs=0.01)
-    assert (found[1] == 1).all()
 
 
 PICTURE = """

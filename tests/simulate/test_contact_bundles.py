@@ -1,0 +1,124 @@
+"""Contact of many strands: bundles that are shaken, or begin inside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from strandcli.simulate.contact.between_strands import StrandContact
+from strandcli.simulate.kernels.rod_scratch import PACK
+from tests.simulate.test_strand_contact import CROSS, RULE, Floats, solver_of, strands
+
+
+@pytest.fixture
+def steps(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Floats, Floats]]:
+    """Where particles were at begin and end of all parts of steps."""
+    found: list[tuple[Floats, Floats]] = []
+    make = StrandContact.step
+
+    def step(self: StrandContact, run: Callable[[], None], solver: Any) -> bool:
+        before = self._particles(solver.state)
+        done = make(self, run, solver)
+        if done:
+            found.append((before, self._particles(solver.state)))
+        return done
+
+    monkeypatch.setattr(StrandContact, "step", step)
+    return found
+
+
+def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump() -> None:
+    count = 9
+    way = np.tile([0.0, -1.0, 0.0], (count, 1)) + np.random.default_rng(0).normal(scale=0.02, size=(count, 3))
+    groom = strands(np.zeros((count, 3)), way, np.full(count, 0.2))
+    text = "rod: {radius: 2.0e-4, young: 1.0e+6}\nemitter: {strands: 9, particles: 9, length: 0.2}\ntime: {fps: 24}\n"
+    solver = solver_of(text + "rules: [gravity, contact: {thickness: 0.002}]", groom)
+    past = solver.particles()
+    alone = solver_of(text.replace("rod: {", "rod: {integrator: euler, ") + "rules: [gravity]", groom)
+    alone.advance(9)
+    for frame in range(2, 10):
+        solver.advance(frame)
+        now = solver.particles()
+        assert np.abs(now - past).max() < 0.01
+        past = now
+    assert solver.errors(9)["nonfinite"] == 0
+    assert nearest_tips(past) > 2 * nearest_tips(alone.particles())
+
+
+def nearest_tips(x: NDArray[Any]) -> float:
+    apart = np.linalg.norm(x[:, None, -1] - x[None, :, -1], axis=2)
+    return float(apart[np.triu_indices(len(x), 1)].min())
+
+
+BUNDLE = (
+    "rod: {{rest: straight, radius: 5.0e-4, young: 1.0e+7, drag: 1}}\ntime: {{fps: 24}}\n"
+    "emitter: {{shape: {{kind: disc, radius: {radius}}}, strands: {strands}, particles: {particles}, length: 0.2, "
+    "jitter: {jitter}, keys: [{keys}]}}\n"
+    "rules: [emitter_motion, gravity, contact: {{thickness: 0.0015}}]"
+)
+
+
+def test_a_dense_bundle_is_shaken_without_cutting_steps(steps: list[tuple[Floats, Floats]]) -> None:
+    """Forty strands from one square centimetre, some closer than their thickness at the roots.
+    Rounds converge in whole steps, and what roots hold too close only comes apart."""
+    keys = "{time: 0, rotation: [180, 0, 0]}, {time: 0.25, rotation: [180, 0, 0], position: [0.1, 0, 0]}"
+    text = BUNDLE.format(radius=0.00564, strands=40, particles=13, jitter=0, keys=keys)
+    solver = solver_of(text)
+    deep = []
+    for frame in range(2, 8):
+        solver.advance(frame)
+        deep.append(solver.errors(frame)["strand_penetration_max"])
+    assert len(steps) <= 8
+    assert (
+        np.diff(np.array(deep, float)).max() < 0.01 * 0.0015
+    )  # what roots hold too close is led apart, and nothing comes closer
+
+
+@pytest.mark.parametrize("count", [50, pytest.param(200, marks=pytest.mark.long)])
+def test_many_strands_that_begin_inside_each_other_have_a_limit_of_speed(count: int) -> None:
+    """Roots so dense that every strand is inside of its neighbours, at rest but for gravity: nothing is shot out."""
+    radius = 0.01 * np.sqrt(count / 1000)
+    text = BUNDLE.format(radius=radius, strands=count, particles=4, jitter=3, keys="{time: 0, rotation: [180, 0, 0]}")
+    solver = solver_of(text)
+    past = solver.particles()
+    for frame in (2, 3):
+        solver.advance(frame)
+        now = solver.particles()
+        assert np.abs(now - past).max() < 2 * 0.0015
+        past = now
+    assert solver.errors(3)["nonfinite"] == 0
+
+
+def test_contact_without_friction_adds_no_energy() -> None:
+    """Two crossed strands, one of which falls on the other: kinetic and potential energy, and that of bending of the
+    strand below, never grow from frame to frame. Where they do not touch, the step keeps it, too."""
+    groom = strands([[-0.1, -0.02, 0], [0, 0.05, -0.5]], [[1, 0, 0], [0, 0, 1]], [0.2, 1])
+    text = CROSS.format(young="5.0e+9") + RULE.format(d=0.01).replace("friction: 0.5", "friction: 0")
+    solver = solver_of(text, groom)
+    lengths = groom.lengths.astype(float) / 10
+    stiffness = solver.material.stiffness[0, :2].astype(float)
+
+    def energy() -> float:
+        x = solver.particles().astype(float)
+        v = solver.state.velocity.reshape(1, 10, 3, PACK)[0, :, :, :2].astype(float)
+        edges = np.diff(x, axis=1)
+        begin = groom.directions.astype(float)[:, None] * lengths[:, None, None]
+        bends = np.diff(np.concatenate([begin, edges], 1), axis=1)
+        mass, joint = solver.mass.astype(float), solver.material.joint.astype(float)
+        moving = np.einsum("j,jcs,s->", mass, v**2, lengths) / 2
+        height = 9.81 * np.einsum("j,sj,s->", mass, x[:, 1:, 1], lengths)
+        bent = np.einsum("j,s,sjc,s->", joint, stiffness, bends**2, lengths) / 2
+        return float(moving + height + bent)
+
+    past, touched = energy(), False
+    for frame in range(2, 40):
+        solver.advance(frame)
+        touched = touched or bool(solver.state.crowd.any())
+        now = energy()
+        assert now < past + 1e-4 * 9.81
+        past = now
+    assert touched
