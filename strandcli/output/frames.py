@@ -184,7 +184,7 @@ class FrameWriter:
         text = {"Software": "strandcli"}
         if self.scene:
             text[SCENE_KEYWORD] = self.scene
-        digest = png.pixels_sha256(image)
+        digest: list[str] = []
         write_layers(self.directory, frame, layers, self.exr)  # before the picture, which is the sign that all is there
-        write_pieces(path, png.encode(image, text))
-        self.written[frame] = Written(frame, path.name, digest, time.perf_counter() - start)
+        write_pieces(path, png.encode(image, text), lambda: digest.append(png.pixels_sha256(image)))
+        self.written[frame] = Written(frame, path.name, digest[0], time.perf_counter() - start)

@@ -112,10 +112,10 @@ def test_whatever_ends_a_run_there_is_a_report_of_what_is_finished(
 def test_a_full_disk_ends_in_exit_code_4_with_the_finished_frames(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     write_pieces = frames.write_pieces
 
-    def full(path: Path, pieces: list[bytes]) -> None:
+    def full(path: Path, pieces: list[bytes], meanwhile: Callable[[], object]) -> None:
         if path.name == "frame_0003.png":
             raise RefusedError(f"{path}: cannot be written: the disk is full")
-        write_pieces(path, pieces)
+        write_pieces(path, pieces, meanwhile)
 
     monkeypatch.setattr(frames, "write_pieces", full)
     result = run("render", "tiny.yaml", "-o", "a")

@@ -32,6 +32,18 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["a.bin"]
 
 
+def test_what_is_done_meanwhile_is_done_before_a_file_is_on_the_disk_and_has_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: list[str] = []
+    path = tmp_path / "a.bin"
+    monkeypatch.setattr(os, "posix_fadvise", lambda *_: done.append("begun"), raising=False)
+    monkeypatch.setattr(os, "fsync", lambda _: done.append(f"on the disk {path.exists()}"))
+    files.write_pieces(path, [b"a"], lambda: done.append(f"meanwhile {path.exists()}"))
+    assert done == ["begun", "meanwhile False", "on the disk False"]
+    assert path.read_bytes() == b"a"
+
+
 @pytest.mark.parametrize(
     ("number", "words"),
     [(errno.ENOSPC, "disk is full"), (errno.EACCES, "no permission"), (errno.EROFS, "read-only")],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -130,12 +130,12 @@ def test_whatever_ends_the_run_finished_frames_are_whole(tmp_path: Path, blow: t
 def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_pieces = module.write_pieces
 
-    def fill(path: Path, pieces: list[bytes]) -> None:
+    def fill(path: Path, pieces: list[bytes], meanwhile: Callable[[], object]) -> None:
         def until_full() -> Iterator[bytes]:
             yield pieces[0]
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-        write_pieces(path, until_full() if path.name == frame_file(3) else pieces)
+        write_pieces(path, until_full() if path.name == frame_file(3) else pieces, meanwhile)
 
     monkeypatch.setattr(module, "write_pieces", fill)
     words = "frame_0003.png: .*disk is full.*; 2 finished frames are whole, --resume keeps them"
@@ -145,7 +145,7 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatc
 
 
 def test_a_failure_with_the_very_last_frame_is_not_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(path: Path, pieces: list[bytes]) -> None:
+    def refuse(path: Path, pieces: list[bytes], meanwhile: Callable[[], object]) -> None:
         raise RefusedError(f"{path}: no")
 
     monkeypatch.setattr(module, "write_pieces", refuse)
