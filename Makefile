@@ -78,6 +78,7 @@ types: $(READY)
 check: lint types test
 
 all: OLDEST_PICTURES = headline minimal
+all: export STRANDCLI_TEST_EXAMPLES = 100
 all: lint types test test-long test-oldest coverage bounds threads wheel unwritable docs
 
 WHEEL := out/wheel

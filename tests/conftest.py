@@ -12,8 +12,10 @@ import numba
 import pytest
 from hypothesis import settings
 
-# compiling may fall into any example, so none is timed; failures can be repeated from what is printed
-settings.register_profile("strandcli", deadline=None, print_blob=True)
+# compiling may fall into any example, so none is timed; failures can be repeated from what is printed. `make all` asks
+# for more examples than CI has the time for
+EXAMPLES = int(os.environ.get("STRANDCLI_TEST_EXAMPLES", "50"))
+settings.register_profile("strandcli", deadline=None, print_blob=True, max_examples=EXAMPLES)
 settings.load_profile("strandcli")
 
 
@@ -30,7 +32,7 @@ def no_power_cuts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "fsync", lambda file: None)
 
 
-DRAWING = ("draw/", "run/", "study/test_pictures", "study/test_golden")
+DRAWING = ("draw/", "run/", "study/test_picture", "study/test_golden")
 MOVING = ("simulate/", "stress/", "study/")
 BOTH = ("stress/test_inputs", "study/test_cli")
 

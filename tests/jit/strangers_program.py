@@ -1,7 +1,8 @@
 """Somebody else's Numba code, as a program: prints what it computes, after a scene has been rendered or without.
 
 With the argument ``plain`` strandcli is never imported; with ``rendered`` a scene is rendered first, and what that has
-changed in Numba and in the process is printed to stderr; with ``simulated`` it is simulated alone.
+changed in Numba and in the process is printed to stderr; with ``simulated`` it is simulated alone, and less is
+computed.
 """
 
 from __future__ import annotations
@@ -257,7 +258,8 @@ if __name__ == "__main__":
     if sys.argv[1] != "plain":
         render(draw=sys.argv[1] == "rendered")
     loops_generators_closures()
-    containers()
-    ufuncs()
-    classes_and_made_functions()
-    cached()
+    if sys.argv[1] != "simulated":
+        containers()
+        ufuncs()
+        classes_and_made_functions()
+        cached()

@@ -228,6 +228,7 @@ def test_pressure_solves_the_complementarity_problem() -> None:
     assert np.abs(left[held & (mine > 0)]).max() < 1e-4
 
 
+@pytest.mark.long
 def test_double_precision_moves_strands_alike() -> None:
     found = []
     for precision in ("single", "double"):
