@@ -45,7 +45,8 @@ def command(
     in the cache folder and refined by what runs take.
     """
     scene = options.load_scene(preset, **scene_settings, roughly=True)
-    numbers = options.frame_numbers(frames, scene)
+    # a million frames as numbers are 40 MB
+    numbers = range(1, scene.time.frames + 1) if frames is None else options.frame_numbers(frames, scene)
 
     from ..plan import make_plan
     from ..plan.libraries import look
