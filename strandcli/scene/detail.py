@@ -88,8 +88,8 @@ def most_needed(scene: Scene, frames: Sequence[int]) -> int:
 def times_of(scene: Scene, frames: Sequence[int]) -> list[float]:
     """Return the seconds of frames, numbered from 1, that differ for level of detail: of those after the last key only
     one."""
-    keys = (*scene.camera.keys, *scene.emitter.keys)
-    still = 2 + math.ceil(max((key.time for key in keys), default=0.0) * scene.time.fps)
+    last = max(0.0, *(key.time for key in scene.camera.keys), *(key.time for key in scene.emitter.keys), 0.0)
+    still = 2 + math.ceil(last * scene.time.fps)
     return [(frame - 1) / scene.time.fps for frame in sorted({min(frame, still) for frame in frames})]
 
 
