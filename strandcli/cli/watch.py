@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 FILE = "watch.png"
-PAUSE = 0.05
+PAUSE = 0.02
 """Seconds between two looks at the files."""
 SIDE = 400
 """Pixels of the longer side, where no --size is given."""
