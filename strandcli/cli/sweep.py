@@ -24,7 +24,7 @@ COLUMNS, WIDTH, MOST_CELLS = 4, 320, 400
 
 sweep_option = click.option(
     "--sweep", "sweep", multiple=True, type=SweepType(), metavar="KEY=VALUES",
-    help="Draw once for each of wind.strength=1,2,4 or seed=1-8; of several all combinations.",
+    help="Draw once for each value, as of wind.strength=1,2,4 or seed=1-8; if repeated, for all combinations.",
 )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ SIDE = 400
 NOT_WITH = ("resume", "animate", "max_error", "exr", "from_cache", "cameras", "camera", "sweep", "aovs", "dask")
 
 watch_option = click.option(
-    "--watch", is_flag=True, help=f"Draw one frame into {FILE}, as a draft, again whenever the preset is saved."
+    "--watch", is_flag=True, help=f"Draw one frame as a draft into {FILE}, and again whenever the preset is saved."
 )
 
 
