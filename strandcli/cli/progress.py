@@ -18,6 +18,8 @@ from .say import printable, say
 _TICK = 0.2
 _LONG = 2.0
 """Seconds of compiling from which on a run that draws no line says so once."""
+_SILENT = 30.0
+"""Seconds without a line after which a run of lines says that it goes on."""
 _COMPILING = "compiling kernels (only on first use)"
 
 
@@ -28,7 +30,7 @@ class Progress:
     With ``verbose`` notes are printed as lines then.
     A thread redraws the line, so that it moves during a long compilation too. ``each`` is what is counted. With
     ``lines`` a run that takes minutes is heard of where nothing is drawn as well: each step that has a text is a line,
-    and so is every tenth part of steps that have none.
+    and so is every tenth part of steps that have none; a step that takes long is told by itself.
     """
 
     def __init__(
@@ -52,12 +54,16 @@ class Progress:
         self._lock = threading.Lock()
         self._stop = threading.Event()
         self._late: threading.Timer | None = None
+        self._heard = threading.Event()
         self._thread: threading.Thread | None = None
 
     def __enter__(self) -> Self:
         self._first = time.monotonic()
         if self.live:
             self._thread = threading.Thread(target=self._tick, name="progress", daemon=True)
+        elif self.lines:
+            self._thread = threading.Thread(target=self._beat, name="progress", daemon=True)
+        if self._thread is not None:
             self._thread.start()
         return self
 
@@ -120,6 +126,7 @@ class Progress:
         """Print a line above the progress line."""
         with self._lock:
             self._clear()
+            self._heard.set()
             say(text, err=True)
 
     def _tick(self) -> None:
@@ -128,6 +135,12 @@ class Progress:
                 columns = shutil.get_terminal_size().columns
                 self.stream.write("\r\x1b[K" + self.text(time.monotonic())[: max(1, columns - 1)])
                 self.stream.flush()
+
+    def _beat(self) -> None:
+        while not self._stop.wait(_SILENT):
+            if not self._heard.is_set():
+                self.line(f"{self.label}: at work on {self.each} {self.done + 1:,} of {self.total:,}")
+            self._heard.clear()
 
     def _clear(self) -> None:
         if self.live:
