@@ -17,10 +17,14 @@ STEP = 257.0
 """Steps of 16 bits in one of 8: 65535 / 255."""
 
 
-PACKED = ("PNG", "JPEG", "MPO", "GIF", "BMP", "TGA", "PPM", "PCX", "ICO")
-"""Pillow's names of formats in which a byte holds a limited number of pixels."""
-MOST_IN_A_BYTE = 8300
-"""deflate packs at most 1032 bytes in one (zlib's technical details), of 8 pixels each; the others pack less."""
+FORMATS = ("PNG", "JPEG", "GIF", "BMP", "TGA", "PPM", "PCX", "TIFF", "WEBP")
+"""Pillow's names of formats that are read, JPEG with the MPO of cameras: of its forty others some run programs, or take
+what memory a file names."""
+MOST_IN_A_BYTE = {"raw": 8} | dict.fromkeys(("packbits", "tiff_lzw", "tiff_adobe_deflate", "tiff_deflate", ""), 8300)
+"""Pixels by how a TIFF is packed, and of other formats. deflate packs at most 1032 bytes in one (zlib's technical
+details), of 8 pixels each; the others pack less."""
+FLAT = 2**23
+"""Pixels of a WebP that may be in a file however small: of one colour it has a hundred bytes."""
 
 # what it logs of damaged files would be told by Python's handler of last resort, beside the line that refuses them
 logging.getLogger("PIL").addHandler(logging.NullHandler())
@@ -42,14 +46,18 @@ def opened(path: Path | str, *, any_size: bool = False) -> Iterator[Any]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         # the limit is in Image.open alone
-        with PngImageFile(path) if any_size else Image.open(path) as image:
+        with PngImageFile(path) if any_size else Image.open(path, formats=FORMATS) as image:
             yield image
 
 
 def require_pixels(image: Any) -> Any:
     """The `opened` image, not decoded. Raises ``ValueError`` for one whose file cannot hold as many pixels as it says,
     for which no memory is to be taken."""
-    if image.format in PACKED and image.width * image.height > MOST_IN_A_BYTE * os.path.getsize(image.filename):
+    packing = image.info.get("compression") if image.format == "TIFF" else ""
+    if packing not in MOST_IN_A_BYTE:
+        raise ValueError(f"a TIFF packed by {packing} is not read; save it as PNG")
+    flat = FLAT if image.format == "WEBP" else 0
+    if image.width * image.height > max(MOST_IN_A_BYTE[packing] * os.path.getsize(image.filename), flat):
         raise ValueError(f"it ends long before its {image.width} x {image.height} pixels")
     return image
 

@@ -20,7 +20,7 @@ _file = click.option(
 
 cameras = options.together(
     _file,
-    click.option("--camera", metavar="NAME", help="The camera that is meant, of several in a file of USD."),
+    click.option("--camera", metavar="NAME", help="Which camera to use, where a USD file has several."),
 )
 
 PLACED = ("emitter.groom.size=null", "emitter.groom.place=file")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 option = click.option(
     "--checkpoint", type=Whole(1), metavar="N",
-    help="Keep the simulation's state every N frames in DIR/checkpoints, where this run and later ones go on from.",
+    help="Save the simulation's state every N frames in DIR/checkpoints, for later runs to start from.",
 )  # fmt: skip
 
 

@@ -27,8 +27,12 @@ from .values import SpanType
 @click.option(
     "--elevation", type=SpanType(90), default=(-10.0, 40.0), help="Degrees above the horizon, such as -10,40."
 )
-@click.option("--light", type=click.Choice(("view", "set", "scene")), help="New for each view, one, or as it is.")
-@click.option("--colour", type=click.Choice(("view", "set", "scene")), help="The same of the strands' colour.")
+@click.option(
+    "--light",
+    type=click.Choice(("view", "set", "scene")),
+    help="Light: new for each view, one for the set, or the scene's.",
+)
+@click.option("--colour", type=click.Choice(("view", "set", "scene")), help="The same for the strands' colour.")
 @click.option("--frame", type=options.Whole(1, 1_000_000), default=1, help="Frame of a preset that moves.")
 @options.scene_options
 @options.quality

@@ -21,8 +21,8 @@ MARKS = {"ok": ("ok    ", "green"), "note": ("note  ", "yellow"), "broken": ("BR
 @options.debug
 @click.pass_context
 def command(ctx: click.Context, calibrate: bool, as_json: bool, quiet: bool) -> None:
-    """Look whether strandcli works here: versions, threads, memory, kernel cache, extras, and a small picture that is
-    drawn and compared with the one that is known. A line each, with what to do; exit code 1 where something is broken.
+    """Check that strandcli works here: versions, threads, memory, kernel cache, extras, and a small picture, drawn and
+    compared with the known one. Prints a line for each, with what to do; exit code 1 where something is broken.
     """
     from ..doctor.examine import examine
     from ..doctor.finding import BROKEN, OK

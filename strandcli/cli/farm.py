@@ -54,11 +54,11 @@ def command(
     quiet: bool,
     **scene_settings: Any,
 ) -> None:
-    """Write job files that draw PRESET by a scheduler: Slurm, GNU parallel, or one that takes Open Job Description.
+    """Write job files that draw PRESET with a scheduler: Slurm, GNU parallel, or one that takes Open Job Description.
 
-    Kernels are compiled once, the scene is simulated once, chunks of frames are drawn side by side, and what they made
-    is looked through, joined and reported. The preset is written beside with all its settings, so that a later change
-    of yours mixes no films. The jobs may be submitted again: finished work is kept.
+    Kernels are compiled once, the scene is simulated once, chunks of frames are drawn side by side, and the results are
+    checked, joined and reported. A copy of the preset with all its settings goes with the jobs, so that later changes
+    to yours do not mix into the film. The jobs may be submitted again: finished work is kept.
     """
     from ..farm import job as jobs
     from ..farm import openjd, scripts

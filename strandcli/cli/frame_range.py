@@ -38,6 +38,8 @@ class FrameRange:
 
     def numbers(self) -> tuple[int, ...]:
         """Every frame once, in ascending order, however they were written."""
+        if len(self.parts) == 1:
+            return tuple(self.parts[0])
         found: set[int] = set()
         for part in self.parts:
             found.update(part)

@@ -39,7 +39,7 @@ COMMANDS = {
     "dataset": ("dataset", "Draw labelled views of grooms, in the layouts that training reads."),
     "sheet": ("sheet", "Put images on one labelled contact sheet."),
     "completion": ("completion", "Print what a shell needs to complete commands, presets and keys."),
-    "doctor": ("doctor", "Look whether all is well here, and tell what to do where it is not."),
+    "doctor": ("doctor", "Check this machine and installation, and say how to mend faults."),
     "warmup": ("warmup", "Compile ahead of the first run."),
 }
 
@@ -99,7 +99,7 @@ def set_debug(ctx: click.Context, param: click.Parameter, value: bool) -> None:
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
     epilog="Exit codes: 0 done, 1 failed, 2 usage or preset, 3 a check did not match, 4 refused or stopped for disk, "
-    "memory or permission, 129, 130 and 143 signals.",
+    "memory or permission, 129, 130 and 143 ended by a signal.",
 )
 @click.version_option(__version__, "--version", prog_name="strandcli", message="%(prog)s %(version)s")
 @click.option(

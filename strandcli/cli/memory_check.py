@@ -6,5 +6,5 @@ import click
 
 option = click.option(
     "--no-memory-check", "memory_check", is_flag=True, flag_value=False, default=True,
-    help="Go on although more memory is planned than 80 % of what is free.",
+    help="Run even if the plan needs over 80 % of free memory.",
 )  # fmt: skip

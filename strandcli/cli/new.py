@@ -31,8 +31,8 @@ RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9]|lpt[0-9])(\..*)?", re.IGNORECA
 def command(name: Path, groom: Path | None, head: Path | None, overwrite: bool, quiet: bool) -> None:
     """Write the preset NAME.yaml, with a comment on each part, that 'strandcli render NAME.yaml' draws as it is.
 
-    Without a file it is hair on a ball. Of --groom and --head unit and up axis are taken from the files, or guessed, or
-    measured by how roots lie on the head; the preset says which.
+    Without a file it is hair on a ball. Units and up axes of --groom and --head come from the files, or are guessed,
+    or measured by how the roots lie on the head; the preset says which.
     """
     path = preset_file(name)
     options.refuse_existing(path, overwrite)

@@ -92,7 +92,7 @@ threads = click.option("--threads", type=ThreadsType(), metavar="N", help="Threa
 seed = click.option("--seed", type=Whole(0, 2**63 - 1), metavar="N", help="Seed of everything random.")
 quality = click.option(
     "--quality", type=click.Choice(("draft", "default", "best")),
-    help="How finely the preset is drawn, whatever it says itself.  [default: as it says]",
+    help="How finely to draw.  [default: the preset's own quality]",
 )  # fmt: skip
 overrides = click.option(
     "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_assignment, shell_complete=complete.keys,
@@ -102,14 +102,14 @@ keep_going = click.option(
     "--keep-going", is_flag=True,
     help="Do not stop where a run goes wrong; strands that are no longer finite are left out of the pictures.",
 )  # fmt: skip
-resume = click.option("--resume", is_flag=True, help="Keep the files that are there and whole; make the others.")
-overwrite = click.option("--overwrite", is_flag=True, help="Replace files that are there.")
+resume = click.option("--resume", is_flag=True, help="Keep complete files of an earlier run; make the rest.")
+overwrite = click.option("--overwrite", is_flag=True, help="Replace existing files.")
 from_cache = click.option(
     "--from-cache", type=PathType(), metavar="DIR",
     help="Draw the positions that 'strandcli simulate' left in DIR.",
 )  # fmt: skip
 as_json = click.option("--json", "as_json", is_flag=True, help="Print machine data, and nothing else, on stdout.")
-quiet = click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors.")
+quiet = click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 no_progress = click.option("--no-progress", is_flag=True, help="No progress line, even on a terminal.")
 debug = click.option(
     "--debug", is_flag=True, expose_value=False, is_eager=True, callback=set_debug, hidden=True, help="Show tracebacks."
@@ -151,7 +151,7 @@ def talk(more: str) -> Callable[[F], F]:
     return together(alone("quiet", "verbose"), as_json, quiet, verbose, no_progress, debug)
 
 
-talk_options = talk("Say what happens for every frame.")
+talk_options = talk("Print a line for each frame.")
 
 
 def load_scene(

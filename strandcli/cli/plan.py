@@ -37,15 +37,16 @@ LOOKED_AT = 100_000
 def command(
     preset: str, frames: FrameRange | None, threads: int | None, measure: bool, as_json: bool, **scene_settings: Any
 ) -> None:
-    """Tell what rendering PRESET would run, what is left out and why, the memory and the time it would take, and what
-    is hardly meant. Runs nothing of it.
+    """Tell what rendering PRESET would run, what it would leave out and why, how much memory and time it would take,
+    and which settings are probably mistakes. Runs nothing of it.
 
-    Memory is estimated within 15 %, and time within a factor of 2 on a machine that does nothing else, with kernels
-    compiled. Time needs a measure of the machine's speed, by --time or 'strandcli doctor --calibrate', which is kept
-    in the cache folder and refined by what runs take.
+    Memory is estimated within 15 %, and time within a factor of 2 on an otherwise idle machine with compiled kernels.
+    For time the machine's speed must be known: --time or 'strandcli doctor --calibrate' measures it once, and later
+    runs refine it.
     """
     scene = options.load_scene(preset, **scene_settings, roughly=True)
-    numbers = options.frame_numbers(frames, scene)
+    # a million frames as numbers are 40 MB
+    numbers = range(1, scene.time.frames + 1) if frames is None else options.frame_numbers(frames, scene)
 
     from ..plan import make_plan
     from ..plan.libraries import look

@@ -16,15 +16,21 @@ from . import signals
 from .say import printable, say
 
 _TICK = 0.2
+_LONG = 2.0
+"""Seconds of compiling from which on a run that draws no line says so once."""
+_SILENT = 30.0
+"""Seconds without a line after which a run of lines says that it goes on."""
+_COMPILING = "compiling kernels (only on first use)"
 
 
 class Progress:
     """A line with a bar, frames a second and time left; while kernels compile, how long that has taken.
 
-    Nothing is drawn where stderr is no terminal, or with ``hidden``; with ``verbose`` notes are printed as lines then.
+    Nothing is drawn where stderr is no terminal, or with ``hidden``: but for a line where kernels take long to compile.
+    With ``verbose`` notes are printed as lines then.
     A thread redraws the line, so that it moves during a long compilation too. ``each`` is what is counted. With
     ``lines`` a run that takes minutes is heard of where nothing is drawn as well: each step that has a text is a line,
-    and so is every tenth part of steps that have none.
+    and so is every tenth part of steps that have none; a step that takes long is told by itself.
     """
 
     def __init__(
@@ -37,6 +43,7 @@ class Progress:
         self.stream: TextIO = sys.stderr
         self.live = not hidden and self.stream.isatty() and os.environ.get("TERM") != "dumb"
         self.verbose = verbose
+        self.hidden = hidden
         self.lines = lines and not hidden and not self.live
         self.done = 0
         self._note = ""
@@ -46,12 +53,17 @@ class Progress:
         self._stepped = 0.0
         self._lock = threading.Lock()
         self._stop = threading.Event()
+        self._late: threading.Timer | None = None
+        self._heard = threading.Event()
         self._thread: threading.Thread | None = None
 
     def __enter__(self) -> Self:
         self._first = time.monotonic()
         if self.live:
             self._thread = threading.Thread(target=self._tick, name="progress", daemon=True)
+        elif self.lines:
+            self._thread = threading.Thread(target=self._beat, name="progress", daemon=True)
+        if self._thread is not None:
             self._thread.start()
         return self
 
@@ -62,6 +74,8 @@ class Progress:
         if self._thread is not None:
             self._thread.join()
             self._clear()
+        if self._late is not None:
+            self._late.cancel()
 
     def note(self, text: str) -> None:
         """Tell what is going on: compiling, pre-roll. An empty text ends it. Handed to the pipeline as ``notify``."""
@@ -75,10 +89,24 @@ class Progress:
             say(text, err=True)
         elif self.lines and not self._compiled and _kind(text) == "compiling":
             self._compiled = True
-            self.line(f"{self.label}: compiling kernels (only on first use)")
+            self.line(f"{self.label}: {_COMPILING}")
+        elif not (self.hidden or self.live or self._compiled):
+            self._tell_late(_kind(text) == "compiling")
+
+    def _tell_late(self, compiling: bool) -> None:
+        """Say that kernels compile, once, if they do for so long."""
+        if compiling and self._late is None:
+            self._late = threading.Timer(_LONG, self.line, [f"{self.label}: {_COMPILING}"])
+            self._late.daemon = True
+            self._late.start()
+        elif not compiling and self._late is not None:
+            self._compiled = self._late.finished.is_set()
+            self._late.cancel()
+            self._late = None
 
     def step(self, text: str = "", count: int = 1) -> None:
         """One more frame is done, or ``count`` more; ``text`` is its line for --verbose."""
+        self._tell_late(False)
         now = time.monotonic()
         with self._lock:
             self._first += self._pause(now)
@@ -98,6 +126,7 @@ class Progress:
         """Print a line above the progress line."""
         with self._lock:
             self._clear()
+            self._heard.set()
             say(text, err=True)
 
     def _tick(self) -> None:
@@ -106,6 +135,12 @@ class Progress:
                 columns = shutil.get_terminal_size().columns
                 self.stream.write("\r\x1b[K" + self.text(time.monotonic())[: max(1, columns - 1)])
                 self.stream.flush()
+
+    def _beat(self) -> None:
+        while not self._stop.wait(_SILENT):
+            if not self._heard.is_set():
+                self.line(f"{self.label}: at work on {self.each} {self.done + 1:,} of {self.total:,}")
+            self._heard.clear()
 
     def _clear(self) -> None:
         if self.live:

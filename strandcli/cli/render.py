@@ -92,11 +92,11 @@ def command(
     """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them), or draw a FILE of
     strands (.hair, .data, .bin, .tfx, .ply, .npz, .abc, .usd) as it is.
 
-    Writes frame_0001.png …, report.json and report.html. Whatever ends the run, finished frames stay and are whole. A
+    Writes frame_0001.png …, report.json and report.html. However the run ends, finished frames stay and are whole. A
     run that goes wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100
-    times its length (thesis), or the solver's iterations leave it off by its whole length. With --max-error settings
-    are the cheapest that a study finds to keep under it: of motion substeps, iterations and particles, of the picture
-    (picture=2%, flip=0.05) samples, curves, shadow maps and level of detail; those set by hand stay.
+    times its length (thesis), or the solver's iterations leave it off by its whole length. With --max-error a study
+    finds the cheapest settings that stay under it: for motion substeps, iterations and particles; for the picture
+    (picture=2%, flip=0.05) samples, curves, shadow maps and level of detail. Settings given by hand stay.
     """
     if watch or sweep:
         given = click.get_current_context().params

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 max_error_option = click.option(
     "--max-error", type=BoundsType(), metavar="ERRORS",
-    help="Errors that settings have to keep under: of motion 1% or motion=1%, of the picture picture=2%, to the eye "
-    "flip=0.05; several with commas.",
+    help="Errors to stay under: of motion 1% or motion=1%, of the picture picture=2%, to the eye flip=0.05; "
+    "several separated by commas.",
 )  # fmt: skip
 
 

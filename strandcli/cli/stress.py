@@ -25,12 +25,12 @@ MOST_TOLD = 20
 
 @click.command()
 @click.argument("preset", required=False, shell_complete=complete.presets)
-@click.option("--solver", type=click.Choice(("rod", "thesis", "both")), help="Whose matrix.  [default: both]")
+@click.option("--solver", type=click.Choice(("rod", "thesis", "both")), help="Solver to test.  [default: both]")
 @click.option("--case", "case", metavar="NAME", help="Run this case alone, as the table and --json name it.")
 @click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name holds all of WORDS; or a pattern.")
 @click.option("--list", "listing", is_flag=True, help="Name the cases and run nothing.")
 @click.option("--quick", is_flag=True, help="The small matrix, of a few seconds.")
-@click.option("--accept", is_flag=True, help="Keep the failures of the source's solver as those that are expected.")
+@click.option("--accept", is_flag=True, help="Record the thesis solver's present failures as expected.")
 @click.option("--html", type=options.PathType(), metavar="FILE", help="Also write a page with all that is told.")
 @options.overwrite
 @options.threads
@@ -54,8 +54,8 @@ def command(
     """Run the solvers through every extreme of step, stiffness, weight, wind, motion, contact and start.
 
     With PRESET, that preset's own scene through every extreme of step, wind and motion instead; depths in its solids
-    are told and not judged, for only who wrote it knows which of them are meant to overlap. Exit code 3 where a case
-    fails that was not expected to; each can be run again by its name with --case.
+    are reported but not judged, for only its author knows which overlaps are meant. Exit code 3 where a case fails that
+    was not expected to; --case NAME runs one case again.
     """
     if pattern is not None and not pattern.strip():
         raise UsageError("--filter: the text is empty; leave it out to run all cases")

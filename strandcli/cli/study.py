@@ -24,9 +24,7 @@ ROOM = 1_000_000
 KINDS = ("csv", "json", "png", "svg", "html")
 """Files of a study."""
 
-max_error = click.option(
-    "--max-error", type=ErrorType(), metavar="ERROR", help="Error that settings have to keep under: 1% or 0.01."
-)
+max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help="Error to stay under: 1% or 0.01.")
 
 
 @click.command()
@@ -58,7 +56,7 @@ max_error = click.option(
 @options.overrides
 @options.folder("out/study")
 @click.option("--threads", type=options.ThreadsType(), metavar="N", default=1, show_default=True,
-              help="Threads. One alone is timed most evenly, and so few strands hardly need another.")  # fmt: skip
+              help="Threads. One gives the steadiest times, and so few strands hardly need more.")  # fmt: skip
 @options.overwrite
 @options.talk("Print a line a run on a terminal too, and what is compiled.")
 def command(
@@ -76,13 +74,13 @@ def command(
     **wishes: Any,
 ) -> None:
     """Measure error against run time: of motion over solvers, steps, iterations and particles; of pictures over the
-    knobs of one stage of drawing, or all.
+    settings of one stage of drawing, or of all.
 
     Of PRESET: where strands are, against the limit of finer settings; with --axis, one frame in linear light against a
     far finer one, or rays, or quadrature. With --reference: against exact solutions; of several also a table with a row
     for each of them and each solver. Prints a table, writes NAME.csv, .json, .png, .svg and .html, and recommends the
-    cheapest setting under an error. A solver that cannot represent something is told as not represented. Exit code 3:
-    no setting keeps under --max-error.
+    cheapest setting under an error. A solver that cannot represent something is listed as such. Exit code 3: no
+    setting stays under --max-error.
     """
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
     from ..study.registry import find

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -12,6 +13,7 @@ from typing import Any
 import click
 
 from ..errors import SimulationError, UsageError
+from ..scene.faults import Fault, SceneError
 from . import options, signals
 from .say import say
 from .sweep_values import Point, SweepType, points
@@ -22,7 +24,7 @@ COLUMNS, WIDTH, MOST_CELLS = 4, 320, 400
 
 sweep_option = click.option(
     "--sweep", "sweep", multiple=True, type=SweepType(), metavar="KEY=VALUES",
-    help="Draw once for each of wind.strength=1,2,4 or seed=1-8; of several all combinations.",
+    help="Draw once for each value, as of wind.strength=1,2,4 or seed=1-8; if repeated, for all combinations.",
 )  # fmt: skip
 
 
@@ -74,8 +76,18 @@ def _check(wanted: Sequence[Point], folder: Path, settings: Mapping[str, Any]) -
     names = ("size", "strands", "particles", "seed", "quality")
     own = {name: settings[name] for name in names}
     for point in wanted:
-        scene = options.load_scene(settings["preset"], **own, overrides=(*settings["overrides"], *point.overrides()))
+        overrides = (*settings["overrides"], *point.overrides())
+        try:
+            scene = options.load_scene(settings["preset"], **own, overrides=overrides)
+        except SceneError as error:
+            raise SceneError(_as_given(fault, point) for fault in error.faults) from None
         options.frame_numbers(settings["frames"], scene, settings["from_cache"])
+
+
+def _as_given(fault: Fault, point: Point) -> Fault:
+    """A fault of a point's setting, named by the option that it is from."""
+    option, _, text = fault.file.partition(" ")
+    return replace(fault, file=f"--sweep {text}") if option == "--set" and text in point.overrides() else fault
 
 
 def _entry(point: Point, folder: Path) -> dict[str, Any]:

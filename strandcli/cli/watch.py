@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 FILE = "watch.png"
-PAUSE = 0.05
+PAUSE = 0.02
 """Seconds between two looks at the files."""
 SIDE = 400
 """Pixels of the longer side, where no --size is given."""
 NOT_WITH = ("resume", "animate", "max_error", "exr", "from_cache", "cameras", "camera", "sweep", "aovs", "dask")
 
 watch_option = click.option(
-    "--watch", is_flag=True, help=f"Draw one frame into {FILE}, as a draft, again whenever the preset is saved."
+    "--watch", is_flag=True, help=f"Draw one frame as a draft into {FILE}, and again whenever the preset is saved."
 )
 
 

@@ -17,7 +17,7 @@ from ..exchange.strands import even_offsets
 from ..groom.arrange import spatial_order
 from ..groom.followers import Following
 from ..groom.record import Groom
-from ..scene.detail import strands_needed
+from ..scene.detail import most_needed
 from ..scene.model import Followers
 from ..scene.motion import camera_at, emitter_pose
 from .guides import BATCH, chained, chosen, features_of, long_enough, parents_of, picked_points, ranks_of
@@ -75,8 +75,8 @@ def with_followers(scene: Scene) -> Scene:
         float(np.sqrt(((roots - middle) ** 2).sum(1).max())),
     )  # fmt: skip
     scene = replace(scene, emitter=replace(emitter, strands=min(given.guides, strands), followers=first))
-    frames = range(1) if scene.detail is None else range(scene.time.frames)
-    kept = max(strands_needed(scene, frame / scene.time.fps) for frame in frames)
+    frames = range(1, 2 if scene.detail is None else 1 + scene.time.frames)
+    kept = most_needed(scene, frames)
     scene = replace(scene, emitter=replace(scene.emitter, followers=replace(first, kept=kept)))
     made = guided(scene)
     known = replace(

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from ..errors import StrandError
 from ..exchange.bounded import opened
+from ..picture_samples import FORMATS
 
 LARGEST = 1 << 31
 """Bytes of a file that another one names, at most."""
@@ -98,7 +99,7 @@ def picture(beside: Beside, name: str) -> npt.NDArray[np.uint8] | None:
     from PIL import Image
 
     try:
-        return pixels(Image.open(io.BytesIO(beside.get(name))))
+        return pixels(Image.open(io.BytesIO(beside.get(name)), formats=FORMATS))
     except Exception:  # likewise
         return None
 

@@ -10,7 +10,7 @@ from ..decision import Decision, left_out
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps, shining
 from ..draw.shadows.shadow_model import casts_map, counts_strands
 from ..registry import FIBRES, SHADOWS
-from ..scene.detail import share_bounds
+from ..scene.detail import MOST_FRAMES, share_bounds, times_of
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
 
@@ -141,7 +141,9 @@ def _detail(scene: Scene, frames: Sequence[int]) -> Iterator[Decision]:
     if scene.detail is None:
         yield left_out("level of detail", "the preset has none")
         return
-    least = min((share_bounds(scene, (frame - 1) / scene.time.fps)[0] for frame in frames), default=1.0)
+    times = times_of(scene, frames)
+    some = times[:: -(-len(times) // MOST_FRAMES) or 1] + times[-1:]
+    least = min((share_bounds(scene, time)[0] for time in some), default=1.0)
     if least < 1:
         yield Decision("level of detail", f"down to {least:.3g} of the strands where they are farthest")
     else:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ..scene.detail import strands_needed
+from ..scene.detail import most_needed
 from ..scene.named_files import naming_files
 from ..scene.rule_type import MUTUAL
 from .drawing import drawing_decisions
@@ -127,10 +127,9 @@ def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
     mutual = any(use.name in MUTUAL for use in scene.rules)
     if mutual or scene.children is not None or scene.emitter.followers is not None:
         return scene.emitter.strands
-    if scene.detail is None:  # every frame needs the same
-        frames = frames[:1]
-    counts = (strands_needed(scene, (frame - 1) / scene.time.fps) for frame in frames)
-    return max(counts, default=scene.emitter.strands)
+    if scene.detail is None:
+        return scene.emitter.strands
+    return most_needed(scene, frames) if frames else scene.emitter.strands
 
 
 def pictures_that_fit(scene: Scene, frames: Sequence[int]) -> int:

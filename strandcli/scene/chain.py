@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -87,7 +88,7 @@ def chain_of(source: Path, rules: Rules, files: list[str], faults: list[Fault], 
         feed(digest, data)
         files.append(str(path))
         try:
-            root, found = read(data, str(path))
+            root, found = _read(data, str(path))
         except SceneError as error:
             raise SceneError([*faults, *error.faults]) from None
         faults.extend(found)
@@ -102,6 +103,12 @@ def chain_of(source: Path, rules: Rules, files: list[str], faults: list[Fault], 
             entry = link.root.entries["rules"]
             faults.append(fault_at(entry.mark, "rules", str(problem)))
     return root
+
+
+@lru_cache(maxsize=4)
+def _read(data: bytes, file: str) -> tuple[MapNode, list[Fault]]:
+    """As `read`; a preset is looked at several times where it is drawn again and again."""
+    return read(data, file)
 
 
 def _parent(links: list[_Link], faults: list[Fault]) -> Path | None:

@@ -4,6 +4,7 @@ frame can show. `strandcli.draw.geometry.detail` says what the share means."""
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .model import MeshShape, PlaneShape
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 BAND = 0.1
 """Width of the band in which strands fade, as a fraction of k."""
 
+MOST_FRAMES = 10_000
+"""That are looked at one by one, a tenth of a second."""
 UNKNOWN = 1e15
 """Metres that a mesh may reach to, where that is not known: larger than any."""
 
@@ -71,6 +74,23 @@ def strands_needed(scene: Scene, time: float) -> int:
     total = scene.drawn_strands
     k = share_bounds(scene, time)[1]
     return min(max(math.ceil(total * (k + fade_band(k, total)) - 0.5), 1), total)
+
+
+def most_needed(scene: Scene, frames: Sequence[int]) -> int:
+    """Return the greatest of `strands_needed` in some frames; all strands, which are enough for any, where that is more
+    than `MOST_FRAMES` to look at."""
+    some = times_of(scene, frames)
+    if not some or len(some) > MOST_FRAMES:
+        return scene.drawn_strands
+    return max(strands_needed(scene, time) for time in some)
+
+
+def times_of(scene: Scene, frames: Sequence[int]) -> list[float]:
+    """Return the seconds of frames, numbered from 1, that differ for level of detail: of those after the last key only
+    one."""
+    last = max(0.0, *(key.time for key in scene.camera.keys), *(key.time for key in scene.emitter.keys), 0.0)
+    still = 2 + math.ceil(last * scene.time.fps)
+    return [(frame - 1) / scene.time.fps for frame in sorted({min(frame, still) for frame in frames})]
 
 
 def fade_band(k: float, total: int) -> float:

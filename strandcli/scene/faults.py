@@ -41,7 +41,11 @@ class Fault:
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
         # "--set wind.strenght=3" already says the path
-        path = "" if not self.line and self.file.startswith(f"--set {self.path}=") else self.path
+        path = (
+            ""
+            if not self.line and self.file.startswith((f"--set {self.path}=", f"--sweep {self.path}="))
+            else self.path
+        )
         return ": ".join(one_line(part) for part in (place, path, self.message) if part)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import time
 
 import pytest
 
@@ -120,6 +121,32 @@ def test_nothing_is_drawn_where_nobody_looks(
         progress.note("compiling step")
         progress.step("frame 1")
     assert stream.getvalue() == ""
+
+
+def test_kernels_that_take_long_to_compile_are_told_once_in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
+    stream = io.StringIO()
+    monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.setattr("strandcli.cli.progress._LONG", 0.02)
+    for hidden, words in ((True, ""), (False, "hair: compiling kernels (only on first use)\n")):
+        with Progress(2, "hair", hidden=hidden) as progress:
+            for _ in range(2):
+                for kernel in ("step", "depth"):
+                    progress.note(f"compiling {kernel}")
+                    time.sleep(0.05)
+                progress.step("frame 1")
+        assert stream.getvalue() == words
+
+
+def test_a_long_step_is_told_while_it_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    stream = io.StringIO()
+    monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.setattr("strandcli.cli.progress._SILENT", 0.03)
+    with Progress(6, "study layer", each="run", lines=True) as progress:
+        progress.step("rod: 3 s")
+        time.sleep(0.2)
+    lines = stream.getvalue().splitlines()
+    assert lines[0] == "study layer: 1/6 rod: 3 s"
+    assert set(lines[1:]) == {"study layer: at work on run 2 of 6"}
 
 
 def test_verbose_writes_lines_instead(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -102,7 +102,7 @@ def test_a_point_that_goes_wrong_is_told_and_the_others_go_on(run: Runner, monke
     (["wind.strength"], "is not KEY=VALUES"), (["seed=3-1"], "runs backwards; write 1-3"), (["seed=1,,2"], "empty"),
     (["seed=1-8x0"], "at least 1"), (["seed=1-99999999"], "more than 10,000 values"),
     (["seed=1-200", "wind.strength=1-200"], "40,000 combinations"), (["seed=1", "seed=2"], "is given twice"),
-    (["wind.strenght=1"], "did you mean"), (["wind.strength=1,x"], "wind.strength"),
+    (["wind.strenght=1"], "did you mean"), (["wind.strength=1,x"], "--sweep wind.strength=x: must be"),
 ])  # fmt: skip
 def test_what_is_no_sweep_is_told_before_anything_is_drawn(run: Runner, arguments: list[str], words: str) -> None:
     options = itertools.chain.from_iterable(("--sweep", one) for one in arguments)

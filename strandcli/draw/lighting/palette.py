@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -30,14 +30,16 @@ class Palette:
         strands at tones −1 to 1, in place of the material's: (k, 3), in so many ``shades`` each, or (A, k, 3) from root
         to tip."""
         model = FIBRES[material.model]
-        tables = model.tables(material)
+        own = material.parameters is not None  # a model from elsewhere, with settings that may have no hash
+        tables = model.tables(material) if own else _tables_of(model, material)
         self._columns = getattr(model, "columns", None)
         self._material = material
         self.use(tables)
         self.diffuse = np.float32(material.diffuse)
         roughness = model.roughness(material) if hasattr(model, "roughness") else material.beta_n
         self.colour = colour_of(material, roughness).astype(np.float32)
-        self.dual = dual.build_tables(material, roughness) if counts and material.scatter == "dual" else None
+        build = dual.build_tables if own else _dual_of
+        self.dual = build(material, roughness) if counts and material.scatter == "dual" else None
         self.loss = None if self.dual is None else dual.loss_table(self.dual)
         """Loss of light behind strands, for the shadows on solids."""
         base = getattr(tables, "absorption", None)
@@ -55,6 +57,17 @@ class Palette:
     def use(self, tables: Any) -> None:
         """Set the tables of the fibre model, or their arrays alone; None: no highlights."""
         self.arrays = getattr(tables, "arrays", tables)
+
+
+# a process that draws a preset again and again, or panels, has mostly one material: a twentieth of a second
+@lru_cache(maxsize=1)
+def _tables_of(model: Any, material: Material) -> Any:
+    return model.tables(material)
+
+
+@lru_cache(maxsize=1)
+def _dual_of(material: Material, roughness: float) -> dual.kernel.DualArrays:
+    return dual.build_tables(material, roughness)
 
 
 def tint_table(material: Material, roughness: float, base: NDArray[np.float64] | None) -> NDArray[np.float32]:
