@@ -27,6 +27,7 @@ from .kernels.records import DRAG, FRICTION, ROUNDING, TOLERANCE, TORSION, VELOC
 from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
 from .material import COIL_STEP, MOST_INNER, integrator_of, torsion
+from .rod_clamped import pins_of
 from .rod_kernel import StepKernel
 from .rod_pinned import HEAVY, Pins
 from .rod_pinned import TOLERANCE as PINNED_TOLERANCE
@@ -100,7 +101,8 @@ class RodSolver(Solver):
         self.contact = StrandContact(scene, groom, touching[0]) if touching else None
         crowded = bool(between or touching)
         flags = Flags(
-            integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming, crowded
+            integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming, crowded,
+            rod.end == "clamped",
         )
         self.second = flags.second
         rest, self._coil_rate = with_coils(scene, rest, shape)
@@ -111,7 +113,7 @@ class RodSolver(Solver):
         self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
         self.forcing.numbers[TORSION] = torsion(rod, shape.coiled)
         self.mass = self.material.mass.copy()
-        self.pins = Pins(self.state, self.pose) if rod.end == "pinned" else None
+        self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""

@@ -102,7 +102,8 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
         mended = mended or dtype == np.float32
         edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
     bent = rest != "straight" and not straight([axes, *edges])
-    curled = bent or rest == "sag_free" or scene.rod.yield_strain is not None
+    rod = scene.rod
+    curled = bent or rest == "sag_free" or rod.yield_strain is not None or rod.end == "clamped"
     return Shape(axes, edges, mended, curled, curled and coiled(edges))
 
 
@@ -181,6 +182,7 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         crowd=zeros(flags.crowded),
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),
+        turned=aligned((packs if flags.held else 1, PACK), dtype),
     )
 
 
@@ -198,6 +200,7 @@ def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags) -> Forcing:
     return Forcing(
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),
         np.zeros(POSE, dtype), np.zeros(NUMBERS, dtype), packed(np.zeros_like(drifting), dtype),
+        aligned((packs if flags.held else 1, 2, 3 * PACK), dtype),
     )  # fmt: skip
 
 
