@@ -11,13 +11,13 @@ from .checks_of_rod import rod_clashes
 from .faults import hint, shown
 from .fields import Vector
 from .model import (
-    EndKey,
     AOVS,
     Camera,
     CameraKey,
     Children,
     DiscShape,
     Emitter,
+    EndKey,
     Image,
     MeshKey,
     MeshShape,

@@ -192,7 +192,7 @@ def sine_cosine(degrees: float) -> tuple[float, float]:
 
 
 def end_pose(keys: Sequence[EndKey], time: float) -> tuple[Pose, float]:
-    """How the ends of strands are moved in the emitter's frame at ``time`` (seconds), and turns about their directions."""
+    """How ends of strands are moved in the emitter's frame at ``time`` (seconds), and turns about their directions."""
     pose = _pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), keys, time)
     if not keys:
         return pose, 0.0

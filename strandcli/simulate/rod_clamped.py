@@ -18,9 +18,7 @@ from .kernels.rod_scratch import PACK
 from .rod_pinned import Pins
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..scene.model import EndKey, Rod
+    from ..scene.model import Rod
     from ..scene.motion import Pose
 
 Floats = NDArray[np.floating]

@@ -47,13 +47,13 @@ def all_of(kind, descriptor):
     return a, b, c, d, Met(Others(rows{data}), last, columns)
 '''
 
-STEP = '''\
+STEP = """\
 
 
 @function
 def step(descriptor, worker):
     work(np.{kind}, descriptor, worker, {among}, {flags})
-'''
+"""
 
 
 def module_among(others: Sequence[Any], data: Sequence[NDArray[Any]], kind: str, wanted: Sequence[Any]) -> Any:

@@ -203,7 +203,15 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
     for lane in range(0, PACK, lane_count(scratch)):
         strand = pack * PACK + lane
         position = rod_sweep.position_of(strand, n)
-        at = Place(n, strand, pack * n * AXES + lane, pack * n * PACK + lane, pack * (n + 1) * AXES + lane, 2 * pack * AXES + lane, position)
+        at = Place(
+            n,
+            strand,
+            pack * n * AXES + lane,
+            pack * n * PACK + lane,
+            pack * (n + 1) * AXES + lane,
+            2 * pack * AXES + lane,
+            position,
+        )
         place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         scheme = Scheme(

@@ -18,8 +18,8 @@ from .exact import twisted
 APART, TURNS, TORSION = 0.9, 2.0, 0.75
 """Distance of the ends over the length, which is one metre; turns; GJ over EI."""
 BUMP = 0.02
-"""Radians by which the strand is bent at the start, between a quarter and three quarters of its length, so that it has a
-side to bow to."""
+"""Radians by which the strand is bent at the start, between a quarter and three quarters of its length, so that it has
+a side to bow to."""
 BEGUN, DONE = 1.0, 4.0
 """Seconds at which the end has come nearer, and at which it has been turned."""
 
@@ -70,7 +70,7 @@ def writhe(strand: NDArray[np.float64]) -> float:
     for e in (*edges, way):
         a = a - (a @ e) / (1 + t @ e) * (t + e)
         t = e
-    return -math.atan2(a[2], a[1]) / (2 * math.pi)
+    return math.atan2(a[2], a[1]) / (2 * math.pi)
 
 
 def measure(track: Track) -> dict[str, float | None]:
