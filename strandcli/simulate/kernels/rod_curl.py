@@ -64,17 +64,25 @@ def unit_edge(s, o):
     return where(good, f * x, 0.0), where(good, f * y, 0.0), where(good, f * z, 0.0)
 
 
+@inlined
+def first_normal(pose, bends, bend):
+    """The normal that frames begin with at the clamp, in the world."""
+    x, y, z = load3(bends, bend, PACK)
+    return (
+        pose[ROTATION] * x + pose[ROTATION + 1] * y + pose[ROTATION + 2] * z,
+        pose[ROTATION + 3] * x + pose[ROTATION + 4] * y + pose[ROTATION + 5] * z,
+        pose[ROTATION + 6] * x + pose[ROTATION + 7] * y + pose[ROTATION + 8] * z,
+    )
+
+
 @device
 def transport_frames(s, at, state, material, forcing, held):
     """Transport frames from the root to the tip: set `TARGET` by the ψ before the step, and eliminate the torques about
     edges, linearised in ψ."""
-    pose, torsion = forcing.pose, forcing.numbers[TORSION]
+    torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
     tx, ty, tz = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
-    x, y, z = load3(bends, bend, PACK)
-    ax = pose[ROTATION] * x + pose[ROTATION + 1] * y + pose[ROTATION + 2] * z
-    ay = pose[ROTATION + 3] * x + pose[ROTATION + 4] * y + pose[ROTATION + 5] * z
-    az = pose[ROTATION + 6] * x + pose[ROTATION + 7] * y + pose[ROTATION + 8] * z
+    ax, ay, az = first_normal(forcing.pose, bends, bend)
     zero = broadcast(s, 0.0)
     angle = zero
     a = zero

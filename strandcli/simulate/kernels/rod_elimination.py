@@ -79,8 +79,8 @@ def sweep_to_root(s, n, mass, joint, held, changed, bounded, judged):
     the loads. Returns 1 in lanes with a pivot that is too small.
 
     What is None is compiled out. ``bounded``: whether τ is bounded in `INDEFINITE` lanes. ``judged``: pivots are judged
-    and not stored. ``held``: whether tips are clamped. A pivot that is too small is raised: in a definite H that does no
-    harm; in another, those before it would run away to −∞.
+    and not stored. ``held``: whether tips are clamped. A pivot that is too small is raised: in a definite H that does
+    no harm; in another, those before it would run away to −∞.
 
     Loads. The residual is ρ_j = M_j (u*_j − u_j) − f_j + f_{j+1} with f_j = τ_j e_j + b_j − b_{j+1} and
     b_j = κ_j (c_j − c̄_j), where the edge before the first is the clamped direction.
