@@ -23,14 +23,16 @@ from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
 from .contact.between_strands import StrandContact, in_parts
 from .crowd import Crowd, Moment
-from .kernels.records import DRAG, FRICTION, ROUNDING, TOLERANCE, TORSION, VELOCITY_STEP, Flags
+from .kernels.records import DRAG, FRICTION, ROUNDING, TOLERANCE, TORSION, VELOCITY_STEP
 from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
-from .material import COIL_STEP, MOST_INNER, integrator_of, torsion
+from .material import COIL_STEP, MOST_INNER, torsion
+from .rod_clamped import pins_of
 from .rod_kernel import StepKernel
 from .rod_pinned import HEAVY, Pins
 from .rod_pinned import TOLERANCE as PINNED_TOLERANCE
 from .rod_setup import (
+    flags_of,
     forcing_of,
     hinged,
     material_of,
@@ -92,16 +94,11 @@ class RodSolver(Solver):
             for j, edge in enumerate(world_edges(shape, self.pose)):
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * lanes(edge)
         rest = rest_of(scene, shape, matter, self.pose, self.dtype)
-        around = self.surroundings
-        deforming = self.deforming is not None
         between = [use.parameters for use in scene.rules if use.name == "interaction"]
         self.crowd = Crowd(scene, groom, between[0], self.positions, self.dtype) if between else None
         touching = [use.parameters for use in scene.rules if use.name == "contact"]
         self.contact = StrandContact(scene, groom, touching[0]) if touching else None
-        crowded = bool(between or touching)
-        flags = Flags(
-            integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming, crowded
-        )
+        flags = flags_of(scene, shape, self.surroundings, self.deforming is not None)
         self.second = flags.second
         rest, self._coil_rate = with_coils(scene, rest, shape)
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
@@ -111,7 +108,7 @@ class RodSolver(Solver):
         self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
         self.forcing.numbers[TORSION] = torsion(rod, shape.coiled)
         self.mass = self.material.mass.copy()
-        self.pins = Pins(self.state, self.pose) if rod.end == "pinned" else None
+        self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""

@@ -41,7 +41,7 @@ class StepKernel:
             strands, segments, iterations, flags, self.scratch, *self._kept, self._data
         )
         self._others = surroundings.others
-        self._function = ("double" if edges.dtype == np.float64 else "single") + ("_crowded" if flags.crowded else "")
+        self._kind, self._flags = edges.dtype.name, flags
         self._code: int | None = None
         # lanes without a strand are copies of the last strand, and the queue leaves most of them alone
         last = rows[-1].reshape(-1, W)
@@ -52,8 +52,7 @@ class StepKernel:
         """Move all strands by one step, as `Forcing` says."""
         self._descriptor[work_queue.NEXT] = 0
         if self._code is None:  # compiled no sooner than anything moves, which need not be
-            module = module_among(self._others, self._data) if self._others else rod_step
-            self._code = _address(module, self._function)
+            self._code = self._compiled()
         if self._data is not self._surroundings.data:
             self._data = self._surroundings.data
             self._descriptor[rod_step.DATA :] = rod_step.data_numbers(self._data)
@@ -64,6 +63,14 @@ class StepKernel:
         work_queue.run_workers(self._code, self._descriptor, workers)
         if self._padding.size:
             np.copyto(self._padding, self._last_strand)
+
+    def _compiled(self) -> int:
+        """Return the address of the step that the scene needs: a shipped one, or one of a module written for it."""
+        wanted = self._flags[rod_step.SETTLED :]
+        if self._others or any(wanted[1:]):
+            return _address(module_among(self._others, self._data, self._kind, wanted), "step")
+        kind = "double" if self._kind == "float64" else "single"
+        return _address(rod_step, kind + ("_crowded" if wanted[0] else ""))
 
     def __deepcopy__(self, memo: Any) -> StepKernel:
         raise TypeError("a rod solver cannot be copied, for its kernel holds addresses of arrays: make another one")

@@ -1,4 +1,5 @@
-"""The step of rods among solids without kernels of their own: a module written for their shapes."""
+"""Steps of rods that few scenes need: modules written for them, among solids without kernels of their own or for
+strands with more than bending."""
 
 from __future__ import annotations
 
@@ -12,8 +13,8 @@ from .. import runtime
 from ..solids.shapes.other_code import module_for
 from ..written import module_of
 
-TEMPLATE = '''\
-"""The step of rods among solids without kernels of their own, written by strandcli.simulate.rod_others."""
+HEAD = '''\
+"""A step of rods, written by strandcli.simulate.rod_others."""
 
 from typing import Any, NamedTuple
 
@@ -22,6 +23,9 @@ import numpy as np
 from strandcli.jit import device, function
 from strandcli.simd import array_at
 from strandcli.simulate.kernels.rod_step import DATA, others_of, solids_of, work
+'''
+
+AMONG = '''\
 from {solids} import Others, deepest, distance, drift, normal
 
 
@@ -41,38 +45,30 @@ def all_of(kind, descriptor):
     a, b, c, d = solids_of(kind, descriptor)
     rows, last, columns = others_of(kind, descriptor)
     return a, b, c, d, Met(Others(rows{data}), last, columns)
-
-
-@function
-def single(descriptor, worker):
-    work(np.float32, descriptor, worker, all_of, None)
-
-
-@function
-def double(descriptor, worker):
-    work(np.float64, descriptor, worker, all_of, None)
-
-
-@function
-def single_crowded(descriptor, worker):
-    work(np.float32, descriptor, worker, all_of, True)
-
-
-@function
-def double_crowded(descriptor, worker):
-    work(np.float64, descriptor, worker, all_of, True)
 '''
 
+STEP = """\
 
-def module_among(others: Sequence[Any], data: Sequence[NDArray[Any]]) -> Any:
-    """The module that holds the step among solids of these kinds with such arrays: functions as those of
-    `strandcli.simulate.kernels.rod_step`."""
-    arrays, place = "", 0
-    for one in data:
-        shape = "".join(f"descriptor[DATA + {place + 1 + axis}], " for axis in range(one.ndim))
-        arrays += f", array_at(np.{one.dtype}, descriptor[DATA + {place}], ({shape}))"
-        place += 1 + one.ndim
-    return _load(TEMPLATE.format(solids=module_for(others).__name__, data=arrays))
+
+@function
+def step(descriptor, worker):
+    work(np.{kind}, descriptor, worker, {among}, {flags})
+"""
+
+
+def module_among(others: Sequence[Any], data: Sequence[NDArray[Any]], kind: str, wanted: Sequence[Any]) -> Any:
+    """The module whose ``step`` is that among solids of these kinds with such arrays, as those of
+    `strandcli.simulate.kernels.rod_step`: of a floating type, with those ``wanted`` of `Flags` that are compiled in."""
+    among, solids = "", "solids_of"
+    if others:
+        arrays, place = "", 0
+        for one in data:
+            shape = "".join(f"descriptor[DATA + {place + 1 + axis}], " for axis in range(one.ndim))
+            arrays += f", array_at(np.{one.dtype}, descriptor[DATA + {place}], ({shape}))"
+            place += 1 + one.ndim
+        among, solids = AMONG.format(solids=module_for(others).__name__, data=arrays), "all_of"
+    flags = ", ".join(str(True if flag else None) for flag in wanted)
+    return _load(HEAD + among + STEP.format(kind=kind, among=solids, flags=flags))
 
 
 @functools.cache

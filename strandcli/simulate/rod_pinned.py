@@ -12,11 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..constants import W
+from ..scene.motion import Pose, end_pose
 from .kernels.records import AIR, DRAG, GRAVITY, STEP, VELOCITY_STEP, Forcing, State
 from .kernels.rod_scratch import PACK
 
 if TYPE_CHECKING:
-    from ..scene.motion import Pose
+    from collections.abc import Sequence
+
+    from ..scene.model import EndKey
 
 HEAVY = 1e6
 """Factor of a pinned particle's mass."""
@@ -33,8 +36,9 @@ def tips(state: State) -> NDArray[np.float64]:
 class Pins:
     """Where tips are pinned: ``places`` (P, 3, `PACK`) metres in the emitter's frame."""
 
-    def __init__(self, state: State, pose: Pose) -> None:
-        """Pins tips where they are, with the emitter in a pose."""
+    def __init__(self, state: State, pose: Pose, keys: Sequence[EndKey] = ()) -> None:
+        """Pins tips where they are, with the emitter in a pose; keys move them on."""
+        self._keys = keys
         away = tips(state) - np.array(pose.translation)[:, None]
         self.places = np.einsum("ji,pjk->pik", np.array(pose.rotation), away)
         self._starts, self._seconds = self.places, 0.0
@@ -43,12 +47,19 @@ class Pins:
         """Bring all tips to a place of the emitter's frame, metres, in so many seconds."""
         self.places, self._seconds = np.broadcast_to(np.array(place)[:, None], self._starts.shape), seconds
 
+    def moved(self, time: float) -> tuple[Pose, float]:
+        """Return how the keys move ends in the emitter's frame, and by how many turns about their directions."""
+        return end_pose(self._keys, time)
+
     def aim(self, state: State, forcing: Forcing, pose: Pose, time: float, dt: float) -> None:
         """Give tips the velocity that leads to their places at the end of a step of ``dt`` seconds at ``time``, with
         the emitter in a pose. `kernels.rod_start` predicts u* = h / (1 + γ g) (v + g (gravity + γ wind)), with the rate
         γ of drag: solved for v, where u* is the way to go."""
         share = min(max(time, 0.0) / self._seconds, 1.0) if self._seconds > 0 else 1.0
         local = self._starts + share * (self.places - self._starts)
+        moved, _ = self.moved(time)
+        if self._keys:
+            local = np.einsum("ij,pjk->pik", np.array(moved.rotation), local) + np.array(moved.translation)[:, None]
         goals = np.einsum("ij,pjk->pik", np.array(pose.rotation), local) + np.array(pose.translation)[:, None]
         way = goals - tips(state)
         numbers = forcing.numbers.astype(np.float64)

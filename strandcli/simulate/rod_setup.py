@@ -17,13 +17,14 @@ from ..groom.record import Groom
 from ..scene.motion import Pose
 from .kernels.records import NUMBERS, POSE, Flags, Forcing, Material, State
 from .kernels.rod_scratch import PACK
-from .material import coil_rates, matter_along, needs_double, softened, stiffness, torsion
+from .material import coil_rates, integrator_of, matter_along, needs_double, softened, stiffness, torsion
 from .rest_shape import coiled, straight, transported, unit_edges
 from .sag_free import hold
 from .surroundings import gravity
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
+    from .surroundings import Surroundings
 
 Floats = NDArray[np.float64]
 
@@ -102,8 +103,18 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
         mended = mended or dtype == np.float32
         edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
     bent = rest != "straight" and not straight([axes, *edges])
-    curled = bent or rest == "sag_free" or scene.rod.yield_strain is not None
+    rod = scene.rod
+    curled = bent or rest == "sag_free" or rod.yield_strain is not None or rod.end == "clamped"
     return Shape(axes, edges, mended, curled, curled and coiled(edges))
+
+
+def flags_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) -> Flags:
+    """What a step of the scene needs."""
+    crowded = any(use.name in ("interaction", "contact") for use in scene.rules)
+    return Flags(
+        integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming, crowded,
+        scene.rod.end == "clamped",
+    )  # fmt: skip
 
 
 def hinged(scene: Scene, matter: Matter, shape: Shape) -> Matter:
@@ -181,6 +192,7 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         crowd=zeros(flags.crowded),
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),
+        turned=aligned((packs if flags.held else 1, PACK), dtype),
     )
 
 
@@ -198,6 +210,7 @@ def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags) -> Forcing:
     return Forcing(
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),
         np.zeros(POSE, dtype), np.zeros(NUMBERS, dtype), packed(np.zeros_like(drifting), dtype),
+        aligned((packs if flags.held else 1, 2, 3 * PACK), dtype),
     )  # fmt: skip
 
 

@@ -10,12 +10,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
-VELOCITY_STEP = 14
-NUMBERS = 15
+VELOCITY_STEP, TURN, TIP_JOINT = 14, 15, 16
+NUMBERS = 17
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
-bending rigidity, h of velocities in s."""
+bending rigidity, h of velocities in s, angle in radians by which clamped tips are turned, relative rigidity of their
+joint."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
@@ -57,6 +58,8 @@ class State(NamedTuple):
     """(blocks, N + 2, 3 W) world, metres: row 0 one segment before the root, row 1 the root."""
     residuals: Any
     """(P, S) greatest | |e| − 1 | before lengths are made exact."""
+    turned: Any
+    """(P, S) angle from the transported frame to the axis of the clamp, radians; needed by clamped tips."""
 
 
 class Material(NamedTuple):
@@ -90,11 +93,14 @@ class Forcing(NamedTuple):
     """(`NUMBERS`,)"""
     drift: Any
     """(P, 3 S) displacement of roots in the step beside that of the emitter, metres; needed by roots that deform."""
+    tips: Any
+    """(P, 2, 3 S) unit vectors along which tips are clamped and across that, in the world; needed by clamped tips."""
 
 
 class Flags(NamedTuple):
-    """What a scene needs. Tested at run time, for each variant of the kernel takes seconds to compile; but ``crowded``,
-    without which a step takes a fourteenth less."""
+    """What a scene needs. Tested at run time, for each variant of the kernel takes seconds to compile; but those
+    after ``deforming``, which are True, or None that leaves what they need out of a kernel. Without ``crowded`` a step
+    takes a fourteenth less."""
 
     second: Any
     """Whether the state has what BDF2 needs."""
@@ -107,7 +113,9 @@ class Flags(NamedTuple):
     deforming: Any
     """Whether roots move in the emitter's frame."""
     crowded: Any
-    """Whether strands interact; in kernels True, or None that leaves it out."""
+    """Whether strands interact."""
+    held: Any
+    """Whether tips are clamped."""
 
 
 class Place(NamedTuple):
@@ -123,6 +131,8 @@ class Place(NamedTuple):
     """In (P, N, S), of the first segment."""
     bend: Any
     """In (P, N + 1, 3 S), of the first row."""
+    tip: Any
+    """In (P, 2, 3 S), of the first row."""
     position: Any
     """In the positions, of row 0."""
 
@@ -142,6 +152,8 @@ class Scheme(NamedTuple):
     """Of the step, seconds."""
     ahead: Any
     """Whether rest shapes begin with those of the step before, and are set where the first change of edges leads to."""
+    held: Any
+    """Whether tips are clamped: True, or None."""
 
 
 class Contact(NamedTuple):

@@ -35,6 +35,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
+from . import rod_held
 from .rod_scratch import (
     AXES,
     EDGE,
@@ -102,7 +103,7 @@ def apply_change(s, n, step):
 
 
 @device
-def retract(s, n, mass, joint, chosen):
+def retract(s, n, mass, joint, held, chosen):
     """Bring the edges of the ``chosen`` lanes back to unit length, root to tip; one without a length takes the
     direction of the edge before it. Returns twice the energy of each lane, the sum that a step minimises."""
     stiffness = load(s, STIFFNESS)
@@ -138,6 +139,8 @@ def retract(s, n, mass, joint, chosen):
         z -= sz
         store3(s, o + INERTIAL, 1, x, y, z)
         energy += mass[j] * (x * x + y * y + z * z)
+    if held is not None:
+        energy += rod_held.energy_beyond(s, n)
     return energy
 
 

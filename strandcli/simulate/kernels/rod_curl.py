@@ -21,7 +21,8 @@ from __future__ import annotations
 from ...constants import FOLD
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
-from .records import DAMPING, ROTATION, STEP, TORSION
+from . import rod_held
+from .records import DAMPING, ROTATION, STEP, TIP_JOINT, TORSION
 from .rod import TINY
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT
 from .rod_tension import particle_gain
@@ -44,13 +45,13 @@ TWIST_OFFSET, TWIST_FACTOR, FOLD_RATE = range(3)
 
 
 @device
-def set_rest(s, at, state, material, forcing, kept, before):
-    """Add the rest shape to c̄, and update the twist. ``kept``: whether it is kept for the next step; ``before``:
-    whether c̄ has what was kept, which is replaced."""
+def set_rest(s, at, state, material, forcing, held, kept):
+    """Add the rest shape to c̄, and update the twist. ``held``: whether tips are clamped; ``kept``: whether it is
+    kept for the next step, and whether c̄ has what was kept before, which is replaced."""
     numbers = forcing.numbers
-    transport_frames(s, at, state, material, forcing.pose, numbers[TORSION])
+    transport_frames(s, at, state, material, forcing, held)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
-    add_reactions(s, at, state, material, numbers[TORSION], share, (kept, before))
+    add_reactions(s, at, state, material, numbers[TORSION], share, held, kept)
 
 
 @inlined
@@ -63,16 +64,25 @@ def unit_edge(s, o):
     return where(good, f * x, 0.0), where(good, f * y, 0.0), where(good, f * z, 0.0)
 
 
+@inlined
+def first_normal(pose, bends, bend):
+    """The normal that frames begin with at the clamp, in the world."""
+    x, y, z = load3(bends, bend, PACK)
+    return (
+        pose[ROTATION] * x + pose[ROTATION + 1] * y + pose[ROTATION + 2] * z,
+        pose[ROTATION + 3] * x + pose[ROTATION + 4] * y + pose[ROTATION + 5] * z,
+        pose[ROTATION + 6] * x + pose[ROTATION + 7] * y + pose[ROTATION + 8] * z,
+    )
+
+
 @device
-def transport_frames(s, at, state, material, pose, torsion):
+def transport_frames(s, at, state, material, forcing, held):
     """Transport frames from the root to the tip: set `TARGET` by the ψ before the step, and eliminate the torques about
     edges, linearised in ψ."""
+    torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
     tx, ty, tz = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
-    x, y, z = load3(bends, bend, PACK)
-    ax = pose[ROTATION] * x + pose[ROTATION + 1] * y + pose[ROTATION + 2] * z
-    ay = pose[ROTATION + 3] * x + pose[ROTATION + 4] * y + pose[ROTATION + 5] * z
-    az = pose[ROTATION + 6] * x + pose[ROTATION + 7] * y + pose[ROTATION + 8] * z
+    ax, ay, az = first_normal(forcing.pose, bends, bend)
     zero = broadcast(s, 0.0)
     angle = zero
     a = zero
@@ -89,7 +99,9 @@ def transport_frames(s, at, state, material, pose, torsion):
         ex, ey, ez = unit_edge(s, o)
         if j > 0:
             before = torsion * joint[j - 1]
-            after = torsion * joint[j] if j + 1 < n else 0.0
+            after = torsion * joint[j]
+            if held is None and j + 1 == n:
+                after = 0.0
             stiff = joint[j] * max(ex * x + ey * y + ez * z, 0.0)
             turn = (v * bx - w * ax) * ex + (v * by - w * ay) * ey + (v * bz - w * az) * ez
             over = 1.0 / (before * (1.0 - b) + after + stiff)
@@ -118,12 +130,15 @@ def transport_frames(s, at, state, material, pose, torsion):
         tx = ex
         ty = ey
         tz = ez
+    if held is not None:
+        rigid = torsion * joint[n - 1], torsion * forcing.numbers[TIP_JOINT]
+        rod_held.turn_tip(s, at, state, forcing, rigid, ((tx, ty, tz), (ax, ay, az)), (a, b))
 
 
 @device
-def add_reactions(s, at, state, material, torsion, share, kept):
+def add_reactions(s, at, state, material, torsion, share, held, kept):
     """From the tip to the root: set the new ψ, and add rest vectors by it, with their reaction on edges before, to c̄.
-    ``share``: of κ, that of the material without damping; ``kept``: as in `set_rest`, both."""
+    ``share``: of κ, that of the material without damping; ``held``, ``kept``: as in `set_rest`."""
     n, joint = at.segments, material.joint
     zero = broadcast(s, 0.0)
     sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after
@@ -132,6 +147,8 @@ def add_reactions(s, at, state, material, torsion, share, kept):
     after = zero  # q / (1 + e·e') of the joint after
     angle = zero
     ex, ey, ez = unit_edge(s, FIRST_SEGMENT + (n - 1) * SEGMENT)
+    if held is not None:
+        (nx, ny, nz), after, angle = rod_held.beyond(s, n)
     for j in range(n - 1, -1, -1):
         o = FIRST_SEGMENT + j * SEGMENT
         free = particle_gain(n, j)
@@ -144,7 +161,7 @@ def add_reactions(s, at, state, material, torsion, share, kept):
             now = past + min(max(now - past, -GREATEST_TWIST_CHANGE), GREATEST_TWIST_CHANGE)
             store(state.twist, at.tension + (j - 1) * PACK, now)
         rate = min(load(s, free + FOLD_RATE), 1.0 / FOLD)
-        if j + 1 < n:
+        if held is not None or j + 1 < n:
             q = (torsion * joint[j]) * (now - angle)
         q = q * rate
         angle = now

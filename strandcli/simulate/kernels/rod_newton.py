@@ -44,7 +44,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     the length.
     """
     n, mass, joint, tolerance = at.segments, material.mass, material.joint, forcing.numbers[TOLERANCE]
-    least = 2 if scheme.ahead else 1
+    held, least = scheme.held, 2 if scheme.ahead else 1
     worst = total = ever_indefinite = broadcast(s, 0.0)
     single_share = min(1.0, FINE / n)
     mean_share = EVEN / n
@@ -64,41 +64,41 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
             far = quadratic or any_lane(worst > rod.FAR)
             ahead = scheme.ahead and count == least
             if ahead:  # before the second iteration, which never is left out
-                rod_curl.set_rest(s, at, state, material, forcing, True, True)
+                rod_curl.set_rest(s, at, state, material, forcing, scheme.held, (True, True))
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR
-                energy = rod.retract(s, n, mass, joint, chosen)
-                set_loads(s, n, mass, joint, refactorise)
+                energy = rod.retract(s, n, mass, joint, held, chosen)
+                set_loads(s, n, mass, joint, held, refactorise)
                 if quadratic:
                     step = next_step(s, step, chosen, energy > past_energy * RISE, count)
                     past_energy = where(chosen, energy, past_energy)
             elif ahead:
-                rod_elimination.set_loads(s, n, mass, joint)
+                rod_elimination.set_loads(s, n, mass, joint, held)
             rod_tension.filter_forward(s, n, mass, far or ahead)
             if quadratic:
-                indefinite = rod_elimination.change_tension(s, n, mass, joint)
+                indefinite = rod_elimination.change_tension(s, n, mass, joint, held)
                 worst, total = apply_step(s, n, step)
             else:
-                indefinite = rod_elimination.factorise(s, n, mass, joint, True)
+                indefinite = rod_elimination.factorise(s, n, mass, joint, held, True)
                 if count > PATIENCE:
                     limit_change(s, n, STRIDES / (count - PATIENCE))
                 worst, total = rod.apply_change(s, n, None)
         else:
-            indefinite = rod_elimination.factorise(s, n, mass, joint, None)
+            indefinite = rod_elimination.factorise(s, n, mass, joint, held, None)
             worst, total = rod.apply_change(s, n, None)
     if quadratic:
-        rod_elimination.factorise_bounded(s, n, mass, joint)
+        rod_elimination.factorise_bounded(s, n, mass, joint, held)
     return worst
 
 
 @device
-def set_loads(s, n, mass, joint, refactorise):
+def set_loads(s, n, mass, joint, held, refactorise):
     """Set the loads of the present edges and τ, and the pivots too where ``refactorise``."""
     if refactorise:
-        rod_elimination.factorise_bounded(s, n, mass, joint)
+        rod_elimination.factorise_bounded(s, n, mass, joint, held)
     else:
-        rod_elimination.set_loads(s, n, mass, joint)
+        rod_elimination.set_loads(s, n, mass, joint, held)
 
 
 @device

@@ -54,6 +54,8 @@ from .work_queue import TASKS, take
 # the four kinds, their sizes, and where there are any, address, size and columns of solids without kernels of their
 # own, and the address and shape of each array of their data
 SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
+SETTLED = 5
+"""Flags that are tested at run time."""
 SCRATCH, SCRATCH_BYTES, STATE = range(9, 12)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
@@ -74,7 +76,7 @@ def descriptor_of(
     """
     flat = [one for part in arrays for one in part]
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *flat, *solids))
-    numbers = [0, -(-strands // PACK), segments, iterations, *flags[:-1], scratch.ctypes.data, scratch.strides[0]]
+    numbers = [0, -(-strands // PACK), segments, iterations, *flags[:SETTLED], scratch.ctypes.data, scratch.strides[0]]
     addresses = [one.ctypes.data for one in (*flat, *solids[:4])]
     others = [number for one in solids[4:] for number in (one.ctypes.data, one.size, one.shape[1])]
     others += data_numbers(data)
@@ -96,7 +98,7 @@ def state_of(kind, descriptor):
         pointer_at(kind, descriptor[STATE + 6]), pointer_at(kind, descriptor[STATE + 7]),
         pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[STATE + 9]),
         pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
-        pointer_at(kind, descriptor[STATE + 12]),
+        pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
     )  # fmt: skip
 
 
@@ -117,15 +119,16 @@ def forcing_of(kind, descriptor):
         pointer_at(kind, descriptor[FORCING]), pointer_at(kind, descriptor[FORCING + 1]),
         pointer_at(kind, descriptor[FORCING + 2]), pointer_at(kind, descriptor[FORCING + 3]),
         pointer_at(kind, descriptor[FORCING + 4]), pointer_at(kind, descriptor[FORCING + 5]),
+        pointer_at(kind, descriptor[FORCING + 6]),
     )  # fmt: skip
 
 
 @device
-def flags_of(descriptor, crowded):
-    """`Flags` as booleans but for ``crowded``, which is as it is given."""
+def flags_of(descriptor, crowded, held):
+    """`Flags` as booleans but for those that are as they are given."""
     return Flags(
         descriptor[SECOND] != 0, descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
-        descriptor[DEFORMING] != 0, crowded,
+        descriptor[DEFORMING] != 0, crowded, held,
     )  # fmt: skip
 
 
@@ -149,35 +152,35 @@ def others_of(kind, descriptor):
 @function
 def single(descriptor, worker):
     """Run the step in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, None)
+    work(np.float32, descriptor, worker, solids_of, None, None)
 
 
 @function
 def double(descriptor, worker):
     """Run the step in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, None)
+    work(np.float64, descriptor, worker, solids_of, None, None)
 
 
 @function
 def single_crowded(descriptor, worker):
     """Run the step of strands that interact in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True)
+    work(np.float32, descriptor, worker, solids_of, True, None)
 
 
 @function
 def double_crowded(descriptor, worker):
     """Run the step of strands that interact in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True)
+    work(np.float64, descriptor, worker, solids_of, True, None)
 
 
 @inlined  # machine code that hands on a function's address could not be kept in the cache
-def work(kind, descriptor, worker, solids_of, crowded):
+def work(kind, descriptor, worker, solids_of, crowded, held):
     """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
-    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``crowded``: True, or None
-    where strands do not interact, which compiles nothing of it."""
+    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``crowded`` and ``held``:
+    as in `Flags`, None compiles nothing of it."""
     scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
     state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
-    flags, solids = flags_of(descriptor, crowded), solids_of(kind, descriptor)
+    flags, solids = flags_of(descriptor, crowded, held), solids_of(kind, descriptor)
     pack = take(descriptor)
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
@@ -200,16 +203,24 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
     for lane in range(0, PACK, lane_count(scratch)):
         strand = pack * PACK + lane
         position = rod_sweep.position_of(strand, n)
-        at = Place(n, strand, pack * n * AXES + lane, pack * n * PACK + lane, pack * (n + 1) * AXES + lane, position)
+        at = Place(
+            n,
+            strand,
+            pack * n * AXES + lane,
+            pack * n * PACK + lane,
+            pack * (n + 1) * AXES + lane,
+            2 * pack * AXES + lane,
+            position,
+        )
         place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
-            flags.second and flags.curled and numbers[MOVED] > 0,
+            flags.second and flags.curled and numbers[MOVED] > 0, flags.held,
         )  # fmt: skip
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         if flags.curled and not scheme.ahead:
-            rod_curl.set_rest(scratch, at, state, material, forcing, flags.second, False)
+            rod_curl.set_rest(scratch, at, state, material, forcing, flags.held, (flags.second, False))
         rod_start.give_way(scratch)
         worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations)
         # | |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both

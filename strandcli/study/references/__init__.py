@@ -4,7 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from . import beam, buckling, catenary, chain, elastica, free_swing, incline, layer, pendulum, spring, tip_load, twist
+from . import (
+    beam,
+    buckling,
+    catenary,
+    chain,
+    elastica,
+    free_swing,
+    incline,
+    layer,
+    michell,
+    pendulum,
+    spring,
+    tip_load,
+    twist,
+    writhe,
+)
 from .base import NEEDS, Case, Reference, Track
 
 REFERENCES: Mapping[str, Reference] = {
@@ -19,6 +34,8 @@ REFERENCES: Mapping[str, Reference] = {
         catenary,
         pendulum,
         spring,
+        michell,
+        writhe,
         twist,
         incline,
         layer,

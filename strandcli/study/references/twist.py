@@ -1,7 +1,8 @@
 """Twist: a straight rod, clamped at both ends, coils when one end is turned hard enough (Greenhill 1883).
 
-No solver here turns an end of a strand that it holds at both, so that none can be measured: every one of them reads
-"not represented". `spring` measures twist.
+Its end has to be free to come nearer, for a strand that keeps its length cannot coil between ends that stay. No solver
+here has ends that slide, so that none can be measured: every one of them reads "not represented". `spring`, `michell`
+and `writhe` measure twist.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ REFERENCE = Reference(
     title="a twisted rod that coils",
     metric="moment",
     unit="of the moment",
-    needs=("bending", "two ends", "twist", "turned end"),
+    needs=("bending", "two ends", "twist", "turned end", "sliding end"),
     span=20.0,
     exact=exact,
     case=case,

@@ -1,4 +1,5 @@
-"""What strands may be and do beyond the matrix, with its extremes: they interact or touch, twist, yield, are pinned.
+"""What strands may be and do beyond the matrix, with its extremes: they interact or touch, twist, yield, are pinned or
+turned at their tips.
 
 Every combination of these traits meets every two values of any two other axes. What solvers refuse by name counts as
 refused, where it is known that they do; anything else that they raise has failed.
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...groom.record import Groom
 from ...scene.checks_of_rod import rod_clashes
-from ...scene.model import RuleUse, Scene
+from ...scene.model import EndKey, RuleUse, Scene
 from ...simulate import solver_of
 from ...simulate.rod_pinned import tips
 from ...simulate.rules import registry
@@ -40,12 +41,14 @@ BETWEEN: dict[str, tuple[str, dict[str, Any]]] = {
     "thick": ("contact", {"thickness": 0.01, "friction": 1.0, "iterations": 3}),
 }
 """What strands do to each other: a rule and its settings, lengths in L."""
+TURNED = (EndKey(0.0, ease="linear"), EndKey(1.0, turns=2.0, ease="linear"))
+"""How clamped tips turn."""
 YIELD = {"none": None, "low": 1e-3, "high": 0.05}
 """Strain at which bending keeps a set; curvature is 50 / L times as much."""
 TRAITS: dict[str, tuple[str, ...]] = {
     "between": tuple(BETWEEN),
     "rest": ("straight", "shape", "sag_free"),
-    "end": ("free", "pinned"),
+    "end": ("free", "pinned", "turned"),
     "yield": tuple(YIELD),
 }
 OTHERS: dict[str, tuple[str, ...]] = {
@@ -96,7 +99,9 @@ def prepared(labels: dict[str, str]) -> tuple[Scene, Groom, Case, NDArray[np.flo
         groom = replace(groom, roots=groom.roots * np.float32(CLOSE))
     rod = replace(
         scene.rod, radius=RADIUS, young=(scene.rod.young or 0.0) * (2 / RADIUS) ** 2, integrator=labels["integrator"],
-        rest=labels["rest"], root=labels["root"], end=labels["end"], yield_strain=YIELD[labels["yield"]],
+        rest=labels["rest"], root=labels["root"], yield_strain=YIELD[labels["yield"]],
+        end="clamped" if labels["end"] == "turned" else labels["end"],
+        end_keys=TURNED if labels["end"] == "turned" else (),
         torsion=None if labels["torsion"] == "none" else float(labels["torsion"]),
     )  # fmt: skip
     name, given = BETWEEN[labels["between"]]
@@ -172,9 +177,16 @@ def _bearable(labels: dict[str, str], weight: float) -> bool:
 
 
 def _conservative(labels: dict[str, str]) -> bool:
-    """Whether nothing but weight works on strands that are not bent at the start; sag-free ones are, by their load."""
+    """Whether nothing but weight works on strands that are not bent at the start; sag-free ones are, by their load, and
+    what turns a tip works too."""
     unbent = labels["rest"] == "shape" or (labels["rest"] == "straight" and labels["start"] == "straight")
-    return unbent and _undisturbed(labels) and labels["wind"] == "calm" and labels["emitter"] == "still"
+    return (
+        unbent
+        and labels["end"] != "turned"
+        and _undisturbed(labels)
+        and labels["wind"] == "calm"
+        and labels["emitter"] == "still"
+    )
 
 
 def combinations() -> Iterator[dict[str, str]]:
