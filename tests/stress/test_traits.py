@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
 
 from strandcli.errors import UsageError
 from strandcli.simulate import rod_pinned, solver_of
+from strandcli.simulate.contact.forces import Forces
 from strandcli.study.stress import covering, run, traits, verdicts
 from strandcli.study.stress.task import Task
 
@@ -100,7 +102,7 @@ def test_a_push_is_energy_gained(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "energy_gained" in verdicts.judge("rod", {}, traits.check_traits("rod", labels=labels)).failed
 
 
-def test_jammed_contacts_do_not_end_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_forces_of_contact_that_no_step_can_carry_do_not_end_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     labels = PINNED | {
         "dt": "noisy", "B": "1e-2", "emitter": "flip", "contact": "through", "n": "2", "start": "random",
         "between": "thick",
@@ -108,6 +110,14 @@ def test_jammed_contacts_do_not_end_a_run(monkeypatch: pytest.MonkeyPatch) -> No
     found = traits.check_traits("rod", labels=labels)
     assert verdicts.judge("rod", {}, found).verdict == "pass"
     assert found["closeness"] < 1
-    # their forces as they come would: no strand's step could carry them
+    solve = Forces.solve
+
+    def wild(self: Forces, found: Any, forces: Any, solver: Any) -> float:
+        moved = solve(self, found, forces, solver)
+        forces *= 1e10
+        return moved
+
+    monkeypatch.setattr(Forces, "solve", wild)
+    assert "stopped" not in verdicts.judge("rod", {}, traits.check_traits("rod", labels=labels)).failed
     monkeypatch.setattr("strandcli.simulate.contact.between_strands.RESIDUAL_MOST", np.inf)
     assert "stopped" in verdicts.judge("rod", {}, traits.check_traits("rod", labels=labels)).failed

@@ -159,27 +159,30 @@ def kept_distance(start, pair, lengths, thickness):
 def look(start, end, lengths, pairs, sizes, numbers, vectors, scratch):
     """Set the contacts of ``pairs``: their ``numbers`` and ``vectors`` as in `contact_columns`. ``start`` and ``end``
     (S, N + 1, 3): particles when the step begins, and where it would end. ``sizes``: the distance that strands keep,
-    and how much of it they come apart in a step at the most, where they begin closer.
-    ``lengths`` (S,): of a segment. ``scratch`` (3, 2, 3)."""
-    thickness, ease = sizes
+    how much of it they come apart in a step at the most, where they begin closer, and the distance at the end from
+    which on a contact does not count. ``lengths`` (S,): of a segment. ``scratch`` (3, 2, 3)."""
     for i in range(len(pairs)):
-        look_at(start, end, lengths, pairs[i], thickness, ease, numbers[i], vectors[i], scratch)
+        look_at(start, end, lengths, pairs[i], sizes, numbers[i], vectors[i], scratch)
 
 
 @device
-def look_at(start, end, lengths, pair, thickness, ease, number, vector, scratch):
+def look_at(start, end, lengths, pair, sizes, number, vector, scratch):
     """Set a contact of a pair."""
+    thickness, ease, far = sizes
     p, q, found = scratch[0], scratch[1], scratch[2].reshape(-1)
     at_time(start, end, pair[FIRST], pair[FIRST_SEGMENT], 0.0, p)
     at_time(start, end, pair[SECOND], pair[SECOND_SEGMENT], 0.0, q)
     distance = nearest(p, q, found)
     begin = number[BEGIN] = distance
+    speed = greatest_speed(start, end, pair)
+    if begin - speed > far:
+        number[COUNTS] = 0.0
+        return
     for k in range(AXES):
         vector[NORMAL + k] = found[2 + k] / max(begin, TINY)
     free = min(1.0, max(0.0, min(pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]) - 1.0) / BOUND)
     number[KEPT] = kept = kept_distance(start, pair, lengths, thickness)
     number[WANTED] = min(kept, begin + free * ease * thickness)
-    speed = greatest_speed(start, end, pair)
     least = NEAR * min(begin, thickness)
     t = 0.0
     for _ in range(ADVANCES):

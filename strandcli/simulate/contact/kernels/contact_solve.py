@@ -21,6 +21,7 @@ from .contact_columns import (
     SECOND_SEGMENT,
     START,
     WANTED,
+    YIELDING,
 )
 
 AXES = 3
@@ -152,41 +153,47 @@ def solve(pairs, contacts, responses, settings, forces, moves, rows):
     ``vectors``, until no contact changes its way by more than the tolerance. ``contacts``: numbers and vectors;
     ``responses``: those of `contact_response.respond` and `own_responses`; ``settings``: friction, sweeps at the most,
     tolerance in metres, response of contacts that are left out; ``rows`` (7, 3) is scratch. Returns the sweeps."""
-    numbers, vectors = contacts
-    response, own = responses
-    friction, sweeps, tolerance, immobile = settings
-    w = rows[4:7]
+    _, sweeps, tolerance, _ = settings
     for sweep in range(sweeps):
         worst = 0.0
         for i in range(len(pairs)):
-            a, b = pairs[i, FIRST], pairs[i, SECOND]
-            soft = own[i, 0, 0] + own[i, 1, 1] + own[i, 2, 2]
-            if soft <= immobile:
-                continue
-            soft *= SOFT
-            for c in range(AXES):
-                for d in range(AXES):
-                    w[c, d] = own[i, c, d]
-                w[c, c] += soft
-            for c in range(AXES):
-                x = vectors[i, END + c] + moved(moves, b, pairs[i, SECOND_SEGMENT], numbers[i, BETA], c)
-                x -= moved(moves, a, pairs[i, FIRST_SEGMENT], numbers[i, ALPHA], c)
-                rows[0, c] = x - w[c, 0] * forces[i, 0] - w[c, 1] * forces[i, 1] - w[c, 2] * forces[i, 2]
-            force_of(vectors[i], numbers[i, WANTED], friction, w, rows)
-            some = False
-            for d in range(AXES):
-                change = rows[1, d] - forces[i, d]
-                forces[i, d] = rows[1, d]
-                rows[1, d] = change
-                worst = max(worst, abs(change) * own[i, d, d])
-                some = some or change != 0.0
-            if some:
-                x, y, z = rows[1, 0], rows[1, 1], rows[1, 2]
-                for j in range(moves.shape[1]):
-                    for c in range(AXES):
-                        one, other = response[i, 0, j, c], response[i, 1, j, c]
-                        moves[a, j, c] -= one[0] * x + one[1] * y + one[2] * z
-                        moves[b, j, c] += other[0] * x + other[1] * y + other[2] * z
+            worst = max(worst, solve_one(i, pairs, contacts, responses, settings, forces, moves, rows))
         if worst < tolerance:
             return sweep + 1
     return sweeps
+
+
+@device
+def solve_one(i, pairs, contacts, responses, settings, forces, moves, rows):
+    """Solve for the force of one contact, with what the others do; return by how much its way changes, metres."""
+    numbers, vectors = contacts
+    response, own = responses
+    a, b = pairs[i, FIRST], pairs[i, SECOND]
+    soft = own[i, 0, 0] + own[i, 1, 1] + own[i, 2, 2]
+    if soft <= settings[3]:
+        return 0.0
+    w = rows[4:7]
+    soft *= SOFT + numbers[i, YIELDING] / AXES
+    for c in range(AXES):
+        x = vectors[i, END + c] + moved(moves, b, pairs[i, SECOND_SEGMENT], numbers[i, BETA], c)
+        x -= moved(moves, a, pairs[i, FIRST_SEGMENT], numbers[i, ALPHA], c)
+        rows[0, c] = x - own[i, c, 0] * forces[i, 0] - own[i, c, 1] * forces[i, 1] - own[i, c, 2] * forces[i, 2]
+        for d in range(AXES):
+            w[c, d] = own[i, c, d]
+        w[c, c] += soft
+    force_of(vectors[i], numbers[i, WANTED], settings[0], w, rows)
+    worst, some = 0.0, False
+    for d in range(AXES):
+        change = rows[1, d] - forces[i, d]
+        forces[i, d] = rows[1, d]
+        rows[1, d] = change
+        worst = max(worst, abs(change) * own[i, d, d])
+        some = some or change != 0.0
+    if some:
+        x, y, z = rows[1, 0], rows[1, 1], rows[1, 2]
+        for j in range(moves.shape[1]):
+            for c in range(AXES):
+                one, other = response[i, 0, j, c], response[i, 1, j, c]
+                moves[a, j, c] -= one[0] * x + one[1] * y + one[2] * z
+                moves[b, j, c] += other[0] * x + other[1] * y + other[2] * z
+    return worst

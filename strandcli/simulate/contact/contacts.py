@@ -1,0 +1,99 @@
+"""The contacts of a step, as arrays."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kernels.contact_columns import (
+    ALPHA,
+    BEGIN,
+    BETA,
+    END,
+    FIRST,
+    FIRST_SEGMENT,
+    GAP,
+    KEPT,
+    NUMBERS,
+    SECOND,
+    SECOND_SEGMENT,
+    START,
+    VECTORS,
+    WANTED,
+    YIELDING,
+)
+
+THROUGH = 0.5
+"""Share of their distance at the begin, or of the thickness where that is less, below which strands that a step leaves
+count as having come through each other."""
+ROOM = 2.0
+"""Strands that a segment may have inside of it before contacts yield, each counted by how deep it is, as a share of the
+thickness."""
+YIELD = 1.0
+"""By how many times its own response a contact yields for each strand more."""
+
+Floats = NDArray[np.float64]
+
+
+class Contacts(NamedTuple):
+    """Contacts of a step, as `contact_columns` has them; m of them."""
+
+    pairs: NDArray[np.int64]
+    """(m, 4)"""
+    numbers: Floats
+    """(m, `NUMBERS`)"""
+    vectors: Floats
+    """(m, `VECTORS`)"""
+
+    def excess(self) -> Floats:
+        """Return (m,) by how much they are closer than they should be, metres."""
+        return np.asarray(self.numbers[:, WANTED] - self.numbers[:, GAP])
+
+    def penetration(self) -> float:
+        """Return by how much strands are closer than what roots leave to them, at the most, metres."""
+        return max(0.0, float((self.numbers[:, KEPT] - self.numbers[:, GAP]).max(initial=0.0)))
+
+    def through(self, thickness: float) -> bool:
+        """Whether strands have come through each other because they are fast."""
+        least = THROUGH * np.minimum(self.numbers[:, BEGIN], thickness)
+        ways = np.linalg.norm(self.vectors[:, END : END + 3] - self.vectors[:, START : START + 3], axis=1)
+        return bool(((self.numbers[:, GAP] < least) & (ways > thickness)).any())
+
+    def update(self, start: Floats, end: Floats) -> None:
+        """Set ways and distances at the same places."""
+        i, a, j, b = self.pairs.T
+        alpha, beta = self.numbers[:, ALPHA, None], self.numbers[:, BETA, None]
+        for place, x in ((START, start), (END, end)):
+            one = x[i, a] + alpha * (x[i, a + 1] - x[i, a])
+            self.vectors[:, place : place + 3] = x[j, b] + beta * (x[j, b + 1] - x[j, b]) - one
+        self.numbers[:, GAP] = np.einsum("ic,ic->i", self.vectors[:, :3], self.vectors[:, END : END + 3])
+
+    def yielding(self) -> bool:
+        """Whether any yields to its force."""
+        return bool(self.numbers[:, YIELDING].any())
+
+    def let_crowds_yield(self, thickness: float, ease: float, strands: int, segments: int) -> None:
+        """Let contacts yield to their forces where more strands begin inside of each other than can be held apart:
+        there are more contacts there than ways to move, and their forces would grow without limit. So that they do not
+        give way step by step, they come apart by ``ease`` a step, metres, near roots too."""
+        deep = np.maximum(1 - self.numbers[:, BEGIN] / thickness, 0)
+        one = self.pairs[:, FIRST] * segments + self.pairs[:, FIRST_SEGMENT]
+        other = self.pairs[:, SECOND] * segments + self.pairs[:, SECOND_SEGMENT]
+        count = strands * segments
+        inside = np.bincount(one, deep, count) + np.bincount(other, deep, count)
+        self.numbers[:, YIELDING] = YIELD * np.maximum(np.maximum(inside[one], inside[other]) - ROOM, 0)
+        eased = np.minimum(self.numbers[:, KEPT], self.numbers[:, BEGIN] + ease)
+        self.numbers[:, WANTED] = np.where(self.numbers[:, YIELDING] > 0, eased, self.numbers[:, WANTED])
+
+    def where(self, some: NDArray[np.bool_]) -> Contacts:
+        """Return some of them."""
+        return Contacts(self.pairs[some], self.numbers[some], self.vectors[some])
+
+
+NOTHING = Contacts(np.zeros((0, 4), np.int64), np.zeros((0, NUMBERS)), np.zeros((0, VECTORS)))
+
+
+NOTHING = Contacts(np.zeros((0, 4), np.int64), np.zeros((0, NUMBERS)), np.zeros((0, VECTORS)))
+"""No contacts."""
