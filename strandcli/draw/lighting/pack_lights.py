@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from ...scene.model import DirectionalLight, Light
 from ..common.kernels.light_columns import COLUMNS
-from ..shadows.shadow import ShadowMaps, default_bias
+from ..shadows.shadow import ShadowMaps
 from ..shadows.shadow_model import shades_vertices
+from ..view.camera import View, ball
 
 
 def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDArray[np.float64]) -> NDArray[np.float32]:
@@ -39,6 +40,13 @@ def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDAr
         width, over = (maps.thickness.mean, maps.over) if maps is not None else (0.0, 0.0)
         rows.append([kind, *where, *power, first, count, bias, layers, number, _size(light), width, over, 0.0])
     return np.array(rows, np.float32).reshape(-1, COLUMNS)
+
+
+def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
+    """Return the depth bias of a min/max map, metres: the size of a texel at the groom's centre."""
+    centre, radius = ball(bounds)
+    depth = max(float(np.linalg.norm(centre - view.eye)), radius) if view.perspective else 1.0
+    return depth / view.focal
 
 
 def _size(light: Light) -> float:

@@ -23,6 +23,7 @@ from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
 from ..zbuffer.raster import Bands, sort_into_bands, to_screen
+from .fronts import nearest_depths
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps, splats
 from .kernels.shadow_arrays import ShadowArrays
@@ -45,8 +46,9 @@ LEAST_FALL = 1 / 50
 off within a millimetre; with a smaller h the layers would be coarse where the bundle begins."""
 TINY = 1e-9
 NO_MAPS = np.zeros(0, np.int64)
+NO_FRONTS = np.zeros(0, np.float32), NO_MAPS
 NO_SHADOWS = ShadowArrays(
-    np.zeros((0, 2), np.float32), np.zeros(0, np.float32), NO_MAPS, NO_MAPS, np.zeros((0, SIZE), np.float32)
+    np.zeros((0, 2), np.float32), np.zeros(0, np.float32), NO_MAPS, NO_MAPS, np.zeros((0, SIZE), np.float32), *NO_FRONTS
 )
 """Arrays of scenes without maps. They are empty arrays, not None, because kernels would be compiled again for None."""
 NO_THICKNESS = Thickness()
@@ -76,6 +78,8 @@ class ShadowMaps:
     thickness: Thickness = NO_THICKNESS
     over: float = 1.0
     """1 / h of `kernels.opacity`, 1/m."""
+    fronts: tuple[NDArray[np.float32], NDArray[np.int64]] = NO_FRONTS
+    """From `nearest_depths`, set by `divide`."""
     _ends: NDArray[np.int64] = field(default_factory=lambda: NO_MAPS)
     """(M,) end of each opacity map in `stacks`."""
     _seen: tuple[Polylines, int, NDArray[np.int64], NDArray[np.float32], Bands] | None = None
@@ -97,6 +101,7 @@ class ShadowMaps:
         deep = [number for number, layers in enumerate(self.layers) if layers]
         if not deep:
             return
+        self.fronts = nearest_depths(self.extents, self.layers)
         ends = np.cumsum([0, *(len(self.extents[number]) for number in deep)])
         tables = np.split(scratch.borrow("rows_of_cells", int(ends[-1]), np.float32), ends[1:-1])
         lengths = np.zeros(len(self.views), np.int64)
@@ -283,17 +288,10 @@ def coarseness(lines: Polylines, view: View) -> int:
     return lines.pieces // needed
 
 
-def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
-    """Return the depth bias of a min/max map, metres: the size of a texel at the groom's centre."""
-    centre, radius = ball(bounds)
-    depth = max(float(np.linalg.norm(centre - view.eye)), radius) if view.perspective else 1.0
-    return depth / view.focal
-
-
 def map_arrays(maps: ShadowMaps | None) -> ShadowArrays:
     """Return the arrays that kernels read, with empty arrays where there are no maps."""
     if maps is None:
         return NO_SHADOWS
     texels = NO_SHADOWS.texels if maps.texels is None else maps.texels
     stacks = NO_SHADOWS.stacks if maps.stacks is None else maps.stacks
-    return ShadowArrays(texels, stacks, maps.starts, maps.sizes, maps.packed)
+    return ShadowArrays(texels, stacks, maps.starts, maps.sizes, maps.packed, *maps.fronts)

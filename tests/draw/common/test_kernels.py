@@ -24,6 +24,7 @@ from strandcli.draw.shadows.kernels import (
     opacity,
     penumbra,
     percentage_closer,
+    shadow_arrays,
     soft_shadows,
     splats,
 )
@@ -103,7 +104,8 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "locate": (percentage_closer.locate, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
     "percentage closer": (
         percentage_closer.transmittance,
-        (LIT, 1, TABLE, 1, np.ones((4, 3), np.float32), np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
+        (LIT, 1, TABLE, 1, np.ones((4, 3), np.float32),
+         shadow_arrays.ShadowArrays(TABLE, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE, ROW, PLACES)),
     ),
     "splats in an opacity map": (
         splats.add,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,8 +18,10 @@ from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting.lighting import given
 from strandcli.draw.lighting.pack_lights import pack_lights
+from strandcli.draw.shadows.fronts import pyramid
 from strandcli.draw.shadows.kernels import opacity, percentage_closer
-from strandcli.draw.shadows.shadow import plan_maps
+from strandcli.draw.shadows.kernels.shadow_arrays import ShadowArrays
+from strandcli.draw.shadows.shadow import map_arrays, plan_maps
 from strandcli.draw.view.camera import axes
 from strandcli.scene.model import DirectionalLight, Light, Material, PointLight, Shadow
 from strandcli.study.kernels import cylinders
@@ -54,19 +55,29 @@ def left(
     assert maps is not None
     maps.build(lines, 1, Scratch())
     packed = pack_lights((light,), maps, bounds)
-    numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
     if by is opacity:
+        numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
         return np.exp([-opacity.optical_depth(x, y, z, packed[0, 13], *numbers) for x, y, z in np.float32(points)])
-    found = np.concatenate([leave(some, loss, *numbers) for some in np.split(points, range(W, len(points), W))])
+    found = in_batches(points, loss, packed, map_arrays(maps))
     return found[:, 0] if loss is None else found
 
 
-def leave(points: NDArray[np.float64], loss: NDArray[np.float32] | None, *numbers: Any) -> NDArray[np.float64]:
-    """(n, 3) What strands leave each of a batch of points that light arrives at."""
+def in_batches(
+    points: NDArray[np.float64], loss: NDArray[np.float32] | None, lights: NDArray[np.float32], shadows: ShadowArrays
+) -> NDArray[np.float64]:
+    """(n, 3) What strands leave each point that light arrives at."""
+    batches = np.split(points, range(W, len(points), W))
+    return np.concatenate([leave(some, loss, lights, shadows) for some in batches])
+
+
+def leave(
+    points: NDArray[np.float64], loss: NDArray[np.float32] | None, lights: NDArray[np.float32], shadows: ShadowArrays
+) -> NDArray[np.float64]:
+    """The same of a batch."""
     work = np.zeros((surface_batch.ROWS, W), np.float32)
     work[batch.X // W :][:3, : len(points)] = points.T
     work[batch.ARRIVES // W] = 1
-    percentage_closer.transmittance(work.reshape(-1), len(points), *numbers[:2], given(loss, 4), *numbers[2:])
+    percentage_closer.transmittance(work.reshape(-1), len(points), lights, 0, given(loss, 4), shadows)
     return work[surface_batch.LEFT // W :][:3, : len(points)].T.astype(np.float64)
 
 
@@ -224,7 +235,40 @@ def test_a_point_by_itself_is_lit_as_among_others(light: Light) -> None:
     maps = plan_maps((light,), bounds, Scratch(), WIDE, SPACING)
     assert maps is not None
     maps.build(LINES, 1, Scratch())
-    packed = pack_lights((light,), maps, bounds)
-    numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
-    alone = np.concatenate([leave(one[None], None, *numbers) for one in points])[:, 0]
+    lights, shadows = pack_lights((light,), maps, bounds), map_arrays(maps)
+    alone = np.concatenate([leave(one[None], None, lights, shadows) for one in points])[:, 0]
     np.testing.assert_array_equal(alone, among)
+
+
+@pytest.mark.parametrize("size", [31, 32, 1])
+def test_the_pyramid_has_the_least_depth_of_every_square(size: int) -> None:
+    depths = np.random.default_rng(4).uniform(1, 2, (size, size)).astype(np.float32)
+    found, level = pyramid(depths.reshape(-1)), 0
+    while True:
+        side = -(-size // 2**level)
+        for y, x in np.ndindex(side, side):
+            here = depths[y << level : (y + 1) << level, x << level : (x + 1) << level]
+            assert found[y * side + x] == here.min()
+        found = found[side * side :]
+        level += 1
+        if side == 1:
+            break
+    assert not len(found)
+
+
+@pytest.mark.parametrize("light", [SUN, replace(SUN, size=40.0, shadow=replace(DEEP, texel=0.005)), LAMP])
+def test_cells_that_are_left_out_add_nothing(light: Light) -> None:
+    """Not a bit changes where nothing is known of the depths of cells, nor where points beside each other in a batch
+    are far apart, so that no cell that they have in common can be left out."""
+    bounds = np.stack([LINES.world.min(0), LINES.world.max(0)]).astype(np.float64)
+    maps = plan_maps((light,), bounds, Scratch(), WIDE, SPACING)
+    assert maps is not None
+    maps.build(LINES, 1, Scratch())
+    lights, shadows = pack_lights((light,), maps, bounds), map_arrays(maps)
+    line = np.linspace([-2.4, -1.4, -0.4], [1.5, -0.6, 0.5], 2000)
+    found = in_batches(line, None, lights, shadows)
+    assert 0 < found.min() < 0.7
+    unknown = shadows._replace(fronts=np.full_like(shadows.fronts, -np.inf))
+    np.testing.assert_array_equal(in_batches(line, None, lights, unknown), found)
+    order = np.random.default_rng(5).permutation(len(line))
+    np.testing.assert_array_equal(in_batches(line[order], None, lights, shadows), found[order])

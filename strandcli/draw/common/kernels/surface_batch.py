@@ -29,6 +29,8 @@ ARRIVED = layout.allocate("light that arrived", 3, surfaces="reflect")[0]
 # In a map: filter radius, texels; blur, texels a metre of distance to the occluder; that distance where no texel gives
 # one, metres; w of light that is scattered forward, metres.
 RADIUS, BLUR, AWAY, CLOUD = layout.allocate("blur of a point", 4, surfaces="maps")
+# Of the points of a vector: weights of the columns of their windows, two numbers a column.
+COLUMNS = layout.allocate("weights of columns", 4, surfaces="maps")[0]
 
 ROWS = layout.row_count("surfaces")
 """Rows of the array of a batch of points."""

@@ -227,7 +227,7 @@ def shadows(ids, keys, samples, point, lights, maps, solids, skin, sized, out):
     (height, width): unchanged in empty pixels and without lights.
     """
     height, width = ids.shape
-    texels, stacks, starts, sizes, views = maps
+    texels, stacks, starts, sizes, views = maps.texels, maps.stacks, maps.starts, maps.sizes, maps.views
     for y in prange(height):
         for x in range(width):
             if ids[y, x] == -1:

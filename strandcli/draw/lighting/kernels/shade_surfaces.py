@@ -177,9 +177,7 @@ def past_strands(work, n, lights, i, shadows, loss):
                     shadows.texels, shadows.starts, shadows.sizes, shadows.views,
                 )  # fmt: skip
     if lights[i, MAP_LAYERS] > ZERO:
-        percentage_closer.transmittance(
-            work, n, lights, i, loss, shadows.stacks, shadows.starts, shadows.sizes, shadows.views
-        )  # fmt: skip
+        percentage_closer.transmittance(work, n, lights, i, loss, shadows)
     else:
         for k in range(3 * W):
             work[LEFT + k] = ONE

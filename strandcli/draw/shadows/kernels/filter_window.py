@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....jit import inlined
-from ....simd import broadcast, floor, reduce_max, where
+from ....simd import broadcast, floor, lane_count, reduce_max, store, where
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -77,17 +77,29 @@ def windows_about(u, v, radius, used, step):
 
 
 @inlined
+def store_columns(windows, wide, rows, at):
+    """Store the weights of the two columns of texels of each of `wide` columns of cells, from place `at` on, and return
+    their sums."""
+    left = right = ZERO * windows.u
+    for column in range(wide):
+        cell = column_of(windows, np.float32(column))
+        one, two = weights(windows, cell + cell, windows.u, windows.left, windows.right)
+        store(rows, at + 2 * column * lane_count(rows), one)
+        store(rows, at + (2 * column + 1) * lane_count(rows), two)
+        left = left + one
+        right = right + two
+    return left, right
+
+
+@inlined
 def column_of(windows, number):
-    """Return a column of cells, counted from each window's first (float32), and the weights of its two columns of
-    texels."""
-    cell = floor(HALF * windows.left) + number * windows.jump
-    one, two = weights(windows, cell + cell, windows.u, windows.left, windows.right)
-    return cell, one, two
+    """Return a column of cells, counted from each window's first (float32)."""
+    return floor(HALF * windows.left) + number * windows.jump
 
 
 @inlined
 def row_of(windows, number):
-    """Return the same as `column_of` for a row."""
+    """Return the same for a row, and the weights of its two rows of texels."""
     cell = floor(HALF * windows.top) + number * windows.jump
     one, two = weights(windows, cell + cell, windows.v, windows.top, windows.bottom)
     return cell, one, two

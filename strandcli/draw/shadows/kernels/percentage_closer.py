@@ -21,22 +21,23 @@ without it where the blur is three texels; .038 and .033 where it is one texel o
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
-from ....simd import any_lane, floor, gather, gather2, gather4, lane_count, load, pointer, sqrt, store, where
+from ....simd import any_lane, floor, gather4, lane_count, load, pointer, sqrt, store, where
 from ...common.kernels.approximations import exp_lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, PER_FALL
 from ...common.kernels.loss import HALF_WAY
-from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, LEFT, RADIUS
+from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, COLUMNS, LEFT, RADIUS
 from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import opacity
-from .filter_window import WIDEST, column_of, row_of, windows_about
+from .deep_map import DeepMap, any_blocks, cell_at, cells_in, layers_of, passed_at, passed_in_cell
+from .filter_window import WIDEST, column_of, row_of, store_columns, windows_about
 from .minmax import texel_of as project
+from .window_blocks import NO_BITS, blocks_about, is_shaded, shaded_columns
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -57,29 +58,13 @@ WIDE = np.float32(1 / 16)
 """w of scattered light, as a share of a map's width."""
 
 
-class DeepMap(NamedTuple):
-    """One opacity map."""
-
-    rows: Any
-    """`pointer` to the maps."""
-    start: Any
-    """First index of the map, int64."""
-    size: Any
-    """Texels along a side, int64."""
-    layers: Any
-    """int64"""
-    over: Any
-    """float32: 1 / h of `opacity`, 1/m."""
-
-
 @function
-def transmittance(work, n, lights, i, loss, stacks, starts, sizes, views):
+def transmittance(work, n, lights, i, loss, shadows):
     """Store the transmittance of light number i, in red, green and blue, at the first n points of a batch.
 
     Reads the rows of positions and `ARRIVES` of `surface_batch`, and writes `LEFT`, which is 1 where no light arrives.
-    lights, stacks, starts, sizes, views: as in `opacity.optical_depth`; loss (m, 4): from
-    `strandcli.draw.fibre.dual.loss_table`, whose nearest row is taken; no rows where strands absorb all colours
-    alike, by 1 − e^-τ.
+    lights: as in `opacity.optical_depth`; loss (m, 4): from `strandcli.draw.fibre.dual.loss_table`, whose nearest row
+    is taken; no rows where strands absorb all colours alike, by 1 − e^-τ; shadows: `ShadowArrays`.
     """
     for k in range(W):
         work[INSIDE + k] = ZERO
@@ -88,10 +73,11 @@ def transmittance(work, n, lights, i, loss, stacks, starts, sizes, views):
     rows = pointer(work)
     for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
         deep = DeepMap(
-            pointer(stacks), np.int64(starts[one]), np.int64(sizes[one]), np.int64(lights[i, MAP_LAYERS]),
-            lights[i, PER_FALL],
+            pointer(shadows.stacks), np.int64(shadows.starts[one]), np.int64(shadows.sizes[one]),
+            np.int64(lights[i, MAP_LAYERS]), lights[i, PER_FALL], pointer(shadows.fronts),
+            np.int64(shadows.front_starts[one]),
         )  # fmt: skip
-        locate(work, n, lights, i, views, one, sizes[one])
+        locate(work, n, lights, i, shadows.views, one, shadows.sizes[one])
         for k in range(0, n, lane_count(rows)):
             if any_lane(load(rows, INSIDE + k) > ZERO):
                 filter_light(rows, k, deep, loss)
@@ -143,16 +129,26 @@ def filter_light(rows, k, deep, loss):
     radius = blur_radius(rows, k, deep)
     windows, wide, tall = windows_about(u, v, radius, inside, ONE)
     texels = opacity.TEXELS if any_lane(windows.stride < TWO) else 1
-    total = ZERO * u
-    red = green = blue = total
+    blocks = blocks_about(windows, wide, inside, d, deep)
+    lanes = lane_count(rows)
+    sums = store_columns(windows, wide, rows, np.int64(COLUMNS))
+    tall_sum = red = green = blue = ZERO * u
     for row in range(tall):
         down, above, below = row_of(windows, np.float32(row))
+        tall_sum = tall_sum + (above + below)
+        shaded = shaded_columns(blocks, row, deep)
+        if shaded == NO_BITS:
+            continue
         for column in range(wide):
-            across, left, right = column_of(windows, np.float32(column))
-            total = total + (left + right) * (above + below)
-            number = cell_at(across, down, inside, deep)
-            if not any_blocks(number, d, deep):
+            if not is_shaded(blocks, shaded, column):
                 continue
+            across = column_of(windows, np.float32(column))
+            there = cells_in(across, down, inside, deep)
+            if not any_blocks(across, down, there, d, deep):
+                continue
+            left = load(rows, COLUMNS + 2 * column * lanes)
+            right = load(rows, COLUMNS + (2 * column + 1) * lanes)
+            number = cell_at(across, down, there, deep)
             layer, part, _, back = layers_of(number, d, deep)
             lost = ZERO * u, ZERO * u, ZERO * u, ZERO * u
             if texels == 1:
@@ -171,7 +167,7 @@ def filter_light(rows, k, deep, loss):
                 red = red + (near * lost_r + (grey - near * grey))
                 green = green + (near * lost_g + (grey - near * grey))
                 blue = blue + (near * lost_b + (grey - near * grey))
-    per = ONE / max(total, DARK)
+    per = ONE / max((sums[0] + sums[1]) * tall_sum, DARK)
     if loss.shape[0] == 0:
         green = blue = red
     store(rows, LEFT + k, where(inside, ONE - red * per, load(rows, LEFT + k)))
@@ -203,15 +199,25 @@ def blur_radius(rows, k, deep):
     radius, away = where(inside, load(rows, RADIUS + k), LEAST), load(rows, AWAY + k)
     used = radius > LEAST
     windows, wide, tall = windows_about(u, v, radius, used, STEP)
+    blocks = blocks_about(windows, wide, used, d, deep)
+    lanes = lane_count(rows)
+    store_columns(windows, wide, rows, np.int64(COLUMNS))
     share = ZERO * u + FEW
     distance = FEW * away
     for row in range(tall):
+        shaded = shaded_columns(blocks, row, deep)
+        if shaded == NO_BITS:
+            continue
         down, above, _ = row_of(windows, np.float32(row))
         for column in range(wide):
-            across, left, _ = column_of(windows, np.float32(column))
-            number = cell_at(across, down, used, deep)
-            if not any_blocks(number, d, deep):
+            if not is_shaded(blocks, shaded, column):
                 continue
+            across = column_of(windows, np.float32(column))
+            there = cells_in(across, down, used, deep)
+            if not any_blocks(across, down, there, d, deep):
+                continue
+            left = load(rows, COLUMNS + 2 * column * lanes)
+            number = cell_at(across, down, there, deep)
             layer, part, front, back = layers_of(number, d, deep)
             passed = passed_at(number, layer, part, deep)
             weight = left * above * passed / (passed + ONE)
@@ -227,68 +233,3 @@ def places_of(rows, k, inside):
     """Return column and row, texels, and depth, metres, of the points from number k on; 0 where not inside. Vectors."""
     u, v, d = load(rows, U + k), load(rows, V + k), load(rows, DEPTH + k)
     return where(inside, u, ZERO), where(inside, v, ZERO), where(inside, d, ZERO)
-
-
-@inlined
-def cell_at(across, down, used, deep):
-    """Return the number of the row of a `DeepMap` for the cells in the columns `across` and rows `down`; 0 without
-    strands, outside of the map, and where the mask `used` is not set. Vectors."""
-    half = deep.size >> 1
-    last = np.float32(half - 1)
-    there = used & (across >= ZERO) & (down >= ZERO) & (across <= last) & (down <= last)
-    number = gather(deep.rows, deep.start, where(there, down, ZERO), half, where(there, across, ZERO))
-    return where(there, number, ZERO)
-
-
-@device
-def any_blocks(number, d, deep):
-    """Return whether any of the rows `number` of a `DeepMap` has strands in front of the depths d. Vectors."""
-    some = number > ZERO
-    if not any_lane(some):
-        return False
-    body, stride = rows_of(deep)
-    return any_lane(some & (gather(deep.rows, body, number, stride, np.float32(opacity.START)) < d))
-
-
-@inlined
-def layers_of(number, d, deep):
-    """Return, in the rows `number` of a `DeepMap`, the layer of depths d and the position within it, and the nearest
-    and farthest depth of strands, metres; both d where there are none. Vectors."""
-    body, stride = rows_of(deep)
-    most = np.float32(deep.layers)
-    front, scale = gather2(deep.rows, body, number, stride, np.float32(opacity.START))
-    some = number > ZERO
-    front, scale = where(some, front, d), where(some, scale, most + ONE)
-    far = max((d - front) * deep.over, ZERO)
-    ended = min(scale * (far / (far + ONE)), most)
-    layer = min(floor(ended), most - ONE)
-    back = where(some, front + most / ((scale - most) * deep.over), d)
-    return layer, ended - layer, front, back
-
-
-@inlined
-def passed_at(number, layer, part, deep):
-    """Return the optical depth of the first texel of cells at a position within a layer; 0 without strands. Vectors."""
-    body, _ = rows_of(deep)
-    passed = opacity.depth_at(deep.rows, body, number, layer, part, ZERO, deep.layers)
-    return where(number > ZERO, passed, ZERO)
-
-
-@inlined
-def passed_in_cell(number, layer, part, deep):
-    """Return the same of all four texels."""
-    body, stride = rows_of(deep)
-    low = gather4(deep.rows, body + opacity.HEAD, number, stride, opacity.EACH * layer)
-    high = gather4(deep.rows, body + opacity.HEAD + opacity.FIVE, number, stride, opacity.EACH * layer)
-    some = number > ZERO
-    return (
-        where(some, low[0] + part * (high[0] - low[0]), ZERO), where(some, low[1] + part * (high[1] - low[1]), ZERO),
-        where(some, low[2] + part * (high[2] - low[2]), ZERO), where(some, low[3] + part * (high[3] - low[3]), ZERO),
-    )  # fmt: skip
-
-
-@inlined
-def rows_of(deep):
-    """Return the index of the first row of a `DeepMap`, and the numbers of a row."""
-    half = deep.size >> 1
-    return deep.start + half * half, opacity.HEAD + opacity.FIVE * (deep.layers + 1)

@@ -22,3 +22,7 @@ class ShadowArrays(NamedTuple):
     """(M,) texels along a side of each map."""
     views: NDArray[np.float32]
     """(M, `view_columns.SIZE`) the packed view of each map, in texels."""
+    fronts: NDArray[np.float32]
+    """(F,) `strandcli.draw.shadows.fronts.pyramid` of each opacity map, metres; empty without such maps."""
+    front_starts: NDArray[np.int64]
+    """(M,) first index in `fronts` of each map; 0 for a min/max map."""
