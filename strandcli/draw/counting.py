@@ -22,12 +22,12 @@ from .geometry.curves import Polylines
 from .lighting.lighting import Lighting
 from .renderer import Renderer
 from .shadows.kernels.counting import count_splats
-from .shadows.kernels.opacity_maps import MapView
-from .shadows.shadow import ShadowMaps, coarseness
+from .shadows.kernels.map_parts import PartsInMap
+from .shadows.shadow import ShadowMaps
+from .shadows.strands_in_map import parts_in_map, project, view_numbers
 from .strand_batches import StrandBatch, StrandBatches, Strands
 from .view.camera import View
 from .zbuffer.kernels.counting import count_samples
-from .zbuffer.raster import to_screen
 
 Counts = dict[str, int]
 
@@ -130,24 +130,22 @@ class _CountingCoverage(Coverage):
 def count_in_maps(maps: ShadowMaps, lines: Polylines, scratch: Scratch) -> Counts:
     """Return what the polylines draw into maps: ``strand_vertices_in_maps``, ``splats`` and ``map_texels``."""
     found = {"strand_vertices_in_maps": 0, "splats": 0, "map_texels": 0}
-    ends = np.arange(len(lines.first), dtype=np.int64)
     for number, view in enumerate(maps.views):
-        stride = coarseness(lines, view)
-        screen = to_screen(lines, view, scratch, "counted_screen", stride)
-        first = (lines.first - ends) // stride + ends
+        first, screen = project(lines, view, scratch)
+        size = int(maps.sizes[number])
         found["strand_vertices_in_maps"] += len(screen)
         if maps.layers[number]:
-            found["splats"] += splats_of(first, screen, int(maps.sizes[number]), view)
+            parts = parts_in_map(lines, view, size, maps.thickness, 1, scratch)
+            found["splats"] += splats_of(parts, size, view)
         else:
-            found["map_texels"] += samples_of(first, screen, (int(maps.sizes[number]),) * 2)
+            found["map_texels"] += samples_of(first, screen, (size,) * 2)
     return found
 
 
-def splats_of(first: NDArray[np.int64], screen: NDArray[np.float32], size: int, view: View) -> int:
-    """Return the number of splats that strands projected into a light's view add to its opacity map."""
-    far = np.float32(0.0 if view.perspective else view.far - view.near)
-    counts = np.zeros(len(first) - 1, np.int64)
-    count_splats(first, screen, size, MapView(far, np.float32(view.near), np.float32(view.focal)), counts)
+def splats_of(parts: PartsInMap, size: int, view: View) -> int:
+    """Return the number of splats that parts of strands add to the opacity map of a light's view."""
+    counts = np.zeros(len(parts.order), np.int64)
+    count_splats(parts, size, view_numbers(view), counts)
     return int(counts.sum())
 
 

@@ -210,8 +210,12 @@ class Renderer:
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:
         """Draw all strands into the shadow maps before any is shaded; ``lines``: of the only batch, if they exist."""
+        if lines is not None:
+            maps.build(lines, workers, self.scratch)
+            self._drawing.lap("shadow")
+            return
         for draw in (maps.add, maps.accumulate_layers) if maps.deep else (maps.add,):
-            for polylines in batches.lines() if lines is None else (lines,):
+            for polylines in batches.lines():
                 draw(polylines, workers, self.scratch)
                 self._drawing.lap("shadow")
             if draw == maps.add:

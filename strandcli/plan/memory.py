@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..constants import BATCH_VERTICES, FRAGMENTS, PART_BYTES, POINTS_BYTES, SORTED_BYTES, W
 from ..draw.shadows.needs import needs_counts
-from ..draw.shadows.shadow_model import ShadowModel, casts_map, model_of, shades_vertices
+from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, model_of, shades_vertices
 from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
@@ -87,7 +87,7 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
         vertices = min(vertices, BATCH_VERTICES + vertices // max(strands, 1) * W)
     # in the world, on the screen, colours, marks; in light; widths
     wide = scene.material.width > 0 and (scene.image.resolver != "zbuffer" or scene.material.width * sizes.scale > 1)
-    total = round(vertices * (37 + 12 * _projected(plan, scene) + (4 if wide else 0)))
+    total = round(vertices * (37 + _projected_bytes(plan, scene) + (4 if wide else 0)))
     total += strands * (8 + 8 + 2 * (sizes.points - 1) + 4 + 8 + 8)
     tables = getattr(FIBRES[scene.material.model], "memory", lambda material: 0)
     total += tables(scene.material)
@@ -95,11 +95,16 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
     return total + _film_bytes(plan, scene, vertices)
 
 
-def _projected(plan: Plan, scene: Scene) -> float:
-    """Return the share of vertices that lights see at once, at the most; 0 without shadow maps."""
+def _projected_bytes(plan: Plan, scene: Scene) -> float:
+    """Return the bytes for a vertex of what a light sees at once, at the most; 0 without shadow maps."""
     assert plan.sizes is not None
-    lit = [light for light in scene.lights if casts_map(light, needs_counts(scene))]
-    return max((share_in_maps(scene, plan.sizes, side_of(scene, plan.sizes, light)) for light in lit), default=0.0)
+    found = 0.0
+    parts = 130 / (plan.sizes.segments / max(plan.sizes.strands, 1) + 1)  # lists of them, and room for their ends
+    for light in scene.lights:
+        if casts_map(light, needs_counts(scene)):
+            share = share_in_maps(scene, plan.sizes, side_of(scene, plan.sizes, light))
+            found = max(found, 28 * share + parts if counts_strands(light) else 12 * share)
+    return found
 
 
 def _groom_bytes(plan: Plan, scene: Scene) -> int:

@@ -12,8 +12,10 @@ from strand_kit import scene_of
 from strandcli.draw import canvas, counting
 from strandcli.draw.canvas import Canvas
 from strandcli.draw.common.drawing import Drawing, ProcessorDrawing
+from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.renderer import Renderer
-from strandcli.draw.shadows.shadow import coarseness
+from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
+from strandcli.draw.shadows.strands_in_map import coarseness, parts_of, view_numbers
 from strandcli.draw.view.camera import View
 from strandcli.scene import Scene
 from strandcli.stages import FrameRenderer, RunOptions, SimulationStage
@@ -157,6 +159,11 @@ def test_a_segment_has_a_splat_in_each_texel_of_its_longest_side(long: float, ri
     axes = np.eye(3)
     view = View(np.zeros(3), axes[0], axes[1], axes[2], False, 2.0, 0.0, 20.0, 32, 32)
     screen = np.array([[3, 9, 0.5], [3 + long, 9, 0.5 + rise / 2 / 20]], np.float32)
-    assert counting.splats_of(np.array([0, 2]), screen, 32, view) == splats
+
+    def found() -> int:
+        strands = StrandsInMap(np.array([0, 2]), screen, np.float32(0.1), np.float32(0), None)
+        return counting.splats_of(parts_of(strands, view_numbers(view), 32, 1, Scratch()), 32, view)
+
+    assert found() == splats
     screen[:, 1] = 35  # beside the map
-    assert counting.splats_of(np.array([0, 2]), screen, 32, view) == 0
+    assert found() == 0

@@ -26,6 +26,17 @@ class Scratch:
             self._buffers[name] = buffer
         return buffer[:size].reshape(shape)
 
+    def extend(self, name: str, size: int, dtype: DTypeLike, kept: int, likely: int) -> NDArray[Any]:
+        """Return an array (size,) of this type whose first ``kept`` numbers are those of the last one of this name;
+        likely: how long it will be in the end. Memory that is not written to is not taken."""
+        buffer = self._buffers.get(name)
+        if buffer is None or buffer.size < size or buffer.dtype != dtype:
+            made = np.empty(max(size, likely) * 9 // 8, dtype)
+            if buffer is not None and kept:
+                made[:kept] = buffer[:kept]
+            self._buffers[name] = buffer = made
+        return buffer[:size]
+
     def arange(self, count: int) -> NDArray[np.int32]:
         """Return (count,) int32: 0, 1, … Do not write to it."""
         buffer = self._buffers.get("arange")

@@ -22,13 +22,14 @@ from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
-from ..zbuffer.raster import Bands, sort_into_bands, to_screen
-from .fronts import nearest_depths
+from ..zbuffer.raster import sort_into_bands
+from .fronts import tables_of_cells
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps, splats
+from .kernels.map_parts import PartsInMap
 from .kernels.shadow_arrays import ShadowArrays
-from .nearness import sort_by_place
 from .shadow_model import casts_map, model_of
+from .strands_in_map import parts_in_map, project, view_numbers
 
 TEXEL = 1.5
 """Side of an opacity map's texel, in strand spacings."""
@@ -79,94 +80,107 @@ class ShadowMaps:
     over: float = 1.0
     """1 / h of `kernels.opacity`, 1/m."""
     fronts: tuple[NDArray[np.float32], NDArray[np.int64]] = NO_FRONTS
-    """From `nearest_depths`, set by `divide`."""
-    _ends: NDArray[np.int64] = field(default_factory=lambda: NO_MAPS)
-    """(M,) end of each opacity map in `stacks`."""
-    _seen: tuple[Polylines, int, NDArray[np.int64], NDArray[np.float32], Bands] | None = None
-    """Cache of the last drawing: polylines, map number, vertex offsets, projected vertices, bands."""
+    """From `tables_of_cells`, once all opacity maps are divided."""
+    _lengths: list[int] = field(default_factory=list)
+    """Numbers of each opacity map that is divided."""
 
     @property
     def deep(self) -> bool:
         """Whether there are opacity maps, into whose layers strands must be drawn in a second pass."""
         return any(self.layers)
 
+    def build(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
+        """Draw polylines that contain every strand, one map after the other."""
+        for number, layers in enumerate(self.layers):
+            if not layers:
+                self._fill(number, lines, workers, scratch)
+                continue
+            parts = self._parts(number, lines, workers, scratch)
+            self._draw(number, parts)
+            self._divide(number, scratch)
+            self._draw(number, parts)
+            self._sum(number)
+        self._find_fronts()
+
     def add(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
-        """Draw polylines into every map."""
-        for number in range(len(self.views)):
-            self._draw(number, lines, workers, scratch, None)
-
-    def divide(self, scratch: Scratch) -> None:
-        """Allocate empty layers between the nearest and farthest depth of each cell of every opacity map. Call it after
-        all strands have been added. Raises `RefusedError` if a map would be too large."""
-        deep = [number for number, layers in enumerate(self.layers) if layers]
-        if not deep:
-            return
-        self.fronts = nearest_depths(self.extents, self.layers)
-        ends = np.cumsum([0, *(len(self.extents[number]) for number in deep)])
-        tables = np.split(scratch.borrow("rows_of_cells", int(ends[-1]), np.float32), ends[1:-1])
-        lengths = np.zeros(len(self.views), np.int64)
-        for number, rows in zip(deep, tables, strict=True):
-            count = opacity_maps.number_cells(self.extents[number], rows)
-            lengths[number] = opacity.numbers_of(len(rows), count, self.layers[number])
-        if lengths.max() > PLACES:
-            raise RefusedError(
-                f"shadow: an opacity map would hold {4 * lengths.max() / 1e9:.1f} GB, more than the "
-                f"{4 * PLACES / 1e9:.1f} GB that a kernel counts; a smaller shadow.size or fewer layers take less"
-            )
-        self._ends = np.cumsum(lengths)
-        self.starts[deep] = (self._ends - lengths)[deep]
-        self.stacks = scratch.borrow("stacks", int(self._ends[-1]), np.float32)
-        for number, rows in zip(deep, tables, strict=True):
-            least, over = np.float32(texel_of(self.views[number])), np.float32(self.over)
-            opacity_maps.divide(self.extents[number], self.layers[number], least, over, rows, self._stack(number))
-
-    def accumulate_layers(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
-        """Draw polylines into the layers of every opacity map, the last map first: `add` left its projection cached."""
-        for number, layers in reversed(list(enumerate(self.layers))):
-            if layers:
-                self._draw(number, lines, workers, scratch, self._stack(number))
-
-    def finish(self) -> None:
-        """Sum the layers of every opacity map. Call it after all strands have been drawn into them."""
+        """Draw a portion of the polylines into every map."""
         for number, layers in enumerate(self.layers):
             if layers:
-                opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
+                self._draw(number, self._parts(number, lines, workers, scratch))
+            else:
+                self._fill(number, lines, workers, scratch)
 
-    def build(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
-        """Run all passes on polylines that contain every strand."""
-        self.add(lines, workers, scratch)
-        self.divide(scratch)
-        self.accumulate_layers(lines, workers, scratch)
-        self.finish()
+    def divide(self, scratch: Scratch) -> None:
+        """Make empty layers in every opacity map. Call it after all portions have been added."""
+        for number, layers in enumerate(self.layers):
+            if layers:
+                self._divide(number, scratch)
 
-    def _stack(self, number: int) -> NDArray[np.float32]:
-        assert self.stacks is not None
-        return self.stacks[self.starts[number] : self._ends[number]]
+    def accumulate_layers(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
+        """Draw a portion of the polylines into the layers of every opacity map."""
+        for number, layers in enumerate(self.layers):
+            if layers:
+                self._draw(number, self._parts(number, lines, workers, scratch))
 
-    def _draw(
-        self, number: int, lines: Polylines, workers: int, scratch: Scratch, stack: NDArray[np.float32] | None
-    ) -> None:
-        view, size, layers = self.views[number], int(self.sizes[number]), self.layers[number]
-        if self._seen is None or self._seen[0] is not lines or self._seen[1] != number:
-            stride = coarseness(lines, view)
-            screen = to_screen(lines, view, scratch, "light_screen", stride)
-            ends = np.arange(len(lines.first), dtype=np.int64)
-            first = (lines.first - ends) // stride + ends
-            sort = sort_by_place if layers else sort_into_bands
-            self._seen = lines, number, first, screen, sort(first, screen, size, 1.0, workers, scratch)
-        _, _, first, screen, bands = self._seen
-        far = np.float32(0.0 if view.perspective else view.far - view.near)
-        near = np.float32(view.near)
-        if not layers:
-            kernel.fill(
-                first, screen, bands.members, bands.begin, size, bands.rows, workers, far, near, self.extents[number]
+    def finish(self) -> None:
+        """Sum the layers of every opacity map. Call it after all portions have been drawn into them."""
+        for number, layers in enumerate(self.layers):
+            if layers:
+                self._sum(number)
+        self._find_fronts()
+
+    def _find_fronts(self) -> None:
+        if self.deep:
+            self.fronts = tables_of_cells(self.extents, self.layers)
+
+    def _divide(self, number: int, scratch: Scratch) -> None:
+        """Make empty layers between the nearest and farthest depth of each cell of an opacity map. Raises
+        `RefusedError` if it would be too large."""
+        layers, extents = self.layers[number], self.extents[number]
+        rows = scratch.borrow("rows_of_cells", len(extents), np.float32)
+        length = opacity.numbers_of(len(rows), opacity_maps.number_cells(extents, rows), layers)
+        if length > PLACES:
+            raise RefusedError(
+                f"shadow: an opacity map would hold {4 * length / 1e9:.1f} GB, more than the "
+                f"{4 * PLACES / 1e9:.1f} GB that a kernel counts; a smaller shadow.size or fewer layers take less"
             )
-            return
-        width, taper = np.float32(self.thickness.width), np.float32(self.thickness.taper)
-        opacity_maps.draw(
-            opacity_maps.StrandsInMap(first, screen, width, taper, lines.scale, lines.along), bands, size,
-            opacity_maps.MapView(far, near, np.float32(view.focal)),
-            splats.OpacityMap(self.extents[number], np.float32(self.over), layers, stack),
+        begin = sum(self._lengths)
+        self.starts[number] = begin
+        self._lengths.append(length)
+        maps = int(np.count_nonzero(self.layers))
+        likely = (begin + length) * maps // len(self._lengths)
+        self.stacks = scratch.extend("stacks", begin + length, np.float32, begin, likely)
+        least, over = np.float32(texel_of(self.views[number])), np.float32(self.over)
+        opacity_maps.divide(extents, layers, least, over, rows, self.stacks[begin:])
+
+    def _stack(self, number: int) -> NDArray[np.float32] | None:
+        """Return an opacity map, None before it is divided."""
+        place = int(np.count_nonzero(self.layers[:number]))
+        if self.stacks is None or place >= len(self._lengths):
+            return None
+        return self.stacks[self.starts[number] :][: self._lengths[place]]
+
+    def _sum(self, number: int) -> None:
+        opacity_maps.sum_layers(len(self.extents[number]), self.layers[number], self._stack(number))
+
+    def _parts(self, number: int, lines: Polylines, workers: int, scratch: Scratch) -> PartsInMap:
+        return parts_in_map(lines, self.views[number], int(self.sizes[number]), self.thickness, workers, scratch)
+
+    def _draw(self, number: int, parts: PartsInMap) -> None:
+        """Widen the extents of an opacity map that is not divided yet, else add to its layers."""
+        over, layers = np.float32(self.over), self.layers[number]
+        opacity_map = splats.OpacityMap(self.extents[number], over, layers, self._stack(number))
+        opacity_maps.draw(parts, int(self.sizes[number]), view_numbers(self.views[number]), opacity_map)
+
+    def _fill(self, number: int, lines: Polylines, workers: int, scratch: Scratch) -> None:
+        """Draw into a min/max map."""
+        view, size = self.views[number], int(self.sizes[number])
+        first, screen = project(lines, view, scratch)
+        bands = sort_into_bands(first, screen, size, 1.0, workers, scratch)
+        seen = view_numbers(view)
+        kernel.fill(
+            first, screen, bands.members, bands.begin, size, bands.rows, workers, seen.far, seen.near,
+            self.extents[number],
         )  # fmt: skip
 
 
@@ -275,17 +289,6 @@ def texel_of(view: View, bounds: NDArray[np.float64] | None = None) -> float:
         return 0.5 * (view.near + view.far) / view.focal
     centre, radius = ball(bounds)
     return max(float(np.linalg.norm(centre - view.eye)), radius) / view.focal
-
-
-def coarseness(lines: Polylines, view: View) -> int:
-    """Return how many pieces of a curve a map may draw as one line, such that a segment that turns by a radian departs
-    from the curve by at most half a texel. A cubic's chords depart by length · turn / 8 / (number of chords)²."""
-    nearest = view.near if view.perspective else 1.0
-    texels = lines.segment * view.focal / nearest
-    needed = 1
-    while needed < lines.pieces and texels / (8 * needed * needed) > 0.5:
-        needed *= 2
-    return lines.pieces // needed
 
 
 def map_arrays(maps: ShadowMaps | None) -> ShadowArrays:

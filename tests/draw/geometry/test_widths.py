@@ -15,8 +15,9 @@ from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import widths_of
 from strandcli.draw.shadows.kernels import opacity, opacity_maps, splats
+from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
+from strandcli.draw.shadows.strands_in_map import parts_of, view_numbers
 from strandcli.draw.view.camera import View
-from strandcli.draw.zbuffer.kernels.bands import Bands
 from strandcli.draw.zbuffer.raster import draw, to_screen
 from strandcli.scene.model import Material
 
@@ -195,12 +196,12 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     extents = np.tile(np.array([np.inf, -np.inf], np.float32), (size * size // 4, 1))
     rows = np.empty(size * size // 4, np.float32)
     stacks = np.empty(0, np.float32)
-    strands = opacity_maps.StrandsInMap(first, screen, np.float32(2 * radius), np.float32(0), None)
-    bands = Bands(np.array([0, opacity_maps.PARTS]), np.arange(opacity_maps.PARTS, dtype=np.int32), size, 1)
-    seen = opacity_maps.MapView(np.float32(0), np.float32(view.near), np.float32(view.focal))
+    strands = StrandsInMap(first, screen, np.float32(2 * radius), np.float32(0), None)
+    seen = view_numbers(view)
+    parts = parts_of(strands, seen, size, 1, Scratch())
     for layered in (False, True):
         opacity_map = splats.OpacityMap(extents, np.float32(1), layers, stacks if layered else None)
-        opacity_maps.draw(strands, bands, size, seen, opacity_map)
+        opacity_maps.draw(parts, size, seen, opacity_map)
         if not layered:
             count = opacity_maps.number_cells(extents, rows)
             stacks = np.empty(opacity.numbers_of(len(rows), count, layers), np.float32)

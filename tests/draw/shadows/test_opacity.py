@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 
-import numba
 import numpy as np
 import pytest
 
@@ -19,10 +17,10 @@ from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows import shadow
 from strandcli.draw.shadows.kernels import minmax as minmax
 from strandcli.draw.shadows.kernels import opacity
-from strandcli.draw.shadows.kernels.opacity_maps import PARTS, part_range
-from strandcli.draw.shadows.nearness import sort_by_place
+from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
 from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
-from strandcli.draw.zbuffer.raster import sort_into_bands, to_screen
+from strandcli.draw.shadows.strands_in_map import parts_in_map, parts_of, view_numbers
+from strandcli.draw.zbuffer.raster import to_screen
 from strandcli.errors import RefusedError
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 
@@ -98,29 +96,43 @@ def test_texels_and_layers_are_those_of_splats_one_by_one() -> None:
 
 
 @pytest.mark.parametrize("segments", [8, 40])
-def test_strands_in_the_order_of_their_places_are_all_of_them(segments: int) -> None:
-    part_range_of = numba.njit(part_range.py_func)
+def test_parts_in_the_order_of_their_places_are_all_of_the_strands(segments: int) -> None:
     lines = straight(500, 3, segments)
     maps = maps_of(SUN, lines)
     screen = to_screen(lines, maps.views[0], Scratch())
     screen[7] = np.nan
     first = np.append(lines.first, lines.first[-1])  # the last strand has no vertices
-    given = first, screen, int(maps.sizes[0]), 1.0
-    for workers in (1, 2):
-        plain, sorted_ = (sort(*given, workers, Scratch()) for sort in (sort_into_bands, sort_by_place))
-        steps = []
-        for bands, parts in ((plain, 1), (sorted_, PARTS)):
-            members = bands.members[: bands.begin[1]] // parts
-            middles = screen[lines.first[members[members < 500]] + segments // 2, :2]
-            steps.append(np.abs(np.diff(middles, axis=0)).sum(1).mean())
-        for band, (a, b) in enumerate(pairwise(plain.begin)):
-            parts = sorted_.members[sorted_.begin[band] : sorted_.begin[band + 1]]
-            assert len(set(parts)) == len(parts)
-            assert set(plain.members[a:b]) == set(parts // PARTS)
-            vertices = np.concatenate([np.arange(p, q) for p, q in (part_range_of(first, int(part)) for part in parts)])
-            every = np.concatenate([np.arange(first[s], first[s + 1] - 1) for s in plain.members[a:b]])
-            assert sorted(vertices) == sorted(every)
-        assert steps[1] < 0.5 * steps[0]
+    strands = StrandsInMap(first, screen, np.float32(0.01), np.float32(0), None)
+    size, view = int(maps.sizes[0]), view_numbers(maps.views[0])
+    for workers in (1, 2, 5):
+        parts = parts_of(strands, view, size, workers, Scratch())
+        assert list(parts.borders[[0, -1]]) == [0, size]
+        assert not (parts.borders % 2).any()
+        assert (np.diff(parts.borders) >= 0).all()
+        begin, count, top, bottom = parts.order.T.astype(int)
+        assert len(set(begin)) == len(begin)
+        steps = np.abs(np.diff(parts.kept[begin + count // 2, :2], axis=0)).sum(1).mean()
+        assert steps < 0.5 * np.abs(np.diff(screen[lines.first[:-1] + segments // 2, :2], axis=0)).sum(1).mean()
+        area = 0.0
+        for a, n, low, high in zip(begin, count, top, bottom, strict=True):
+            points, wide = parts.kept[a : a + n, :2].astype(float), parts.kept[a + 1 : a + n, 3]
+            assert low <= np.nanmin(points[:, 1])
+            assert high >= np.nanmax(points[:, 1])
+            if a > segments:  # of the first strand what lies beside the place that is not seen is not drawn
+                area += (np.hypot(*np.diff(points, axis=0).T) * wide).sum(where=wide >= 0)
+        places = screen[: first[-1], :2].astype(float).reshape(500, segments + 1, 2)[1:]
+        assert area == pytest.approx(np.hypot(*np.diff(places, axis=1).T).sum() * 0.01 * maps.views[0].focal, rel=1e-4)
+
+
+def test_bands_have_about_as_much_to_do() -> None:
+    lines = straight(4000, 6)
+    lines.world[:, 1] -= 0.5 * (lines.world[:, 1] + 1)  # most lie at one end
+    maps = maps_of(SUN, lines)
+    parts = parts_in_map(lines, maps.views[0], int(maps.sizes[0]), WIDE, 3, Scratch())
+    middle = (parts.order[:, 2] + parts.order[:, 3]) // 2
+    shares = np.histogram(middle, parts.borders)[0] / len(middle)
+    assert shares.min() > 0.25
+    assert shares.max() < 0.42
 
 
 def test_a_sheet_of_strands_lets_through_what_lies_between_them() -> None:

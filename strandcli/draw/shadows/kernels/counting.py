@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, parallel, prange
-from ...zbuffer.kernels.raster import Window
-from . import splats
-from .opacity_maps import PARTS, depth_of, part_range, too_short
+from .map_parts import AT, COUNT, DEPTH, TINY, WIDE, X, Y
+from .map_segments import FINEST
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -15,35 +14,44 @@ ONE = np.float32(1.0)
 
 
 @parallel
-def count_splats(first, screen, size, view, counts):
-    """Write to counts (S,) int64 how many splats each strand adds to an opacity map, by the rules of
-    `opacity_maps.draw_part`.
+def count_splats(parts, size, view, counts):
+    """Write to counts (P,) int64 how many splats each part adds to an opacity map: one for each texel,
+    of which `opacity_maps` adds two at once.
 
-    first (S + 1,), screen (V, 3): of `opacity_maps.StrandsInMap`; size: texels along a side; view: `MapView`.
+    parts: `PartsInMap`; size: texels along a side; view: `MapView`.
     """
-    for s in prange(counts.shape[0]):
-        counts[s] = 0
-        for part in range(s * PARTS, (s + 1) * PARTS):
-            counts[s] += count_part(first, screen, part, Window(0, size, size), view)
+    for k in prange(counts.shape[0]):
+        counts[k] = count_part(parts, k, size, view)
 
 
 @device
-def count_part(first, screen, part, window, view):
+def count_part(parts, k, size, view):
     """Return how many splats a part of a strand adds."""
     found = np.int64(0)
-    begin, last = part_range(first, part)
-    u = begin
-    for v in range(begin + 1, last + 1):
-        q0, q1 = screen[u, 2], screen[v, 2]
-        there = q0 > ZERO and q1 > ZERO
-        p = screen[u, 0], screen[u, 1], depth_of(q0, view.near, view.far) if there else ONE
-        q = screen[v, 0], screen[v, 1], depth_of(q1, view.near, view.far) if there else ONE
-        scale = view.focal if view.far > ZERO else view.focal * HALF * (q0 + q1)
-        if v < last and there and too_short(p, q, scale):
-            continue
-        beside = max(p[1], q[1]) < -ONE or min(p[1], q[1]) > np.float32(window.bottom) + ONE
-        if there and not beside:
-            _, low, high = splats.pieces(p, q, scale, window)
-            found += max(high - low, 0)
-        u = v
+    kept = parts.kept
+    begin = np.int64(parts.order[k, AT])
+    for v in range(begin + 1, begin + np.int64(parts.order[k, COUNT])):
+        if kept[v, WIDE] >= ZERO:
+            p = kept[v - 1, X], kept[v - 1, Y], kept[v - 1, DEPTH]
+            q = kept[v, X], kept[v, Y], kept[v, DEPTH]
+            scale = view.focal if view.far > ZERO else view.focal * HALF * (ONE / p[2] + ONE / q[2])
+            found += texels(p, q, scale, size)
     return found
+
+
+@device
+def texels(begin, end, scale, size):
+    """Return how many texels of its longer axis a segment passes, or how many times their length it leads away from the
+    light. begin, end: x and y, texels, and depth, metres; scale: texels a metre."""
+    along, across = abs(end[1] - begin[1]), abs(end[0] - begin[0])
+    length = max(along, across)
+    if not (length >= TINY and length <= np.float32(4 * size)):
+        return np.int64(0)
+    away = abs(end[2] - begin[2]) * scale
+    parts = np.float32(np.int64(min(away / length, FINEST))) + ONE if away > length else ONE
+    axis = 1 if along >= across else 0
+    low, high = parts * min(begin[axis], end[axis]), parts * max(begin[axis], end[axis])
+    beside = max(begin[1], end[1]) < -ONE or min(begin[1], end[1]) > np.float32(size) + ONE
+    if beside or not low < high:
+        return np.int64(0)
+    return max(min(np.int64(high) + 1, size * np.int64(parts)) - max(np.int64(low), 0), 0)

@@ -2,82 +2,43 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any, NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
 from ....jit import device, function, inlined, parallel, prange
 from ....simd import pointer, prefetch
-from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.raster import Window
-from . import cell_extents, splats
+from . import cell_extents, map_segments, splats
+from .map_parts import AT, BOTTOM, COUNT, TOP
 from .minmax import FARTHEST, NEAREST
 from .opacity import FIVE, HEAD, SCALE, START
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-PARTS, PART = 4, 16
-"""Most parts of a strand that are drawn apart, each after others that are near it, and segments of all but the last."""
-SHORT = np.float32(0.5)
-"""Texels."""
 AHEAD = 3
 """Parts of strands that are fetched before they are drawn."""
 LINE = 16
 """Numbers of a line of the processor's cache."""
 
 
-class StrandsInMap(NamedTuple):
-    """Strands projected into a light's view."""
-
-    first: NDArray[np.int64]
-    """(S + 1,) first vertex of each strand, and the number of vertices."""
-    screen: NDArray[np.float32]
-    """(V, 3) x and y in texels, and the depth number of `project.points`."""
-    width: Any
-    """float32: metres at the root; the width at the tip is smaller by the share `taper`."""
-    taper: Any
-    """float32, 0 to 1."""
-    scale: NDArray[np.float32] | None
-    """(S,) factor of each strand's width; None stands for 1."""
-    along: NDArray[np.float32] | None = None
-    """(V,) how far along its strand each vertex stands, 0 to 1; None: evenly."""
-
-
-class MapView(NamedTuple):
-    """Constants of a light's view that convert depth numbers to metres and metres to texels."""
-
-    far: Any
-    """float32: depth range of an orthographic view, metres, or 0 for a perspective one."""
-    near: Any
-    """float32: nearest depth of an orthographic view, metres."""
-    focal: Any
-    """float32: texels a metre; for a perspective view at a depth of one metre."""
-
-
 @parallel
-def draw(strands, bands, size, view, opacity_map):
+def draw(parts, size, view, opacity_map):
     """Draw strands into one map: widen its extents if its `stacks` is None, otherwise add to its layers.
 
-    strands: `StrandsInMap`; bands: `zbuffer.kernels.bands.Bands`, whose rows are even; size: texels along a side, even;
-    view: `MapView`; opacity_map: `OpacityMap`.
+    parts: `PartsInMap`; size: texels along a side, even; view: `MapView`; opacity_map: `OpacityMap`.
     """
-    for task in prange(bands.workers):
-        work = np.empty(splats.ROWS * splats.BATCH, np.float32)
-        splats.start_batch(work)
-        for b in range(task, bands.begin.shape[0] - 1, bands.workers):
-            top = b * bands.rows
-            window = Window(top, min(top + bands.rows, size), size)
-            n = np.int64(0)
-            for m in range(bands.begin[b], bands.begin[b + 1]):
-                fetch(strands, np.int64(bands.members[min(m + AHEAD, bands.begin[b + 1] - 1)]))
-                n = draw_part(
-                    work, n, strands, np.int64(bands.members[m]), window, view, opacity_map, opacity_map.stacks,
-                    strands.along,
-                )  # fmt: skip
-            end_batch(work, n, window, opacity_map, opacity_map.stacks)
+    for task in prange(parts.borders.shape[0] - 1):
+        work = np.empty(splats.ROOM, np.float32)
+        map_segments.start(work)
+        window = Window(parts.borders[task], parts.borders[task + 1], size)
+        n = np.int64(0)
+        for k in range(parts.order.shape[0]):
+            ahead = min(k + AHEAD, parts.order.shape[0] - 1)
+            if overlaps(parts.order, ahead, window):
+                fetch(parts, ahead)
+            if overlaps(parts.order, k, window):
+                n = draw_part(work, n, parts, k, window, view, opacity_map, opacity_map.stacks)
+        end_batch(work, n, window, opacity_map, opacity_map.stacks)
 
 
 @device
@@ -89,99 +50,35 @@ def end_batch(work, n, window, opacity_map, stacks):
         splats.add(work, n, window, opacity_map)
 
 
+@inlined
+def overlaps(order, k, window):
+    """Return whether part k comes to rows of the window."""
+    return order[k, TOP] < window.bottom and order[k, BOTTOM] >= window.top
+
+
 @device
-def fetch(strands, part):
+def fetch(parts, k):
     """Have the processor fetch the vertices of a part that is drawn soon: they are anywhere in memory."""
-    begin, last = part_range(strands.first, part)
-    rows = pointer(strands.screen)
-    for at in range(3 * begin, 3 * last + 3, LINE):
+    rows = pointer(parts.kept)
+    begin = 4 * np.int64(parts.order[k, AT])
+    for at in range(begin, begin + 4 * np.int64(parts.order[k, COUNT]), LINE):
         prefetch(rows, at)
 
 
 @device
-def part_range(first, part):
-    """Return the first vertex of a part, numbered strand by strand, and the last, which is the first of the next part.
-    first: of `StrandsInMap`."""
-    s, number = part // PARTS, part % PARTS
-    last = first[s + 1] - 1
-    begin = min(first[s] + number * PART, last)
-    return begin, last if number == PARTS - 1 else min(begin + PART, last)
+def draw_part(work, n, parts, k, window, view, opacity_map, stacks):
+    """Draw what lies within the window of part k; return how many pieces the batch holds then, which held n.
 
-
-@device
-def depth_of(q, near, far):
-    """Return the depth, metres, of a depth number; near, far: of `MapView`."""
-    return near + (ONE - q) * far if far > ZERO else ONE / q
-
-
-@inlined
-def too_short(begin, end, scale):
-    """Return whether a segment is less than `SHORT` along all axes; arguments as in `splats.collect`."""
-    dx, dy, rise = end[0] - begin[0], end[1] - begin[1], end[2] - begin[2]
-    return max(max(abs(dx), abs(dy)), abs(rise) * scale) < SHORT
-
-
-@inlined
-def distance(screen, u, v):
-    """Return how far vertex v is from vertex u on the map, texels."""
-    dx, dy = screen[v, 0] - screen[u, 0], screen[v, 1] - screen[u, 1]
-    return np.float32(math.sqrt(dx * dx + dy * dy))
-
-
-@device
-def widening(x, y, dx, dy, view):
-    """Return by how much perspective widens a segment away from the axis; x, y: from the middle, texels."""
-    return ONE if view.far > ZERO else perspective_widening(x, y, dx, dy, view.focal)
-
-
-@device
-def width_of(width, scale, s):
-    """Return the width of strand s at its root, metres."""
-    return width if scale is None else width * scale[s]
-
-
-@device
-def draw_part(work, n, strands, part, window, view, opacity_map, stacks, along):
-    """Draw what lies within the window of a part of a strand, numbered strand by strand; return how many splats the
-    batch holds then, which held n. Vertices less than `SHORT` behind the last are left out, but for the part's end; the
-    segment over them covers as much as theirs do, in its own place.
-
-    work: rows of `splats`; stacks: those of the map; along: of the strands.
+    work: rows of `map_segments`; stacks: those of the map.
     """
-    s = part // PARTS
-    width = width_of(strands.width, strands.scale, s)
-    screen, far, near, focal = strands.screen, view.far, view.near, view.focal
-    a = strands.first[s]
-    thin = width * strands.taper / np.float32(max(strands.first[s + 1] - a - 1, 1))
-    middle = HALF * np.float32(window.width)
-    begin, last = part_range(strands.first, part)
-    u = begin
-    x0, y0, q0 = screen[u, 0], screen[u, 1], screen[u, 2]
-    way = ZERO  # from the last vertex by way of those that are left out
-    for v in range(begin + 1, last + 1):
-        x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
-        there = q0 > ZERO and q1 > ZERO
-        d0 = depth_of(q0, near, far) if there else ONE
-        d1 = depth_of(q1, near, far) if there else ONE
-        scale = focal if far > ZERO else focal * HALF * (q0 + q1)
-        if v < last and there and too_short((x0, y0, d0), (x1, y1, d1), scale):
-            way += distance(screen, v - 1, v)
-            continue
-        # splats of flat segments add to the row next to theirs, so segments next to these rows count too
-        beside = max(y0, y1) < np.float32(window.top) - ONE or min(y0, y1) > np.float32(window.bottom) + ONE
-        if there and not beside:
-            if along is None:
-                w = width - thin * (HALF * np.float32(u + v - a - a))
-            else:
-                w = width * (ONE - strands.taper * HALF * (along[u] + along[v]))
-            w *= scale * widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, view)
-            if way > ZERO:
-                w *= (way + distance(screen, v - 1, v)) / max(distance(screen, u, v), splats.TINY)
-            if stacks is None:
-                n = cell_extents.collect_cells(work, n, (x0, y0, d0), (x1, y1, d1), window, opacity_map.extents)
-            else:
-                n = splats.collect(work, n, (x0, y0, d0), (x1, y1, d1), scale, w, window, opacity_map)
-        u, x0, y0, q0, way = v, x1, y1, q1, ZERO
+    begin, count = np.int64(parts.order[k, AT]), np.int64(parts.order[k, COUNT]) - 1
+    for past in range(0, count, map_segments.SEGMENTS):
+        layered = stacks is not None
+        segments = map_segments.find_segments(work, parts.kept, begin + past, count - past, window, view, layered)
+        if stacks is None:
+            n = cell_extents.collect_cells(work, n, segments, window, opacity_map.extents)
+        else:
+            n = splats.collect(work, n, segments, window, opacity_map)
     return n
 
 

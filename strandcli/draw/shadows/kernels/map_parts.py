@@ -1,0 +1,248 @@
+"""Parts of strands as a light sees them: the vertices that its map can tell apart, and an order of the parts.
+
+Both passes over an opacity map draw the same segments. What they need of these is found once: vertices less than
+`SHORT` behind the last are left out, but for the part's end; the segment over them covers as much as theirs do, in its
+own place.
+
+Parts near each other on the map follow each other, along a Z-curve. They add to the same cells, which then are in the
+processor's cache. Sums are rounded otherwise in another order, so it is that of places on the map alone. Each thread
+draws a band of rows, with about as much work as the others have.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....jit import device, function, inlined, parallel, prange
+from ...view.kernels.project import perspective_widening
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+INF = np.float32(np.inf)
+TINY = np.float32(1e-6)
+"""Texels."""
+PARTS, PART = 4, 16
+"""Most parts of a strand that are drawn apart, and segments of all but the last."""
+SHORT = np.float32(0.5)
+"""Texels."""
+BITS = 8
+"""Of a place, of each coordinate: 256 × 256 tiles, of two to eight texels."""
+STRANDS = 64
+"""Strands a task."""
+AT, COUNT, TOP, BOTTOM = range(4)
+"""Columns of a part: its first row in `PartsInMap.kept`, the number of its vertices, and the first and the last row of
+texels that it comes to."""
+X, Y, DEPTH, WIDE = range(4)
+"""Columns of `PartsInMap.kept`."""
+
+
+class StrandsInMap(NamedTuple):
+    """Strands projected into a light's view."""
+
+    first: NDArray[np.int64]
+    """(S + 1,) first vertex of each strand, and the number of vertices."""
+    screen: NDArray[np.float32]
+    """(V, 3) x and y in texels, and the depth number of `project.points`."""
+    width: Any
+    """float32: metres at the root; the width at the tip is smaller by the share `taper`."""
+    taper: Any
+    """float32, 0 to 1."""
+    scale: NDArray[np.float32] | None
+    """(S,) factor of each strand's width; None stands for 1."""
+    along: NDArray[np.float32] | None = None
+    """(V,) how far along its strand each vertex stands, 0 to 1; None: evenly."""
+
+
+class MapView(NamedTuple):
+    """Constants of a light's view that convert depth numbers to metres and metres to texels."""
+
+    far: Any
+    """float32: depth range of an orthographic view, metres, or 0 for a perspective one."""
+    near: Any
+    """float32: nearest depth of an orthographic view, metres."""
+    focal: Any
+    """float32: texels a metre; for a perspective view at a depth of one metre."""
+
+
+class PartsInMap(NamedTuple):
+    """What is drawn into one map."""
+
+    kept: NDArray[np.float32]
+    """(K, 4) vertices, part by part: x and y, texels; depth, metres; and the mean width, texels, of the segment that
+    ends there, less than 0 if none does."""
+    order: NDArray[np.int32]
+    """(P, 4) the parts, columns above."""
+    borders: NDArray[np.int64]
+    """(threads + 1,) even rows of texels between the bands."""
+
+
+@parallel
+def thin(strands, view, size, kept, found, places, costs):
+    """Find the vertices and places of all parts.
+
+    strands: `StrandsInMap`; view: `MapView`; size: texels along a side; kept: of `PartsInMap`, with room for all
+    vertices and those that two parts share; found (S * PARTS, 4) int32 out: the parts strand by strand, of which one
+    that is not there has no vertices; places (S * PARTS,) uint16 out: on the Z-curve; costs (S * PARTS,) out: of
+    drawing.
+    """
+    count = strands.first.shape[0] - 1
+    for task in prange((count + STRANDS - 1) // STRANDS):
+        for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, count)):
+            for part in range(s * PARTS, (s + 1) * PARTS):
+                thin_part(strands, part, view, size, kept, found, costs, strands.along)
+                if found[part, COUNT] > 0:
+                    places[part] = place_of(strands, part, size)
+
+
+@device
+def part_range(first, part):
+    """Return the first vertex of a part, numbered strand by strand, and the last, which is the first of the next part.
+    first: of `StrandsInMap`."""
+    s, number = part // PARTS, part % PARTS
+    last = first[s + 1] - 1
+    begin = min(first[s] + number * PART, last)
+    return begin, last if number == PARTS - 1 else min(begin + PART, last)
+
+
+@device
+def place_of(strands, part, size):
+    """Return the place on the Z-curve of the middle vertex of a part."""
+    begin, _ = part_range(strands.first, part)
+    middle = min(begin + PART // 2, (begin + strands.first[part // PARTS + 1] - 1) // 2)
+    tiles = np.float32(1 << BITS) / np.float32(size)
+    place = np.int64(0)
+    x = np.int64(min(max(strands.screen[middle, 0] * tiles, ZERO), np.float32((1 << BITS) - 1)))
+    y = np.int64(min(max(strands.screen[middle, 1] * tiles, ZERO), np.float32((1 << BITS) - 1)))
+    for bit in range(BITS):
+        place |= (x >> bit & 1) << 2 * bit | (y >> bit & 1) << 2 * bit + 1
+    return place
+
+
+@device
+def depth_of(q, near, far):
+    """Return the depth, metres, of a depth number; near, far: of `MapView`."""
+    return near + (ONE - q) * far if far > ZERO else ONE / q
+
+
+@inlined
+def too_short(begin, end, scale):
+    """Return whether a segment is less than `SHORT` along all axes. begin, end: x and y, texels, and depth, metres;
+    scale: texels a metre."""
+    dx, dy, rise = end[0] - begin[0], end[1] - begin[1], end[2] - begin[2]
+    return max(max(abs(dx), abs(dy)), abs(rise) * scale) < SHORT
+
+
+@inlined
+def distance(screen, u, v):
+    """Return how far vertex v is from vertex u on the map, texels."""
+    dx, dy = screen[v, 0] - screen[u, 0], screen[v, 1] - screen[u, 1]
+    return np.float32(math.sqrt(dx * dx + dy * dy))
+
+
+@inlined
+def widening(x, y, dx, dy, view):
+    """Return by how much perspective widens a segment away from the axis; x, y: from the middle, texels."""
+    return ONE if view.far > ZERO else perspective_widening(x, y, dx, dy, view.focal)
+
+
+@inlined
+def width_of(width, scale, s):
+    """Return the width of strand s at its root, metres."""
+    return width if scale is None else width * scale[s]
+
+
+@device
+def thin_part(strands, part, view, size, kept, found, costs, along):
+    """Write the vertices of a part, what is found of it, and its cost; along: of the strands."""
+    s = part // PARTS
+    width = width_of(strands.width, strands.scale, s)
+    screen, far, near, focal = strands.screen, view.far, view.near, view.focal
+    a = strands.first[s]
+    thin = width * strands.taper / np.float32(max(strands.first[s + 1] - a - 1, 1))
+    middle = HALF * np.float32(size)
+    begin, last = part_range(strands.first, part)
+    at = begin + part % PARTS + s * (PARTS - 1)
+    found[part, AT], found[part, COUNT] = at, 0
+    if begin >= last:
+        return
+    low, high, cost, n = INF, -INF, ZERO, at
+    u = begin
+    x0, y0, q0 = screen[u, 0], screen[u, 1], screen[u, 2]
+    d0 = depth_of(q0, near, far) if q0 > ZERO else ONE
+    kept[n, X], kept[n, Y], kept[n, DEPTH], kept[n, WIDE] = x0, y0, d0, -ONE
+    way = ZERO  # from the last vertex by way of those that are left out
+    for v in range(begin + 1, last + 1):
+        x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
+        d1 = depth_of(q1, near, far) if q1 > ZERO else ONE
+        there = q0 > ZERO and q1 > ZERO
+        scale = focal if far > ZERO else focal * HALF * (q0 + q1)
+        if v < last and there and too_short((x0, y0, d0), (x1, y1, d1), scale):
+            way += distance(screen, v - 1, v)
+            continue
+        w = -ONE
+        if there:
+            if along is None:
+                w = width - thin * (HALF * np.float32(u + v - a - a))
+            else:
+                w = width * (ONE - strands.taper * HALF * (along[u] + along[v]))
+            w *= scale * widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, view)
+            if way > ZERO:
+                w *= (way + distance(screen, v - 1, v)) / max(distance(screen, u, v), TINY)
+            low, high = min(low, min(y0, y1)), max(high, max(y0, y1))
+            cost += ONE + HALF * min(max(abs(x1 - x0), abs(y1 - y0)), np.float32(size))
+        n += 1
+        kept[n, X], kept[n, Y], kept[n, DEPTH], kept[n, WIDE] = x1, y1, d1, w
+        u, x0, y0, q0, d0, way = v, x1, y1, q1, d1, ZERO
+    # splats of flat segments add to the row next to theirs
+    if low <= high and high >= -ONE and low <= np.float32(size):
+        found[part, COUNT] = n - at + 1
+        found[part, TOP] = max(np.int64(low) - 1, 0)
+        found[part, BOTTOM] = min(np.int64(min(high, np.float32(size))) + 1, size - 1)
+        costs[part] = cost
+
+
+@function
+def sort(found, places, costs, begin, loads, order, borders):
+    """Write the parts that are there in their order, and borders of bands with about the same cost; return how many
+    parts there are.
+
+    found, places, costs: from `thin`; begin (tiles + 1,) int64 and loads (rows,) float64: changed; order (S * PARTS,
+    4), borders (threads + 1,) out: of `PartsInMap`.
+    """
+    begin[:] = 0
+    loads[:] = 0.0
+    whole = 0.0
+    for part in range(found.shape[0]):
+        if found[part, COUNT] > 0:
+            begin[np.int64(places[part]) + 1] += 1
+            loads[(found[part, TOP] + found[part, BOTTOM]) >> 1] += costs[part]
+            whole += costs[part]
+    for tile in range(1, begin.shape[0]):
+        begin[tile] += begin[tile - 1]
+    for part in range(found.shape[0]):
+        if found[part, COUNT] > 0:
+            k = begin[np.int64(places[part])]
+            begin[np.int64(places[part])] = k + 1
+            for column in range(order.shape[1]):
+                order[k, column] = found[part, column]
+    share(loads, whole, borders)
+    return begin[begin.shape[0] - 2]
+
+
+@device
+def share(loads, whole, borders):
+    """Write even rows, between which about as much is to do; loads (rows,): what is to do, whole: in all."""
+    bands = borders.shape[0] - 1
+    borders[:] = loads.shape[0]
+    borders[0] = 0
+    done, band = 0.0, 1
+    for row in range(0, loads.shape[0], 2):
+        while band < bands and done * bands >= whole * band:
+            borders[band] = row
+            band += 1
+        done += loads[row] + loads[row + 1]
