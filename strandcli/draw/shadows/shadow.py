@@ -23,7 +23,7 @@ from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
 from ..zbuffer.raster import Bands, sort_into_bands, to_screen
-from .fronts import nearest_depths
+from .fronts import tables_of_cells
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps, splats
 from .kernels.shadow_arrays import ShadowArrays
@@ -79,7 +79,7 @@ class ShadowMaps:
     over: float = 1.0
     """1 / h of `kernels.opacity`, 1/m."""
     fronts: tuple[NDArray[np.float32], NDArray[np.int64]] = NO_FRONTS
-    """From `nearest_depths`, set by `divide`."""
+    """From `tables_of_cells`, set by `divide`."""
     _ends: NDArray[np.int64] = field(default_factory=lambda: NO_MAPS)
     """(M,) end of each opacity map in `stacks`."""
     _seen: tuple[Polylines, int, NDArray[np.int64], NDArray[np.float32], Bands] | None = None
@@ -101,7 +101,6 @@ class ShadowMaps:
         deep = [number for number, layers in enumerate(self.layers) if layers]
         if not deep:
             return
-        self.fronts = nearest_depths(self.extents, self.layers)
         ends = np.cumsum([0, *(len(self.extents[number]) for number in deep)])
         tables = np.split(scratch.borrow("rows_of_cells", int(ends[-1]), np.float32), ends[1:-1])
         lengths = np.zeros(len(self.views), np.int64)
@@ -119,6 +118,7 @@ class ShadowMaps:
         for number, rows in zip(deep, tables, strict=True):
             least, over = np.float32(texel_of(self.views[number])), np.float32(self.over)
             opacity_maps.divide(self.extents[number], self.layers[number], least, over, rows, self._stack(number))
+        self.fronts = tables_of_cells(self.extents, self.layers)
 
     def accumulate_layers(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw polylines into the layers of every opacity map, the last map first: `add` left its projection cached."""
