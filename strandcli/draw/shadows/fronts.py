@@ -1,5 +1,5 @@
-"""Nearest depths of strands in the cells of opacity maps, and in ever larger squares of cells: by four of these numbers
-a filter window is known that no strand shades (hierarchical depths: Greene, Kass and Miller 1993)."""
+"""Where strands begin in the cells of opacity maps, side by side and not in rows of layers, and in ever larger squares
+of cells, by which filter windows know cells that shade nothing (hierarchical depths: Greene, Kass and Miller 1993)."""
 
 from __future__ import annotations
 
@@ -9,25 +9,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...constants import VECTOR
-from .kernels.minmax import NEAREST
+from .kernels.opacity import SCALE, START
 
 NOTHING = np.full(VECTOR // 4, np.inf, np.float32)
 """Behind the last number: vectors are read from any place on."""
 
 
-def nearest_depths(
+def tables_of_cells(
     extents: Sequence[NDArray[np.float32]], layers: Sequence[int]
 ) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
-    """Return the `pyramid` of each opacity map, one after the other, and where each begins; extents, layers: of
-    `ShadowMaps`, before `ShadowMaps.divide`."""
+    """Return for each opacity map `START` and `SCALE` of all cells and the `pyramid` of nearest depths, one after the
+    other, and where each pyramid begins; extents, layers: of `ShadowMaps`, after `ShadowMaps.divide`."""
     starts = np.zeros(len(layers), np.int64)
     found: list[NDArray[np.float32]] = []
     at = 0
     for number, count in enumerate(layers):
         if count:
-            found.append(pyramid(extents[number][:, NEAREST]))
-            starts[number] = at
-            at += len(found[-1])
+            heads = extents[number]
+            found += [heads.reshape(-1), pyramid(np.where(heads[:, SCALE] > 0, heads[:, START], np.float32(np.inf)))]
+            starts[number] = at + heads.size
+            at = int(starts[number]) + len(found[-1])
     return np.concatenate([*found, NOTHING]), starts
 
 

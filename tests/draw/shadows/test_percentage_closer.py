@@ -268,7 +268,9 @@ def test_cells_that_are_left_out_add_nothing(light: Light) -> None:
     line = np.linspace([-2.4, -1.4, -0.4], [1.5, -0.6, 0.5], 2000)
     found = in_batches(line, None, lights, shadows)
     assert 0 < found.min() < 0.7
-    unknown = shadows._replace(fronts=np.full_like(shadows.fronts, -np.inf))
+    unknown = shadows._replace(fronts=shadows.fronts.copy())
+    for start, side in zip(unknown.front_starts, unknown.sizes // 2, strict=True):
+        unknown.fronts[start : start + len(pyramid(np.zeros(side**2, np.float32)))] = -np.inf
     np.testing.assert_array_equal(in_batches(line, None, lights, unknown), found)
     order = np.random.default_rng(5).permutation(len(line))
     np.testing.assert_array_equal(in_batches(line[order], None, lights, shadows), found[order])

@@ -29,9 +29,9 @@ class DeepMap(NamedTuple):
     over: Any
     """float32: 1 / h of `opacity`, 1/m."""
     fronts: Any
-    """`pointer` to the nearest depths in the cells of all maps, of `ShadowArrays`."""
+    """`pointer` to the heads of cells and the pyramids of all maps, of `ShadowArrays`."""
     front: Any
-    """First index of the map's, int64."""
+    """First index of the map's pyramid, int64."""
 
 
 @inlined
@@ -43,10 +43,16 @@ def cells_in(across, down, used, deep):
 
 
 @inlined
-def any_blocks(across, down, there, d, deep):
-    """Return whether any of the cells in the mask `there` has strands in front of the depths d. Vectors."""
-    front = gather(deep.fronts, deep.front, where(there, down, ZERO), deep.size >> 1, where(there, across, ZERO))
-    return any_lane(there & (front < d))
+def heads_of(across, down, there, d, deep):
+    """Return nearest depth and `opacity.SCALE` of the cells in the mask `there`, d and 0 where there are no strands,
+    and whether any has strands in front of the depths d. Vectors."""
+    half = deep.size >> 1
+    column = where(there, across, ZERO)
+    front, scale = gather2(
+        deep.fronts, deep.front - 2 * half * half, where(there, down, ZERO), 2 * half, column + column
+    )
+    some = there & (scale > ZERO)
+    return where(some, front, d), where(some, scale, ZERO), any_lane(some & (front < d))
 
 
 @inlined
@@ -58,19 +64,17 @@ def cell_at(across, down, there, deep):
 
 
 @inlined
-def layers_of(number, d, deep):
-    """Return, in the rows `number` of a `DeepMap`, the layer of depths d and the position within it, and the nearest
-    and farthest depth of strands, metres; both d where there are none. Vectors."""
-    body, stride = rows_of(deep)
+def layers_of(front, scale, d, deep):
+    """Return the layer of depths d in cells and the position within it, and the farthest depth of strands, metres; d
+    where there are none. front, scale: from `heads_of`. Vectors."""
     most = np.float32(deep.layers)
-    front, scale = gather2(deep.rows, body, number, stride, np.float32(opacity.START))
-    some = number > ZERO
-    front, scale = where(some, front, d), where(some, scale, most + ONE)
+    some = scale > ZERO
+    scale = where(some, scale, most + ONE)
     far = max((d - front) * deep.over, ZERO)
     ended = min(scale * (far / (far + ONE)), most)
     layer = min(floor(ended), most - ONE)
     back = where(some, front + most / ((scale - most) * deep.over), d)
-    return layer, ended - layer, front, back
+    return layer, ended - layer, back
 
 
 @inlined

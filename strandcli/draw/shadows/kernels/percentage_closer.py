@@ -34,7 +34,7 @@ from ...common.kernels.loss import HALF_WAY
 from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, COLUMNS, LEFT, RADIUS
 from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import opacity
-from .deep_map import DeepMap, any_blocks, cell_at, cells_in, layers_of, passed_at, passed_in_cell
+from .deep_map import DeepMap, cell_at, cells_in, heads_of, layers_of, passed_at, passed_in_cell
 from .filter_window import WIDEST, column_of, row_of, store_columns, windows_about
 from .minmax import texel_of as project
 from .window_blocks import NO_BITS, blocks_about, is_shaded, shaded_columns
@@ -144,12 +144,13 @@ def filter_light(rows, k, deep, loss):
                 continue
             across = column_of(windows, np.float32(column))
             there = cells_in(across, down, inside, deep)
-            if not any_blocks(across, down, there, d, deep):
+            front, scale, blocks_light = heads_of(across, down, there, d, deep)
+            if not blocks_light:
                 continue
             left = load(rows, COLUMNS + 2 * column * lanes)
             right = load(rows, COLUMNS + (2 * column + 1) * lanes)
             number = cell_at(across, down, there, deep)
-            layer, part, _, back = layers_of(number, d, deep)
+            layer, part, back = layers_of(front, scale, d, deep)
             lost = ZERO * u, ZERO * u, ZERO * u, ZERO * u
             if texels == 1:
                 lost = lost_in(lost, left * above, passed_at(number, layer, part, deep), loss)
@@ -214,11 +215,12 @@ def blur_radius(rows, k, deep):
                 continue
             across = column_of(windows, np.float32(column))
             there = cells_in(across, down, used, deep)
-            if not any_blocks(across, down, there, d, deep):
+            front, scale, blocks_light = heads_of(across, down, there, d, deep)
+            if not blocks_light:
                 continue
             left = load(rows, COLUMNS + 2 * column * lanes)
             number = cell_at(across, down, there, deep)
-            layer, part, front, back = layers_of(number, d, deep)
+            layer, part, back = layers_of(front, scale, d, deep)
             passed = passed_at(number, layer, part, deep)
             weight = left * above * passed / (passed + ONE)
             share = share + weight

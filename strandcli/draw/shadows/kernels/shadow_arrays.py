@@ -23,6 +23,6 @@ class ShadowArrays(NamedTuple):
     views: NDArray[np.float32]
     """(M, `view_columns.SIZE`) the packed view of each map, in texels."""
     fronts: NDArray[np.float32]
-    """(F,) `strandcli.draw.shadows.fronts.pyramid` of each opacity map, metres; empty without such maps."""
+    """(F,) from `strandcli.draw.shadows.fronts.tables_of_cells`; empty without opacity maps."""
     front_starts: NDArray[np.int64]
-    """(M,) first index in `fronts` of each map; 0 for a min/max map."""
+    """(M,) first index in `fronts` of each map's pyramid; 0 for a min/max map."""
