@@ -96,12 +96,12 @@ def command(
 
 def _warnings(scene: Scene, numbers: Any) -> list[str]:
     """What `render` would warn of before it simulates, of `LOOKED_AT` strands; of panels with their labels. Raises
-    `UsageError` for what it would refuse of contact between strands."""
+    `UsageError` for what it would refuse of what strands do to each other."""
     from ..groom.emit import emit
     from ..plan import needed_strands
     from ..scene.model import MeshShape
     from ..simulate.advice import warnings
-    from ..simulate.material import require_contact
+    from ..simulate.material import require_between
 
     found = []
     for one in scene.panels or (scene,):
@@ -117,7 +117,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
 
                 lines = _of_mesh(one.emitter)
                 groom = at_start(one, groom)
-            require_contact(one, groom)
+            require_between(one, groom)
             lines += warnings(one, groom)
         found += [f"{one.label}: {words}" if one.label else words for words in lines]
     return found

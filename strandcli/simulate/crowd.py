@@ -22,7 +22,7 @@ from .kernels import crowd_forces, crowd_grid, crowd_pressure, crowd_shelter
 from .kernels.crowd_records import BOX, CELL, LANES, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
-from .material import matter, segments_along
+from .material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -32,12 +32,8 @@ FRICTION_TIME = 0.01
 EASE, MOST = 15.0, 0.5
 """Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
 other are led apart."""
-CELLS_ACROSS = 32
-"""Cells along the groom's greatest extent, where the preset gives no cell."""
 MOST_CELLS = 4_000_000
 """Of the box about the strands: 64 MB, and as much again for pressure and targets."""
-MOST_SAMPLES = 64
-"""Samples of a segment."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
 """Parts that strands are cut into at the most, and segments of each at the least."""
 
@@ -79,11 +75,6 @@ class Crowd:
         self._thickness = 2 * matter(scene.rod)[1]
         self.cell = self._cell(parameters.cell, lengths)
         self.samples = samples_of(segments_along(scene.rod, n), float(lengths.max()) / self.cell)
-        if len(self.samples.first) > MOST_SAMPLES * n:
-            raise UsageError(
-                f"{self.where}.cell: {self.cell:g} m is less than a {MOST_SAMPLES}th of a segment of "
-                f"{lengths.max():.3g} m; make it larger, or use more emitter.particles"
-            )
         count = min(PARTS, max(1, groom.strands * len(self.samples.first) // SEGMENTS_A_PART))
         cuts = [*range(0, packs, -(-packs // count)), packs]
         self.parts = np.array([cuts[:-1], cuts[1:]]).T.copy()
@@ -102,12 +93,7 @@ class Crowd:
     def _cell(self, given: float | None, lengths: NDArray[np.float64]) -> float:
         if given is None:
             return max(self.extent / CELLS_ACROSS, float(lengths.max()) / MOST_SAMPLES)
-        thick = self._thickness
-        if given < thick:
-            raise UsageError(
-                f"{self.where}.cell: {given:g} m is less than a strand's thickness of {thick:.3g} m; make it larger, "
-                f"such as {self.extent / CELLS_ACROSS:.2g}"
-            )
+        require_cell(self.scene, given, lengths, self.extent / CELLS_ACROSS)
         if given > self.extent:
             raise UsageError(
                 f"{self.where}.cell: {given:g} m is larger than the groom, which is {self.extent:.3g} m wide; make it "

@@ -32,6 +32,10 @@ the reaction to rest shapes is that before the step, or after a first solution o
 MOST_INNER = 20
 """Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
 times a second at the usual steps, and gives way to its weight by less than a millimetre: it is made softer."""
+CELLS_ACROSS = 32
+"""Cells of the rule interaction along the groom's greatest extent, where the preset gives no cell."""
+MOST_SAMPLES = 64
+"""Samples of a segment, no more than a cell apart."""
 CONTRAST = 1e5
 """Ratio of the stiffest joint to the softest above which single precision is not enough: rounding errors of the first
 are a load on the second. Reached by a tip some twenty times as thick as the root."""
@@ -78,14 +82,31 @@ def contact_thickness(scene: Scene, groom: Groom, given: float | None) -> float:
     return found
 
 
-def require_contact(scene: Scene, groom: Groom) -> None:
-    """Raise `UsageError` for what rods with the rule contact refuse before they begin."""
+def require_cell(scene: Scene, cell: float, lengths: NDArray[np.float64], usual: float) -> None:
+    """Raise `UsageError` for a cell of the rule interaction, metres, that is finer than strands with segments of the
+    ``lengths`` (S,), metres, can fill; ``usual``: that of a preset which gives none."""
+    where = f"{scene.label or scene.source or 'scene'}: rule interaction.cell: {cell:g} m is less than"
+    thick, longest = 2 * matter(scene.rod)[1], float(lengths.max())
+    if cell < thick:
+        raise UsageError(f"{where} a strand's thickness of {thick:.3g} m; make it larger, such as {usual:.2g}")
+    if cell < longest / MOST_SAMPLES * (1 - 1e-6):
+        raise UsageError(
+            f"{where} a {MOST_SAMPLES}th of a segment of {longest:.3g} m; make it larger, or use more emitter.particles"
+        )
+
+
+def require_between(scene: Scene, groom: Groom) -> None:
+    """Raise `UsageError` for what rods refuse, before they begin, of the rules contact and interaction."""
     if scene.solver != "rod":
         return
     integrator_of(scene)
     for use in scene.rules:
         if use.name == "contact":
             contact_thickness(scene, groom, use.parameters.thickness)
+        if use.name == "interaction" and use.parameters.cell is not None:
+            lengths = groom.lengths.astype(np.float64)
+            segments = lengths / (scene.emitter.particles - 1)
+            require_cell(scene, use.parameters.cell, segments, float(lengths.max()) / CELLS_ACROSS)
 
 
 def rigidity(rod: Rod) -> float:
