@@ -22,7 +22,7 @@ from ...groom.record import Groom
 from ..health import RESIDUAL_MOST
 from ..kernels.records import DAMPING, STEP, State
 from ..kernels.rod_scratch import PACK
-from ..material import contact_thickness
+from ..material import MARGIN, contact_thickness
 from .kernels import contact_approach, contact_response, contact_solve
 from .kernels.contact_columns import (
     ALPHA,
@@ -47,8 +47,6 @@ from .nearby import Nearby
 if TYPE_CHECKING:
     from ...scene.model import Scene
 
-MARGIN = 0.5
-"""Thicknesses beyond the thickness at which pairs are looked at: a round of forces may bring them nearer."""
 EASE, MOST_EASE = 5.0, 0.25
 """Share of the thickness by which strands that begin closer come apart a second, and in a step at the most."""
 SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, 100_000
