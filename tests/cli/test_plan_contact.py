@@ -52,7 +52,6 @@ def test_pairs_are_those_of_all_segments_and_grow_with_the_square_of_strands() -
     pairs = meet.sum() / 2
     assert pairs > 5000
     assert pairs_of(scene, 400) == pytest.approx(pairs, rel=0.15)
-    assert pairs_of(scene, 4000) == pytest.approx(100 * pairs, rel=0.15)
     assert pairs_of(scene, 40 * crowding.STRANDS) == 1600 * pairs_of(scene, crowding.STRANDS)
 
 
