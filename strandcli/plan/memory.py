@@ -11,6 +11,7 @@ from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, 
 from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
+from .crowding import pairs_of
 from .libraries import known_bytes
 from .sizes import map_rows, share_in_maps, side_of
 
@@ -28,10 +29,9 @@ NEARER, SEEN = 1.3, 0.75
 """How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
 ROD, CROWDED = 80, 30
 """Bytes of a particle of a rod, and more where strands push each other."""
-TOUCHING, REUSED = 950, 8_000_000
-"""More where strands have contact: the state before the step, boxes, cells and pairs of segments, less what a picture
-took before or takes after. Pairs grow with density: measured were 410 with 3,000 strands of `minimal`, 640 with 8,000,
-920 with 20,000."""
+TOUCHING, PAIR, REUSED = 640, 100, 8_000_000
+"""More where strands have contact: the state before the step, boxes and cells; of a pair of segments whose boxes meet
+(`crowding`); less what a picture took before or takes after."""
 
 
 def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
@@ -61,9 +61,10 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     blocks = -(-plan.strands // W) * W
     rods = ROD if scene.solver == "rod" else 0
     rods += CROWDED if rods and any(use.name == "interaction" for use in scene.rules) else 0
-    touching = TOUCHING if rods and any(use.name == "contact" for use in scene.rules) else 0
+    contact = rods and any(use.name == "contact" for use in scene.rules)
+    touching = blocks * n * TOUCHING + PAIR * pairs_of(scene, plan.strands) - REUSED if contact else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
-    return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + max(0, blocks * n * touching - REUSED)
+    return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + max(0, round(touching))
 
 
 def _mesh_bytes(scene: Scene) -> int:

@@ -68,6 +68,10 @@ def integrator_of(scene: Scene) -> str:
     return "euler" if rules & {"interaction", "contact"} else "bdf2"
 
 
+MARGIN = 0.5
+"""Thicknesses beyond that of the rule contact at which pairs are looked at: a round of forces may bring them nearer."""
+
+
 def contact_thickness(scene: Scene, groom: Groom, given: float | None) -> float:
     """Return the distance that the middles of strands keep by the rule contact, metres. Raises `UsageError` for one
     that does not fit the groom."""

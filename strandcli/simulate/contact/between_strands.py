@@ -20,7 +20,7 @@ from ...constants import W
 from ...groom.record import Groom
 from ..health import RESIDUAL_MOST
 from ..kernels.records import STEP, State
-from ..material import contact_thickness
+from ..material import MARGIN, contact_thickness
 from .contacts import NOTHING, Contacts
 from .forces import Forces
 from .kernels import contact_approach
@@ -30,8 +30,6 @@ from .nearby import Nearby
 if TYPE_CHECKING:
     from ...scene.model import Scene
 
-MARGIN = 0.5
-"""Thicknesses beyond the thickness at which pairs are looked at: a round of forces may bring them nearer."""
 EASE, MOST_EASE = 5.0, 0.25
 """Share of the thickness by which strands that begin closer come apart a second, and in a step at the most."""
 TOLERANCE, ENOUGH = 2e-3, 2e-2
