@@ -19,6 +19,8 @@ def rod_clashes(scene: Scene) -> Iterator[Clash]:
             ("rod.root", "rod.rest"),
             "hinged roots hold no strand up, as rest: sag_free asks of them; use root: clamped, or rest: shape",
         )
+    if rod.root == "free":
+        yield from _of_free_roots(scene, listed)
     if rod.end != "free" and "emitter_motion" in listed and deforming_ground(scene) is not None:
         yield ("rod.end", "emitter", "rules"), f"tips cannot be {rod.end} on an emitter that deforms; use end: free"
     if rod.end == "free" and rod.end_keys:
@@ -28,3 +30,19 @@ def rod_clashes(scene: Scene) -> Iterator[Clash]:
             yield (f"rod.end_keys.{index}.turns", "rod.end"), "a pinned tip turns freely; use end: clamped"
     if rod.yield_strain is not None and "contact" in listed:
         yield ("rod.yield_strain", "rules"), "does not go with the rule contact; leave one of them out"
+
+
+def _of_free_roots(scene: Scene, listed: set[str]) -> Iterator[Clash]:
+    rod = scene.rod
+    if rod.rest == "sag_free":
+        yield (
+            ("rod.root", "rod.rest"),
+            "free roots hold no strand up, as rest: sag_free asks of them; use straight",
+        )
+    if rod.yield_strain is not None:
+        yield ("rod.root", "rod.yield_strain"), "strands whose roots are free keep no set; leave one of them out"
+    if rod.end == "clamped":
+        yield ("rod.root", "rod.end"), "a clamped tip needs a root that is held; use end: pinned, or root: clamped"
+    for name in ("collision", "interaction", "contact"):
+        if name in listed:
+            yield ("rod.root", "rules"), f"free roots do not go with the rule {name}; leave one of them out"

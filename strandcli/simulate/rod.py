@@ -23,7 +23,7 @@ from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
 from .contact.between_strands import StrandContact, in_parts
 from .crowd import Crowd, Moment
-from .kernels.records import DRAG, FRICTION, ROUNDING, TOLERANCE, TORSION, VELOCITY_STEP
+from .kernels.records import DRAG, FRICTION, ROOT_MASS, ROUNDING, TOLERANCE, TORSION, VELOCITY_STEP
 from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
 from .material import COIL_STEP, MOST_INNER, torsion
@@ -45,7 +45,7 @@ from .rod_setup import (
     with_coils,
     world_edges,
 )
-from .rod_teleport import Jumps, carry, stop, turned
+from .rod_teleport import Jumps, begin_before_roots, carry, stop, turned, velocity_of_roots
 from .rod_yield import yielding_of
 from .solver import Solver
 from .surroundings import Surroundings, flat, pose_of
@@ -58,6 +58,8 @@ FEWEST_BY_EDGES = 12
 TOLERANCES = {(False, False): 1.8e-3, (True, False): 1.8e-3, (False, True): 1e-10, (True, True): 1e-12}
 """Error of |e|² at which iterations stop, as `kernels.rod_newton` measures it, for (BDF2, double precision asked for).
 Of most strands the error is far less than of the worst."""
+ROOT_SHARE = 0.5
+"""Relative mass of a free root."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
 LEAST_DAMPING = {False: 0.25, True: 0.5}
@@ -99,7 +101,7 @@ class RodSolver(Solver):
         touching = [use.parameters for use in scene.rules if use.name == "contact"]
         self.contact = StrandContact(scene, groom, touching[0]) if touching else None
         flags = flags_of(scene, shape, self.surroundings, self.deforming is not None)
-        self.second = flags.second
+        self.second, self.loose = flags.second, flags.loose
         rest, self._coil_rate = with_coils(scene, rest, shape)
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
@@ -184,7 +186,7 @@ class RodSolver(Solver):
             return True
         rod, around = self.scene.rod, self.surroundings
         pose = self._pose(time)
-        jumps = self._jumps.between(self.pose, pose)
+        jumps = not self.loose and self._jumps.between(self.pose, pose)
         if jumps:
             carry(self.state, self.positions, self.pose, pose)
             self.pose = pose
@@ -203,13 +205,15 @@ class RodSolver(Solver):
         if self.crowd is not None:
             strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
             moment = Moment(time, dt, (strength * air[0], strength * air[1], strength * air[2]))
-            self.crowd.prepare(self.state, self.mass, self._root_velocity(pose, dt), moment)
+            self.crowd.prepare(self.state, self.mass, velocity_of_roots(self.forcing, self.pose, pose, dt), moment)
         damping = max(rod.damping, self._least_damping * dt) * (h / dt)
         numbers = h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction
         run = partial(self._run, pose, *numbers)
         short = run() is None if self.contact is None else self.contact.step(run, self)
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
+        if self.loose:
+            begin_before_roots(self.positions)
         if self.yielding is not None:
             self.yielding.follow(self.state, self.material, self.forcing, pose)
         self.pose, self._last_step = pose, dt
@@ -228,15 +232,6 @@ class RodSolver(Solver):
         forcing.roots[...], forcing.directions[...] = packed(roots, self.dtype), packed(directions, self.dtype)
         forcing.drift[...] = turned(past, forcing.roots - before).reshape(forcing.drift.shape)
 
-    def _root_velocity(self, pose: Pose, dt: float) -> NDArray[Any]:
-        """Return (P, 3 S) the velocity of the roots in a step that ends at a pose, m/s."""
-        now, past = (np.array(part, self.dtype) for part in (pose.rotation, self.pose.rotation))
-        moved = np.subtract(pose.translation, self.pose.translation).astype(self.dtype)
-        way = turned(now - past, self.forcing.roots) + moved[:, None]
-        if len(self.forcing.drift) == len(way):
-            way = way + self.forcing.drift.reshape(way.shape)
-        return np.asarray(way / self.dtype(dt)).reshape(self.forcing.roots.shape)
-
     def _run(self, pose: Pose, *numbers: float) -> None:
         """Run the kernel to a pose of the emitter; ``numbers`` are those of `Forcing` up to friction."""
         self.forcing.numbers[: FRICTION + 1] = numbers
@@ -248,6 +243,7 @@ class RodSolver(Solver):
         dragged = self.forcing.numbers[VELOCITY_STEP] * numbers[DRAG]
         if dragged != self._dragged:
             np.multiply(self.mass, 1 + dragged, out=self.material.mass)
+            self.forcing.numbers[ROOT_MASS] = ROOT_SHARE * (1 + dragged)
             if self.pins is not None:
                 self.material.mass[-1] *= HEAVY
             self._dragged = dragged
@@ -274,6 +270,12 @@ class RodSolver(Solver):
         before = roots - self.material.lengths[:, None] * turned(turn, self.forcing.directions)
         for row, at in enumerate((before, roots)):
             self.positions[:, row] = lanes(at.transpose(0, 2, 1).reshape(-1, 3)[: self.strands])
+
+    def take(self, frame: int, particles: NDArray[np.floating]) -> None:
+        """As for any solver."""
+        super().take(frame, particles)
+        if self.loose:
+            begin_before_roots(self.positions)
 
     def errors(self, frame: int) -> dict[str, float | None]:
         """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single

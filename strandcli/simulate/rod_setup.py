@@ -87,9 +87,11 @@ def matter_of(scene: Scene, groom: Groom) -> Matter:
 
 
 def precision_of(scene: Scene, matter: Matter) -> Any:
-    """The floating type to compute in: double where the scene or its numbers ask for it."""
+    """The floating type to compute in: double where the scene or its numbers ask for it, and for free roots, whose
+    momentum single precision would change by some 1e-5 a second."""
     fall = float(np.linalg.norm(gravity(scene))) / (scene.time.fps * scene.time.substeps) ** 2
-    double = scene.rod.precision == "double" or needs_double(scene.rod, matter.joint, matter.lengths, fall)
+    rod = scene.rod
+    double = rod.precision == "double" or rod.root == "free" or needs_double(rod, matter.joint, matter.lengths, fall)
     return np.float64 if double else np.float32
 
 
@@ -113,7 +115,7 @@ def flags_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) 
     crowded = any(use.name in ("interaction", "contact") for use in scene.rules)
     return Flags(
         integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming, crowded,
-        scene.rod.end == "clamped",
+        scene.rod.end == "clamped", scene.rod.root == "free",
     )  # fmt: skip
 
 
@@ -121,6 +123,11 @@ def hinged(scene: Scene, matter: Matter, shape: Shape) -> Matter:
     """Return the material with the root's joint as ``rod.root`` asks for."""
     if scene.rod.root == "clamped":
         return matter
+    if scene.rod.root == "free" and shape.curled:
+        raise UsageError(
+            f"{scene.source or 'scene'}: rod.root: free roots have no frame that curled strands could be at rest in; "
+            "use rest: straight, or root: hinged"
+        )
     joint = matter.joint.copy()
     joint[0] = HINGE if shape.curled else 0.0
     return matter._replace(joint=joint)
@@ -174,6 +181,9 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
     def zeros(needed: bool) -> NDArray[Any]:
         return aligned((packs if needed else 1, n, 3 * PACK), dtype)
 
+    def of_roots(needed: bool) -> NDArray[Any]:
+        return aligned((packs if needed else 1, 1, 3 * PACK), dtype)
+
     if dtype != np.float32:
         single = positions
         positions = aligned(single.shape, dtype)
@@ -193,6 +203,10 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),
         turned=aligned((packs if flags.held else 1, PACK), dtype),
+        root_velocity=of_roots(flags.loose),
+        root_before=of_roots(flags.loose and flags.second),
+        root_ahead=of_roots(flags.loose and flags.second),
+        root_moved=of_roots(flags.loose and flags.second),
     )
 
 

@@ -1,4 +1,4 @@
-"""Roots that jump: how to tell, and how to take strands along rigidly."""
+"""Roots that move, jump or are free: how to tell, and how to take strands along rigidly."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..constants import W
 from ..groom.record import Groom
 from ..scene.motion import Pose
-from .kernels.records import State
+from .kernels.records import Forcing, State
 from .kernels.rod_scratch import PACK
 
 LENGTHS = 2.0
@@ -53,6 +53,22 @@ def stop(*arrays: NDArray[Any]) -> None:
     """Set arrays to zero."""
     for one in arrays:
         one[...] = 0
+
+
+def velocity_of_roots(forcing: Forcing, last: Pose, pose: Pose, dt: float) -> NDArray[Any]:
+    """Return (P, 3 S) the velocity of roots that move from one pose to another in a step of ``dt`` seconds, m/s."""
+    kind = forcing.roots.dtype.type
+    now, past = np.array(pose.rotation, kind), np.array(last.rotation, kind)
+    moved = np.subtract(pose.translation, last.translation).astype(kind)
+    way = turned(now - past, forcing.roots) + moved[:, None]
+    if len(forcing.drift) == len(way):
+        way = way + forcing.drift.reshape(way.shape)
+    return np.asarray(way / kind(dt)).reshape(forcing.roots.shape)
+
+
+def begin_before_roots(positions: NDArray[np.float32]) -> None:
+    """Set the rows before free roots a segment before them."""
+    positions[:, 0] = 2 * positions[:, 1] - positions[:, 2]
 
 
 def turned(turn: NDArray[Any], rows: NDArray[Any]) -> NDArray[Any]:

@@ -67,7 +67,7 @@ def test_a_turned_rod_has_the_form_of_the_boundary_value_solution() -> None:
 def curls(more: str = "") -> RodSolver:
     """Loose curls on an emitter that moves, whose tips are moved and turned."""
     scene = scene_of(
-        f"solver: rod\nrod: {{end: clamped, young: 1.0e+7, end_keys: [{{time: 0}}, {{time: 1, turns: 2, "
+        f"solver: rod\nrod: {{end: clamped, young: 1.0e+7, precision: double, end_keys: [{{time: 0}}, {{time: 1, turns: 2, "
         f"position: [0, 0.02, 0], rotation: [0, 30, 0]}}], {more}}}\ntime: {{fps: 24}}\n"
         "emitter: {shape: {kind: disc, radius: 0.05}, strands: 20, particles: 20, length: 0.3, curl_turns: 2, "
         "curl_angle: 50, keys: [{time: 0}, {time: 1, position: [0.2, 0.1, 0], rotation: [0, 70, 30]}]}\n"
@@ -96,7 +96,7 @@ def test_tips_go_where_keys_and_emitter_carry_them(more: str) -> None:
 
 def test_curls_stay_as_they_are_emitted_while_nothing_turns_them() -> None:
     strands = "{strands: 5, particles: 12, curl_turns: 2, curl_angle: 50}"
-    scene = scene_of(f"solver: rod\nrod: {{end: clamped}}\nemitter: {strands}\nrules: []\n")
+    scene = scene_of(f"solver: rod\nrod: {{end: clamped, precision: double}}\nemitter: {strands}\nrules: []\n")
     solver = RodSolver(scene, emit(scene.emitter, scene.seed))
     start = solver.particles().copy()
     solver.advance(10)

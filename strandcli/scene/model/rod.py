@@ -54,8 +54,9 @@ class Rod:
     )
     root: str = choice(
         "clamped",
-        ("clamped", "hinged"),
-        doc="clamped: along the direction of emission; hinged: turns freely about its place",
+        ("clamped", "hinged", "free"),
+        doc="clamped: along the direction of emission; hinged: turns freely about its place; free: held by nothing, it "
+        "moves as all else of the strand",
     )
     end: str = choice(
         "free",

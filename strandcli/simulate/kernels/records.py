@@ -10,13 +10,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
-VELOCITY_STEP, TURN, TIP_JOINT = 14, 15, 16
-NUMBERS = 17
+VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS = 14, 15, 16, 17
+NUMBERS = 18
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
 bending rigidity, h of velocities in s, angle in radians by which clamped tips are turned, relative rigidity of their
-joint."""
+joint, relative mass of free roots times 1 + drag h."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
@@ -60,6 +60,14 @@ class State(NamedTuple):
     """(P, S) greatest | |e| − 1 | before lengths are made exact."""
     turned: Any
     """(P, S) angle from the transported frame to the axis of the clamp, radians; needed by clamped tips."""
+    root_velocity: Any
+    """(P, 1, 3 S) as ``velocity``, of roots; this and the next three needed by free roots."""
+    root_before: Any
+    """(P, 1, 3 S) as ``before``."""
+    root_ahead: Any
+    """(P, 1, 3 S) as ``ahead``."""
+    root_moved: Any
+    """(P, 1, 3 S) as ``moved``."""
 
 
 class Material(NamedTuple):
@@ -116,6 +124,8 @@ class Flags(NamedTuple):
     """Whether strands interact."""
     held: Any
     """Whether tips are clamped."""
+    loose: Any
+    """Whether roots are free."""
 
 
 class Place(NamedTuple):
@@ -137,6 +147,15 @@ class Place(NamedTuple):
     """In the positions, of row 0."""
 
 
+class Ends(NamedTuple):
+    """How strands are held otherwise than by clamped roots alone."""
+
+    held: Any
+    """Whether tips are clamped: True, or None."""
+    loose: Any
+    """Whether roots are free: True, or None."""
+
+
 class Scheme(NamedTuple):
     """Time integration: how a particle's free displacement is predicted."""
 
@@ -152,8 +171,8 @@ class Scheme(NamedTuple):
     """Of the step, seconds."""
     ahead: Any
     """Whether rest shapes begin with those of the step before, and are set where the first change of edges leads to."""
-    held: Any
-    """Whether tips are clamped: True, or None."""
+    ends: Any
+    """`Ends`."""
 
 
 class Contact(NamedTuple):

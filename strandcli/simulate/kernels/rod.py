@@ -35,7 +35,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
-from . import rod_held
+from . import rod_held, rod_loose
 from .rod_scratch import (
     AXES,
     EDGE,
@@ -69,13 +69,15 @@ def edge_change(s, o, x, y, z, u, v, w):
 
 
 @device
-def apply_change(s, n, step):
+def apply_change(s, n, ends, step):
     """Add y to the displacements and z to the edges, times ``step`` where that is not None. Returns the greatest
     | |e|² − 1 | of each lane and their sum."""
     worst = broadcast(s, 0.0)
     total = worst
     x, y, z = worst, worst, worst
     u, v, w = worst, worst, worst
+    if ends.loose is not None:
+        u, v, w = rod_loose.move(s, broadcast(s, 1.0) if step is None else step)
     for j in range(n):
         o = FIRST_SEGMENT + j * SEGMENT
         x, y, z = edge_change(s, o, x, y, z, u, v, w)
@@ -103,7 +105,7 @@ def apply_change(s, n, step):
 
 
 @device
-def retract(s, n, mass, joint, held, chosen):
+def retract(s, n, mass, joint, ends, chosen):
     """Bring the edges of the ``chosen`` lanes back to unit length, root to tip; one without a length takes the
     direction of the edge before it. Returns twice the energy of each lane, the sum that a step minimises."""
     stiffness = load(s, STIFFNESS)
@@ -139,18 +141,22 @@ def retract(s, n, mass, joint, held, chosen):
         z -= sz
         store3(s, o + INERTIAL, 1, x, y, z)
         energy += mass[j] * (x * x + y * y + z * z)
-    if held is not None:
+    if ends.held is not None:
         energy += rod_held.energy_beyond(s, n)
+    if ends.loose is not None:
+        energy += rod_loose.energy(s)
     return energy
 
 
 @device
-def greatest_change_squared(s, n):
+def greatest_change_squared(s, n, ends):
     """The greatest |z_j|² of each lane."""
     worst = broadcast(s, TINY)
     x = broadcast(s, 0.0)
     y, z = x, x
     u, v, w = x, x, x
+    if ends.loose is not None:
+        u, v, w = rod_loose.change(s)
     for j in range(n):
         x, y, z = edge_change(s, FIRST_SEGMENT + j * SEGMENT, x, y, z, u, v, w)
         u += x
@@ -163,7 +169,7 @@ def greatest_change_squared(s, n):
 @device
 def scale_loads(s, n, factor):
     """Multiply all loads g_j, and with them the change that they lead to."""
-    for j in range(n):
+    for j in range(-1, n):  # the root has one where it is free
         for c in range(3):
             o = FIRST_SEGMENT + j * SEGMENT + LOAD + c
             store(s, o, load(s, o) * factor)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, sqrt, store, where
-from . import rod_held, rod_tension
+from . import rod_held, rod_loose, rod_tension
 from .rod_scratch import (
     EDGE,
     EDGE_FACTOR,
@@ -35,51 +35,51 @@ MARGIN = 0.5
 
 
 @device
-def factorise(s, n, mass, joint, held, changed):
+def factorise(s, n, mass, joint, ends, changed):
     """Set the pivots of H and the loads for the present τ, or where ``changed`` is not None for the τ that
     `rod_tension.filter_forward` leads to. Lanes where H is indefinite take the bounded τ instead; returns whether there
     are any."""
     store(s, INDEFINITE, 0.0)
-    lost = sweep_to_root(s, n, mass, joint, held, changed, False, None)
+    lost = sweep_to_root(s, n, mass, joint, ends, changed, False, None)
     indefinite = any_lane(lost > 0.0)
     if indefinite:
         store(s, INDEFINITE, lost)
-        factorise_bounded(s, n, mass, joint, held)
+        factorise_bounded(s, n, mass, joint, ends)
     return indefinite
 
 
 @device
-def factorise_bounded(s, n, mass, joint, held):
+def factorise_bounded(s, n, mass, joint, ends):
     """Set pivots and loads with bounded τ in `INDEFINITE` lanes; lanes that are indefinite even so are marked by 2, and
     get the stricter bound of masses alone."""
-    still = sweep_to_root(s, n, mass, joint, held, None, True, None)
+    still = sweep_to_root(s, n, mass, joint, ends, None, True, None)
     if any_lane(still > 0.0):
         store(s, INDEFINITE, load(s, INDEFINITE) + still)
-        sweep_to_root(s, n, mass, joint, held, None, True, None)
+        sweep_to_root(s, n, mass, joint, ends, None, True, None)
 
 
 @device
-def change_tension(s, n, mass, joint, held):
+def change_tension(s, n, mass, joint, ends):
     """Change τ as `rod_tension.filter_forward` leads to, and set the loads with the pivots that there are. Marks lanes
     in `INDEFINITE` where the new τ makes H indefinite; returns whether there are any."""
-    lost = sweep_to_root(s, n, mass, joint, held, True, None, True)
+    lost = sweep_to_root(s, n, mass, joint, ends, True, None, True)
     store(s, INDEFINITE, lost)
     return any_lane(lost > 0.0)
 
 
 @device
-def set_loads(s, n, mass, joint, held):
+def set_loads(s, n, mass, joint, ends):
     """Set the loads of the present edges and τ with the pivots that there are."""
-    sweep_to_root(s, n, mass, joint, held, None, None, None)
+    sweep_to_root(s, n, mass, joint, ends, None, None, None)
 
 
 @device
-def sweep_to_root(s, n, mass, joint, held, changed, bounded, judged):
+def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
     """Sweep from the tip to the root: change τ where ``changed``, factorise H where ``bounded`` is not None, and set
     the loads. Returns 1 in lanes with a pivot that is too small.
 
     What is None is compiled out. ``bounded``: whether τ is bounded in `INDEFINITE` lanes. ``judged``: pivots are judged
-    and not stored. ``held``: whether tips are clamped. A pivot that is too small is raised: in a definite H that does
+    and not stored. ``ends``: as in `Scheme`. A pivot that is too small is raised: in a definite H that does
     no harm; in another, those before it would run away to −∞.
 
     Loads. The residual is ρ_j = M_j (u*_j − u_j) − f_j + f_{j+1} with f_j = τ_j e_j + b_j − b_{j+1} and
@@ -91,7 +91,7 @@ def sweep_to_root(s, n, mass, joint, held, changed, bounded, judged):
     lost = zero
     a, b, c = none
     p, q, bend, force = none, none, none, none
-    if held is not None:
+    if ends.held is not None:
         c, bend = rod_held.joint_beyond(s, n)
     stiffness = load(s, STIFFNESS)
     for j in range(n - 1, -1, -1):
@@ -127,6 +127,10 @@ def sweep_to_root(s, n, mass, joint, held, changed, bounded, judged):
         q = x[1], y[1], z[1]
         bend = x[2], y[2], z[2]
         force = x[3], y[3], z[3]
+    if ends.loose is not None:
+        if bounded is not None:
+            rod_loose.set_pivot(s, a)
+        rod_loose.set_load(s, p, force)
     return lost
 
 

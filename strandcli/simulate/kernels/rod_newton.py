@@ -44,7 +44,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     the length.
     """
     n, mass, joint, tolerance = at.segments, material.mass, material.joint, forcing.numbers[TOLERANCE]
-    held, least = scheme.held, 2 if scheme.ahead else 1
+    ends, least = scheme.ends, 2 if scheme.ahead else 1
     worst = total = ever_indefinite = broadcast(s, 0.0)
     single_share = min(1.0, FINE / n)
     mean_share = EVEN / n
@@ -64,53 +64,53 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
             far = quadratic or any_lane(worst > rod.FAR)
             ahead = scheme.ahead and count == least
             if ahead:  # before the second iteration, which never is left out
-                rod_curl.set_rest(s, at, state, material, forcing, scheme.held, (True, True))
+                rod_curl.set_rest(s, at, state, material, forcing, ends.held, (True, True))
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR
-                energy = rod.retract(s, n, mass, joint, held, chosen)
-                set_loads(s, n, mass, joint, held, refactorise)
+                energy = rod.retract(s, n, mass, joint, ends, chosen)
+                set_loads(s, n, mass, joint, ends, refactorise)
                 if quadratic:
                     step = next_step(s, step, chosen, energy > past_energy * RISE, count)
                     past_energy = where(chosen, energy, past_energy)
             elif ahead:
-                rod_elimination.set_loads(s, n, mass, joint, held)
-            rod_tension.filter_forward(s, n, mass, far or ahead)
+                rod_elimination.set_loads(s, n, mass, joint, ends)
+            rod_tension.filter_forward(s, n, mass, ends.loose, far or ahead)
             if quadratic:
-                indefinite = rod_elimination.change_tension(s, n, mass, joint, held)
-                worst, total = apply_step(s, n, step)
+                indefinite = rod_elimination.change_tension(s, n, mass, joint, ends)
+                worst, total = apply_step(s, n, ends, step)
             else:
-                indefinite = rod_elimination.factorise(s, n, mass, joint, held, True)
+                indefinite = rod_elimination.factorise(s, n, mass, joint, ends, True)
                 if count > PATIENCE:
-                    limit_change(s, n, STRIDES / (count - PATIENCE))
-                worst, total = rod.apply_change(s, n, None)
+                    limit_change(s, n, ends, STRIDES / (count - PATIENCE))
+                worst, total = rod.apply_change(s, n, ends, None)
         else:
-            indefinite = rod_elimination.factorise(s, n, mass, joint, held, None)
-            worst, total = rod.apply_change(s, n, None)
+            indefinite = rod_elimination.factorise(s, n, mass, joint, ends, None)
+            worst, total = rod.apply_change(s, n, ends, None)
     if quadratic:
-        rod_elimination.factorise_bounded(s, n, mass, joint, held)
+        rod_elimination.factorise_bounded(s, n, mass, joint, ends)
     return worst
 
 
 @device
-def set_loads(s, n, mass, joint, held, refactorise):
+def set_loads(s, n, mass, joint, ends, refactorise):
     """Set the loads of the present edges and τ, and the pivots too where ``refactorise``."""
     if refactorise:
-        rod_elimination.factorise_bounded(s, n, mass, joint, held)
+        rod_elimination.factorise_bounded(s, n, mass, joint, ends)
     else:
-        rod_elimination.set_loads(s, n, mass, joint, held)
+        rod_elimination.set_loads(s, n, mass, joint, ends)
 
 
 @device
-def limit_change(s, n, most):
+def limit_change(s, n, ends, most):
     """Scale the loads so that no edge changes by more than ``most``."""
-    rod.scale_loads(s, n, min(1.0, most / sqrt(rod.greatest_change_squared(s, n))))
+    rod.scale_loads(s, n, min(1.0, most / sqrt(rod.greatest_change_squared(s, n, ends))))
 
 
 @device
-def apply_step(s, n, step):
+def apply_step(s, n, ends, step):
     """`rod.apply_change`; the errors that it returns are over step², what they would be of a whole step."""
-    worst, total = rod.apply_change(s, n, step)
+    worst, total = rod.apply_change(s, n, ends, step)
     return worst / (step * step), total / (step * step)
 
 

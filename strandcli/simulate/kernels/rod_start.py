@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3, where
-from . import rod_held
+from . import rod_held, rod_loose
 from .records import AIR, DAMPING, DRAG, GRAVITY, STEP, VELOCITY_STEP
 from .rod_scratch import (
     ACCELERATION_SCALE,
@@ -107,8 +107,10 @@ def fill_scratch(s, at, state, material, forcing, scheme):
         pz = z
         x, y, z = predict(s, row, state, scheme)
         store3(s, o + INERTIAL, 1, x, y, z)
-    if scheme.held is not None:
+    if scheme.ends.held is not None:
         rod_held.place_clamp(s, at, material, forcing, damping, (px, py, pz))
+    if scheme.ends.loose is not None:
+        rod_loose.begin(s, forcing, predict(s, rod_loose.row_of(at), rod_loose.body_of(state), scheme))
 
 
 @device

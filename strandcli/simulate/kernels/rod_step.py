@@ -28,7 +28,7 @@ from ...simd import (
     vector_pointer_at,
     where,
 )
-from . import rod, rod_curl, rod_newton, rod_start, rod_sweep
+from . import rod, rod_curl, rod_loose, rod_newton, rod_start, rod_sweep
 from .records import (
     FRICTION,
     MOVED,
@@ -39,6 +39,7 @@ from .records import (
     TRANSLATION,
     TURNED,
     Contact,
+    Ends,
     Flags,
     Forcing,
     Material,
@@ -99,6 +100,8 @@ def state_of(kind, descriptor):
         pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[STATE + 9]),
         pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
         pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
+        pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
+        pointer_at(kind, descriptor[STATE + 16]), pointer_at(kind, descriptor[STATE + 17]),
     )  # fmt: skip
 
 
@@ -124,11 +127,11 @@ def forcing_of(kind, descriptor):
 
 
 @device
-def flags_of(descriptor, crowded, held):
+def flags_of(descriptor, crowded, held, loose):
     """`Flags` as booleans but for those that are as they are given."""
     return Flags(
         descriptor[SECOND] != 0, descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
-        descriptor[DEFORMING] != 0, crowded, held,
+        descriptor[DEFORMING] != 0, crowded, held, loose,
     )  # fmt: skip
 
 
@@ -152,35 +155,35 @@ def others_of(kind, descriptor):
 @function
 def single(descriptor, worker):
     """Run the step in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, None, None)
+    work(np.float32, descriptor, worker, solids_of, None, None, None)
 
 
 @function
 def double(descriptor, worker):
     """Run the step in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, None, None)
+    work(np.float64, descriptor, worker, solids_of, None, None, None)
 
 
 @function
 def single_crowded(descriptor, worker):
     """Run the step of strands that interact in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True, None)
+    work(np.float32, descriptor, worker, solids_of, True, None, None)
 
 
 @function
 def double_crowded(descriptor, worker):
     """Run the step of strands that interact in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True, None)
+    work(np.float64, descriptor, worker, solids_of, True, None, None)
 
 
 @inlined  # machine code that hands on a function's address could not be kept in the cache
-def work(kind, descriptor, worker, solids_of, crowded, held):
+def work(kind, descriptor, worker, solids_of, crowded, held, loose):
     """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
-    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``crowded`` and ``held``:
-    as in `Flags`, None compiles nothing of it."""
+    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``crowded``, ``held`` and
+    ``loose``: as in `Flags`, None compiles nothing of it."""
     scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
     state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
-    flags, solids = flags_of(descriptor, crowded, held), solids_of(kind, descriptor)
+    flags, solids = flags_of(descriptor, crowded, held, loose), solids_of(kind, descriptor)
     pack = take(descriptor)
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
@@ -212,11 +215,12 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
             2 * pack * AXES + lane,
             position,
         )
-        place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
+        if flags.loose is None:
+            place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
-            flags.second and flags.curled and numbers[MOVED] > 0, flags.held,
+            flags.second and flags.curled and numbers[MOVED] > 0, Ends(flags.held, flags.loose),
         )  # fmt: skip
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         if flags.curled and not scheme.ahead:
@@ -228,6 +232,8 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         store(state.residuals, strand, residual)
         if touched:
             rod.begin_mobility(scratch, n, at.edge, material.mass, state.push)
+        if flags.loose is not None:
+            rod_loose.find_shift(scratch, n, material.mass)
         rod_sweep.sweep(scratch, at, next_pack, state, material.lengths, numbers, scheme, contact)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import device, function, inlined
 from ...simd import any_lane, broadcast, load, load3, no_fma, prefetch, prefetch3, sqrt, store, store3, where
-from . import rod, rod_start
+from . import rod, rod_loose, rod_start
 from .contact import resolve_contact
 from .records import ROUNDING, Segment
 from .rod_scratch import (
@@ -61,11 +61,12 @@ def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
     store(s, DEGENERATE, 0.0)
     store(s, IMPACT, 0.0)
     store(s, CONTACT_FORCE, 0.0)
+    if scheme.ends.loose is not None:
+        px, py, pz = move_root(s, at, state, length, (px, py, pz), scheme)
     least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
     rate = 1.0 / load(s, SQUARE)
     y0 = z0 = broadcast(s, 0.0)
-    degenerate = False
-    fetched, ahead = next_pack * PACK + strand % PACK, 0
+    degenerate, fetched, ahead = False, next_pack * PACK + strand % PACK, 0
     if n > LONG:
         fetched, ahead = strand, AHEAD
     for j in range(n):
@@ -85,7 +86,7 @@ def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
             y0, z0 = rod.finish_mobility(s, o, y0, z0)
         if contact.any_solids:
             resolve_contact(s, Segment(o, row, here, length, j == 0), (px, py, pz), state, contact, scheme.pressed)
-        x, y, z = load3(s, CORRECTION, 1)
+        x, y, z = correction(s, scheme.ends)
         ax, ay, az = load3(s, o + DISPLACEMENT, 1)
         store3(s, o + DISPLACEMENT, 1, ax + x, ay + y, az + z)
         if degenerate:
@@ -102,6 +103,35 @@ def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
         store(state.touching, strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), 0.0))
+
+
+@inlined
+def correction(s, ends):
+    """By how much normalisation and contact have moved the particle, less by how much the strand is shifted where its
+    root is free."""
+    x, y, z = load3(s, CORRECTION, 1)
+    if ends.loose is not None:
+        u, v, w = load3(s, rod_loose.ROOT + rod_loose.SHIFT, 1)
+        x, y, z = x - u, y - v, z - w
+    return x, y, z
+
+
+@device
+def move_root(s, at, state, length, place, scheme):
+    """Move a free root from its place: set its velocity, store where it is, and return that."""
+    o, row, body = rod_loose.ROOT, rod_loose.row_of(at), rod_loose.body_of(state)
+    x, y, z = rod_start.predict(s, row, body, scheme)
+    dx, dy, dz = load3(s, o + INERTIAL, 1)
+    u, v, w = load3(s, o + rod_loose.SHIFT, 1)
+    x, y, z = x - dx - u, y - dy - v, z - dz - w
+    store3(s, o + DISPLACEMENT, 1, x, y, z)
+    if scheme.second:
+        update_velocity(s, o, row, length, body, scheme)
+    else:
+        set_velocity(s, o, row, length, body)
+    x, y, z = place[0] + length * x, place[1] + length * y, place[2] + length * z
+    store3(state.positions, at.position + ROW, W, x, y, z)
+    return x, y, z
 
 
 @inlined

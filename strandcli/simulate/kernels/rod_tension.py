@@ -62,12 +62,12 @@ def particle_gain(n, j):
 
 
 @device
-def filter_forward(s, n, mass, foreseen):
+def filter_forward(s, n, mass, loose, foreseen):
     """Kalman filter from the root to the tip: set `INNOVATION` and the gains, `EDGE_GAIN` taking the place of the
     loads.
 
     ``foreseen``: loads are subtracted from the means, which follow the same recurrence, so that r is what is left after
-    the change that they lead to.
+    the change that they lead to. ``loose``: whether roots are free, None where not.
     """
     zero = broadcast(s, 0.0)
     noise = load(s, FIRST_SEGMENT + INVERSE_PIVOT)
@@ -79,6 +79,8 @@ def filter_forward(s, n, mass, foreseen):
     if foreseen:
         mean_edge = load3(s, FIRST_SEGMENT + LOAD, 1)
     mean_particle = mean_edge
+    if loose is not None:
+        (particle, mixed, edge), mean_particle, mean_edge = begin_loose(s, mean_edge, noise, foreseen)
     for j in range(n):
         o = FIRST_SEGMENT + j * SEGMENT
         direction = load3(s, o + EDGE, 1)
@@ -106,6 +108,24 @@ def filter_forward(s, n, mass, foreseen):
         particle = less_symmetric(particle, gain, h)
         mixed = less_outer(mixed, gain, k)
         edge = less_symmetric(edge, edge_gain, k)
+
+
+@inlined
+def begin_loose(s, mean_edge, noise, foreseen):
+    """Covariances and means of the first segment's state where the root is free (`rod_loose`): a particle before it."""
+    zero = broadcast(s, 0.0)
+    root = FIRST_SEGMENT - SEGMENT
+    v = load(s, root + INVERSE_PIVOT)
+    f, g = load(s, FIRST_SEGMENT + EDGE_FACTOR), load(s, FIRST_SEGMENT + PARTICLE_FACTOR)
+    none = zero, zero, zero, zero, zero, zero
+    covariances = transport_covariance(
+        (v, zero, zero, v, zero, v), (zero, zero, zero, zero, zero, zero, zero, zero, zero), none, f, g, noise
+    )
+    mean = zero, zero, zero
+    if foreseen:
+        mean = load3(s, root + LOAD, 1)
+    mean_edge = add_scaled(mean_edge, -g, mean)
+    return covariances, sum_of(mean, mean_edge), mean_edge
 
 
 @inlined
