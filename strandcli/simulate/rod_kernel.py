@@ -42,6 +42,8 @@ class StepKernel:
         )
         self._others = surroundings.others
         self._function = ("double" if edges.dtype == np.float64 else "single") + ("_crowded" if flags.crowded else "")
+        if self._function == "single" and not flags.second and not self._others:
+            self._function = "single_euler"
         self._code: int | None = None
         # lanes without a strand are copies of the last strand, and the queue leaves most of them alone
         last = rows[-1].reshape(-1, W)

@@ -45,22 +45,22 @@ def all_of(kind, descriptor):
 
 @function
 def single(descriptor, worker):
-    work(np.float32, descriptor, worker, all_of, None)
+    work(np.float32, descriptor, worker, all_of, True, None)
 
 
 @function
 def double(descriptor, worker):
-    work(np.float64, descriptor, worker, all_of, None)
+    work(np.float64, descriptor, worker, all_of, True, None)
 
 
 @function
 def single_crowded(descriptor, worker):
-    work(np.float32, descriptor, worker, all_of, True)
+    work(np.float32, descriptor, worker, all_of, True, True)
 
 
 @function
 def double_crowded(descriptor, worker):
-    work(np.float64, descriptor, worker, all_of, True)
+    work(np.float64, descriptor, worker, all_of, True, True)
 '''
 
 
