@@ -70,6 +70,8 @@ class StepKernel:
         if self._others or any(wanted[1:]):
             return _address(module_among(self._others, self._data, self._kind, wanted), "step")
         kind = "double" if self._kind == "float64" else "single"
+        if kind == "single" and not self._flags.second and not wanted[0]:
+            return _address(rod_step, "single_euler")
         return _address(rod_step, kind + ("_crowded" if wanted[0] else ""))
 
     def __deepcopy__(self, memo: Any) -> StepKernel:

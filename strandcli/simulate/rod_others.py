@@ -52,7 +52,7 @@ STEP = """\
 
 @function
 def step(descriptor, worker):
-    work(np.{kind}, descriptor, worker, {among}, {flags})
+    work(np.{kind}, descriptor, worker, {among}, True, {flags})
 """
 
 

@@ -239,7 +239,23 @@ def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch
     assert off.mean() < 6e-5
 
 
-@pytest.mark.parametrize("step", [rod_step.single, rod_step.double, rod_step.single_crowded])
+def test_the_kernel_of_eulers_method_alone_moves_strands_to_the_bits_of_the_one_that_has_both() -> None:
+    """Curled ones among solids, so that every part of the step is there."""
+    given = scene(
+        3.0, **{"rod.integrator": "euler", "emitter.curl_turns": 2.0, "emitter.strands": 20, "emitter.jitter": 40.0},
+        rules=[{"gravity": {}}, {"collision": {}}], solids=[{"kind": "sphere", "radius": 0.4}],
+    )  # fmt: skip
+    found = []
+    for second in (False, True):
+        solver = RodSolver(given, groom_of(given))
+        assert not solver.kernel._flags.second
+        solver.kernel._flags = solver.kernel._flags._replace(second=second)
+        solver.advance(12)
+        found.append(solver.particles())
+    np.testing.assert_array_equal(*found)
+
+
+@pytest.mark.parametrize("step", [rod_step.single, rod_step.double, rod_step.single_euler])
 def test_the_compiled_step_can_be_kept_in_the_cache(step: Any) -> None:
     """Machine code that holds addresses of this process is compiled anew by every run."""
     work_queue.address(step)

@@ -35,13 +35,11 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     """Solve for τ and the edges by Newton's method; returns the greatest | |e|² − 1 | of each lane.
 
     Begins with x(τ) for the τ of the step before, or for a greater one where loads turn out to be far greater than it
-    knows of. Then come one iteration and as many more, up to ``iterations``, as it takes for all | |e|² − 1 | to be
-    below ``tolerance``. In strands of more than `FINE` segments some may be greater, where the mean of all is small
-    enough.
+    knows of. Then come one iteration and more, up to ``iterations``, until all | |e|² − 1 | are below ``tolerance``; in
+    strands of more than `FINE` segments some may be greater, where the mean of all is small enough.
 
     From where H is indefinite in some lane on, iterations are steps of sequential quadratic programming: H is that of
-    the present τ, not of the changed one. There energy is the merit function: a step after one that raised it has half
-    the length.
+    the present τ, not of the changed one. Energy is the merit function: a step after one that raised it is halved.
     """
     n, mass, joint, tolerance = at.segments, material.mass, material.joint, forcing.numbers[TOLERANCE]
     ends, least = scheme.ends, 2 if scheme.ahead else 1
@@ -62,9 +60,11 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
         quadratic = count > 0 and (indefinite or quadratic)
         if count > 0:
             far = quadratic or any_lane(worst > rod.FAR)
-            ahead = scheme.ahead and count == least
-            if ahead:  # before the second iteration, which never is left out
-                rod_curl.set_rest(s, at, state, material, forcing, ends.held, (True, True))
+            ahead = False
+            if scheme.ahead:
+                ahead = count == least
+                if ahead:  # before the second iteration, which never is left out
+                    rod_curl.set_rest(s, at, state, material, forcing, ends.held, (True, True))
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR

@@ -127,10 +127,26 @@ def forcing_of(kind, descriptor):
 
 
 @device
-def flags_of(descriptor, crowded, held, loose):
-    """`Flags` as booleans but for those that are as they are given."""
+def second_of(descriptor, second):
+    """Whether steps are BDF2's; None where ``second`` is, which leaves that out."""
+    if second is None:
+        return None
+    return descriptor[SECOND] != 0
+
+
+@device
+def ahead_of(second, curled, moved):
+    """`Scheme.ahead`; None without BDF2."""
+    if second is None:
+        return None
+    return second and curled and moved > 0
+
+
+@device
+def flags_of(descriptor, second, crowded, held, loose):
+    """`Flags` as booleans but for those that are as they are given, and ``second``, which may be None."""
     return Flags(
-        descriptor[SECOND] != 0, descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
+        second_of(descriptor, second), descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
         descriptor[DEFORMING] != 0, crowded, held, loose,
     )  # fmt: skip
 
@@ -155,35 +171,41 @@ def others_of(kind, descriptor):
 @function
 def single(descriptor, worker):
     """Run the step in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, None, None, None)
+    work(np.float32, descriptor, worker, solids_of, True, None, None, None)
+
+
+@function
+def single_euler(descriptor, worker):
+    """Run the step of Euler's method alone in single precision, as one of the threads."""
+    work(np.float32, descriptor, worker, solids_of, None, None, None, None)
 
 
 @function
 def double(descriptor, worker):
     """Run the step in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, None, None, None)
+    work(np.float64, descriptor, worker, solids_of, True, None, None, None)
 
 
 @function
 def single_crowded(descriptor, worker):
     """Run the step of strands that interact in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True, None, None)
+    work(np.float32, descriptor, worker, solids_of, True, True, None, None)
 
 
 @function
 def double_crowded(descriptor, worker):
     """Run the step of strands that interact in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True, None, None)
+    work(np.float64, descriptor, worker, solids_of, True, True, None, None)
 
 
 @inlined  # machine code that hands on a function's address could not be kept in the cache
-def work(kind, descriptor, worker, solids_of, crowded, held, loose):
+def work(kind, descriptor, worker, solids_of, second, crowded, held, loose):
     """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
-    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``crowded``, ``held`` and
-    ``loose``: as in `Flags`, None compiles nothing of it."""
+    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``second``, ``crowded``,
+    ``held`` and ``loose``: as in `Flags`, None compiles nothing of it."""
     scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
     state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
-    flags, solids = flags_of(descriptor, crowded, held, loose), solids_of(kind, descriptor)
+    flags, solids = flags_of(descriptor, second, crowded, held, loose), solids_of(kind, descriptor)
     pack = take(descriptor)
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
@@ -220,10 +242,11 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
-            flags.second and flags.curled and numbers[MOVED] > 0, Ends(flags.held, flags.loose),
+            ahead_of(flags.second, flags.curled, numbers[MOVED]), Ends(flags.held, flags.loose),
         )  # fmt: skip
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
-        if flags.curled and not scheme.ahead:
+        now = False if scheme.ahead else flags.curled
+        if now:
             rod_curl.set_rest(scratch, at, state, material, forcing, flags.held, (flags.second, False))
         rod_start.give_way(scratch)
         worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations)
