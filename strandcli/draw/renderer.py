@@ -211,17 +211,12 @@ class Renderer:
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:
         """Draw all strands into the shadow maps before any is shaded; ``lines``: of the only batch, if they exist."""
         if lines is not None:
-            maps.build(lines, workers, self.scratch)
-            self._drawing.lap("shadow")
-            return
+            return maps.build(lines, workers, self.scratch)
         for draw in (maps.add, maps.accumulate_layers) if maps.deep else (maps.add,):
             for polylines in batches.lines():
                 draw(polylines, workers, self.scratch)
                 self._drawing.lap("shadow")
-            if draw == maps.add:
-                maps.divide(self.scratch)
-            else:
-                maps.finish()
+            maps.divide(self.scratch) if draw == maps.add else maps.finish()
 
     def _draw_batches(self, canvas: Canvas, batches: StrandBatches, lines: Polylines | None) -> None:
         """Draw all strands; ``lines``: polylines of the only batch, if they exist already."""
