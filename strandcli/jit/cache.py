@@ -24,6 +24,7 @@ import numba
 from numba.core import config
 from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from ..compiling import folder
@@ -69,7 +70,7 @@ class KernelCache(_Cache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The kernel for a signature; None where it has to be compiled, by this process, which has claimed it."""
-        target_context.refresh()
+        rtsys.initialize(target_context)  # which refresh() does, and imports all that only the compiler needs
         path, key = self._entry(sig, target_context.codegen())
         found = self._load(path, key, target_context)
         if found is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, parallel, prange
+from ...jit.search import first_not_below
 
 
 @parallel
@@ -24,7 +25,7 @@ def search(point, others, order, names, found):
     count = others.shape[0]
     last = names.shape[0] - 1
     found[:] = np.float32(np.inf)
-    right = np.searchsorted(others[:, 0], point[0])
+    right = first_not_below(others[:, 0], point[0])
     left = right - 1
     while True:
         before = point[0] - others[left, 0] if left >= 0 else np.float32(np.inf)

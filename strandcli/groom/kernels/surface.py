@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, parallel, prange
+from ...jit.search import first_above
 
 HALVINGS = 30
 """Of a piece, whose halves are 2⁻³⁰ of it in the end."""
@@ -27,7 +28,7 @@ def one(at, ends, corners, weights, own, pieces, shares, i):
     """`place` of point i. The piece is halved across its longest edge again and again, on the side where the rest of
     the place lies: halves have the same area, and their measures are as their mean densities."""
     last = ends.shape[0] - 1
-    piece = min(np.searchsorted(ends, at, side="right"), last)
+    piece = min(first_above(ends, at), last)
     begin = ends[piece - 1] if piece > 0 else 0.0
     size = ends[piece] - begin
     rest = min(max((at - begin) / size, 0.0), 1.0) if size > 0.0 else 0.5

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, inlined
+from ....jit.search import first_not_below
 from ....simd import half_width_pointer, load, pointer, prefetch, store
 from . import cells
 from . import segments as seg
@@ -132,7 +133,7 @@ def add_solids(solids, base, width, target):
     their number."""
     m = np.int64(0)
     pixels = solids.pixels
-    for e in range(np.searchsorted(pixels, target.top * width), np.searchsorted(pixels, target.bottom * width)):
+    for e in range(first_not_below(pixels, target.top * width), first_not_below(pixels, target.bottom * width)):
         x = pixels[e] % width
         if target.left <= x < target.right and solids.cover[e] > ZERO:
             pixel = (pixels[e] // width - target.top) << ROW_BITS | (x - target.left)
