@@ -67,7 +67,8 @@ def test_a_turned_rod_has_the_form_of_the_boundary_value_solution() -> None:
 def curls(more: str = "") -> RodSolver:
     """Loose curls on an emitter that moves, whose tips are moved and turned."""
     scene = scene_of(
-        f"solver: rod\nrod: {{end: clamped, young: 1.0e+7, precision: double, end_keys: [{{time: 0}}, {{time: 1, turns: 2, "
+        f"solver: rod\nrod: {{end: clamped, young: 1.0e+7, precision: double, "
+        f"end_keys: [{{time: 0}}, {{time: 1, turns: 2, "
         f"position: [0, 0.02, 0], rotation: [0, 30, 0]}}], {more}}}\ntime: {{fps: 24}}\n"
         "emitter: {shape: {kind: disc, radius: 0.05}, strands: 20, particles: 20, length: 0.3, curl_turns: 2, "
         "curl_angle: 50, keys: [{time: 0}, {time: 1, position: [0.2, 0.1, 0], rotation: [0, 70, 30]}]}\n"
