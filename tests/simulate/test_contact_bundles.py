@@ -85,8 +85,8 @@ def test_many_strands_that_begin_inside_each_other_are_led_apart(
     count: int, frames: int, share: float, steps: list[tuple[Floats, Floats]]
 ) -> None:
     """Roots so dense that strands are inside of up to twenty others, and their weight draws tips together: nothing is
-    shot out, no step is cut into many, for rounds do not diverge, and half as many tips come close as without contact in
-    the same time; where a thousand lie in as many layers they come apart over seconds, and here no more come close."""
+    shot out, no step is cut into many, for rounds do not diverge, and half as many tips come close as without contact
+    in the same time. A thousand come apart over seconds: here no more of them come close."""
     radius = 0.01 * np.sqrt(count / 1000)
     text = BUNDLE.format(radius=radius, strands=count, particles=4, jitter=3, keys="{time: 0, rotation: [180, 0, 0]}")
     solver = solver_of(text)
