@@ -10,6 +10,7 @@ from strandcli.blocks import aligned
 from strandcli.constants import VECTOR
 from strandcli.simd import vector_pointer_at
 from strandcli.simulate.kernels import rod_elimination, rod_tension
+from strandcli.simulate.kernels.records import Ends
 from strandcli.simulate.kernels.rod_scratch import (
     EDGE,
     EDGE_FACTOR,
@@ -27,8 +28,8 @@ LANES = VECTOR // 8
 def change(address, n, mass, joint):
     """Add to τ what the Newton step asks for."""
     pile = vector_pointer_at(np.float64, address)
-    rod_tension.filter_forward(pile, n, mass, False)
-    rod_elimination.change_tension(pile, n, mass, joint)
+    rod_tension.filter_forward(pile, n, mass, None, False)
+    rod_elimination.change_tension(pile, n, mass, joint, Ends(None, None))
 
 
 @pytest.mark.parametrize("n", [1, 2, 9, 40])

@@ -109,11 +109,11 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "splats in an opacity map": (
         splats.add,
-        (np.ones(splats.ROWS * splats.BATCH, np.float32), 3, raster.Window(0, 8, 8),
+        (np.ones(splats.ROOM, np.float32), 3, raster.Window(0, 8, 8),
          splats.OpacityMap(np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32))),
     ),
     "widen extents": (
-        cell_extents.widen, (np.ones(splats.ROWS * splats.BATCH, np.float32), 3, np.ones((16, 2), np.float32)),
+        cell_extents.widen, (np.ones(splats.ROOM, np.float32), 3, np.ones((16, 2), np.float32)),
     ),
     "dual angles": (dual.angles, (*[ONE] * 9, 64)),
     "dual lobes": (dual.lobes, (ONE,) * 8),
