@@ -39,8 +39,8 @@ Pixels = npt.NDArray[np.uint8]
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 LEVEL = 1
 SUB = 1  # filter type: each byte less that of the pixel to the left
-BAND = 1 << 17
-"""Bytes of rows that are filtered and compressed together: so many stay in a core's cache meanwhile."""
+LARGEST_CHUNK = 1 << 20
+"""Bytes of a PNG's chunk, which readers keep whole."""
 
 
 def pixels_sha256(image: Pixels) -> str:
@@ -71,33 +71,24 @@ def encode(image: npt.NDArray[Any], text: Mapping[str, str] | None = None) -> li
         pieces += _chunk(b"tEXt", keyword.encode("latin-1") + b"\0" + value.encode("latin-1", "replace"))
     step = (1 if grey else 3) * image.itemsize
     flat = np.ascontiguousarray(image, ">u2" if deep else None).view(np.uint8).reshape(height, step * width)
-    several = min(height, max(1, BAND // (step * width)))
-    rows = np.empty((several, 1 + step * width), dtype=np.uint8)
+    rows = np.empty((height, 1 + step * width), dtype=np.uint8)
     rows[:, 0] = SUB
-    packed = packer()
-    for begin in range(0, height, several):
-        band = flat[begin : begin + several]
-        filtered = rows[: len(band)]
-        filtered[:, 1 : 1 + step] = band[:, :step]
-        np.subtract(band[:, step:], band[:, :-step], out=filtered[:, 1 + step :])  # modulo 256, as the format wants
-        if data := packed.compress(filtered.data):
-            pieces += _chunk(b"IDAT", data)
-    return [*pieces, *_chunk(b"IDAT", packed.flush()), *_chunk(b"IEND", b"")]
-
-
-def packer() -> Any:
-    """What makes a zlib stream of rows with their filter types."""
-    try:
-        from isal import isal_zlib
-    except ImportError:
-        return zlib.compressobj(LEVEL, zlib.DEFLATED, 15, 9, zlib.Z_RLE)
-    return isal_zlib.compressobj(LEVEL)
+    rows[:, 1 : 1 + step] = flat[:, :step]
+    np.subtract(flat[:, step:], flat[:, :-step], out=rows[:, 1 + step :])  # modulo 256, as the format wants
+    data = deflate(rows)
+    for begin in range(0, len(data), LARGEST_CHUNK):
+        pieces += _chunk(b"IDAT", data[begin : begin + LARGEST_CHUNK])
+    return [*pieces, *_chunk(b"IEND", b"")]
 
 
 def deflate(rows: Pixels) -> bytes:
-    """A zlib stream of all rows at once."""
-    packed = packer()
-    return bytes(packed.compress(rows.data) + packed.flush())
+    """A zlib stream of rows with their filter types."""
+    try:
+        from isal import isal_zlib
+    except ImportError:
+        packed = zlib.compressobj(LEVEL, zlib.DEFLATED, 15, 9, zlib.Z_RLE)
+        return packed.compress(rows.data) + packed.flush()
+    return bytes(isal_zlib.compress(rows.data, LEVEL))  # at once: a twentieth sooner than part by part
 
 
 def _chunk(kind: bytes, body: bytes) -> tuple[bytes, bytes, bytes]:

@@ -25,7 +25,7 @@ def tips(scene: Scene, *frames: int) -> list[np.ndarray]:
     return found
 
 
-@pytest.mark.parametrize("preset", ["hair", "ponytail", "fur"])
+@pytest.mark.parametrize("preset", ["hair", pytest.param("ponytail", marks=pytest.mark.long), "fur"])
 def test_presets_that_say_so_loop(preset: str) -> None:
     """The frame after the last is the first again: no tip is off by more than tips move from one frame to the next,
     and nearly all by far less. Rods that slide on shoulders need not come to lie in the very same way. All strands are
