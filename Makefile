@@ -55,12 +55,9 @@ test-long: $(READY)
 OLDEST := .venv-oldest
 OLDEST_NUMBA := $(shell sed -n 's/.*"numba>=\([0-9.]*\)".*/\1/p' pyproject.toml)
 
-# CI draws the scene whose kernels compile in half of the time; `make all` one with every stage of sorted strands too
-OLDEST_PICTURES ?= headline
-
 test-oldest: $(OLDEST)/.ready
 	PYTHONDONTWRITEBYTECODE= $(OLDEST)/bin/python -m pytest -q tests/jit/test_cache.py tests/jit/test_service.py
-	PYTHONDONTWRITEBYTECODE= $(OLDEST)/bin/strandcli golden check tests/golden $(OLDEST_PICTURES)
+	PYTHONDONTWRITEBYTECODE= $(OLDEST)/bin/strandcli golden check tests/golden headline minimal
 
 $(OLDEST)/.ready: pyproject.toml
 	$(PYTHON) -m venv $(OLDEST)
@@ -77,7 +74,6 @@ types: $(READY)
 
 check: lint types test
 
-all: OLDEST_PICTURES = headline minimal
 all: export STRANDCLI_TEST_EXAMPLES = 100
 all: lint types test test-long test-oldest coverage bounds threads wheel unwritable docs
 

@@ -14,7 +14,7 @@ from hypothesis import settings
 
 # compiling may fall into any example, so none is timed; failures can be repeated from what is printed. `make all` asks
 # for more examples than CI has the time for
-EXAMPLES = int(os.environ.get("STRANDCLI_TEST_EXAMPLES", "50"))
+EXAMPLES = int(os.environ.get("STRANDCLI_TEST_EXAMPLES", "30"))
 settings.register_profile("strandcli", deadline=None, print_blob=True, max_examples=EXAMPLES)
 settings.load_profile("strandcli")
 

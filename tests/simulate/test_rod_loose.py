@@ -55,6 +55,7 @@ class Flight:
             self.solver.step((i + 1) * dt, dt)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("integrator", ["euler", "bdf2"])
 def test_free_flight_keeps_momentum(integrator: str) -> None:
     flight = Flight(0.0, integrator)
@@ -65,6 +66,7 @@ def test_free_flight_keeps_momentum(integrator: str) -> None:
     assert flight.solver.errors(1)["stretch_max"] < 1e-12  # type: ignore[operator]
 
 
+@pytest.mark.long
 def test_a_free_strand_falls_as_all_things_do() -> None:
     off = []
     for dt in (1 / 60, 1 / 240):
@@ -87,6 +89,7 @@ def wild(more: str = "") -> RodSolver:
     return RodSolver(scene, emit(scene.emitter, scene.seed))
 
 
+@pytest.mark.long
 def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:
     whole, half = wild(), wild()
     whole.advance(12)

@@ -280,6 +280,7 @@ def test_it_is_known_by_its_file_alone() -> None:
         loads("solids: [{kind: coned}]", rules={})
 
 
+@pytest.mark.long
 def test_its_kernels_can_be_kept_in_the_cache() -> None:
     """Machine code that holds addresses of this process, as of functions that are handed on, is compiled every time."""
     solids = pack_all([of(SHAPES_OF_IT["cone"])], STILL, 0.0)
