@@ -26,8 +26,8 @@ LARGEST = 2**26
 TOO_MANY = f"more than {LARGEST:,} pixels (such as 8192 x 8192); scale it down, nine numbers are kept of it"
 MOST_IN_A_BYTE = 16
 """Pixels of a Radiance picture: two bytes hold at most 127 times one of four channels."""
-ROWS = 64
-"""Of a picture that are made light at a time."""
+AT_ONCE = 65_536
+"""Pixels that are made linear together: all at once would take four times the memory."""
 FORMATS = ("PNG", "JPEG", "MPO")
 """Pillow's names; MPO is the JPEG of cameras that keep further pictures behind the first."""
 COSINE = (1.0, 2.0 / 3.0, 0.25)
@@ -112,9 +112,10 @@ def _read_picture(path: Path) -> NDArray[np.float64]:
     except Image.DecompressionBombError:
         raise ValueError(TOO_MANY) from None
     found = np.empty((*encoded.shape[:2], 3))
-    for row in range(0, len(found), ROWS):  # the whole picture at once would take four times the memory
-        light = encoded[row : row + ROWS, :, :3].astype(np.float64) / 255.0
-        found[row : row + ROWS] = np.where(light <= 0.04045, light / 12.92, ((light + 0.055) / 1.055) ** 2.4)
+    rows = max(1, AT_ONCE // found.shape[1])
+    for row in range(0, len(found), rows):
+        light = encoded[row : row + rows, :, :3].astype(np.float64) / 255.0
+        found[row : row + rows] = np.where(light <= 0.04045, light / 12.92, ((light + 0.055) / 1.055) ** 2.4)
     return found
 
 

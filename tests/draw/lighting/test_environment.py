@@ -177,6 +177,17 @@ def test_sixteen_bits_are_read_by_the_curve_of_eight(tmp_path: Path, grey: bool)
     np.testing.assert_allclose(found[..., 0], read(str(tmp_path / "eight.png"))[..., 0], atol=0.005)
 
 
+@pytest.mark.parametrize("size", [(3, 40_000), (300, 500)])
+def test_pictures_of_many_pixels_are_read_whole(tmp_path: Path, size: tuple[int, int]) -> None:
+    """Part by part, however wide: each is that of sRGB's inverse curve."""
+    coded = np.random.default_rng(1).integers(0, 256, (*size, 3), dtype=np.uint8)
+    path = tmp_path / "sky.png"
+    path.write_bytes(b"".join(png.encode(coded)))
+    u = coded / 255
+    linear = np.where(u <= 0.04045, u / 12.92, ((u + 0.055) / 1.055) ** 2.4)
+    np.testing.assert_allclose(read(str(path)), linear, rtol=1e-12)
+
+
 def test_pictures_of_other_kinds_are_refused_by_name(tmp_path: Path) -> None:
     """Their samples are no sRGB of 8 or 16 bits, or they are several pictures."""
     grey = Image.new("L", (8, 4), 40)
