@@ -2,33 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strandcli.simulate.contact.between_strands import StrandContact
 from strandcli.simulate.kernels.rod_scratch import PACK
 from tests.simulate.test_strand_contact import CROSS, RULE, Floats, solver_of, strands
-
-
-@pytest.fixture
-def steps(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Floats, Floats]]:
-    """Where particles were at begin and end of all parts of steps."""
-    found: list[tuple[Floats, Floats]] = []
-    make = StrandContact.step
-
-    def step(self: StrandContact, run: Callable[[], None], solver: Any) -> bool:
-        before = self._particles(solver.state)
-        done = make(self, run, solver)
-        if done:
-            found.append((before, self._particles(solver.state)))
-        return done
-
-    monkeypatch.setattr(StrandContact, "step", step)
-    return found
 
 
 def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump() -> None:

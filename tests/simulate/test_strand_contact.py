@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numba
@@ -15,7 +14,6 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
-from strandcli.simulate.contact.between_strands import StrandContact
 from strandcli.simulate.contact.kernels import contact_response
 from strandcli.simulate.contact.nearby import Nearby
 from strandcli.simulate.kernels.rod_scratch import PACK
@@ -69,23 +67,6 @@ def crosses(p: Floats, p1: Floats, q: Floats, q1: Floats) -> bool:
             if (places >= 0).all() and (places <= 1).all():
                 return True
     return False
-
-
-@pytest.fixture
-def steps(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Floats, Floats]]:
-    """Where particles were at begin and end of all parts of steps."""
-    found: list[tuple[Floats, Floats]] = []
-    make = StrandContact.step
-
-    def step(self: StrandContact, run: Callable[[], None], solver: Any) -> bool:
-        before = self._particles(solver.state)
-        done = make(self, run, solver)
-        if done:
-            found.append((before, self._particles(solver.state)))
-        return done
-
-    monkeypatch.setattr(StrandContact, "step", step)
-    return found
 
 
 @pytest.mark.parametrize(("speed", "young"), [(1, "5.0e+9"), (10, "5.0e+5"), (1000, "5.0e+9")])

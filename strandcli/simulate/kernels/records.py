@@ -108,8 +108,8 @@ class Forcing(NamedTuple):
 class Flags(NamedTuple):
     """What a scene needs. Tested at run time, for each variant of the kernel takes seconds to compile; but those
     after ``deforming``, which are True, or None that leaves what they need out of a kernel, and ``second``. Without
-    ``crowded`` a step takes a fourteenth less; without ``second`` one of Euler's takes a twentieth less where the
-    kernel has to come back into the caches, as from frame to frame."""
+    ``crowded`` a step takes a fourteenth less; without ``second`` the kernel of Euler's method is smaller, which
+    counts where it has to come back into the caches, as from frame to frame."""
 
     second: Any
     """Whether the state has what BDF2 needs; in kernels None where it is left out."""
