@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from strandcli.cli.main import main
+from strandcli.cli.progress import COMPILING
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -51,7 +52,12 @@ class Runner:
         self.capsys.readouterr()
         code = main([str(argument) for argument in arguments])
         out, err = self.capsys.readouterr()
-        return Result(code, out, err)
+        return Result(code, out, told(err))
+
+
+def told(err: str) -> str:
+    """What was told on stderr, whether or not this process had kernels to compile first, which is a line of its own."""
+    return "".join(line for line in err.splitlines(keepends=True) if COMPILING not in line)
 
 
 def environment() -> dict[str, str]:

@@ -20,7 +20,7 @@ _LONG = 2.0
 """Seconds of compiling from which on a run that draws no line says so once."""
 _SILENT = 30.0
 """Seconds without a line after which a run of lines says that it goes on."""
-_COMPILING = "compiling kernels (only on first use)"
+COMPILING = "compiling kernels (only on first use)"
 
 
 class Progress:
@@ -89,14 +89,14 @@ class Progress:
             say(text, err=True)
         elif self.lines and not self._compiled and _kind(text) == "compiling":
             self._compiled = True
-            self.line(f"{self.label}: {_COMPILING}")
+            self.line(f"{self.label}: {COMPILING}")
         elif not (self.hidden or self.live or self._compiled):
             self._tell_late(_kind(text) == "compiling")
 
     def _tell_late(self, compiling: bool) -> None:
         """Say that kernels compile, once, if they do for so long."""
         if compiling and self._late is None:
-            self._late = threading.Timer(_LONG, self.line, [f"{self.label}: {_COMPILING}"])
+            self._late = threading.Timer(_LONG, self.line, [f"{self.label}: {COMPILING}"])
             self._late.daemon = True
             self._late.start()
         elif not compiling and self._late is not None:
