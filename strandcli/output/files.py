@@ -20,7 +20,7 @@ import tokenize
 import zipfile
 import zlib
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -74,15 +74,12 @@ def _discard_all(temporary: Path) -> None:
 
 
 @contextmanager
-def atomic(path: Path, meanwhile: Callable[[], object] | None = None) -> Iterator[BinaryIO]:
+def atomic(path: Path) -> Iterator[BinaryIO]:
     """A binary file that takes the name ``path`` when the block ends well and all is on the disk, and vanishes when it
-    does not. Raises `RefusedError` as `placed` does. ``meanwhile`` is called while the disk takes the file."""
+    does not. Raises `RefusedError` as `placed` does."""
     with placed(path) as temporary, open(temporary, "wb") as file:
         yield file
         file.flush()
-        if meanwhile is not None:
-            _begin_to_disk(file)
-            meanwhile()
         _to_disk(file)
 
 
@@ -111,11 +108,23 @@ def _sweep(directory: Path) -> None:
         remove_strays(directory)
 
 
-def write_pieces(path: Path, pieces: Iterable[bytes], meanwhile: Callable[[], object] | None = None) -> None:
-    """Write ``pieces`` one after the other as the file ``path``, whole or not at all; ``meanwhile`` as of `atomic`."""
-    with atomic(path, meanwhile) as file:
+def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
+    """Write ``pieces`` one after the other as the file ``path``, whole or not at all."""
+    with atomic(path) as file:
         for piece in pieces:
             file.write(piece)
+
+
+def begin_pieces(path: Path, pieces: Iterable[bytes]) -> Callable[[], None]:
+    """Write ``pieces`` as `write_pieces` does, and do not wait for the disk: the returned function does, and gives the
+    file its name. Both raise `RefusedError` as `placed` does, and leave nothing then."""
+    with ExitStack() as stack:
+        file = stack.enter_context(atomic(path))
+        for piece in pieces:
+            file.write(piece)
+        file.flush()
+        _begin_to_disk(file)
+        return stack.pop_all().close
 
 
 def write_json(path: Path, data: Any) -> None:

@@ -6,7 +6,7 @@ import os
 import queue
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,11 +18,13 @@ import numpy as np
 from ..errors import RefusedError, UsageError
 from . import png
 from .claim import Claim
-from .files import prepare_folder, require_own, with_whole, write_pieces
+from .files import begin_pieces, prepare_folder, require_own, with_whole
 from .layers import Layers, layer_bytes, layer_files, write_layers
 
 # Bytes a pixel in a frame full of strands, measured as 0.4 to 1.6 (see png.py); the estimate for a whole run.
 BYTES_PER_PIXEL = 1.5
+_DISK_SECONDS = 0.02
+"""How long a picture waits for the next one before the disk is asked for it: what a disk takes for a few MB."""
 SCENE_KEYWORD = "strandcli scene"
 
 
@@ -79,6 +81,7 @@ class FrameWriter:
         self.exr = exr
         self.written: dict[int, Written] = {}
         self._failure: BaseException | None = None
+        self._finish: Callable[[], None] | None = None
         self._queue: queue.Queue[tuple[int, png.Pixels, Layers] | None] = queue.Queue(maxsize=2)
         self._thread: threading.Thread | None = None
         width, height = size
@@ -171,12 +174,25 @@ class FrameWriter:
         # priority for each thread.
         with suppress(OSError, AttributeError):
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 10)
-        while (item := self._queue.get()) is not None:
-            try:
+        try:
+            while (item := self._next()) is not None:
                 self._write(*item)
-            except BaseException as error:
-                self._failure = error
-                return
+        except BaseException as error:
+            self._failure = error
+
+    def _next(self) -> tuple[int, png.Pixels, Layers] | None:
+        """The next item of the queue. The picture before it is finished first, but waits for it a while, in which the
+        disk takes what has been written."""
+        finish, self._finish = self._finish, None
+        if finish is None:
+            return self._queue.get()
+        try:
+            item = self._queue.get(timeout=_DISK_SECONDS)
+        except queue.Empty:
+            finish()
+            return self._queue.get()
+        finish()
+        return item
 
     def _write(self, frame: int, image: png.Pixels, layers: Layers) -> None:
         start = time.perf_counter()
@@ -184,7 +200,14 @@ class FrameWriter:
         text = {"Software": "strandcli"}
         if self.scene:
             text[SCENE_KEYWORD] = self.scene
-        digest: list[str] = []
+        digest = png.pixels_sha256(image)
         write_layers(self.directory, frame, layers, self.exr)  # before the picture, which is the sign that all is there
-        write_pieces(path, png.encode(image, text), lambda: digest.append(png.pixels_sha256(image)))
-        self.written[frame] = Written(frame, path.name, digest[0], time.perf_counter() - start)
+        name_it = begin_pieces(path, png.encode(image, text))
+        seconds = time.perf_counter() - start
+
+        def finish() -> None:
+            begun = time.perf_counter()
+            name_it()
+            self.written[frame] = Written(frame, path.name, digest, seconds + time.perf_counter() - begun)
+
+        self._finish = finish

@@ -108,8 +108,8 @@ def time_frames(
                 assert frame.image is not None
                 image = frame.image
                 began = clock()
-                pieces = png.encode(image)
-                write_pieces(Path(folder) / "frame.png", pieces, partial(png.pixels_sha256, image))
+                png.pixels_sha256(image)
+                write_pieces(Path(folder) / "frame.png", png.encode(image))
                 drawn = frame.report["seconds"]
                 seconds = {**drawn, "simulate": simulated_in, "write": clock() - began}
                 counts = complete(frame.report["counts"], scene, moved.groom.strands, simulated, image.size)

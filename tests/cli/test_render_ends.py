@@ -110,14 +110,14 @@ def test_whatever_ends_a_run_there_is_a_report_of_what_is_finished(
 
 
 def test_a_full_disk_ends_in_exit_code_4_with_the_finished_frames(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    write_pieces = frames.write_pieces
+    begin_pieces = frames.begin_pieces
 
-    def full(path: Path, pieces: list[bytes], meanwhile: Callable[[], object]) -> None:
+    def full(path: Path, pieces: list[bytes]) -> Callable[[], None]:
         if path.name == "frame_0003.png":
             raise RefusedError(f"{path}: cannot be written: the disk is full")
-        write_pieces(path, pieces, meanwhile)
+        return begin_pieces(path, pieces)
 
-    monkeypatch.setattr(frames, "write_pieces", full)
+    monkeypatch.setattr(frames, "begin_pieces", full)
     result = run("render", "tiny.yaml", "-o", "a")
     assert result.code == 4
     assert "the disk is full; 2 finished frames are whole" in result.error()

@@ -32,15 +32,18 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["a.bin"]
 
 
-def test_what_is_done_meanwhile_is_done_before_a_file_is_on_the_disk_and_has_its_name(
+def test_a_file_that_is_begun_has_its_name_once_the_disk_has_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     done: list[str] = []
     path = tmp_path / "a.bin"
     monkeypatch.setattr(os, "posix_fadvise", lambda *_: done.append("begun"), raising=False)
     monkeypatch.setattr(os, "fsync", lambda _: done.append(f"on the disk {path.exists()}"))
-    files.write_pieces(path, [b"a"], lambda: done.append(f"meanwhile {path.exists()}"))
-    assert done == ["begun", "meanwhile False", "on the disk False"]
+    finish = files.begin_pieces(path, [b"a"])
+    assert done == ["begun"]
+    assert not path.exists()
+    finish()
+    assert done == ["begun", "on the disk False"]
     assert path.read_bytes() == b"a"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -128,16 +129,16 @@ def test_whatever_ends_the_run_finished_frames_are_whole(tmp_path: Path, blow: t
 
 
 def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    write_pieces = module.write_pieces
+    begin_pieces = module.begin_pieces
 
-    def fill(path: Path, pieces: list[bytes], meanwhile: Callable[[], object]) -> None:
+    def fill(path: Path, pieces: list[bytes]) -> Callable[[], None]:
         def until_full() -> Iterator[bytes]:
             yield pieces[0]
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-        write_pieces(path, until_full() if path.name == frame_file(3) else pieces, meanwhile)
+        return begin_pieces(path, until_full() if path.name == frame_file(3) else pieces)
 
-    monkeypatch.setattr(module, "write_pieces", fill)
+    monkeypatch.setattr(module, "begin_pieces", fill)
     words = "frame_0003.png: .*disk is full.*; 2 finished frames are whole, --resume keeps them"
     with pytest.raises(RefusedError, match=words):
         write(tmp_path, list(range(1, 20)))
@@ -145,12 +146,38 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatc
 
 
 def test_a_failure_with_the_very_last_frame_is_not_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(path: Path, pieces: list[bytes], meanwhile: Callable[[], object]) -> None:
+    def refuse(path: Path, pieces: list[bytes]) -> Callable[[], None]:
         raise RefusedError(f"{path}: no")
 
-    monkeypatch.setattr(module, "write_pieces", refuse)
+    monkeypatch.setattr(module, "begin_pieces", refuse)
     with pytest.raises(RefusedError, match=r"frame_0001.png: no$"):
         write(tmp_path, [1])
+
+
+def test_a_disk_that_fails_after_the_next_frame_has_come_loses_that_one_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The disk is asked for a frame when the next one is there, or none has come: then too it may refuse."""
+    synced: list[int] = []
+
+    def refuse(file: int) -> None:
+        synced.append(file)
+        if len(synced) == 3:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    monkeypatch.setattr("os.fsync", refuse)
+    with pytest.raises(RefusedError, match=r"frame_0003.png: .*; 2 finished frames are whole"):
+        write(tmp_path, list(range(1, 20)))
+    assert sorted(os.listdir(tmp_path)) == [frame_file(1), frame_file(2)]
+
+
+def test_a_frame_is_finished_though_no_other_comes(tmp_path: Path) -> None:
+    with FrameWriter(tmp_path, [1, 2], SIZE) as writer:
+        writer.submit(1, picture(1))
+        deadline = time.monotonic() + 10
+        while not writer.written and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert (tmp_path / frame_file(1)).exists()
 
 
 def test_a_run_too_big_for_the_disk_is_refused_before_it_starts(
