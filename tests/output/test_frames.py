@@ -154,10 +154,10 @@ def test_a_failure_with_the_very_last_frame_is_not_lost(tmp_path: Path, monkeypa
         write(tmp_path, [1])
 
 
-def test_a_disk_that_fails_after_the_next_frame_has_come_loses_that_one_alone(
+def test_a_disk_that_fails_after_other_frames_have_been_written_loses_that_one_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The disk is asked for a frame when the next one is there, or none has come: then too it may refuse."""
+    """The disk is asked for some frames at once: then too it may refuse."""
     synced: list[int] = []
 
     def refuse(file: int) -> None:
@@ -166,9 +166,12 @@ def test_a_disk_that_fails_after_the_next_frame_has_come_loses_that_one_alone(
             raise OSError(errno.EIO, os.strerror(errno.EIO))
 
     monkeypatch.setattr("os.fsync", refuse)
-    with pytest.raises(RefusedError, match=r"frame_0003.png: .*; 2 finished frames are whole"):
+    words = r"frame_0003.png: [^;]*; choose another place; [0-9]+ finished frames are whole, --resume keeps them$"
+    with pytest.raises(RefusedError, match=words):
         write(tmp_path, list(range(1, 20)))
-    assert sorted(os.listdir(tmp_path)) == [frame_file(1), frame_file(2)]
+    finished = [frame_file(frame) for frame in range(1, len(synced) + 1) if frame != 3]
+    assert sorted(os.listdir(tmp_path)) == finished
+    assert len(finished) >= 2
 
 
 def test_a_frame_is_finished_though_no_other_comes(tmp_path: Path) -> None:
