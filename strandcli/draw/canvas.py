@@ -191,14 +191,12 @@ class Canvas:
     ) -> None:  # fmt: skip
         """Shade solids with `Lighting.shade_surfaces`, and apply haze if there is any."""
         thick = self.lighting.scene.image.haze
-        here = slice(*(rows or (0, len(image))))
-        behind = None if thick is None else image[here].copy()
+        top, bottom = rows or (0, len(image))
+        behind = None if thick is None else image[top:bottom].copy()
         self.lighting.shade_surfaces(keys, image, spots, hidden, rows)
         if thick is not None and behind is not None:
-            shown = keys.reshape(image.shape[:2])[here].reshape(-1)
-            if len(hidden):
-                shown = np.where(hidden.reshape(image.shape[:2])[here].reshape(-1) == 0, shown, EMPTY)
-            haze.veil_solids(thick, self.lighting.view, behind, shown, image[here])
+            here = slice(top * image.shape[1], bottom * image.shape[1])
+            haze.veil_solids(thick, self.lighting.view, behind, keys[here], image[top:bottom], hidden[here])
 
 
 def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -> None:
