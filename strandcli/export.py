@@ -76,7 +76,7 @@ class _Exporter:
         self.scene, self.scratch = scene, Scratch()
         self.children = moved.children
         groom = moved.children.groom if isinstance(moved.children, Followers) else moved.groom
-        self.drawn = DrawnStrands(groom, moved.children, moved.combed, True, self.scratch)
+        self.drawn = DrawnStrands(groom, moved.children, moved.combed, True, self.scratch, every=True)
         self.curves = evenly_cut(scene.curves, level)
 
     def strands(self, moved: MovedStrands) -> Strands:

@@ -21,10 +21,10 @@ from .film import haze
 from .film.aovs import Recorder
 from .film.kernels import film
 from .geometry.curves import Polylines
-from .lighting.lighting import NO_SPOTS, Lighting
+from .lighting.lighting import NO_SPOTS, NOT_HIDDEN, Lighting
 from .shadows.vertex_shadows import VertexShadows
 from .solids import triangles
-from .solids.edges import find_edges
+from .solids.edges import Edges, find_edges
 from .solids.kernels import rasterise
 from .solids.solids import frames_of
 from .strand_batches import StrandBatch
@@ -90,9 +90,8 @@ class Canvas:
             lines, screen, batch.widths, edges, self.workers, self.scratch, bool(self.grids), light.view.depth_slope
         ):
             self.drawing.lap("raster")
-            if edges is not None and layer.fragments.top == 0:
-                self._surfaces(self.keys, self.image)
-                edges.composite(self._surfaces, self.image, self.backdrop)
+            if edges is not None:
+                self._behind(layer, edges)
             self._blend(layer, batch)
             if self.recorder is not None and front is not None:
                 self.recorder.layer(layer, lines, screen, front)
@@ -101,6 +100,14 @@ class Canvas:
             self.recorder.strands(lines, screen, front, 0, batch.begin, light.view)
             self.recorder.rest(front, light)
         self.segments, self.fragments = lines.segments, coverage.fragments
+
+    def _behind(self, layer: Layer, edges: Edges) -> None:
+        """Shade the solids in the rows of a layer, but where its strands hide them wholly."""
+        top, bottom, width = layer.fragments.top, layer.fragments.bottom, self.size[0]
+        here, hidden = edges.within(top * width, bottom * width), layer.fragments.closed
+        hidden[here.pixels] = 1  # they are drawn by themselves
+        self._surfaces(self.keys, self.image, hidden=hidden, rows=(top, bottom))
+        here.composite(self._surfaces, self.image, self.backdrop)
 
     def _blend(self, layer: Layer, batch: StrandBatch) -> None:
         """Shade the vertices of a layer, and blend it with the picture."""
@@ -179,14 +186,17 @@ class Canvas:
         return colours
 
     def _surfaces(
-        self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS
-    ) -> None:
+        self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS,
+        hidden: NDArray[np.uint8] = NOT_HIDDEN, rows: tuple[int, int] | None = None,
+    ) -> None:  # fmt: skip
         """Shade solids with `Lighting.shade_surfaces`, and apply haze if there is any."""
         thick = self.lighting.scene.image.haze
-        behind = None if thick is None else image.copy()
-        self.lighting.shade_surfaces(keys, image, spots)
+        top, bottom = rows or (0, len(image))
+        behind = None if thick is None else image[top:bottom].copy()
+        self.lighting.shade_surfaces(keys, image, spots, hidden, rows)
         if thick is not None and behind is not None:
-            haze.veil_solids(thick, self.lighting.view, behind, keys, image)
+            here = slice(top * image.shape[1], bottom * image.shape[1])
+            haze.veil_solids(thick, self.lighting.view, behind, keys[here], image[top:bottom], hidden[here])
 
 
 def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -> None:

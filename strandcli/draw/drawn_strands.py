@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,26 +11,31 @@ from numpy.typing import NDArray
 from ..groom.children import Children
 from ..groom.followers import Followers
 from ..scene.detail import strands_needed
+from .common.scratch import Scratch
 from .geometry.detail import level_of, with_widths
-from .strand_batches import Strands
+from .geometry.spacing import first_emitted, measured
+from .strand_batches import Strands, Whole
 
 if TYPE_CHECKING:
     from ..groom.combed import Combed
     from ..groom.record import Groom
     from ..scene.model import Scene
     from .common.drawing import Drawing
-    from .common.scratch import Scratch
+    from .geometry.detail import Level
 
 
 class DrawnStrands:
     """Children, followers, combed parts and level of detail of one scene."""
 
     def __init__(
-        self, groom: Groom, children: Children | Followers | None, combed: Combed | None, thins: bool, scratch: Scratch
+        self, groom: Groom, children: Children | Followers | None, combed: Combed | None, thins: bool, scratch: Scratch,
+        every: bool = False,
     ) -> None:  # fmt: skip
         """``groom``: of the strands that are drawn, but for children; ``thins``: strands that fade become thinner, and
-        not shorter."""
+        not shorter; ``every``: children that level of detail does not draw are made too."""
         self.children, self.combed, self.thins, self.scratch = children, combed, thins, scratch
+        self._chooses = isinstance(children, Children) and combed is None and thins and not every
+        self._around = Scratch() if self._chooses else scratch
         self._followers = children if isinstance(children, Followers) else None
         # segments of a strand differ in length
         self._uneven = combed is not None or groom.points is not None or self._followers is not None
@@ -45,9 +51,15 @@ class DrawnStrands:
         if isinstance(self.children, Children):
             assert ids is not None
             shown = ids < max(strands_needed(scene, at), int(ids.min()) + 1)
-            tones, ids = tones[shown], ids[shown]
+            if not shown.all():
+                tones, ids = tones[shown], ids[shown]
         elif ids is None:  # and so those that level of detail draws are the first
             tones = tones[: strands_needed(scene, at)]
+        level = whole = None
+        if self._chooses and ids is not None:
+            level, whole = self._choose(scene, at, positions, lengths, ids)
+            if whole is not None:
+                tones, ids = tones[whole.numbers], ids[whole.numbers]
         count = len(tones)
         places, widths = ids, self._widths
         if self.children is not None:
@@ -62,5 +74,30 @@ class DrawnStrands:
             own = None if self.children is None else ids  # without children both stand as the groom does
             positions = self.combed.join(positions, at, count, self.scratch, own)
             drawing.lap("combed")
-        level = with_widths(level_of(scene, at, positions, count, places, self.thins), widths)
-        return Strands(positions, None if self._uneven else lengths, count, level, tones, ids)
+        if whole is None:
+            level = with_widths(level_of(scene, at, positions, count, places, self.thins), widths)
+        return Strands(positions, None if self._uneven else lengths, count, level, tones, ids, whole)
+
+    def _choose(
+        self, scene: Scene, at: float, positions: NDArray[np.float32], lengths: NDArray[np.float32],
+        ids: NDArray[np.int32],
+    ) -> tuple[Level | None, Whole | None]:  # fmt: skip
+        """Return the level of detail of those children of some, by their numbers, that are drawn, and which these are;
+        None, None where all are."""
+        children = self.children
+        assert isinstance(children, Children)
+        if scene.detail is None:
+            return None, None
+        level = level_of(scene, at, children.roots(ids, at), len(ids), ids, self.thins)
+        if level is None:
+            return None, None
+        drawn = np.flatnonzero(level.fade)
+
+        def around() -> tuple[NDArray[np.float32], int, NDArray[np.int64]]:
+            among = first_emitted(len(ids), ids)
+            some = np.union1d(among, children.near(ids, among[measured(len(among))]))
+            grown, _ = children.grow(positions, lengths, at, ids[some], self._around)
+            return grown, len(some), np.searchsorted(some, among)
+
+        level = replace(level, fade=level.fade[drawn], scale=level.scale[drawn])
+        return level, Whole(len(ids), drawn, around)

@@ -188,14 +188,14 @@ class Renderer:
         self, strands: Strands, bounds: NDArray[np.float64], thickness: Thickness, solids: Solids | None
     ) -> tuple[ShadowMaps | None, Occlusion | None]:
         """Return empty shadow maps, and the ambient occlusion; None for what the scene does not have."""
-        scene, positions, level = self.scene, strands.positions, strands.level
-        spacing = self._spacing(strands)
+        scene, spacing = self.scene, self._spacing(strands)
         maps = plan_maps(scene.lights, bounds, self.scratch, thickness, spacing, self._counts)
         if not scene.occluded or scene.ambient_occlusion is None:
             return maps, None
         return maps, occlusion.build(
-            scene.ambient_occlusion, positions, strands.count, bounds, thickness, level, solids, self.scratch
-        )
+            scene.ambient_occlusion, strands.positions, strands.total, bounds, thickness, strands.level, solids,
+            self.scratch, strands.numbers,
+        )  # fmt: skip
 
     def _batches(self, strands: Strands, view: View, mapped: bool) -> StrandBatches:
         """Return the batches in which strands are drawn; ``mapped``: whether they are drawn into shadow maps too."""
@@ -288,9 +288,10 @@ class Renderer:
         measured between all of these strands, and converted to the density that level of detail leaves."""
         if not self._deep:
             return 0.0
-        count, level = strands.count, strands.level
+        count, level, whole = strands.total, strands.level, strands.whole
         even = strands.ids is None or isinstance(self.children, Children)
-        spacing = spacing_of(strands.positions, count, first_emitted(count, strands.ids) if even else None)
+        among = first_emitted(count, strands.ids) if even and whole is None else None
+        spacing = spacing_of(*(strands.positions, count, among) if whole is None else whole.around())
         return spacing if level is None else spacing * math.sqrt(count / self._most / level.share)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +23,19 @@ from .zbuffer import raster
 
 
 @dataclass(frozen=True)
+class Whole:
+    """Strands of which level of detail draws some, and the others are not made."""
+
+    count: int
+    """Number of them all."""
+    numbers: NDArray[np.int64]
+    """Where those that are drawn are among them, ascending."""
+    around: Callable[[], tuple[NDArray[np.float32], int, NDArray[np.int64]]]
+    """Makes those that are near the points where `strandcli.draw.geometry.spacing.spacing_of` measures: its
+    arguments."""
+
+
+@dataclass(frozen=True)
 class Strands:
     """The strands of one exposure."""
 
@@ -38,6 +51,18 @@ class Strands:
     """(count,) in [−1, 1): deviation of each strand's colour from the mean."""
     ids: NDArray[np.int32] | None
     """(count,) number of each in the order of emission; None: 0, 1, …"""
+    whole: Whole | None = None
+    """None: strands that level of detail does not draw are among them."""
+
+    @property
+    def total(self) -> int:
+        """Number of strands, with those of which level of detail draws these."""
+        return self.count if self.whole is None else self.whole.count
+
+    @property
+    def numbers(self) -> NDArray[np.int64] | None:
+        """(count,) where these are among them all; None: 0, 1, …"""
+        return None if self.whole is None else self.whole.numbers
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,10 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 
+NEAR = 512
+"""Children about a point among which its nearest are looked for."""
+
+
 class Children:
     """The children of a scene's guides."""
 
@@ -47,6 +51,7 @@ class Children:
         self.steps: int = self.settings.steps(scene.emitter.segment)
         """Parts into which a guide's segment is subdivided."""
         self._placed: tuple[Any, NDArray[np.float32], NDArray[np.float32]] | None = None
+        self._rooted: tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]] | None = None
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
 
     def select(self, positions: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
@@ -97,6 +102,32 @@ class Children:
         )
         return out, rest
 
+    def roots(self, ids: NDArray[np.int32], at: float) -> NDArray[np.float32]:
+        """Return the roots of the children numbered ``ids`` at a time in seconds, as rows (blocks, 2, 3 W) of which the
+        second holds them: those of `grow` to the bit, since neither clumps nor waves move roots."""
+        roots, _ = self._place(at)
+        if self._rooted is None or self._rooted[0] is not ids or self._rooted[1] is not roots:
+            count = len(ids)
+            rows = np.zeros((-(-count // W), 2, 3, W), np.float32)
+            placed = roots[self._standing[ids]]
+            whole = count // W
+            rows[:whole, 1] = placed[: whole * W].reshape(whole, W, 3).transpose(0, 2, 1)
+            rows[whole:, 1, :, : count - whole * W] = placed[whole * W :].T
+            self._rooted = ids, roots, rows.reshape(len(rows), 2, 3 * W)
+        return self._rooted[2]
+
+    def near(self, ids: NDArray[np.int32], own: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return which of the children numbered ``ids``, in their order, have the roots nearest to those of ``own``: at
+        least about `NEAR` for each, block by block."""
+        low, high = self._boxes
+        standing = self._standing[ids]
+        blocks = min(-(-NEAR * self.count // (W * len(ids))), len(low))
+        marked = np.zeros(len(low), bool)
+        for root in self.family.roots[standing[own]]:
+            away = np.maximum(np.maximum(low - root, root - high), 0.0)
+            marked[np.argpartition((away * away).sum(1), blocks - 1)[:blocks]] = True
+        return np.flatnonzero(marked[standing // W])
+
     def _place(self, at: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return roots (A, 3), metres, and vectors across (A, 3), as in `family`, at a time in seconds, in the world.
         They are kept for as long as they stand still."""
@@ -133,6 +164,13 @@ class Children:
         found = np.empty(self.count, np.int32)
         found[self.family.ids] = np.arange(self.count, dtype=np.int32)
         return found
+
+    @cached_property
+    def _boxes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The bounding boxes (A / W, 3) of the roots of each W children of `family`: low and high corners."""
+        begins = np.arange(0, self.count, W)
+        roots = self.family.roots
+        return np.minimum.reduceat(roots, begins, axis=0), np.maximum.reduceat(roots, begins, axis=0)
 
     @cached_property
     def _deforming(self) -> Deforming | None:

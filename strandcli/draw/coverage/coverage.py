@@ -101,7 +101,7 @@ class Coverage:
         """Return a resolved layer of one tile without fragments, so that the kernels that use layers are compiled."""
         fragments = Fragments(
             np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING, NO_BITS,
-            1, PLACES, 0, 1, 1,
+            np.zeros(1, np.uint8), 1, PLACES, 0, 1, 1,
         )  # fmt: skip
         chains, none = np.zeros((1, 1), np.int64), np.zeros((0, 2), np.int64)
         segments = TileSegments(none, none[:, 0].copy(), chains, chains, np.zeros(1, np.int64))
@@ -141,7 +141,9 @@ class Coverage:
         masked = exact and widths is not None and widest > float(MASKED) and float(self.opacity) == 1.0
         extents = scratch.borrow("extents", (len(lines.first) - 1, 2), np.float32)
         strand_extents.find_extents(lines.first, screen, NOTHING if widths is None else widths, self.size[0], extents)
-        picture = _Picture(drawn, extents, lines.stride, edges, depth_slope, masked, scratch)
+        closed = scratch.borrow("closed", self.size[0] * self.size[1], np.uint8)
+        closed.fill(0)
+        picture = _Picture(drawn, extents, lines.stride, edges, depth_slope, masked, closed, scratch)
         if not self._rows.any():
             self._estimate(drawn, workers)
         pending = self._cuts()[::-1]
@@ -263,7 +265,7 @@ class Coverage:
             borrow("tiles_begin", tiles, np.int64), borrow("fragment_counts", tiles * PIXELS, np.uint32),
             borrow("fragment_vertices", room, np.uint32), borrow("fragment_weights", room, np.float32),
             borrow("fragment_along", room, np.float32),
-            borrow("fragment_points", room, np.uint64) if picture.masked else NO_BITS,
+            borrow("fragment_points", room, np.uint64) if picture.masked else NO_BITS, picture.closed,
             picture.stride, place_bits, top, bottom, self.size[0],
         )  # fmt: skip
 
@@ -286,4 +288,6 @@ class _Picture:
     depth_slope: DepthSlope
     masked: bool
     """Whether fragments have masks of the points of a sample."""
+    closed: NDArray[np.uint8]
+    """As in `tiles.Fragments`."""
     scratch: Scratch

@@ -14,6 +14,7 @@ from ..common.scratch import Scratch
 from ..view.camera import View
 from ..view.kernels import project
 from .curves import Polylines
+from .kernels import bounds
 
 
 @dataclass(frozen=True)
@@ -38,22 +39,24 @@ def bounds_of(
 
     Other strands do not count, so that a frame does not depend on those that other frames need. ``fade`` (strands,):
     strands that fade extend the box in proportion, so that it does not jump."""
-    rows = positions.reshape(*positions.shape[:2], 3, W)[:, 1:]
     if fade is None:
+        rows = positions.reshape(*positions.shape[:2], 3, W)[:, 1:]
         whole = strands // W
         parts = [rows[:whole], rows[whole : whole + 1, ..., : strands - whole * W]]
         parts = [part for part in parts if part.size]
         # first over blocks: over several axes at once NumPy takes ten times as long
         low = np.min([part.min(0).min((0, 2)) for part in parts], 0)
         return np.stack([low, np.max([part.max(0).max((0, 2)) for part in parts], 0)]).astype(np.float64)
-    low, high = (
-        side.transpose(0, 2, 1).reshape(-1, 3)[:strands].astype(np.float64) for side in (rows.min(1), rows.max(1))
-    )
+    sides = np.empty((2, len(positions), 3, W), np.float32)
+    bounds.find(positions, sides[0].reshape(-1, 3 * W), sides[1].reshape(-1, 3 * W))
+    low, high = sides.transpose(0, 1, 3, 2).reshape(2, -1, 3)[:, :strands]
     full = fade == fade.max()
-    inner = np.stack([low[full].min(0), high[full].max(0)])
-    part = fade[:, None]
-    lower, higher = ((low - inner[0]) * part).min(0), ((high - inner[1]) * part).max(0)
-    return np.asarray(inner + np.stack([np.minimum(lower, 0), np.maximum(higher, 0)]))
+    inner = np.stack([low[full].min(0), high[full].max(0)]).astype(np.float64)
+    some = np.flatnonzero((fade > 0) & ~full)  # whole ones are inside, and the others are not drawn
+    if not len(some):
+        return inner
+    lower, higher = (low[some] - inner[0]) * fade[some, None], (high[some] - inner[1]) * fade[some, None]
+    return np.asarray(inner + np.stack([np.minimum(lower.min(0), 0), np.maximum(higher.max(0), 0)]))
 
 
 def thickness_of(material: Material, view: View, bounds: NDArray[np.float64]) -> Thickness:

@@ -47,12 +47,20 @@ def spacing_of(
 
     The points are evenly distributed along and over the strands, or those that ``among`` says.
     """
-    unit = (0.5 + np.arange(POINTS)[:, None] * np.array([1 / PLASTIC, 1 / PLASTIC**2])) % 1.0
-    own = (unit[:, 0] * (strands if among is None else len(among))).astype(np.int64)
-    own = own if among is None else among[own].astype(np.int64)
-    rows = 1 + (unit[:, 1] * (positions.shape[1] - 1)).astype(np.int64)
+    own = measured(strands) if among is None else among[measured(len(among))].astype(np.int64)
+    rows = 1 + (_even()[:, 1] * (positions.shape[1] - 1)).astype(np.int64)
     points = positions.reshape(*positions.shape[:2], 3, W)[own // W, rows, :, own % W]
     return float(np.median(spacing_at(positions, strands, np.ascontiguousarray(points), own)))
+
+
+def measured(strands: int) -> NDArray[np.int64]:
+    """Return on which of so many strands each of the `POINTS` points lies."""
+    return np.asarray(_even()[:, 0] * strands, np.int64)
+
+
+def _even() -> NDArray[np.float64]:
+    """(`POINTS`, 2) points that are evenly distributed in the unit square."""
+    return np.asarray((0.5 + np.arange(POINTS)[:, None] * np.array([1 / PLASTIC, 1 / PLASTIC**2])) % 1.0)
 
 
 def first_emitted(strands: int, ids: NDArray[np.int32] | None) -> NDArray[np.int64]:

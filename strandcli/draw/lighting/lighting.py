@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 NO_BOX = np.zeros(BOX_SIZE, np.float32)
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """Stands for pixels at their own positions."""
+NOT_HIDDEN = np.zeros(0, np.uint8)
+"""No pixel is hidden."""
 
 NO_GRAIN = (np.zeros(0, np.float32), np.zeros(5, np.float32))
 
@@ -95,18 +97,22 @@ class Lighting:
         )  # fmt: skip
 
     def shade_surfaces(
-        self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS
-    ) -> None:
+        self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS,
+        hidden: NDArray[np.uint8] = NOT_HIDDEN, rows: tuple[int, int] | None = None,
+    ) -> None:  # fmt: skip
         """Composite the shaded solids of a z-buffer ``keys`` (height * width,) over image (height, width, 3).
 
-        spots (pixels, 2): positions of the pixels on the screen; without rows each pixel is at its own position.
+        spots (pixels, 2): positions of the pixels on the screen; without rows each pixel is at its own position. hidden
+        (height * width,): not 0 at pixels that are left as they are, as are those outside of the rows.
         """
         if self.solids is None:
             return
+        (top, bottom), width = rows or (0, len(image)), image.shape[1]
         seen = [solid for solid in self.scene.solids if solid.visible]
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
-            Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN)), self._surround(),
+            Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN), hidden, width * top, width * bottom),
+            self._surround(),
             StrandLight(self.palette.colour, given(self.palette.loss, 4)), self._lights(given(None, 0)),
             map_arrays(self.maps), self.solids, coating_of(seen, paint), image,
         )  # fmt: skip

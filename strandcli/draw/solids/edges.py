@@ -43,6 +43,14 @@ class Edges:
     counts: NDArray[np.int64]
     """All solids in these pixels, as written by `kernels.edges.sample`."""
 
+    def within(self, begin: int, end: int) -> Edges:
+        """Return the edges in the pixels begin … end − 1, in the same arrays."""
+        here = slice(*np.searchsorted(self.pixels, (begin, end)).tolist())
+        return Edges(
+            self.hides, self.pixels[here], self.depth[here], self.cover[here], self.light[here], self.keys[here],
+            self.spots[here], self.counts[here],
+        )  # fmt: skip
+
     def composite(self, shade: Shade, image: NDArray[np.float32], backdrop: NDArray[np.float32]) -> None:
         """Write what the edge pixels show behind the solid in front to the picture (height, width, 3), and set `light`.
 

@@ -11,7 +11,9 @@ import pytest
 
 from strand_kit import frames_of, groom_of, scene_of
 from strandcli.blocks import lanes, pack
+from strandcli.draw.drawn_strands import DrawnStrands
 from strandcli.draw.geometry.detail import level_of
+from strandcli.groom.children import Children
 from strandcli.plan import make_plan, needed_strands
 from strandcli.scene.detail import BAND, near_of, share_at, share_bounds, strands_needed
 from strandcli.scene.model import Scene
@@ -229,3 +231,39 @@ def test_a_frame_draws_the_same_strands_whichever_frames_are_drawn_with_it() -> 
         assert alone.report["counts"]["strands"] == together[number].report["counts"]["strands"]
         np.testing.assert_array_equal(alone.image, together[number].image)
         np.testing.assert_array_equal(alone.positions, together[1].positions[: len(alone.positions)])  # type: ignore[index, arg-type]
+
+
+CHILDREN = """
+seed: 5
+emitter: {strands: 90, particles: 4, shape: {kind: plane, width: 3, depth: 9}, length: 0.3, jitter: 20}
+children: {count: 400, clumps: [{size: 0.2}], waves: [{radius: 0.01, length: 0.2}]}
+rules: [gravity, {wind: {strength: 3}}]
+camera: {position: [0, 0.6, 6], target: [0, 0.2, 0], fov: 24}
+image: {size: [96, 72], resolver: sorted}
+material: {model: chiang, scatter: dual, width: 0.004, taper: 0.3, colour_variation: 0.5}
+ambient: [0.5, 0.5, 0.5]
+ambient_occlusion: {cells: 3000}
+lights: [{kind: directional, direction: [1, -1, -0.4], shadow: {model: opacity, size: 64}}]
+solids: [{kind: plane}]
+detail: {near: 1.2, fraction: 0.05}
+"""
+
+
+def test_children_that_are_not_drawn_are_not_made_and_no_pixel_differs(monkeypatch: pytest.MonkeyPatch) -> None:
+    grown: list[int] = []
+    grow = Children.grow
+
+    def note(self: Children, positions: Any, lengths: Any, at: float, ids: Any, scratch: Any) -> Any:
+        grown.append(len(ids))
+        return grow(self, positions, lengths, at, ids, scratch)
+
+    monkeypatch.setattr(Children, "grow", note)
+    (few,) = frames_of(scene_of(CHILDREN), 2)
+    drawn = few.report["counts"]["strands"]
+    assert 3000 < drawn < 12000
+    assert grown[0] == drawn and grown[1] < 24000  # and those about the points where spacing is measured
+    grown.clear()
+    monkeypatch.setattr(DrawnStrands, "_choose", lambda *_: (None, None))
+    (every,) = frames_of(scene_of(CHILDREN), 2)
+    assert grown == [36000]
+    np.testing.assert_array_equal(few.image, every.image)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from strand_kit import frames_of, scene_of
+from strandcli.draw.canvas import Canvas
+from strandcli.draw.lighting.lighting import NO_SPOTS, Lighting
 
 # no strand is near the camera, or one as wide as a board, alone: all light comes from everywhere
 SCENE = """
@@ -69,6 +73,37 @@ def test_edges_do_not_depend_on_bands(monkeypatch: pytest.MonkeyPatch) -> None:
         "strandcli.draw.coverage.coverage.Coverage._cuts", lambda self: [(0, 7), (7, 8), (8, 40), (40, 48)]
     )
     np.testing.assert_array_equal(light(BETWEEN, "perspective", "sorted", 1, BALL, ROD, GROUND), whole)
+
+
+def test_solids_behind_closed_strands_are_not_shaded_and_no_pixel_differs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In bands, with haze and edges of solids before, between and behind an opaque board."""
+    left: list[np.ndarray] = []
+    shade = Lighting.shade_surfaces
+
+    def note(self: Lighting, keys: Any, image: Any, spots: Any = NO_SPOTS, *rest: Any) -> None:
+        before = image.copy()
+        shade(self, keys, image, spots, *rest)
+        if not len(spots):
+            left.append((image != before).any(2))
+
+    def all_of_them(self: Canvas, layer: Any, edges: Any) -> None:
+        rows = layer.fragments.top, layer.fragments.bottom
+        self._surfaces(self.keys, self.image, rows=rows)
+        edges.within(rows[0] * self.size[0], rows[1] * self.size[0]).composite(
+            self._surfaces, self.image, self.backdrop
+        )
+
+    monkeypatch.setattr("strandcli.draw.coverage.coverage.Coverage._cuts", lambda self: [(0, 21), (21, 48)])
+    monkeypatch.setattr(Lighting, "shade_surfaces", note)
+    text = SCENE % (BETWEEN, "perspective", "sorted", 1, f"[{BALL}, {ROD}, {GROUND}]")
+    scene = scene_of(text.replace("image: {", "image: {haze: 20, "))
+    spared = np.asarray(frames_of(scene, 1)[0].aovs["linear"])
+    shaded = np.any(left, 0)
+    left.clear()
+    monkeypatch.setattr(Canvas, "_behind", all_of_them)
+    whole = np.asarray(frames_of(scene, 1)[0].aovs["linear"])
+    assert np.any(left, 0).sum() > shaded.sum() + 100
+    np.testing.assert_array_equal(spared, whole)
 
 
 def test_a_picture_of_one_pixel_and_a_ball_about_the_camera_have_edges_or_none() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from ....jit import device, inlined
 from ...common.kernels.bits import popcount
 from .masks import ALL_POINTS, NO_POINTS, POINTS, covered_points
-from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, TILE_WIDTH, UNIT
+from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, ROW_BITS, TILE_WIDTH, UNIT
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -32,16 +32,16 @@ def numbers(fragments, i):
 
 @device
 def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
-    """Write the visible fragments of tile number `tile`, with their weights, to `out` from index o on; return the index
-    of their end.
+    """Write the visible fragments of a tile, with their weights, to `out` from index o on; return the index of their
+    end.
 
-    fragments, counts, ends, order: from `sorting.sort_pixels`; vertices: number of vertices of all strands; out:
-    `tiles.Fragments`; marks (V,): set at the lit vertices before visible fragments.
+    fragments, counts, ends, order: from `sorting.sort_pixels`; vertices: number of vertices of all strands; tile:
+    `tiles.Tile`; out: `tiles.Fragments`; marks (V,): set at the lit vertices before visible fragments.
 
     Segments that follow each other in their strand and in depth are parts of one surface: their opacities add up. All
     others cover the pixel independently.
     """
-    base = tile * PIXELS
+    base = tile.number * PIXELS
     bits = out.place_bits
     for p in range(np.uint64(PIXELS)):
         end = np.int64(ends[p])
@@ -70,7 +70,20 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
             out.along[to] = np.float32(t) * UNIT
             o += 1
         out.counts[np.uint64(base) + p] = o - begin
+        close(out, tile, np.int64(p), begin, o)
     return o
+
+
+@inlined
+def close(out, tile, p, begin, end):
+    """Store whether the fragments begin … end − 1 of pixel p of a tile let nothing through, as `resolve.blend` has
+    it."""
+    if end > begin:
+        total = ZERO
+        for i in range(begin, end):
+            total += out.weight[np.uint64(i)]
+        at = (tile.top + (p >> ROW_BITS)) * out.width + tile.left + (p & (TILE_WIDTH - 1))
+        out.closed[np.uint64(at)] = np.uint8(ONE - total < OPAQUE)
 
 
 @device
@@ -78,8 +91,8 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
     """Write fragments as `composite` does, with masks of the points of a sample that wide strands cover: a wide strand
     hides just these points. Thin strands cover a sample independently.
 
-    lines: `ScreenLines` with widths in samples; table: from `strandcli.draw.coverage.masks.half_planes`; tile:
-    `tiles.Tile`; other arguments as in `composite`.
+    lines: `ScreenLines` with widths in samples; table: from `strandcli.draw.coverage.masks.half_planes`; other
+    arguments as in `composite`.
     """
     screen, widths = lines.screen, lines.widths
     base, bits = tile.number * PIXELS, out.place_bits
@@ -131,4 +144,5 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
             for i in range(begin, o):
                 out.weight[i] /= total
         out.counts[np.uint64(base) + p] = o - begin
+        close(out, tile, np.int64(p), begin, o)
     return o

@@ -80,7 +80,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
             list_by_pixel(fragments, n, counts, ends, depths, listed)
             sort_pixels(listed, counts, ends, depths, opaque, ranks, spare, order)
             if table is None:
-                o = composite(listed, counts, ends, order, lines.screen.shape[0], number, o, out, marks)
+                o = composite(listed, counts, ends, order, lines.screen.shape[0], tile, o, out, marks)
             else:
                 o = composite_masked(listed, counts, ends, order, lines, table, tile, o, out, marks)
 

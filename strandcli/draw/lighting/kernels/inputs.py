@@ -93,6 +93,11 @@ class Screen(NamedTuple):
     """(n,) `strandcli.draw.film.film.level_sizes`; no rows: solids are not dithered."""
     frame: NDArray[np.float32]
     """(5,) columns of `strandcli.draw.common.kernels.dither`."""
+    hidden: NDArray[np.uint8]
+    """(height * width,) not 0 at pixels that are left as they are; no rows: there are none."""
+    begin: int
+    end: int
+    """The pixels that are shaded: begin … end − 1, the others are left as they are."""
 
 
 class Coating(NamedTuple):

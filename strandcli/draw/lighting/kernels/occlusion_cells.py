@@ -32,14 +32,14 @@ ONE = np.float32(1.0)
 
 
 @function
-def count_strands(positions, strands, step, width, taper, scale, weight, box, cells):
-    """Add every step-th strand of positions (blocks, n + 1, 3 W) to the cells (V, CHANNELS), times ``weight``.
+def count_strands(positions, chosen, width, taper, scale, weight, box, cells):
+    """Add the strands chosen (N,) int64 of positions (blocks, n + 1, 3 W) to the cells (V, CHANNELS), times ``weight``.
 
     width: metres at the root, smaller by the share `taper` at the tip; scale (strands,): factor of each strand's width,
     or None; box (`BOX_SIZE`,), cells: columns of `occlusion_columns`.
     """
     n = positions.shape[1] - 1
-    for s in range(np.int64(0), strands, step):
+    for s in chosen:
         block = s // W
         lane = s % W
         own = weight * (width if scale is None else width * scale[s])

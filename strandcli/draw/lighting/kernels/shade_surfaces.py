@@ -61,13 +61,13 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
     of themselves, which z-buffer keys do not show; there the mean of 4×4 rays is used.
     """
     keys = screen.keys
-    count = np.int64(keys.shape[0])
+    first, last = np.int64(screen.begin), np.int64(screen.end)
     width = image.shape[1]
     picture = image.reshape(-1)
-    tasks = np.int64((count + PIXELS - 1) // PIXELS)
+    tasks = np.int64((last - first + PIXELS - 1) // PIXELS)
     for turn in prange(places(tasks)):
-        p = task_at(np.int64(turn), tasks) * PIXELS
-        end = min(p + PIXELS, count)
+        p = first + task_at(np.int64(turn), tasks) * PIXELS
+        end = min(p + PIXELS, last)
         work = np.empty(ROWS * W, np.float32)
         which = np.empty(W, np.int64)
         way = mirror.Rays(
@@ -75,7 +75,7 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
             np.empty(W, np.int64), np.empty(mirror.room(coating.mirrors, ROWS * W), np.float32),
         )  # fmt: skip
         while p < end:
-            p, n, solid, fine = fill_batch(keys, p, end, width, screen.camera, solids, screen.spots, work, which)
+            p, n, solid, fine = fill_batch(screen, p, end, width, solids, work, which)
             if n > 0:
                 look(work, n, screen.camera)
                 batch(work, n, solid, surround, strands, lights, shadows, solids, coating)

@@ -24,13 +24,14 @@ FINE = 4
 
 
 @device
-def fill_batch(keys, p, end, width, view, solids, spots, work, which):
+def fill_batch(screen, p, end, width, solids, work, which):
     """Fill a batch with pixels of one solid, from pixel number p on, or with the rays of a single pixel in which the
     solid has an edge in front of itself.
 
-    Returns the next pixel, the number of points, the number of the solid, and whether they are rays of one pixel. keys,
-    spots: of `inputs.Screen`; end: first pixel beyond the task; which (W,) int64 out: pixel of each point.
+    Returns the next pixel, the number of points, the number of the solid, and whether they are rays of one pixel.
+    screen: `inputs.Screen`; end: first pixel beyond the task; which (W,) int64 out: pixel of each point.
     """
+    keys, view, spots, hidden = screen.keys, screen.camera, screen.spots, screen.hidden
     n = np.int64(0)
     solid = np.int64(-1)
     blends = False
@@ -38,6 +39,8 @@ def fill_batch(keys, p, end, width, view, solids, spots, work, which):
     for at in range(p, end):
         key = keys[at]
         if key == EMPTY or (key & LOW) < FIRST:
+            continue
+        if hidden.shape[0] > 0 and hidden[at] != 0:
             continue
         own = np.int64((key & LOW) - FIRST)
         if n > 0 and (own != solid or n == W):
