@@ -123,3 +123,15 @@ def test_a_ringlet_bounces_on_where_euler_s_method_has_calmed_it() -> None:
     kept, calmed = (bounce(ringlet(24, f"torsion: 0.7, drag: 0, integrator: {one}"), 2) for one in ("bdf2", "euler"))
     assert np.ptp(kept[24:]) > 5 * np.ptp(calmed[24:])
     assert np.ptp(kept[24:]) < 0.5 * np.ptp(kept[:24])
+
+
+@pytest.mark.parametrize("integrator", ["bdf2", "euler"])
+def test_strands_of_every_pack_are_moved(integrator: str) -> None:
+    scene = scene_of(
+        f"solver: rod\nrod: {{integrator: {integrator}}}\nemitter: {{strands: 40, particles: 6, curl_angle: 30, "
+        "curl_turns: 1, rotation: [90, 0, 0]}\nrules: [gravity]\n"
+    )
+    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
+    start = solver.particles().copy()
+    solver.advance(2)
+    assert np.abs(solver.particles() - start).max(axis=(1, 2)).min() > 1e-4

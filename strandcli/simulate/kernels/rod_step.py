@@ -156,6 +156,8 @@ def keeps(flags):
     """Whether rest shapes are kept for the next step, or for the next iteration."""
     if flags.oval is not None:
         return True
+    if flags.second is None:
+        return False
     return flags.second
 
 
