@@ -17,7 +17,7 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simd import load, store, vector_pointer
 from strandcli.simulate.advice import warnings
-from strandcli.simulate.kernels.turning import cosine_sine
+from strandcli.simulate.kernels.turning import cosine_sine, cosine_sine_of_small
 from strandcli.simulate.material import COIL_STEP, MOST_INNER
 from strandcli.simulate.rod import RodSolver
 from strandcli.study.exactness import scene_of as reference_scene
@@ -27,21 +27,25 @@ from strandcli.study.references import spring
 
 @njit(error_model="numpy")
 def turned(given: Any, out: Any, count: int) -> None:
-    """Cosines of vectors of angles, and then their sines."""
+    """Cosines of vectors of angles, then their sines, and then both by the series of small ones."""
     angles, to = vector_pointer(given), vector_pointer(out)
     for i in range(count):
         c, d = cosine_sine(load(angles, i))
         store(to, i, c)
         store(to, count + i, d)
+        c, d = cosine_sine_of_small(load(angles, i))
+        store(to, 2 * count + i, c)
+        store(to, 3 * count + i, d)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_cosines_and_sines_are_right_to_the_last_digits(dtype: Any) -> None:
-    angles, out = aligned((1024,), dtype), aligned((2, 1024), dtype)
-    angles[...] = np.concatenate([np.linspace(-4, 4, 512), np.linspace(-3000, 3000, 512)])
+    angles, out = aligned((1536,), dtype), aligned((4, 1536), dtype)
+    angles[...] = np.concatenate([np.linspace(-1, 1, 512), np.linspace(-4, 4, 512), np.linspace(-3000, 3000, 512)])
     turned(angles, out.reshape(-1), angles.nbytes // VECTOR)
     exact = np.array([np.cos(angles.astype(np.longdouble)), np.sin(angles.astype(np.longdouble))])
-    assert np.abs(out - exact).max() <= np.finfo(dtype).eps
+    assert np.abs(out[:2] - exact).max() <= np.finfo(dtype).eps
+    assert np.abs(out[2:, :512] - exact[:, :512]).max() <= np.finfo(dtype).eps
 
 
 def stretched(particles: int, **rod: Any) -> float:

@@ -34,7 +34,7 @@ from .records import DAMPING, ROTATION, SOFT, STEP, TIP_JOINT, TORSION
 from .rod import TINY
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT
 from .rod_tension import particle_gain
-from .turning import cosine_sine
+from .turning import cosine_sine, cosine_sine_of_small
 
 GREATEST_TWIST_CHANGE = 1.0
 """Radians that ψ changes by in a step at the most."""
@@ -134,8 +134,9 @@ def transport_frames(s, at, state, material, forcing, held, soft):
         else:
             v, w = v * c - w * d, v * d + w * c
             x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
-            stiff = ex * x + ey * y + ez * z
-            turn = (v * bx - w * ax) * ex + (v * by - w * ay) * ey + (v * bz - w * az) * ez
+            f, g = ax * ex + ay * ey + az * ez, bx * ex + by * ey + bz * ez
+            stiff = v * f + w * g
+            turn = v * g - w * f
         store3(s, o + TARGET, 1, x, y, z)
         if j > 0:
             before = torsion * joint[j - 1]
@@ -203,12 +204,12 @@ def add_reactions(s, at, state, material, rigid, share, held, kept):
         q = q * rate
         angle = now
         # moment and twist torque of the joint after, and the twist torque of this one
-        mx, my, mz = cross(nx, ny, nz, sx, sy, sz)
-        fx, fy, fz = cross(ex, ey, ez, mx - q * px + after * nx, my - q * py + after * ny, mz - q * pz + after * nz)
+        fx, fy, fz = cross(ex, ey, ez, after * nx - q * px, after * ny - q * py, after * nz - q * pz)
         f = sx * ex + sy * ey + sz * ez
-        bx += fx + sx - f * ex
-        by += fy + sy - f * ey
-        bz += fz + sz - f * ez
+        g = 1.0 - (nx * ex + ny * ey + nz * ez)
+        bx += fx + f * (nx - ex) + g * sx
+        by += fy + f * (ny - ey) + g * sy
+        bz += fz + f * (nz - ez) + g * sz
         # this joint's rest vector
         bend = at.bend + (j + 1) * AXES
         x, y, z = rest_vector(s, o, (px, py, pz), (ex, ey, ez), now - past, soft, material.bends, bend)
@@ -227,7 +228,7 @@ def rest_vector(s, o, before, edge, turned, soft, bends, bend):
     ``turned`` by an angle. ``bend``: place of its bend in ``bends``."""
     px, py, pz = before
     x, y, z = load3(s, o + TARGET, 1)
-    c, d = cosine_sine(turned)
+    c, d = cosine_sine_of_small(turned)
     wx, wy, wz = cross(px, py, pz, x, y, z)
     if soft is not None:
         u, v, w = load3(bends, bend, PACK)
