@@ -17,6 +17,7 @@ from ..solids.shapes import other, other_code
 from .material import coil_rates, matter_along, softened, stiffness, torsion
 from .rest_shape import coiled, unit_edges
 from .sag_free import hold
+from .section import softness as softness_of_section
 from .surroundings import gravity
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ GRAZED = 0.02
 them. Of roots that stay inside until the end, one is enough."""
 MOST_FRAMES = 4000
 """Frames that are looked at, the last and others, evenly spaced; all of films that have no more."""
+ROUNDED = 1e-12
+"""Relative error of a stiffness that is no more than rounding."""
 RETURNED = 1e-6
 """Tolerance between the first and the last pose of a loop, metres and elements of the rotation matrix."""
 SMALL = 0.5
@@ -149,8 +152,9 @@ def softness(scene: Scene, groom: Groom) -> list[str]:
     turn = np.array(emitter_pose(scene.emitter, 0.0).rotation)
     pull = turn.T @ gravity(scene) / lengths[:, None]
     twist = torsion(scene.rod, coiled(edges))
-    held = hold(groom.directions.astype(np.float64), np.stack(edges), mass, joint, own, twist, pull)
-    stiffer = held.stiffness > own
+    soft = softness_of_section(scene.rod)
+    held = hold(groom.directions.astype(np.float64), np.stack(edges), mass, joint, own, twist, pull, soft)
+    stiffer = held.stiffness > own * (1 + ROUNDED)
     if not stiffer.any():
         return []
     return [

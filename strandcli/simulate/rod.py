@@ -23,10 +23,10 @@ from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
 from .contact.between_strands import StrandContact, in_parts
 from .crowd import Crowd, Moment
-from .kernels.records import DRAG, FRICTION, ROOT_MASS, ROUNDING, TOLERANCE, TORSION, VELOCITY_STEP
+from .kernels.records import DRAG, FRICTION, ROOT_MASS, TOLERANCE, VELOCITY_STEP
 from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
-from .material import COIL_STEP, MOST_INNER, torsion
+from .material import COIL_STEP, MOST_INNER
 from .rod_clamped import pins_of
 from .rod_kernel import StepKernel
 from .rod_pinned import HEAVY, Pins
@@ -105,10 +105,8 @@ class RodSolver(Solver):
         rest, self._coil_rate = with_coils(scene, rest, shape)
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
-        self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags)
+        self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags, rod, shape.coiled)
         self.forcing.numbers[TOLERANCE] = TOLERANCES[flags.second, rod.precision == "double"]
-        self.forcing.numbers[ROUNDING] = 4 * float(np.finfo(self.dtype).eps)
-        self.forcing.numbers[TORSION] = torsion(rod, shape.coiled)
         self.mass = self.material.mass.copy()
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)

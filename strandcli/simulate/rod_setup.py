@@ -15,15 +15,16 @@ from ..blocks import aligned, lanes
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
-from .kernels.records import NUMBERS, POSE, Flags, Forcing, Material, State
+from .kernels.records import NUMBERS, POSE, ROUNDING, ROUNDS, SOFT, TORSION, Flags, Forcing, Material, State
 from .kernels.rod_scratch import PACK
 from .material import coil_rates, integrator_of, matter_along, needs_double, softened, stiffness, torsion
 from .rest_shape import coiled, straight, transported, unit_edges
 from .sag_free import hold
+from .section import oval, rounds, softness, wide_axes
 from .surroundings import gravity
 
 if TYPE_CHECKING:
-    from ..scene.model import Scene
+    from ..scene.model import Rod, Scene
     from .surroundings import Surroundings
 
 Floats = NDArray[np.float64]
@@ -59,6 +60,8 @@ class Shape(NamedTuple):
     """Whether rest shapes are curved."""
     coiled: bool
     """Whether some strand is a coil."""
+    wide: Floats | None
+    """(strands, 3) wide axes of oval sections at roots; None of round ones."""
 
 
 class Rest(NamedTuple):
@@ -106,8 +109,9 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
         edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
     bent = rest != "straight" and not straight([axes, *edges])
     rod = scene.rod
-    curled = bent or rest == "sag_free" or rod.yield_strain is not None or rod.end == "clamped"
-    return Shape(axes, edges, mended, curled, curled and coiled(edges))
+    framed = rod.yield_strain is not None or rod.end == "clamped" or oval(rod)
+    curled = bent or rest == "sag_free" or framed
+    return Shape(axes, edges, mended, curled, curled and coiled(edges), wide_axes(rod, axes, groom.tones))
 
 
 def flags_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) -> Flags:
@@ -115,7 +119,7 @@ def flags_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) 
     crowded = any(use.name in ("interaction", "contact") for use in scene.rules)
     return Flags(
         integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming, crowded,
-        scene.rod.end == "clamped", scene.rod.root == "free",
+        scene.rod.end == "clamped", scene.rod.root == "free", oval(scene.rod),
     )  # fmt: skip
 
 
@@ -153,16 +157,23 @@ def rest_of(scene: Scene, shape: Shape, matter: Matter, pose: Pose, dtype: Any) 
     if scene.rod.rest == "straight":
         targets = np.zeros_like(targets)
     angles = np.zeros((n, strands))
-    stiffer = matter.stiffness
+    stiffer, beyond = matter.stiffness, np.zeros(3)
     if scene.rod.rest == "sag_free":
         pull = np.array(pose.rotation).T @ gravity(scene) / matter.lengths[:, None]
         # masses as the kernel reads them: what they are rounded by would be a load
         mass, joint = (row.astype(dtype).astype(np.float64) for row in (matter.mass, matter.joint))
-        held = hold(shape.axes, edges, mass, joint, matter.stiffness, torsion(scene.rod, shape.coiled), pull)
-        targets, angles, stiffer = targets - held.bends, held.twist, held.stiffness
+        soft, twist_share = softness(scene.rod), torsion(scene.rod, shape.coiled)
+        held = hold(shape.axes, edges, mass, joint, matter.stiffness, twist_share, pull, soft)
+        angles, stiffer = held.twist, held.stiffness
+        if shape.wide is None:
+            targets = targets - held.bends
+        else:
+            beyond = transported(shape.axes, edges, held.bends, angles, shape.wide)[1]
+            beyond[..., :2] *= 1 - soft
         for j, force in enumerate(held.tension):
             tension[:, j] = packed(force[:, None], dtype)
-    across, local = transported(shape.axes, edges, targets, angles)
+    across, local = transported(shape.axes, edges, targets, angles, shape.wide)
+    local -= beyond
     bends[:, 0] = packed(across, dtype)
     for j, target in enumerate(local):
         bends[:, j + 1] = packed(target, dtype)
@@ -198,7 +209,7 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         push=zeros(flags.solids),
         touching=aligned((packs if flags.solids else 1, PACK), dtype),
         twist=rest.twist,
-        rest=zeros(flags.curled and flags.second),
+        rest=zeros(flags.curled and (flags.second or flags.oval)),
         crowd=zeros(flags.crowded),
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),
@@ -218,12 +229,16 @@ def material_of(matter: Matter, rest: Rest, dtype: Any) -> Material:
     )  # fmt: skip
 
 
-def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags) -> Forcing:
-    """What moves strands, before a first step has set its numbers."""
+def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags, rod: Rod, coiled: bool) -> Forcing:
+    """What moves strands, before a first step has set what changes of its numbers."""
     drifting = groom.roots if flags.deforming else groom.roots[:1]
+    numbers = np.zeros(NUMBERS, dtype)
+    numbers[ROUNDING] = 4 * float(np.finfo(dtype).eps)
+    numbers[TORSION] = torsion(rod, coiled)
+    numbers[SOFT], numbers[ROUNDS] = softness(rod), rounds(rod)
     return Forcing(
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),
-        np.zeros(POSE, dtype), np.zeros(NUMBERS, dtype), packed(np.zeros_like(drifting), dtype),
+        np.zeros(POSE, dtype), numbers, packed(np.zeros_like(drifting), dtype),
         aligned((packs if flags.held else 1, 2, 3 * PACK), dtype),
     )  # fmt: skip
 

@@ -51,6 +51,35 @@ def test_turns_are_spread_evenly_along_a_straight_strand() -> None:
     np.testing.assert_allclose(solver.particles()[0, :, 1:], 0, atol=1e-12)
 
 
+def test_a_tip_that_is_rotated_about_its_direction_twists_the_strand_through_whole_turns() -> None:
+    solver = straight([{"time": 0}, {"time": 2, "rotation": [-800, 0, 0]}])
+    run(solver, 4)
+    shares = (np.arange(10) + 0.5) / 10
+    np.testing.assert_allclose(solver.state.twist[0, :, 0], -math.radians(800) * shares, rtol=1e-9)
+
+
+def test_the_angle_of_a_tip_is_found_in_one_step() -> None:
+    solver = straight([{"time": 0, "ease": "step"}, {"time": 0.01, "rotation": [100, 0, 0]}])
+    solver.step(1 / 60, 1 / 60)
+    assert solver.state.turned[0, 0] == pytest.approx(math.radians(100), abs=1e-12)
+
+
+def test_damping_leaves_no_trace_at_rest() -> None:
+    """In the joint of the tip it would, were it not bent toward what it was."""
+    ends = []
+    for damping in (0.0, 0.02):
+        settings = preset(0.02, 1, 11, drag=8.0)
+        settings["rod"] |= {"end": "clamped", "precision": "double", "damping": damping, "torsion": 0.75}
+        settings["rod"] |= {"end_keys": [{"time": 0}, {"time": 1, "position": [-0.2, 0, 0]}]}
+        case = Case(settings, groom([[1, 0, 0]], [1.0]))
+        solver = prepare(CONTESTANTS["rod"], reference_scene(case, CONTESTANTS["rod"], {}), case)
+        assert isinstance(solver, RodSolver)
+        run(solver, 12)
+        ends.append(solver.particles()[0].copy())
+    assert np.ptp(ends[0][:, 1]) > 0.1
+    np.testing.assert_allclose(ends[1], ends[0], atol=1e-7)
+
+
 def test_a_twisted_ring_leaves_its_plane_where_michell_says() -> None:
     coarse, fine = (measured(michell.REFERENCE, count, 1 / 24, "onset") for count in (17, 33))
     assert fine < 0.012

@@ -61,7 +61,7 @@ def test_free_flight_keeps_momentum(integrator: str) -> None:
     flight = Flight(0.0, integrator)
     start, place = flight.velocity(), flight.centre()
     flight.run(1 / 60)
-    assert np.abs(flight.velocity() - start).max() < 1e-5 * np.linalg.norm(SPEED)
+    assert np.abs(flight.velocity() - start).max() < 1e-12 * np.linalg.norm(SPEED)
     np.testing.assert_allclose(flight.centre() - place, start, atol=1e-6)
     assert flight.solver.errors(1)["stretch_max"] < 1e-12  # type: ignore[operator]
 

@@ -17,7 +17,7 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simd import load, store, vector_pointer
 from strandcli.simulate.advice import warnings
-from strandcli.simulate.kernels.turning import cosine_sine
+from strandcli.simulate.kernels.turning import cosine_sine, cosine_sine_of_small
 from strandcli.simulate.material import COIL_STEP, MOST_INNER
 from strandcli.simulate.rod import RodSolver
 from strandcli.study.exactness import scene_of as reference_scene
@@ -27,21 +27,25 @@ from strandcli.study.references import spring
 
 @njit(error_model="numpy")
 def turned(given: Any, out: Any, count: int) -> None:
-    """Cosines of vectors of angles, and then their sines."""
+    """Cosines of vectors of angles, then their sines, and then both by the series of small ones."""
     angles, to = vector_pointer(given), vector_pointer(out)
     for i in range(count):
         c, d = cosine_sine(load(angles, i))
         store(to, i, c)
         store(to, count + i, d)
+        c, d = cosine_sine_of_small(load(angles, i))
+        store(to, 2 * count + i, c)
+        store(to, 3 * count + i, d)
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_cosines_and_sines_are_right_to_the_last_digits(dtype: Any) -> None:
-    angles, out = aligned((1024,), dtype), aligned((2, 1024), dtype)
-    angles[...] = np.concatenate([np.linspace(-4, 4, 512), np.linspace(-3000, 3000, 512)])
+    angles, out = aligned((1536,), dtype), aligned((4, 1536), dtype)
+    angles[...] = np.concatenate([np.linspace(-1, 1, 512), np.linspace(-4, 4, 512), np.linspace(-3000, 3000, 512)])
     turned(angles, out.reshape(-1), angles.nbytes // VECTOR)
     exact = np.array([np.cos(angles.astype(np.longdouble)), np.sin(angles.astype(np.longdouble))])
-    assert np.abs(out - exact).max() <= np.finfo(dtype).eps
+    assert np.abs(out[:2] - exact).max() <= np.finfo(dtype).eps
+    assert np.abs(out[2:, :512] - exact[:, :512]).max() <= np.finfo(dtype).eps
 
 
 def stretched(particles: int, **rod: Any) -> float:
@@ -123,3 +127,15 @@ def test_a_ringlet_bounces_on_where_euler_s_method_has_calmed_it() -> None:
     kept, calmed = (bounce(ringlet(24, f"torsion: 0.7, drag: 0, integrator: {one}"), 2) for one in ("bdf2", "euler"))
     assert np.ptp(kept[24:]) > 5 * np.ptp(calmed[24:])
     assert np.ptp(kept[24:]) < 0.5 * np.ptp(kept[:24])
+
+
+@pytest.mark.parametrize("integrator", ["bdf2", "euler"])
+def test_strands_of_every_pack_are_moved(integrator: str) -> None:
+    scene = scene_of(
+        f"solver: rod\nrod: {{integrator: {integrator}}}\nemitter: {{strands: 40, particles: 6, curl_angle: 30, "
+        "curl_turns: 1, rotation: [90, 0, 0]}\nrules: [gravity]\n"
+    )
+    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
+    start = solver.particles().copy()
+    solver.advance(2)
+    assert np.abs(solver.particles() - start).max(axis=(1, 2)).min() > 1e-4

@@ -17,7 +17,7 @@ from strandcli.study.stress.task import Task
 PINNED = {
     "dt": "60Hz", "B": "1", "gamma": "10", "wind": "calm", "emitter": "still", "contact": "none", "n": "10",
     "start": "straight", "integrator": "auto", "root": "clamped", "torsion": "none", "between": "none",
-    "rest": "straight", "end": "pinned", "yield": "none",
+    "rest": "straight", "end": "pinned", "yield": "none", "section": "round",
 }  # fmt: skip
 
 
@@ -29,7 +29,10 @@ def test_every_combination_of_traits_meets_every_pair_of_the_other_axes() -> Non
     wanted = set(covering.all_pairs(traits.OTHERS))
     assert all(met == wanted for met in found.values())
     left_out = set(product(*traits.TRAITS.values())) - set(found)
-    assert all(between in ("thin", "thick") and limit != "none" for between, _, _, limit in left_out)
+    for between, _, end, limit, section in left_out:
+        refused = between in ("thin", "thick"), limit != "none", end == "turned", section != "round"
+        assert sum(refused) > 1
+        assert section != "round" or all(refused[:2])
     assert len(traits.table()) == len(list(traits.combinations())) > 2000
 
 
@@ -50,6 +53,8 @@ def test_scenes_are_what_their_labels_say() -> None:
         ({"between": "thin", "integrator": "bdf2"}, "bdf2 does not go with the rule contact"),
         ({"between": "thin", "yield": "low"}, "yield_strain: does not go with the rule contact"),
         ({"rest": "sag_free", "root": "hinged"}, "hinged roots hold no strand up"),
+        ({"section": "oval", "yield": "low"}, "oval strands keep no set"),
+        ({"section": "flat", "end": "turned"}, "clamped tips know of no section"),
     ],
 )
 def test_what_is_refused_by_name_counts_as_refused(more: dict[str, str], words: str) -> None:

@@ -1,3 +1,5 @@
+# ruff: noqa: RUF009 - these calls make dataclass fields
+
 """The strands' matter."""
 
 from __future__ import annotations
@@ -5,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..fields import Vector, choice, integer, items, number, vector
+from ..fields import Vector, choice, integer, items, number, optional, vector
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -22,6 +24,22 @@ class EndKey:
         0.0, low=-1e4, high=1e4, doc="of each clamped tip about its own direction: the strand is twisted by so many"
     )
     ease: str = choice("smooth", ("smooth", "linear", "step"), doc="how this key is left for the next one")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Section:
+    """An ellipse across strands, that is not twisted where they are at rest. It counts for how strands bend and twist;
+    they are drawn and touch as round ones."""
+
+    wide: float = number(1.0, above=0, high=1e3, doc="half its wider axis over rod.radius")
+    thin: float = number(
+        1.0, above=0, high=1e3, doc="half its thinner axis over rod.radius; no less than a quarter of the wider one"
+    )
+    angle: float = number(
+        0.0, unit="deg", doc="of the wider axis about strands, at their roots: from the emitter's x as near as that "
+        "comes across them, or z of strands along x",
+    )  # fmt: skip
+    spread: float = number(0.0, low=0, high=180, unit="deg", doc="by which the angle differs from strand to strand")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -46,6 +64,9 @@ class Rod:
     radius: float | None = number(None, above=0, unit="m", doc="radius at the root; absent: the material's")
     young: float | None = number(None, above=0, high=1e13, unit="Pa", doc="Young's modulus; absent: the material's")
     tip: float = number(1.0, low=0.05, high=1, doc="radius at the tip over that at the root")
+    section: Section | None = optional(
+        Section, doc="of oval strands, which bend more easily one way than the other; absent: they are round"
+    )
     rest: str = choice(
         "shape",
         ("straight", "shape", "sag_free"),
@@ -67,7 +88,7 @@ class Rod:
     end_keys: tuple[EndKey, ...] = items(EndKey, doc="motion of pinned or clamped ends beside the emitter's")
     torsion: float | None = number(
         None, above=0, high=10,
-        doc="torsional over bending rigidity of curled strands, of a round rod 1 / (1 + Poisson's ratio), about 0.7: "
+        doc="torsional over bending rigidity of curled strands as round ones, 1 / (1 + Poisson's ratio), about 0.7: "
         "coils are springs; steps become shorter where that takes it; absent: 4, of coils 0.25, at the usual steps",
     )  # fmt: skip
     yield_strain: float | None = number(

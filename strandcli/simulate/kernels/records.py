@@ -10,13 +10,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
-VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS = 14, 15, 16, 17
-NUMBERS = 18
+VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, ROUNDS = 14, 15, 16, 17, 18, 19
+NUMBERS = 20
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
 bending rigidity, h of velocities in s, angle in radians by which clamped tips are turned, relative rigidity of their
-joint, relative mass of free roots times 1 + drag h."""
+joint, relative mass of free roots times 1 + drag h, of oval sections the share by which the softer direction's rigidity
+is less, and how many iterations set their rest anew."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
@@ -51,7 +52,7 @@ class State(NamedTuple):
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     rest: Any
     """(P, N, 3 S) rest values of each c_j in the world, as the last step had them; needed by curled strands with
-    BDF2."""
+    BDF2 or oval sections."""
     crowd: Any
     """(P, N, 3 S) acceleration of particles by the strands around them, m/s²; needed where strands interact."""
     positions: Any
@@ -83,7 +84,8 @@ class Material(NamedTuple):
     """(N,) relative rigidity of the joint before an edge; the root has 2."""
     bends: Any
     """(P, N + 1, 3 S) row 0 a unit vector across the clamped direction, in the emitter's frame, which the frame of the
-    clamp begins with; then the rest value of each c_j in the frame of the edge before it. Needed by curled strands."""
+    clamp begins with, of oval sections along the wide axis; then the rest value of each c_j in the frame of the edge
+    before it. Needed by curled strands."""
 
 
 class Forcing(NamedTuple):
@@ -127,6 +129,8 @@ class Flags(NamedTuple):
     """Whether tips are clamped."""
     loose: Any
     """Whether roots are free."""
+    oval: Any
+    """Whether sections are oval."""
 
 
 class Place(NamedTuple):
@@ -174,6 +178,8 @@ class Scheme(NamedTuple):
     """Whether rest shapes begin with those of the step before, and are set where the first change of edges leads to."""
     ends: Any
     """`Ends`."""
+    oval: Any
+    """Whether sections are oval, and rests are set anew between iterations: True, or None."""
 
 
 class Contact(NamedTuple):

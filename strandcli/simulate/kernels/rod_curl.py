@@ -14,6 +14,14 @@ Without that reaction the force is no gradient, and strands of many curls gain e
 c̄, so that the matrix of the step stays as it is: by Euler's method that of the edges before the step; by BDF2, which
 such a delay would drive, iterations begin with that which the step before ended with, and go on with that of the edges
 where the first of them has led to.
+
+Oval sections bend less easily along their wide axis n, from which ψ is measured, than along the thin one, n', where the
+rigidity is (1 − σ) κ: the energy is less by σ κ (n'·e_j − n'·m_j)² / 2. Its force is that of the rest vector
+
+    m_j + σ (n'·e_j − n'·m_j) n',
+
+set anew between iterations. Forces along the thin axis are then found as by the stiffer matrix, with an error that each
+iteration multiplies by σ κ h² / (M + κ h²) at the most (Hunter & Lange 2004, majorisation); what is at rest has none.
 """
 
 from __future__ import annotations
@@ -22,11 +30,11 @@ from ...constants import FOLD
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from . import rod_held
-from .records import DAMPING, ROTATION, STEP, TIP_JOINT, TORSION
+from .records import DAMPING, ROTATION, SOFT, STEP, TIP_JOINT, TORSION
 from .rod import TINY
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT
 from .rod_tension import particle_gain
-from .turning import cosine_sine
+from .turning import cosine_sine, cosine_sine_of_small
 
 GREATEST_TWIST_CHANGE = 1.0
 """Radians that ψ changes by in a step at the most."""
@@ -37,7 +45,7 @@ NEARLY = 0.01
 
 # between the iterations, these vectors of a segment are free
 TARGET = LOAD
-"""(3) What of m_j is across the edge before it."""
+"""(3) What of m_j is across the edge before it; of oval sections the wide axis by the ψ before the step."""
 PAST_TWIST = INNOVATION
 """ψ_{j−1} before the step."""
 TWIST_OFFSET, TWIST_FACTOR, FOLD_RATE = range(3)
@@ -45,13 +53,21 @@ TWIST_OFFSET, TWIST_FACTOR, FOLD_RATE = range(3)
 
 
 @device
-def set_rest(s, at, state, material, forcing, held, kept):
-    """Add the rest shape to c̄, and update the twist. ``held``: whether tips are clamped; ``kept``: whether it is
-    kept for the next step, and whether c̄ has what was kept before, which is replaced."""
-    numbers = forcing.numbers
-    transport_frames(s, at, state, material, forcing, held)
+def set_rest(s, at, state, material, forcing, scheme, kept):
+    """Add the rest shape to c̄, and update the twist. ``kept``: whether it is kept for the next step, and whether c̄
+    has what was kept before, which is replaced."""
+    numbers, held, soft = forcing.numbers, scheme.ends.held, softness(forcing.numbers, scheme.oval)
+    transport_frames(s, at, state, material, forcing, held, soft)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
-    add_reactions(s, at, state, material, numbers[TORSION], share, held, kept)
+    add_reactions(s, at, state, material, (numbers[TORSION], soft), share, held, kept)
+
+
+@device
+def softness(numbers, oval):
+    """σ of oval sections, else None."""
+    if oval is None:
+        return None
+    return numbers[SOFT]
 
 
 @inlined
@@ -75,10 +91,26 @@ def first_normal(pose, bends, bend):
     )
 
 
+@inlined
+def carried(ax, ay, az, way, edge):
+    """A normal in parallel transport from an edge t to the next one e: the rotation that takes t to e takes a to
+    a − (a·e) (t + e) / (1 + t·e). ``way``: (t + e) / (1 + t·e)."""
+    f = ax * edge[0] + ay * edge[1] + az * edge[2]
+    ax -= f * way[0]
+    ay -= f * way[1]
+    az -= f * way[2]
+    q = ax * ax + ay * ay + az * az
+    f = 1.5 - 0.5 * q  # 1 / √q: what is carried keeps its length, but for rounding and folds
+    folded = abs(q - 1.0) > NEARLY
+    if any_lane(folded):
+        f = where(folded, 1.0 / sqrt(max(q, TINY)), f)
+    return ax * f, ay * f, az * f
+
+
 @device
-def transport_frames(s, at, state, material, forcing, held):
+def transport_frames(s, at, state, material, forcing, held, soft):
     """Transport frames from the root to the tip: set `TARGET` by the ψ before the step, and eliminate the torques about
-    edges, linearised in ψ."""
+    edges, linearised in ψ. ``soft``: `softness`."""
     torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
     tx, ty, tz = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
@@ -92,18 +124,26 @@ def transport_frames(s, at, state, material, forcing, held):
         free = particle_gain(n, j)
         _, v, w = load3(bends, bend + (j + 1) * AXES, PACK)
         c, d = cosine_sine(angle)
-        v, w = v * c - w * d, v * d + w * c
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
-        x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
-        store3(s, o + TARGET, 1, x, y, z)
         ex, ey, ez = unit_edge(s, o)
+        if soft is not None:
+            x, y, z = c * ax + d * bx, c * ay + d * by, c * az + d * bz
+            turn, stiff = oval_torque(
+                (ex, ey, ez), (x, y, z), (c * bx - d * ax, c * by - d * ay, c * bz - d * az), v, w, soft
+            )
+        else:
+            v, w = v * c - w * d, v * d + w * c
+            x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
+            f, g = ax * ex + ay * ey + az * ez, bx * ex + by * ey + bz * ez
+            stiff = v * f + w * g
+            turn = v * g - w * f
+        store3(s, o + TARGET, 1, x, y, z)
         if j > 0:
             before = torsion * joint[j - 1]
             after = torsion * joint[j]
             if held is None and j + 1 == n:
                 after = 0.0
-            stiff = joint[j] * max(ex * x + ey * y + ez * z, 0.0)
-            turn = (v * bx - w * ax) * ex + (v * by - w * ay) * ey + (v * bz - w * az) * ez
+            stiff = joint[j] * max(stiff, 0.0)
             over = 1.0 / (before * (1.0 - b) + after + stiff)
             a = (joint[j] * turn + stiff * angle + before * a) * over
             b = after * over
@@ -111,22 +151,9 @@ def transport_frames(s, at, state, material, forcing, held):
             store(s, free + TWIST_FACTOR, b)
         store(s, o + PAST_TWIST, angle)
         angle = load(state.twist, at.tension + j * PACK)
-        # parallel transport: the rotation that takes t to e takes a to a − (a·e) (t + e) / (1 + t·e)
         rate = 1.0 / max(1.0 + tx * ex + ty * ey + tz * ez, LEAST_FOLD)
         store(s, free + FOLD_RATE, rate)
-        mx, my, mz = rate * (tx + ex), rate * (ty + ey), rate * (tz + ez)
-        f = ax * ex + ay * ey + az * ez
-        ax -= f * mx
-        ay -= f * my
-        az -= f * mz
-        q = ax * ax + ay * ay + az * az
-        f = 1.5 - 0.5 * q  # 1 / √q: what is carried keeps its length, but for rounding and folds
-        folded = abs(q - 1.0) > NEARLY
-        if any_lane(folded):
-            f = where(folded, 1.0 / sqrt(max(q, TINY)), f)
-        ax *= f
-        ay *= f
-        az *= f
+        ax, ay, az = carried(ax, ay, az, (rate * (tx + ex), rate * (ty + ey), rate * (tz + ez)), (ex, ey, ez))
         tx = ex
         ty = ey
         tz = ez
@@ -135,11 +162,22 @@ def transport_frames(s, at, state, material, forcing, held):
         rod_held.turn_tip(s, at, state, forcing, rigid, ((tx, ty, tz), (ax, ay, az)), (a, b))
 
 
+@inlined
+def oval_torque(e, wide, thin, v, w, soft):
+    """Torque about the edge before a joint by the bend of an oval section, over κ, and how it falls with ψ. v, w: the
+    rest along both axes."""
+    x = e[0] * wide[0] + e[1] * wide[1] + e[2] * wide[2]
+    y = e[0] * thin[0] + e[1] * thin[1] + e[2] * thin[2]
+    return v * y - (w + soft * (y - w)) * x, v * x + (1.0 - soft) * w * y + soft * (y * y - x * x)
+
+
 @device
-def add_reactions(s, at, state, material, torsion, share, held, kept):
+def add_reactions(s, at, state, material, rigid, share, held, kept):
     """From the tip to the root: set the new ψ, and add rest vectors by it, with their reaction on edges before, to c̄.
-    ``share``: of κ, that of the material without damping; ``held``, ``kept``: as in `set_rest`."""
+    ``rigid``: torsion and `softness`; ``share``: of κ, that of the material without damping; ``held``: whether tips are
+    clamped; ``kept``: as in `set_rest`."""
     n, joint = at.segments, material.joint
+    torsion, soft = rigid
     zero = broadcast(s, 0.0)
     sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after
     nx, ny, nz = zero, zero, zero  # the edge after it
@@ -166,20 +204,15 @@ def add_reactions(s, at, state, material, torsion, share, held, kept):
         q = q * rate
         angle = now
         # moment and twist torque of the joint after, and the twist torque of this one
-        mx, my, mz = cross(nx, ny, nz, sx, sy, sz)
-        fx, fy, fz = cross(ex, ey, ez, mx - q * px + after * nx, my - q * py + after * ny, mz - q * pz + after * nz)
+        fx, fy, fz = cross(ex, ey, ez, after * nx - q * px, after * ny - q * py, after * nz - q * pz)
         f = sx * ex + sy * ey + sz * ez
-        bx += fx + sx - f * ex
-        by += fy + sy - f * ey
-        bz += fz + sz - f * ez
+        g = 1.0 - (nx * ex + ny * ey + nz * ez)
+        bx += fx + f * (nx - ex) + g * sx
+        by += fy + f * (ny - ey) + g * sy
+        bz += fz + f * (nz - ez) + g * sz
         # this joint's rest vector
-        x, y, z = load3(s, o + TARGET, 1)
-        c, d = cosine_sine(now - past)
-        wx, wy, wz = cross(px, py, pz, x, y, z)
-        u = load(material.bends, at.bend + (j + 1) * AXES)
-        x = u * px + c * x + d * wx
-        y = u * py + c * y + d * wy
-        z = u * pz + c * z + d * wz
+        bend = at.bend + (j + 1) * AXES
+        x, y, z = rest_vector(s, o, (px, py, pz), (ex, ey, ez), now - past, soft, material.bends, bend)
         f = joint[j]
         sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
         f = 1.0 / joint[j]
@@ -187,6 +220,29 @@ def add_reactions(s, at, state, material, torsion, share, held, kept):
         nx, ny, nz = ex, ey, ez
         ex, ey, ez = px, py, pz
         after = q
+
+
+@inlined
+def rest_vector(s, o, before, edge, turned, soft, bends, bend):
+    """The rest vector of the joint at place o, between the edges ``before`` and ``edge``, after its frame has
+    ``turned`` by an angle. ``bend``: place of its bend in ``bends``."""
+    px, py, pz = before
+    x, y, z = load3(s, o + TARGET, 1)
+    c, d = cosine_sine_of_small(turned)
+    wx, wy, wz = cross(px, py, pz, x, y, z)
+    if soft is not None:
+        u, v, w = load3(bends, bend, PACK)
+        fx, fy, fz = c * wx - d * x, c * wy - d * y, c * wz - d * z  # the thin axis
+        w += soft * (fx * edge[0] + fy * edge[1] + fz * edge[2] - w)
+        x = u * px + v * (c * x + d * wx) + w * fx
+        y = u * py + v * (c * y + d * wy) + w * fy
+        z = u * pz + v * (c * z + d * wz) + w * fz
+    else:
+        u = load(bends, bend)
+        x = u * px + c * x + d * wx
+        y = u * py + c * y + d * wy
+        z = u * pz + c * z + d * wz
+    return x, y, z
 
 
 @inlined

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...jit import device
 from ...simd import any_lane, broadcast, load, sqrt, store, where
 from . import rod, rod_curl, rod_elimination, rod_start, rod_tension
-from .records import TOLERANCE
+from .records import ROUNDS, TOLERANCE
 from .rod_scratch import AXES, FIRST_SEGMENT, INDEFINITE, SEGMENT, TENSION
 
 PATIENCE = 6
@@ -42,7 +42,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     the present τ, not of the changed one. Energy is the merit function: a step after one that raised it is halved.
     """
     n, mass, joint, tolerance = at.segments, material.mass, material.joint, forcing.numbers[TOLERANCE]
-    ends, least = scheme.ends, 2 if scheme.ahead else 1
+    ends, least = scheme.ends, least_of(scheme, forcing.numbers)
     worst = total = ever_indefinite = broadcast(s, 0.0)
     single_share = min(1.0, FINE / n)
     mean_share = EVEN / n
@@ -60,11 +60,9 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
         quadratic = count > 0 and (indefinite or quadratic)
         if count > 0:
             far = quadratic or any_lane(worst > rod.FAR)
-            ahead = False
-            if scheme.ahead:
-                ahead = count == least
-                if ahead:  # before the second iteration, which never is left out
-                    rod_curl.set_rest(s, at, state, material, forcing, ends.held, (True, True))
+            ahead = sets_rest(scheme, count, least)
+            if ahead:  # before iterations that never are left out
+                rod_curl.set_rest(s, at, state, material, forcing, scheme, (True, True))
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR
@@ -90,6 +88,24 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     if quadratic:
         rod_elimination.factorise_bounded(s, n, mass, joint, ends)
     return worst
+
+
+@device
+def least_of(scheme, numbers):
+    """Iterations at the least."""
+    if scheme.oval is not None:
+        return 1 + int(numbers[ROUNDS])
+    return 2 if scheme.ahead else 1
+
+
+@device
+def sets_rest(scheme, count, least):
+    """Whether rest shapes are set anew before an iteration."""
+    if scheme.oval is not None:
+        return 1 < count <= least
+    if scheme.ahead:
+        return count == least
+    return False
 
 
 @device

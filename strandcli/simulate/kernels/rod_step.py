@@ -143,12 +143,22 @@ def ahead_of(second, curled, moved):
 
 
 @device
-def flags_of(descriptor, second, crowded, held, loose):
+def flags_of(descriptor, second, crowded, held, loose, oval):
     """`Flags` as booleans but for those that are as they are given, and ``second``, which may be None."""
     return Flags(
         second_of(descriptor, second), descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
-        descriptor[DEFORMING] != 0, crowded, held, loose,
+        descriptor[DEFORMING] != 0, crowded, held, loose, oval,
     )  # fmt: skip
+
+
+@device
+def keeps(flags):
+    """Whether rest shapes are kept for the next step, or for the next iteration."""
+    if flags.oval is not None:
+        return True
+    if flags.second is None:
+        return False
+    return flags.second
 
 
 @device
@@ -171,41 +181,41 @@ def others_of(kind, descriptor):
 @function
 def single(descriptor, worker):
     """Run the step in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True, None, None, None)
+    work(np.float32, descriptor, worker, solids_of, True, None, None, None, None)
 
 
 @function
 def single_euler(descriptor, worker):
     """Run the step of Euler's method alone in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, None, None, None, None)
+    work(np.float32, descriptor, worker, solids_of, None, None, None, None, None)
 
 
 @function
 def double(descriptor, worker):
     """Run the step in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True, None, None, None)
+    work(np.float64, descriptor, worker, solids_of, True, None, None, None, None)
 
 
 @function
 def single_crowded(descriptor, worker):
     """Run the step of strands that interact in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True, True, None, None)
+    work(np.float32, descriptor, worker, solids_of, True, True, None, None, None)
 
 
 @function
 def double_crowded(descriptor, worker):
     """Run the step of strands that interact in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True, True, None, None)
+    work(np.float64, descriptor, worker, solids_of, True, True, None, None, None)
 
 
 @inlined  # machine code that hands on a function's address could not be kept in the cache
-def work(kind, descriptor, worker, solids_of, second, crowded, held, loose):
+def work(kind, descriptor, worker, solids_of, second, crowded, held, loose, oval):
     """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
     all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``second``, ``crowded``,
-    ``held`` and ``loose``: as in `Flags`, None compiles nothing of it."""
+    ``held``, ``loose`` and ``oval``: as in `Flags`, None compiles nothing of it."""
     scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
     state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
-    flags, solids = flags_of(descriptor, second, crowded, held, loose), solids_of(kind, descriptor)
+    flags, solids = flags_of(descriptor, second, crowded, held, loose, oval), solids_of(kind, descriptor)
     pack = take(descriptor)
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
@@ -242,12 +252,12 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
-            ahead_of(flags.second, flags.curled, numbers[MOVED]), Ends(flags.held, flags.loose),
+            ahead_of(flags.second, flags.curled, numbers[MOVED]), Ends(flags.held, flags.loose), flags.oval,
         )  # fmt: skip
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         now = False if scheme.ahead else flags.curled
         if now:
-            rod_curl.set_rest(scratch, at, state, material, forcing, flags.held, (flags.second, False))
+            rod_curl.set_rest(scratch, at, state, material, forcing, scheme, (keeps(flags), False))
         rod_start.give_way(scratch)
         worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations)
         # | |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both

@@ -3,7 +3,12 @@ curled strand's step, and differ between machines in the last bit."""
 
 from __future__ import annotations
 
+from typing import Any
+
+from numba import types
+
 from ...jit import inlined
+from ...jit.pruned import device_where
 from ...simd import floor, where
 
 QUARTERS_A_RADIAN = 0.6366197723675814
@@ -12,21 +17,66 @@ QUARTER, QUARTER_REST, QUARTER_LAST = 1.5703125, 4.837512969970703e-4, 7.5497899
 """π / 2 in three parts, the first two short enough for whole multiples of them to be exact in single precision."""
 
 
+def _double(kind: Any) -> bool:
+    return bool(kind.dtype == types.float64)
+
+
+# Taylor's series by Horner's rule: coefficients are 1 over factorials, and twice as many of them in double precision
+
+
+def _short(q):
+    even = 1.0 - q * (0.5 - q * (1.0 / 24 - q * (1.0 / 720 - q * (1.0 / 40320))))
+    return even, q * (1.0 / 6 - q * (1.0 / 120 - q * (1.0 / 5040 - q * (1.0 / 362880))))
+
+
+@device_where(_double, _short)
+def _to_an_eighth(q):
+    """Cosine of √q and 1 less sine over √q, up to an eighth turn, of which 1e-17 is left out; in single precision
+    3e-8."""
+    even = q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q * (1.0 / 87178291200 - q * (1.0 / 20922789888000))))
+    odd = q * (-1.0 / 39916800 + q * (1.0 / 6227020800 - q * (1.0 / 1307674368000 - q * (1.0 / 355687428096000))))
+    return (
+        1.0 - q * (0.5 - q * (1.0 / 24 - q * (1.0 / 720 - q * (1.0 / 40320 + even)))),
+        q * (1.0 / 6 - q * (1.0 / 120 - q * (1.0 / 5040 - q * (1.0 / 362880 + odd)))),
+    )
+
+
+def _short_to_one(q):
+    even = 1.0 - q * (0.5 - q * (1.0 / 24 - q * (1.0 / 720 - q * (1.0 / 40320 - q * (1.0 / 3628800)))))
+    return even, q * (1.0 / 6 - q * (1.0 / 120 - q * (1.0 / 5040 - q * (1.0 / 362880 - q * (1.0 / 39916800)))))
+
+
+@device_where(_double, _short_to_one)
+def _to_one(q):
+    """The same up to one radian."""
+    even = 1.0 / 20922789888000 - q * (1.0 / 6402373705728000)
+    even = q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q * (1.0 / 87178291200 - q * even)))
+    odd = 1.0 / 355687428096000 - q * (1.0 / 121645100408832000)
+    odd = q * (-1.0 / 39916800 + q * (1.0 / 6227020800 - q * (1.0 / 1307674368000 - q * odd)))
+    return (
+        1.0 - q * (0.5 - q * (1.0 / 24 - q * (1.0 / 720 - q * (1.0 / 40320 + even)))),
+        q * (1.0 / 6 - q * (1.0 / 120 - q * (1.0 / 5040 - q * (1.0 / 362880 + odd)))),
+    )
+
+
+@inlined
+def cosine_sine_of_small(angle):
+    """Cosine and sine of angles of one radian at the most, to the last digits of either precision."""
+    even, odd = _to_one(angle * angle)
+    return even, angle - angle * odd
+
+
 @inlined
 def cosine_sine(angle):
     """Cosine and sine of radians, to the last digits of either precision for some thousand turns.
 
-    By the nearest quarter turn and Taylor's series about it, of which 1e-17 is left out (|rest| <= π / 4)."""
+    By the nearest quarter turn and a series about it."""
     quarters = floor(angle * QUARTERS_A_RADIAN + 0.5)
     rest = angle - quarters * QUARTER
     rest = rest - quarters * QUARTER_REST
     rest = rest - quarters * QUARTER_LAST
-    q = rest * rest
-    # even: cosine of the rest; odd: its sine; coefficients are 1 over factorials, in two lines each
-    even = q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q * (1.0 / 87178291200 - q * (1.0 / 20922789888000))))
-    even = 1.0 - q * (0.5 - q * (1.0 / 24 - q * (1.0 / 720 - q * (1.0 / 40320 + even))))
-    odd = q * (-1.0 / 39916800 + q * (1.0 / 6227020800 - q * (1.0 / 1307674368000 - q * (1.0 / 355687428096000))))
-    odd = rest - rest * (q * (1.0 / 6 - q * (1.0 / 120 - q * (1.0 / 5040 - q * (1.0 / 362880 + odd)))))
+    even, odd = _to_an_eighth(rest * rest)
+    odd = rest - rest * odd
     # which quarter it is, by the fractions of its number over two and four, compared with what they never are
     half = 0.5 * quarters
     swapped = half - floor(half) > 0.25

@@ -67,7 +67,19 @@ CONTESTANTS = {
         Contestant("thesis", frozenset(), True, (1 / 24, 1 / 60, 1 / 240), (1, 2, 4, 8)),
         Contestant(
             "rod",
-            frozenset({"bending", "inertia", "tip mass", "two ends", "twist", "turned end", "contact", "interaction"}),
+            frozenset(
+                {
+                    "bending",
+                    "inertia",
+                    "tip mass",
+                    "two ends",
+                    "section",
+                    "twist",
+                    "turned end",
+                    "contact",
+                    "interaction",
+                }
+            ),
             True,
             (1 / 24, 1 / 60, 1 / 240),
             (1, 2, 4, 8),

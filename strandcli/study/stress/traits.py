@@ -1,5 +1,5 @@
-"""What strands may be and do beyond the matrix, with its extremes: they interact or touch, twist, yield, are pinned or
-turned at their tips.
+"""What strands may be and do beyond the matrix, with its extremes: they interact or touch, twist, yield, are oval, are
+pinned or turned at their tips.
 
 Every combination of these traits meets every two values of any two other axes. What solvers refuse by name counts as
 refused, where it is known that they do; anything else that they raise has failed.
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...groom.record import Groom
 from ...scene.checks_of_rod import rod_clashes
-from ...scene.model import EndKey, RuleUse, Scene
+from ...scene.model import EndKey, RuleUse, Scene, Section
 from ...simulate import solver_of
 from ...simulate.rod_pinned import tips
 from ...simulate.rules import registry
@@ -45,11 +45,15 @@ TURNED = (EndKey(0.0, ease="linear"), EndKey(1.0, turns=2.0, ease="linear"))
 """How clamped tips turn."""
 YIELD = {"none": None, "low": 1e-3, "high": 0.05}
 """Strain at which bending keeps a set; curvature is 50 / L times as much."""
+SECTION = {
+    "round": None, "oval": Section(wide=1.2, thin=0.8, angle=30.0), "flat": Section(wide=2.0, thin=0.5, angle=-20.0),
+}  # fmt: skip
 TRAITS: dict[str, tuple[str, ...]] = {
     "between": tuple(BETWEEN),
     "rest": ("straight", "shape", "sag_free"),
     "end": ("free", "pinned", "turned"),
     "yield": tuple(YIELD),
+    "section": tuple(SECTION),
 }
 OTHERS: dict[str, tuple[str, ...]] = {
     "dt": ("1e-4", "240Hz", "60Hz", "24Hz", "0.5", "10", "noisy"),
@@ -83,10 +87,17 @@ def refusal(labels: dict[str, str]) -> str:
     touching = BETWEEN[labels["between"]][0] == "contact"
     if labels["root"] == "hinged" and labels["rest"] == "sag_free":
         return "rod.root: hinged roots hold no strand up"
-    if touching and labels["integrator"] == "bdf2":
-        return "bdf2 does not go with the rule contact"
     if touching and labels["yield"] != "none":
         return "rod.yield_strain: does not go with the rule contact"
+    if labels["section"] != "round":
+        if labels["end"] == "turned":
+            return "rod.section: clamped tips know of no section"
+        if labels["yield"] != "none":
+            return "rod.section: oval strands keep no set"
+        if touching:
+            return "rod.section: does not go with the rule contact"
+    if touching and labels["integrator"] == "bdf2":
+        return "bdf2 does not go with the rule contact"
     return ""
 
 
@@ -102,7 +113,7 @@ def prepared(labels: dict[str, str]) -> tuple[Scene, Groom, Case, NDArray[np.flo
         rest=labels["rest"], root=labels["root"], yield_strain=YIELD[labels["yield"]],
         end="clamped" if labels["end"] == "turned" else labels["end"],
         end_keys=TURNED if labels["end"] == "turned" else (),
-        torsion=None if labels["torsion"] == "none" else float(labels["torsion"]),
+        torsion=None if labels["torsion"] == "none" else float(labels["torsion"]), section=SECTION[labels["section"]],
     )  # fmt: skip
     name, given = BETWEEN[labels["between"]]
     rules = scene.rules
@@ -190,16 +201,24 @@ def _conservative(labels: dict[str, str]) -> bool:
 
 
 def combinations() -> Iterator[dict[str, str]]:
-    """Every combination of traits with every row of a covering of the other axes; of what contact refuses, one."""
+    """Every combination of traits with every row of a covering of the other axes; of what contact or sections refuse,
+    one."""
     rows, quiet = covering(OTHERS), covering(QUIET)
     for labels in product(*TRAITS.values()):
         traits = dict(zip(TRAITS, labels, strict=True))
-        if (traits["yield"] == "high" and traits["between"] in ("thin", "thick")) or (
-            traits["yield"] == "low" and traits["between"] == "thick"
-        ):
+        if _left_out(**traits):
             continue
         found = rows + quiet if traits["between"] == "none" else rows
         yield from ({**{axis: row[axis] for axis in OTHERS}, **traits} for row in found)
+
+
+def _left_out(between: str, rest: str, end: str, section: str, **more: str) -> bool:
+    limit, touching = more["yield"], BETWEEN[between][0] == "contact"
+    if section != "round":
+        refused = (touching, end == "turned", limit != "none")
+        first = section == "oval" and rest == "straight" and end != "pinned" and between in ("none", "thin")
+        return sum(refused) > 1 or (any(refused) and not (first and limit != "high"))
+    return touching and (limit == "high" or (limit == "low" and between == "thick"))
 
 
 def _name(row: dict[str, str]) -> str:
