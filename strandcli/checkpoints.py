@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import __version__
-from .output.files import prepare_folder
+from .output.files import prepare_folder, remove_strays
 from .output.report import scene_values
 from .output.state_file import DamagedError, ForeignError, read_state, write_state
 from .scene.rule_type import MUTUAL
@@ -131,8 +131,11 @@ class Checkpoints:
 
 
 def of_run(results: Path, every: int | None, warn: Callable[[str], None] | None) -> Checkpoints | None:
-    """Return the checkpoints of a run that writes into a folder: where they are asked for or are there already."""
-    if every is None and not (results / FOLDER).is_dir():
+    """Return the checkpoints of a run that writes into a folder: where they are asked for or are there already. What a
+    killed run has begun is removed, though this one may have nothing left to simulate."""
+    if (results / FOLDER).is_dir():
+        remove_strays(results / FOLDER)
+    elif every is None:
         return None
     return Checkpoints(results, every or 0, warn)
 

@@ -194,12 +194,12 @@ def _run(
     started = False
     try:
         with writer:
+            kept = checkpoints.of_run(writer.directory, motion.checkpoint, warn)
             if writer.wanted:
                 if not scene.panels:  # before Numba is imported here, which takes half a second
                     compile_ahead.begin(scene, threads)
                 runtime.start(threads, progress.note)
                 started = True
-                kept = checkpoints.of_run(writer.directory, motion.checkpoint, warn)
                 for frame in frames_of(scene, writer.wanted, motion, threads, kept, progress, warn, bound is not None):
                     report.add(frame.number, frame.report)
                     if bound is not None:

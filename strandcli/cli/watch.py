@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import gc
 import hashlib
 import sys
 import time
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 FILE = "watch.png"
-PAUSE = 0.02
+PAUSE = 0.01
 """Seconds between two looks at the files."""
 SIDE = 400
 """Pixels of the longer side, where no --size is given."""
@@ -52,15 +54,28 @@ def run(given: Mapping[str, Any]) -> None:
     runtime.start(given["threads"])
     if not given["quiet"]:
         say(f"{given['preset']}: drawn into {path} whenever it is saved; Ctrl-C ends", err=True)
+    tidied = False
     try:
         while True:
             if watcher.changed():
+                gc.disable()  # to look at all that libraries hold takes a tenth of a second, and is done after
                 _round(given, watcher, path, frame, preview, motion)
+                tidied = _tidy(tidied)
             signals.check()
             time.sleep(PAUSE)
     except KeyboardInterrupt as end:
         if type(end) is not KeyboardInterrupt:  # SIGTERM and SIGHUP
             raise
+
+
+def _tidy(again: bool) -> bool:
+    """Collect garbage while nothing waits; what is there after the first picture, libraries and kernels, stays and is
+    not looked at ``again``."""
+    gc.collect()
+    if not again:
+        gc.freeze()
+    gc.enable()
+    return True
 
 
 def _require_ours(path: Path, overwrite: bool) -> None:
@@ -105,7 +120,17 @@ def _scene(given: Mapping[str, Any]) -> Scene:
         share = SIDE / max(width, height)
         settings["size"] = (max(1, round(width * share)), max(1, round(height * share)))
         scene = options.load_scene(given["preset"], **settings)
-    return scene
+    return scene if given["quality"] else _with_one_turn(scene)
+
+
+def _with_one_turn(scene: Scene) -> Scene:
+    """The scene with no more of a loop before its first frame than one turn, at the end of which strands that settle
+    are nearly where a further one would bring them: those of `hair` .01 mm off, 7 mm at the most."""
+    if scene.panels:
+        return dataclasses.replace(scene, panels=tuple(_with_one_turn(panel) for panel in scene.panels))
+    time = scene.time
+    preroll = min(time.preroll, time.frames / time.fps) if time.loop else time.preroll
+    return dataclasses.replace(scene, time=dataclasses.replace(time, preroll=preroll))
 
 
 def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], motion: Remembered) -> tuple[Any, float]:

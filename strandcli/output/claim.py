@@ -41,6 +41,8 @@ class Claim:
         self._path = directory / f".{what}.lock"
         spans = [_ALL] if numbers is None else _spans(numbers)
         self._file = self._lock(spans, what, time.monotonic() + patience) if spans and fcntl is not None else None
+        if not spans and fcntl is not None:
+            _remove_unheld(self._path)
 
     def release(self) -> None:
         """Let go, and remove the file where nobody else holds a part of it."""
@@ -85,6 +87,17 @@ def _spans(numbers: Iterable[int]) -> list[tuple[int, int]]:
 def _hold(file: int, span: tuple[int, int]) -> None:
     first, count = span
     fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, count, first)
+
+
+def _remove_unheld(path: Path) -> None:
+    """Remove a file that a killed run has left, for one that has nothing to claim."""
+    with suppress(OSError):
+        file = os.open(path, os.O_RDWR)
+        try:
+            _hold(file, _ALL)
+            path.unlink()
+        finally:
+            os.close(file)
 
 
 def _locked(path: Path, spans: list[tuple[int, int]]) -> int | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import dataclasses
 import io
 import os
 import pty
@@ -23,7 +24,9 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from cli_runs import TINY, Runner, child, environment
+from strandcli import load
 from strandcli.cli import terminal_pictures as shown
+from strandcli.cli.watch import _with_one_turn
 from strandcli.errors import RefusedError, UsageError
 from strandcli.output import png, video
 from strandcli.output.compare import write_image
@@ -159,6 +162,12 @@ def test_watch_draws_again_when_the_preset_changes_and_tells_faults(run: Runner)
     finally:
         process.kill()
         process.communicate()
+
+
+def test_watch_simulates_a_loop_for_one_turn_before_its_first_frame() -> None:
+    for loop, preroll, left in ((True, 6, 3), (True, 1, 1), (False, 6, 6)):
+        scene = load("hair", settings={"time.loop": loop, "time.preroll": float(preroll)})
+        assert _with_one_turn(scene).time == dataclasses.replace(scene.time, preroll=left)
 
 
 def test_watch_goes_with_no_run_of_many_frames_and_replaces_no_file_of_others(run: Runner) -> None:

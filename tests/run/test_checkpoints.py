@@ -3,6 +3,9 @@ that is damaged or of something else is told of, not used, and made again."""
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -17,6 +20,7 @@ from strandcli.checkpoints import FOLDER, Checkpoints, key_of, of_run
 from strandcli.errors import RefusedError, SimulationError
 from strandcli.frame import Frame
 from strandcli.meshes.mesh import TriangleMesh
+from strandcli.output.files import temporary_name
 from strandcli.pipeline import render
 from strandcli.scene import Scene
 from strandcli.simulate.rod import RodSolver
@@ -48,6 +52,17 @@ def everything(tmp_path: Path, **more: Any) -> Scene:
 
 def run(scene: Scene, frames: range | list[int], kept: Checkpoints | None = None, **more: Any) -> list[Frame]:
     return list(render(scene, frames, threads=1, keep_positions=True, checkpoints=kept, **{"draw": False, **more}))
+
+
+def test_what_a_killed_run_has_begun_goes_though_nothing_is_left_to_simulate(tmp_path: Path) -> None:
+    (tmp_path / FOLDER).mkdir()
+    with subprocess.Popen([sys.executable, "-c", ""]) as process:
+        process.wait()
+    begun = temporary_name(tmp_path / FOLDER / "frame_0002.state")
+    begun = begun.with_name(begun.name.replace(f".{os.getpid()}.", f".{process.pid}."))
+    begun.touch()
+    assert of_run(tmp_path, None, pytest.fail) is not None
+    assert not begun.exists()
 
 
 def alike(left: list[Frame], right: list[Frame], detail: bool = False) -> None:

@@ -117,8 +117,9 @@ def gradient(top: NDArray[np.float32], bottom: NDArray[np.float32], height: int)
     return np.asarray(top + t * (bottom - top))
 
 
+@functools.lru_cache(maxsize=1)
 def backdrop_of(image: Any) -> NDArray[np.float32]:
-    """Return the background (height, width, 3), linear, in samples."""
+    """Return the background (height, width, 3), linear, in samples, which is nobody's to write to."""
     samples, (width, height) = image.supersample, image.drawn
     crop = image.crop or (0, 0, *image.size)
     top = np.array(image.background, np.float32)

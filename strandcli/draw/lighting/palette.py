@@ -38,10 +38,11 @@ class Palette:
         self.diffuse = np.float32(material.diffuse)
         roughness = model.roughness(material) if hasattr(model, "roughness") else material.beta_n
         self.colour = colour_of(material, roughness).astype(np.float32)
-        build = dual.build_tables if own else _dual_of
-        self.dual = build(material, roughness) if counts and material.scatter == "dual" else None
-        self.loss = None if self.dual is None else dual.loss_table(self.dual)
-        """Loss of light behind strands, for the shadows on solids."""
+        self.dual: dual.kernel.DualArrays | None = None
+        self.loss: NDArray[np.float32] | None = None
+        """Of light behind strands, for the shadows on solids."""
+        if counts and material.scatter == "dual":
+            self.dual, self.loss = (_scattered if own else _scattered_of)(material, roughness)
         base = getattr(tables, "absorption", None)
         self.tint = tint_table(material, roughness, base) if varies(material) else None
         if colours is not None:
@@ -65,9 +66,12 @@ def _tables_of(model: Any, material: Material) -> Any:
     return model.tables(material)
 
 
-@lru_cache(maxsize=1)
-def _dual_of(material: Material, roughness: float) -> dual.kernel.DualArrays:
-    return dual.build_tables(material, roughness)
+def _scattered(material: Material, roughness: float) -> tuple[dual.kernel.DualArrays, NDArray[np.float32]]:
+    tables = dual.build_tables(material, roughness)
+    return tables, dual.loss_table(tables)
+
+
+_scattered_of = lru_cache(maxsize=1)(_scattered)
 
 
 def tint_table(material: Material, roughness: float, base: NDArray[np.float64] | None) -> NDArray[np.float32]:
