@@ -155,7 +155,7 @@ def test_all_that_a_map_holds_is_counted_between_its_texels() -> None:
 
 @pytest.mark.parametrize("texels", [0.4, 2.0])
 def test_vertices_on_the_way_to_others_are_left_out(texels: float) -> None:
-    """Of arcs whose vertices are so far apart most are left out, three in a row at most, and lie next to the lines between
+    """Of arcs whose vertices are so far apart most are left out, three in a row at most, and lie near the lines between
     the others."""
     view = MapView(np.float32(10), np.float32(0), np.float32(1))
     t = np.arange(200) * texels / 100

@@ -201,7 +201,7 @@ def thin_part(strands, part, view, size, kept, found, costs, along):
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
         if v < last and there:
             p, q = (x0, y0, d0), (x1, y1, d1)
-            if too_short(p, q, scale) or v - u <= LEFT_OUT and on_the_way(p, q, screen, v + 1, scale, view):
+            if too_short(p, q, scale) or (v - u <= LEFT_OUT and on_the_way(p, q, screen, v + 1, scale, view)):
                 way += distance(screen, v - 1, v)
                 continue
         w = -ONE
