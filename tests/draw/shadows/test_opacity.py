@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from numba import njit
 
 from opacity_twin import splatted
 from strand_kit import frames_of, scene_of
+from strandcli.constants import W
+from strandcli.draw.common.kernels import batch
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
@@ -17,8 +21,9 @@ from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows import shadow
 from strandcli.draw.shadows.kernels import minmax as minmax
 from strandcli.draw.shadows.kernels import opacity
-from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
-from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
+from strandcli.draw.shadows.kernels.map_parts import MapView, StrandsInMap
+from strandcli.draw.shadows.kernels.strand_shadows import count_behind
+from strandcli.draw.shadows.shadow import ShadowMaps, map_arrays, plan_maps
 from strandcli.draw.shadows.strands_in_map import parts_in_map, parts_of, view_numbers
 from strandcli.draw.zbuffer.raster import to_screen
 from strandcli.errors import RefusedError
@@ -30,6 +35,11 @@ SUN = DirectionalLight(direction=(-0.5, -1.0, -0.3), shadow=DEEP)
 LAMP = PointLight(position=(2.0, 4.0, 1.0), shadow=DEEP)
 INSIDE = PointLight(position=(0.1, 0.05, -0.1), shadow=DEEP)
 WIDE = Thickness(0.01, 0.5)
+
+
+@njit(error_model="numpy")
+def behind(work, n, shadows, layers):
+    count_behind(work, n, shadows, 0, layers, np.float32(0), np.float32(0))
 
 
 def straight(count: int, seed: int = 0, pieces: int = 8) -> Polylines:
@@ -122,6 +132,45 @@ def test_parts_in_the_order_of_their_places_are_all_of_the_strands(segments: int
                 area += (np.hypot(*np.diff(points, axis=0).T) * wide).sum(where=wide >= 0)
         places = screen[: first[-1], :2].astype(float).reshape(500, segments + 1, 2)[1:]
         assert area == pytest.approx(np.hypot(*np.diff(places, axis=1).T).sum() * 0.01 * maps.views[0].focal, rel=1e-4)
+
+
+def test_all_that_a_map_holds_is_counted_between_its_texels() -> None:
+    """Vectors of places against the totals of the four texels about each, and their bilinear mean."""
+    maps = maps_of(SUN, straight(300, 4))
+    size, layers = int(maps.sizes[0]), maps.layers[0]
+    total = splatted(maps, straight(300, 4), WIDE)[..., -1]
+    n, rng = 100, np.random.default_rng(0)
+    u, v = rng.uniform(0, size - 1.001, (2, n)).astype(np.float32)
+    work = np.zeros(batch.ROWS * W, np.float32)
+    for row, numbers in ((batch.U, u), (batch.V, v), (batch.INSIDE, 1)):
+        work[row : row + n] = numbers
+    behind(work, n, map_arrays(maps), layers)
+    column, row = u.astype(int), v.astype(int)
+    a, b = u - column, v - row
+    expected = (1 - b) * ((1 - a) * total[row, column] + a * total[row, column + 1])
+    expected += b * ((1 - a) * total[row + 1, column] + a * total[row + 1, column + 1])
+    assert expected.max() > 0.05
+    np.testing.assert_allclose(work[batch.LEFT : batch.LEFT + n], expected, atol=4e-6)
+
+
+@pytest.mark.parametrize("texels", [0.4, 2.0])
+def test_vertices_on_the_way_to_others_are_left_out(texels: float) -> None:
+    """Of arcs whose vertices are so far apart most are left out, three in a row at most, and lie near the lines between
+    the others."""
+    view = MapView(np.float32(10), np.float32(0), np.float32(1))
+    t = np.arange(200) * texels / 100
+    arc = np.stack([128 + 100 * np.cos(t), 128 + 90 * np.sin(t), np.full(200, 0.5)], 1).astype(np.float32)
+    strands = StrandsInMap(np.array([0, 200]), arc, np.float32(1), np.float32(0), None)
+    parts = parts_of(strands, view, 256, 1, Scratch())
+    kept = np.concatenate([parts.kept[a : a + n, :2] for a, n in parts.order[np.argsort(parts.order[:, 0]), :2]])
+    places = np.array([np.abs(arc[:, :2] - point).sum(1).argmin() for point in kept])
+    jumps = np.diff(places)
+    assert len(np.unique(places)) < 100
+    assert jumps.max() == 4
+    for begin, end in pairwise(places):
+        way = arc[end, :2] - arc[begin, :2]
+        aside = [np.abs(np.linalg.det([way, point - arc[begin, :2]])) for point in arc[begin + 1 : end, :2]]
+        assert max(aside, default=0) < 1.4 / 16 * max(np.linalg.norm(way), 1e-9)
 
 
 def test_bands_have_about_as_much_to_do() -> None:

@@ -182,21 +182,23 @@ def in_front(u, v, d, scale, rows, start, size, over, layers):
     return texels, cells, growth
 
 
-@device
-def total_depth(u, v, start, size, layers, stacks):
-    """Return τ of all strands at column u and row v of a map."""
-    low_u = np.floor(u)
-    low_v = np.floor(v)
-    column = np.int64(low_u)
-    row = np.int64(low_v)
-    here = 2 * (row & 1) + (column & 1)
-    end = np.uint64(HEAD + FIVE * layers)
+@inlined
+def total_depth(u, v, rows, start, size, layers):
+    """Return τ of all strands at columns u and rows v of a map. Vectors; arguments as in `in_front`."""
+    half = size >> 1
+    body, stride = start + half * half, HEAD + FIVE * (layers + 1)
+    end = np.float32(HEAD + FIVE * layers)
+    column, row = floor(u), floor(v)
+    first, upper = floor(HALF * column), floor(HALF * row)
+    right, low = column - (first + first), row - (upper + upper)  # 1 where they are odd
+    across, lower = first + right, upper + low
+    here, there = end + (low + low), end + ((ONE - low) + (ONE - low))
     return bilinear(
-        u - low_u, v - low_v,
-        stacks[cell_of(row, column, start, size, layers, stacks) + end + np.uint64(here)],
-        stacks[cell_of(row, column + 1, start, size, layers, stacks) + end + np.uint64(here ^ 1)],
-        stacks[cell_of(row + 1, column, start, size, layers, stacks) + end + np.uint64(here ^ 2)],
-        stacks[cell_of(row + 1, column + 1, start, size, layers, stacks) + end + np.uint64(here ^ 3)],
+        u - column, v - row,
+        gather(rows, body, gather(rows, start, upper, half, first), stride, here + right),
+        gather(rows, body, gather(rows, start, upper, half, across), stride, here + (ONE - right)),
+        gather(rows, body, gather(rows, start, lower, half, first), stride, there + right),
+        gather(rows, body, gather(rows, start, lower, half, across), stride, there + (ONE - right)),
     )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device
-from ....simd import broadcast, load, pointer, store3
+from ....simd import broadcast, load, pointer, store, store3
 from ....simd import lane_count as lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
 from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
@@ -110,8 +110,9 @@ def count_behind(work, n, shadows, one, layers, bias, width):
     stacks, start, size, views = shadows.stacks, shadows.starts[one], shadows.sizes[one], shadows.views
     if size < 2:
         return
-    for k in range(n):
-        work[TEXELS + k] = opacity.total_depth(work[U + k], work[V + k], np.uint64(start), size, layers, stacks)
+    rows, maps = pointer(work), pointer(stacks)
+    for k in range(0, n, lanes(rows)):
+        store(rows, TEXELS + k, opacity.total_depth(load(rows, U + k), load(rows, V + k), maps, start, size, layers))
     for k in range(n):
         own = TWICE * opacity.OWN * width * scale_at(work, k, views, one, bias)
         total = max(work[TEXELS + k] - own - work[PASSED + k], ZERO)
