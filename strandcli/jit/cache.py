@@ -23,7 +23,6 @@ import llvmlite
 import numba
 from numba.core import config
 from numba.core.caching import _Cache
-from numba.core.compiler import CompileResult
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
@@ -34,6 +33,7 @@ from ..compiling.interrupts import interrupts
 from ..compiling.service import service
 from ..opening import READ
 from . import sources
+from .loaded import rebuilt
 
 MAGIC = b"strandcli kernel 1\n"
 SUFFIX = ".kernel"
@@ -94,7 +94,7 @@ class KernelCache(_Cache):
         """The kernel in a file; None where there is none that is whole."""
         try:
             data = _read(path)
-            return CompileResult._rebuild(target_context, *pickle.loads(_checked(data, key)))
+            return rebuilt(target_context, *pickle.loads(_checked(data, key)))
         except FileNotFoundError:
             return None
         except Exception as error:

@@ -19,8 +19,10 @@ PACKAGE = __name__.split(".")[0]
 ROOT = Path(__file__).parents[1]
 IMPORT = re.compile(rb"^[ \t]*from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]+)", re.MULTILINE)
 NOT_COMPILED = frozenset(
-    f"{PACKAGE}.{name}" for name in ("jit.cache", "jit.dispatcher", "jit.sources", "compiling", "runtime", "errors")
-)
+    f"{PACKAGE}.{name}" for name in (
+        "jit.cache", "jit.dispatcher", "jit.loaded", "jit.sources", "compiling", "runtime", "errors",
+    )
+)  # fmt: skip
 """Modules, or all of a package, that decide where kernels are kept and when they are compiled, not what is in them."""
 
 
@@ -33,9 +35,8 @@ def digest(module: str) -> str:
         name = waiting.pop()
         if name in found or name in NOT_COMPILED or name.rpartition(".")[0] in NOT_COMPILED:
             continue
-        text = _text(name)
-        found[name] = text
-        waiting += [one for one in _imported(name, text) if one not in found]
+        found[name] = _text(name)
+        waiting += [one for one in _imported(name) if one not in found]
     whole = hashlib.sha256()
     for name in sorted(found):
         whole.update(name.encode() + b"\0" + hashlib.sha256(found[name]).digest())
@@ -83,12 +84,13 @@ def _path(module: str) -> Path | None:
     return None if file is None else Path(file)
 
 
-def _imported(module: str, text: bytes) -> list[str]:
+@functools.cache
+def _imported(module: str) -> list[str]:
     """Modules of this package, and of the module's own, that its text imports."""
     path = _path(module)
     package = module.split(".") if path is not None and path.name == "__init__.py" else module.split(".")[:-1]
     found = []
-    for source, names in IMPORT.findall(text):
+    for source, names in IMPORT.findall(_text(module)):
         where = source.decode()
         dots = len(where) - len(where.lstrip("."))
         parts = [part for part in where.lstrip(".").split(".") if part]

@@ -74,6 +74,23 @@ def told(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return words
 
 
+def test_a_kernel_from_the_cache_is_read_whole_where_another_is_linked_with_it(place: Path) -> None:
+    assert fresh(plus_one)(1) == 2
+    loaded = fresh(plus_one)
+    assert loaded(1) == 2
+    assert hits(loaded) == 1
+    (kernel,) = loaded.overloads.values()
+    assert kernel.library._unread is not None
+
+    @function
+    def plus_three(x):
+        return loaded(x) + 2
+
+    assert plus_three(1) == 4
+    assert kernel.library._unread is None
+    assert kernel.library.get_pointer_to_function("no_such_function") == 0
+
+
 def test_a_kernel_is_compiled_once_for_each_signature(place: Path) -> None:
     first = fresh(plus_one)
     assert (first(1), first(1.5)) == (2, 2.5)
@@ -169,10 +186,12 @@ def test_an_entry_follows_the_text_of_all_modules_that_a_kernel_is_made_of(
     monkeypatch.setattr(sources, "ROOT", package)
     kernel, written = "strandcli.draw.coverage.kernels.resolve", "strandcli.solids.shapes.other_code"
     counting = ("simd/lanes.py", "constants.py", "jit/__init__.py", "draw/coverage/kernels/resolve.py")
-    others = ("pipeline.py", "__init__.py", "jit/cache.py", "compiling/service.py", "simulate/rules/wind.py")
+    others = (
+        "pipeline.py", "__init__.py", "jit/cache.py", "jit/loaded.py", "compiling/service.py", "simulate/rules/wind.py",
+    )  # fmt: skip
 
     def digest(module: str = kernel) -> str:
-        for one in (sources.digest, sources._text, sources._path):
+        for one in (sources.digest, sources._text, sources._path, sources._imported):
             one.cache_clear()
         return sources.digest(module)
 

@@ -58,8 +58,10 @@ def dithered(
     noise = _noise(x + np.uint32(corner[0]), (y + np.uint32(corner[1]))[:, None])[..., None] - 0.5
     white = _response(lines, tone, exposure) >= WHITE  # where noise of any size would only make it darker
     spread = np.where(white, 0.0, 1.0 / np.maximum(slope, 1e-3))[:, None] * noise
-    wide = np.repeat(np.repeat(spread, samples, 0), samples, 1)
-    return np.maximum(rows[:, None] + wide, 0).astype(np.float32)
+    if samples > 1:
+        spread = np.repeat(np.repeat(spread, samples, 0), samples, 1)
+    spread += rows[:, None]
+    return np.maximum(spread, 0, out=spread).astype(np.float32)
 
 
 @functools.cache

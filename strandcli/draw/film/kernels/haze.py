@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....jit import device, inlined, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT

@@ -60,7 +60,6 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
     shadows: `ShadowArrays`; solids: `Solids`. The image contains the background. Blended solids may have edges in front
     of themselves, which z-buffer keys do not show; there the mean of 4×4 rays is used.
     """
-    keys = screen.keys
     first, last = np.int64(screen.begin), np.int64(screen.end)
     width = image.shape[1]
     picture = image.reshape(-1)
