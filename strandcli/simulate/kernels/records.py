@@ -176,6 +176,8 @@ class Scheme(NamedTuple):
     """Of the step, seconds."""
     ahead: Any
     """Whether rest shapes begin with those of the step before, and are set where the first change of edges leads to."""
+    curled: Any
+    """Whether rest shapes are curved."""
     ends: Any
     """`Ends`."""
     oval: Any

@@ -252,7 +252,8 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
-            ahead_of(flags.second, flags.curled, numbers[MOVED]), Ends(flags.held, flags.loose), flags.oval,
+            ahead_of(flags.second, flags.curled, numbers[MOVED]), flags.curled,
+            Ends(flags.held, flags.loose), flags.oval,
         )  # fmt: skip
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         now = False if scheme.ahead else flags.curled
@@ -267,7 +268,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
             rod.begin_mobility(scratch, n, at.edge, material.mass, state.push)
         if flags.loose is not None:
             rod_loose.find_shift(scratch, n, material.mass)
-        rod_sweep.sweep(scratch, at, next_pack, state, material.lengths, numbers, scheme, contact)
+        rod_sweep.sweep(scratch, at, next_pack, state, material, numbers, scheme, contact)
 
 
 @device

@@ -44,14 +44,14 @@ AHEAD = 24
 
 
 @function
-def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
+def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
     """Bring every edge to its exact length in the direction that the iterations found, turn it out of solids, and write
     positions, velocities and tensions of the step. An edge without a finite direction stays as it was before the step.
     The state of ``next_pack`` is prefetched."""
     # u is what the iterations found and contact has added, not a difference of positions: rounding of edges must not
     # become an error of velocities, which would last
     n, strand, positions = at.segments, at.strand, state.positions
-    length = load(lengths, strand)
+    length = load(material.lengths, strand)
     inverse_length = load(s, INVERSE_LENGTH)
     px, py, pz = load3(positions, at.position + ROW, W)
     ex, ey, ez = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
@@ -72,6 +72,8 @@ def sweep(s, at, next_pack, state, lengths, numbers, scheme, contact):
     for j in range(n):
         near = min(j + ahead, n - 1)
         prefetch_segment(n, near, fetched, state, scheme.second, contact.any_solids)
+        if scheme.curled:
+            prefetch_rest(n, near, fetched, state, material.bends, scheme.second)
         row = at.edge + j * AXES
         here = at.position + (j + 2) * ROW
         o = FIRST_SEGMENT + j * SEGMENT
@@ -156,6 +158,16 @@ def prefetch_segment(n, j, strand, state, second, solids):
         prefetch3(state.push, row, PACK)
     prefetch(state.tension, segment * PACK + strand % PACK)
     prefetch3(state.positions, position_of(strand, n) + (j + 2) * ROW, W)
+
+
+@device
+def prefetch_rest(n, j, strand, state, bends, second):
+    """Prefetch the rest shape of segment j of a strand, and its twist."""
+    pack, lane = strand // PACK, strand % PACK
+    prefetch3(bends, (pack * (n + 1) + j + 1) * AXES + lane, PACK)
+    prefetch(state.twist, (pack * n + j) * PACK + lane)
+    if second:
+        prefetch3(state.rest, (pack * n + j) * AXES + lane, PACK)
 
 
 @device
