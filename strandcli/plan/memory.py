@@ -29,9 +29,9 @@ NEARER, SEEN = 1.3, 0.75
 """How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
 ROD, CROWDED = 80, 30
 """Bytes of a particle of a rod, and more where strands push each other."""
-TOUCHING, PAIR, REUSED = 640, 100, 8_000_000
-"""More where strands have contact: the state before the step, boxes and cells; of a pair of segments whose boxes meet
-(`crowding`); less what a picture took before or takes after."""
+TOUCHING, PAIR = 560, 50
+"""More where strands have contact: the state before the step, 120; particles at its ends, 48, boxes, 72, and cells and
+their table, 320; of a pair of segments whose boxes meet (`crowding`), its numbers and what sorts them."""
 
 
 def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
@@ -62,9 +62,9 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     rods = ROD if scene.solver == "rod" else 0
     rods += CROWDED if rods and any(use.name == "interaction" for use in scene.rules) else 0
     contact = rods and any(use.name == "contact" for use in scene.rules)
-    touching = blocks * n * TOUCHING + PAIR * pairs_of(scene, plan.strands) - REUSED if contact else 0
+    touching = blocks * n * TOUCHING + PAIR * pairs_of(scene, plan.strands) if contact else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
-    return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + max(0, round(touching))
+    return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + round(touching)
 
 
 def _mesh_bytes(scene: Scene) -> int:

@@ -13,7 +13,7 @@ import pytest
 from plan_figures import measured
 from strand_kit import scene_of
 from strandcli.errors import RefusedError
-from strandcli.plan import available_memory, checked_plan, limits, make_plan, needed_strands
+from strandcli.plan import available_memory, checked_plan, libraries, limits, make_plan, needed_strands
 from strandcli.plan import make as making
 from strandcli.plan import require as planning
 from tests.run.test_pipeline_extremes import EVERYTHING
@@ -52,6 +52,8 @@ def test_all_strands_move_where_they_act_on_each_other_however_few_are_drawn() -
 
 def test_more_than_four_fifths_of_what_is_free_is_refused_with_what_fits(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = scene_of(EVERYTHING.replace("strands: 80", "strands: 2000000").replace("[40, 32]", "[4000, 3200]"))
+    monkeypatch.setattr(libraries, "_kept", dict)  # whatever was measured here
+    libraries.look()
     plan = make_plan(scene, [1])
     free = [plan.memory_bytes / 0.8, None, plan.memory_bytes / 0.8 - 2]
     monkeypatch.setattr(planning, "available_memory", lambda: free.pop(0))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import mmap
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,14 @@ class Scratch:
             self._buffers[name] = buffer
         return buffer[:size].reshape(shape)
 
+    def sparse(self, name: str, size: int, dtype: DTypeLike) -> NDArray[Any]:
+        """Return an array (size,) as `borrow` does, of which only pages that are written to take memory. Of other large
+        arrays NumPy has Linux take 2 MB at once wherever a byte is written."""
+        buffer = self._buffers.get(name)
+        if buffer is None or buffer.size < size or buffer.dtype != dtype:
+            self._buffers[name] = buffer = _in_small_pages(size, dtype)
+        return buffer[:size]
+
     def extend(self, name: str, size: int, dtype: DTypeLike, kept: int, likely: int) -> NDArray[Any]:
         """Return an array (size,) of this type whose first ``kept`` numbers are those of the last one of this name;
         likely: how long it will be in the end. Memory that is not written to is not taken."""
@@ -43,3 +53,13 @@ class Scratch:
         if buffer is None or len(buffer) < count:
             buffer = self._buffers["arange"] = np.arange(count + count // 8, dtype=np.int32)
         return buffer[:count]
+
+
+def _in_small_pages(size: int, dtype: DTypeLike) -> NDArray[Any]:
+    """An array with undefined contents whose pages are as small as the system has them."""
+    if size == 0 or not hasattr(mmap, "MADV_NOHUGEPAGE"):
+        return np.empty(size, dtype)
+    memory = mmap.mmap(-1, size * np.dtype(dtype).itemsize, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    with suppress(OSError):  # of kernels without huge pages
+        memory.madvise(mmap.MADV_NOHUGEPAGE)
+    return np.frombuffer(memory, dtype)

@@ -259,13 +259,13 @@ class Coverage:
 
     def _fragments(self, picture: _Picture, top: int, bottom: int, room: int) -> Fragments:
         """Return arrays for so many fragments in the rows top <= y < bottom, not yet filled."""
-        tiles, borrow = self._tiles(top, bottom), picture.scratch.borrow
+        tiles, borrow, sparse = self._tiles(top, bottom), picture.scratch.borrow, picture.scratch.sparse
         place_bits = PLACES - (picture.stride.bit_length() - 1)
         return Fragments(
             borrow("tiles_begin", tiles, np.int64), borrow("fragment_counts", tiles * PIXELS, np.uint32),
-            borrow("fragment_vertices", room, np.uint32), borrow("fragment_weights", room, np.float32),
-            borrow("fragment_along", room, np.float32),
-            borrow("fragment_points", room, np.uint64) if picture.masked else NO_BITS, picture.closed,
+            sparse("fragment_vertices", room, np.uint32), sparse("fragment_weights", room, np.float32),
+            sparse("fragment_along", room, np.float32),
+            sparse("fragment_points", room, np.uint64) if picture.masked else NO_BITS, picture.closed,
             picture.stride, place_bits, top, bottom, self.size[0],
         )  # fmt: skip
 

@@ -43,6 +43,8 @@ HALVINGS = 7
 ALIKE = 0.7
 """Cosine between normals at the begin and the end of a step from which on they are on the same side."""
 
+AT_ONCE = 1 << 16
+"""Pairs of segments that are looked at at once: of most of them nothing is kept."""
 ANEW = 0.02
 """Excess over the thickness from which on a contact is looked for anew, if it is more than twice that at its place."""
 SETTLED, GAIN = 3, 0.9
@@ -152,13 +154,18 @@ class StrandContact:
         if not np.isfinite(end).all():
             return None
         pairs = self._nearby.find(start, end, (1 + MARGIN) * self.thickness)
-        numbers, vectors = np.zeros((len(pairs), NUMBERS)), np.zeros((len(pairs), VECTORS))
         sizes = self.thickness, min(EASE * dt, MOST_EASE), (1 + MARGIN) * self.thickness
-        contact_approach.look(start, end, self.lengths, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
-        near = (numbers[:, COUNTS] > 0) & (numbers[:, GAP] < (1 + MARGIN) * self.thickness)
-        found = Contacts(pairs, numbers, vectors).where(near)
+        parts = [self._near(start, end, pairs[i : i + AT_ONCE], sizes) for i in range(0, len(pairs) or 1, AT_ONCE)]
+        found = Contacts(*(np.concatenate(one) for one in zip(*parts, strict=True)))
         found.let_crowds_yield(self.thickness, sizes[1] * self.thickness, len(self.lengths), self.segments)
         return found
+
+    def _near(self, start: Floats, end: Floats, pairs: NDArray[np.int64], sizes: tuple[float, ...]) -> Contacts:
+        """Return the contacts among some pairs that are near at the end of a step."""
+        numbers, vectors = np.zeros((len(pairs), NUMBERS)), np.zeros((len(pairs), VECTORS))
+        contact_approach.look(start, end, self.lengths, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
+        near = (numbers[:, COUNTS] > 0) & (numbers[:, GAP] < sizes[-1])
+        return Contacts(pairs, numbers, vectors).where(near)
 
     def _particles(self, state: State) -> Floats:
         """Return (S, N + 1, 3) particles with their roots."""

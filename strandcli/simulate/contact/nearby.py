@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kernels import contact_pairs
+from .kernels.contact_columns import FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
 
 MOST_ENTRIES = 16
 """Cells a box lies in at the most, as a mean: larger cells are taken otherwise."""
@@ -25,9 +26,9 @@ class Nearby:
 
     def find(self, start: Floats, end: Floats, reach: float) -> NDArray[np.int64]:
         """Return (m, 4) pairs, as `contact_columns` has them, by strands and segments in ascending order, of segments
-        of which some points come closer than ``reach`` on straight ways from ``start`` to ``end`` (S, N + 1, 3)."""
-        ends = np.stack([start[:, :-1], start[:, 1:], end[:, :-1], end[:, 1:]])
-        boxes = np.concatenate([ends.min(0) - reach / 2, ends.max(0) + reach / 2], -1).reshape(-1, 6)
+        of which some points come closer than ``reach`` on straight ways from ``start`` to ``end`` (S, N + 1, 3). They
+        are valid until the next call."""
+        boxes = _boxes(start, end, reach)
         extents = boxes[:, 3:] - boxes[:, :3]
         side = float(extents.mean() * 1.5)
         while (np.floor(boxes[:, 3:] / side) - np.floor(boxes[:, :3] / side) + 1).prod(1).mean() > MOST_ENTRIES:
@@ -44,5 +45,24 @@ class Nearby:
             if count <= len(self._pairs):
                 break
             self._pairs = np.empty((int(count * ROOM), 4), np.int64)
-        found = self._pairs[:count]
-        return np.ascontiguousarray(found[np.lexsort(found.T[::-1])])
+        return self._in_order(self._pairs[:count], len(boxes))
+
+    def _in_order(self, pairs: NDArray[np.int64], total: int) -> NDArray[np.int64]:
+        """Sort pairs of so many segments in place, by one number for each: there may be millions."""
+        codes = pairs[:, FIRST] * self._segments + pairs[:, FIRST_SEGMENT]
+        codes *= total
+        codes += pairs[:, SECOND] * self._segments
+        codes += pairs[:, SECOND_SEGMENT]
+        codes.sort()
+        firsts = codes // total
+        codes %= total
+        for strand, segment, number in ((FIRST, FIRST_SEGMENT, firsts), (SECOND, SECOND_SEGMENT, codes)):
+            np.floor_divide(number, self._segments, out=pairs[:, strand])
+            np.remainder(number, self._segments, out=pairs[:, segment])
+        return pairs
+
+
+def _boxes(start: Floats, end: Floats, reach: float) -> Floats:
+    """Return (m, 6) boxes that segments stay in on their ways, wider by half of a reach."""
+    ends = np.stack([start[:, :-1], start[:, 1:], end[:, :-1], end[:, 1:]])
+    return np.concatenate([ends.min(0) - reach / 2, ends.max(0) + reach / 2], -1).reshape(-1, 6)
