@@ -14,12 +14,6 @@ from strandcli.draw.shadows.shadow import ShadowMaps
 from strandcli.draw.zbuffer.raster import to_screen
 
 
-def straight(way: np.ndarray) -> bool:
-    """Whether the first of two places is between the second and the origin, and less than 1/16 aside."""
-    share = way[0] @ way[1] / max(way[1] @ way[1], 1e-30)
-    return bool(0 < share < 1 and np.linalg.norm(way[0] - share * way[1]) < 1 / 16)
-
-
 def splatted(maps: ShadowMaps, lines: Polylines, thickness: Thickness) -> np.ndarray:
     """τ of each texel and layer (size, size, layers + 1) of the first map, which is of a directional light."""
     size, layers, view = int(maps.sizes[0]), maps.layers[0], maps.views[0]
@@ -31,8 +25,8 @@ def splatted(maps: ShadowMaps, lines: Polylines, thickness: Thickness) -> np.nda
         places[:, 2] = view.near + (1 - places[:, 2]) * (view.far - view.near)
         kept = [0]
         for number in range(1, b - a):
-            way = (places[number : number + 2] - places[kept[-1]]) * (1, 1, view.focal)
-            if number == b - a - 1 or (np.abs(way[0]).max() >= 0.5 and not (number - kept[-1] <= 3 and straight(way))):
+            aside = np.abs((places[number] - places[kept[-1]]) * (1, 1, view.focal)).max()
+            if aside >= 0.5 or number == b - a - 1:
                 kept.append(number)
         for p, q in pairwise(kept):
             begin, way = places[p], places[q] - places[p]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows import shadow
 from strandcli.draw.shadows.kernels import minmax as minmax
 from strandcli.draw.shadows.kernels import opacity
-from strandcli.draw.shadows.kernels.map_parts import MapView, StrandsInMap
+from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
 from strandcli.draw.shadows.kernels.strand_shadows import count_behind
 from strandcli.draw.shadows.shadow import ShadowMaps, map_arrays, plan_maps
 from strandcli.draw.shadows.strands_in_map import parts_in_map, parts_of, view_numbers
@@ -151,26 +150,6 @@ def test_all_that_a_map_holds_is_counted_between_its_texels() -> None:
     expected += b * ((1 - a) * total[row + 1, column] + a * total[row + 1, column + 1])
     assert expected.max() > 0.05
     np.testing.assert_allclose(work[batch.LEFT : batch.LEFT + n], expected, atol=4e-6)
-
-
-@pytest.mark.parametrize("texels", [0.4, 2.0])
-def test_vertices_on_the_way_to_others_are_left_out(texels: float) -> None:
-    """Of arcs whose vertices are so far apart most are left out, three in a row at most, and lie near the lines between
-    the others."""
-    view = MapView(np.float32(10), np.float32(0), np.float32(1))
-    t = np.arange(200) * texels / 100
-    arc = np.stack([128 + 100 * np.cos(t), 128 + 90 * np.sin(t), np.full(200, 0.5)], 1).astype(np.float32)
-    strands = StrandsInMap(np.array([0, 200]), arc, np.float32(1), np.float32(0), None)
-    parts = parts_of(strands, view, 256, 1, Scratch())
-    kept = np.concatenate([parts.kept[a : a + n, :2] for a, n in parts.order[np.argsort(parts.order[:, 0]), :2]])
-    places = np.array([np.abs(arc[:, :2] - point).sum(1).argmin() for point in kept])
-    jumps = np.diff(places)
-    assert len(np.unique(places)) < 100
-    assert jumps.max() == 4
-    for begin, end in pairwise(places):
-        way = arc[end, :2] - arc[begin, :2]
-        aside = [np.abs(np.linalg.det([way, point - arc[begin, :2]])) for point in arc[begin + 1 : end, :2]]
-        assert max(aside, default=0) < 1.4 / 16 * max(np.linalg.norm(way), 1e-9)
 
 
 def test_bands_have_about_as_much_to_do() -> None:

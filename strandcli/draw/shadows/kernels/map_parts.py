@@ -1,8 +1,8 @@
 """Parts of strands as a light sees them: the vertices that its map can tell apart, and an order of the parts.
 
-Both passes over an opacity map draw the same segments. What they need of these is found once. Vertices are left out
-that are less than `SHORT` behind the last, or less than `ASIDE` from the line between the last and the next, but for
-the part's end; the segment over them covers as much as theirs do, in its own place.
+Both passes over an opacity map draw the same segments. What they need of these is found once: vertices less than
+`SHORT` behind the last are left out, but for the part's end; the segment over them covers as much as theirs do, in its
+own place.
 
 Parts near each other on the map follow each other, along a Z-curve. They add to the same cells, which then are in the
 processor's cache. Sums are rounded otherwise in another order, so it is that of places on the map alone. Each thread
@@ -30,10 +30,6 @@ PARTS, PART = 4, 16
 """Most parts of a strand that are drawn apart, and segments of all but the last."""
 SHORT = np.float32(0.5)
 """Texels."""
-ASIDE = np.float32(1 / 16)
-"""Texels. At an eighth `study portrait --axis shadow` finds a map .0004 of the light farther off."""
-LEFT_OUT = 3
-"""Most vertices one after the other that are left out for `ASIDE`: each is compared with the line to its next alone."""
 BITS = 8
 """Of a place, of each coordinate: 256 × 256 tiles, of two to eight texels."""
 STRANDS = 64
@@ -142,20 +138,6 @@ def too_short(begin, end, scale):
 
 
 @inlined
-def on_the_way(begin, end, screen, after, scale, view):
-    """Return whether vertex number `after` is seen and the segment ends less than `ASIDE` from the line to it; begin,
-    end, scale: as in `too_short`."""
-    if not screen[after, 2] > ZERO:
-        return False
-    dx, dy, rise = end[0] - begin[0], end[1] - begin[1], (end[2] - begin[2]) * scale
-    x, y = screen[after, 0] - begin[0], screen[after, 1] - begin[1]
-    z = (depth_of(screen[after, 2], view.near, view.far) - begin[2]) * scale
-    share = (dx * x + dy * y + rise * z) / max(x * x + y * y + z * z, TINY)
-    dx, dy, rise = dx - share * x, dy - share * y, rise - share * z
-    return (share > ZERO) & (share < ONE) & (dx * dx + dy * dy + rise * rise < ASIDE * ASIDE)
-
-
-@inlined
 def distance(screen, u, v):
     """Return how far vertex v is from vertex u on the map, texels."""
     dx, dy = screen[v, 0] - screen[u, 0], screen[v, 1] - screen[u, 1]
@@ -199,11 +181,9 @@ def thin_part(strands, part, view, size, kept, found, costs, along):
         d1 = depth_of(q1, near, far) if q1 > ZERO else ONE
         there = q0 > ZERO and q1 > ZERO
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
-        if v < last and there:
-            p, q = (x0, y0, d0), (x1, y1, d1)
-            if too_short(p, q, scale) or (v - u <= LEFT_OUT and on_the_way(p, q, screen, v + 1, scale, view)):
-                way += distance(screen, v - 1, v)
-                continue
+        if v < last and there and too_short((x0, y0, d0), (x1, y1, d1), scale):
+            way += distance(screen, v - 1, v)
+            continue
         w = -ONE
         if there:
             if along is None:
