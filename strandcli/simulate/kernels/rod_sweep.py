@@ -71,9 +71,7 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         fetched, ahead = strand, AHEAD
     for j in range(n):
         near = min(j + ahead, n - 1)
-        prefetch_segment(n, near, fetched, state, scheme.second, contact.any_solids)
-        if scheme.curled:
-            prefetch_rest(n, near, fetched, state, material.bends, scheme.second)
+        prefetch_segment(n, near, fetched, state, material.bends, scheme, contact.any_solids)
         row = at.edge + j * AXES
         here = at.position + (j + 2) * ROW
         o = FIRST_SEGMENT + j * SEGMENT
@@ -143,14 +141,14 @@ def position_of(strand, n):
 
 
 @device
-def prefetch_segment(n, j, strand, state, second, solids):
+def prefetch_segment(n, j, strand, state, bends, scheme, solids):
     """Prefetch the state of segment j of a strand."""
     # one segment of the next pack with each of this one: all at once the processor would have to wait
     segment = strand // PACK * n + j
     row = segment * AXES + strand % PACK
     prefetch3(state.edges, row, PACK)
     prefetch3(state.velocity, row, PACK)
-    if second:
+    if scheme.second:
         prefetch3(state.before, row, PACK)
         prefetch3(state.ahead, row, PACK)
         prefetch3(state.moved, row, PACK)
@@ -158,6 +156,8 @@ def prefetch_segment(n, j, strand, state, second, solids):
         prefetch3(state.push, row, PACK)
     prefetch(state.tension, segment * PACK + strand % PACK)
     prefetch3(state.positions, position_of(strand, n) + (j + 2) * ROW, W)
+    if scheme.curled:
+        prefetch_rest(n, j, strand, state, bends, scheme.second)
 
 
 @device
