@@ -12,6 +12,7 @@ HEAD = """\
 # {title}
 #   strandcli render {file} -f 1                      # one frame, in out/{name}
 #   strandcli render {file} -f 1 --quality draft      # quickly
+#   strandcli render {file} --watch                   # small, and anew whenever this file is saved
 #   strandcli render {file} --animate gif             # all frames, and an animation
 #   strandcli plan {file}                             # what would run, and the memory it takes
 # Every key, with its unit and its default: 'strandcli schema --markdown'. `--set KEY=VALUE` tries one out.

@@ -168,7 +168,9 @@ def _place_rule(node: Node | None, parts: Sequence[str], value: Node, rules: Map
         if count > len(same):
             have = ", ".join(entry.name for entry in listed) or "none"
             times = f" {count} times" if count > 1 else ""
-            raise Unreachable(f"the preset does not list the rule {shown(name)}{times}; its rules are {have}")
+            removes = isinstance(value, Scalar) and value.null
+            more = "" if times or removes else f"; rules.{name}={{}} adds it"
+            raise Unreachable(f"the preset does not list the rule {shown(name)}{times}; its rules are {have}{more}")
         found = same[count - 1]
     if found.name not in rules:
         raise Unreachable(f"unknown rule {shown(found.name)}")
