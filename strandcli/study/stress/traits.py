@@ -234,7 +234,8 @@ def table() -> dict[str, Callable[[str], Metrics]]:
 
 def quick() -> list[str]:
     """Names of those of the table that are cheap: pinned tips, which need no kernel of their own, and refusals."""
-    plain = {"between": "none", "rest": "straight", "end": "pinned", "yield": "none", "integrator": "auto"}
+    plain = {"between": "none", "rest": "straight", "end": "pinned", "yield": "none",
+             "integrator": "auto", "section": "round"}  # fmt: skip
     found, words = [], set()
     for name, row in zip(table(), combinations(), strict=True):
         told = refusal(row)
