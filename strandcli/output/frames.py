@@ -179,9 +179,9 @@ class FrameWriter:
         try:
             while (item := self._next()) is not None:
                 self._write(*item)
+            self._finish()
         except BaseException as error:
-            self._failure = error
-        self._finish()
+            self._finish(error)
 
     def _next(self) -> tuple[int, png.Pixels, Layers] | None:
         """The next item of the queue; None after a failure. Written pictures get their names when there are enough of
@@ -192,14 +192,16 @@ class FrameWriter:
         self._finish()
         return None if self._failure else self._queue.get()
 
-    def _finish(self) -> None:
-        """Give written pictures their names. One that the disk refuses is the failure; the others stay."""
+    def _finish(self, failure: BaseException | None = None) -> None:
+        """Give written pictures their names, and then tell of a failure. The others stay where the disk refuses
+        one, which is a failure too."""
         for finish in self._begun:
             try:
                 finish()
             except BaseException as error:
-                self._failure = self._failure or error
+                failure = failure or error
         self._begun.clear()
+        self._failure = self._failure or failure  # last: whoever sees it counts the frames that are whole
 
     def _write(self, frame: int, image: png.Pixels, layers: Layers) -> None:
         start = time.perf_counter()

@@ -139,9 +139,17 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatc
         return begin_pieces(path, until_full() if path.name == frame_file(3) else pieces)
 
     monkeypatch.setattr(module, "begin_pieces", fill)
+    monkeypatch.setattr("os.fsync", lambda file: time.sleep(0.05))
     words = "frame_0003.png: .*disk is full.*; 2 finished frames are whole, --resume keeps them"
+
+    def run() -> None:
+        with FrameWriter(tmp_path, range(1, 20), SIZE) as writer:
+            for frame in range(1, 20):  # handed in while the disk still has those before the failure to take
+                writer.submit(frame, picture(frame))
+                time.sleep(0.01)
+
     with pytest.raises(RefusedError, match=words):
-        write(tmp_path, list(range(1, 20)))
+        run()
     assert sorted(os.listdir(tmp_path)) == [frame_file(1), frame_file(2)]
 
 
