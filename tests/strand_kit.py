@@ -21,6 +21,7 @@ from strandcli.pipeline import render
 from strandcli.scene import Scene, loads
 from strandcli.simulate import compose
 from strandcli.simulate.rules import Pass, registry
+from strandcli.simulate.solver import Solver
 from strandcli.simulate.thesis import ThesisSolver
 
 JIT = "from strandcli.jit import function, parallel, prange"
@@ -77,3 +78,13 @@ def moved(scene: Scene, frame: int, plain: bool = True) -> NDArray[np.float32]:
     solver = solver_of(scene, plain)
     solver.advance(frame)
     return solver.particles()
+
+
+def require_same_after_restart(whole: Solver, half: Solver) -> None:
+    """Fail where a solver that goes on from the state of another in frame 12 is not as that one in frame 20, to the bit."""
+    whole.advance(12)
+    half.restore(whole.state_arrays())
+    for one in (whole, half):
+        one.frame = 12
+        one.advance(20)
+    np.testing.assert_array_equal(whole.particles(), half.particles())

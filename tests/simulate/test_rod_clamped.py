@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from strand_kit import scene_of
+from strand_kit import require_same_after_restart, scene_of
 from strandcli.groom.emit import emit
 from strandcli.scene import SceneError
 from strandcli.simulate import rod_clamped
@@ -135,12 +135,7 @@ def test_curls_stay_as_they_are_emitted_while_nothing_turns_them() -> None:
 
 def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:
     whole, half = curls(), curls()
-    whole.advance(12)
-    half.restore(whole.state_arrays())
-    for one in (whole, half):
-        one.frame = 12
-        one.advance(20)
-    np.testing.assert_array_equal(whole.particles(), half.particles())
+    require_same_after_restart(whole, half)
 
 
 @pytest.mark.parametrize(

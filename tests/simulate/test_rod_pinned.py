@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strand_kit import scene_of
+from strand_kit import require_same_after_restart, scene_of
 from strandcli.groom.emit import emit
 from strandcli.scene import SceneError
 from strandcli.simulate.rod import RodSolver
@@ -67,12 +67,7 @@ def test_tips_stay_where_the_emitter_carries_them(more: str) -> None:
 
 def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:
     whole, half = slack(), slack()
-    whole.advance(12)
-    half.restore(whole.state_arrays())
-    for one in (whole, half):
-        one.frame = 12
-        one.advance(20)
-    np.testing.assert_array_equal(whole.particles(), half.particles())
+    require_same_after_restart(whole, half)
 
 
 def test_pins_on_what_deforms_are_refused_with_their_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strand_kit import scene_of
+from strand_kit import require_same_after_restart, scene_of
 from strandcli.groom.emit import emit
 from strandcli.scene import SceneError
 from strandcli.simulate import section as sections
@@ -152,12 +152,7 @@ def test_a_sag_free_start_hangs_still() -> None:
 @pytest.mark.long
 def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:
     whole, half = curls(), curls()
-    whole.advance(12)
-    half.restore(whole.state_arrays())
-    for one in (whole, half):
-        one.frame = 12
-        one.advance(20)
-    np.testing.assert_array_equal(whole.particles(), half.particles())
+    require_same_after_restart(whole, half)
 
 
 def test_the_axes_lie_across_strands_as_they_are_turned() -> None:

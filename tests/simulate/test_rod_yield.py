@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from strand_kit import scene_of
+from strand_kit import require_same_after_restart, scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate.kernels.rod_scratch import PACK
@@ -80,12 +80,7 @@ def test_a_rod_bent_less_or_without_a_limit_springs_back_straight(more: str, cur
 def test_a_set_is_kept_in_checkpoints() -> None:
     whole, half = rod(), rod()
     bend(whole, 5.0)
-    whole.advance(12)
-    half.restore(whole.state_arrays())
-    for one in (whole, half):
-        one.frame = 12
-        one.advance(20)
-    np.testing.assert_array_equal(whole.particles(), half.particles())
+    require_same_after_restart(whole, half)
     assert curvatures(half).max() > 2.5
 
 

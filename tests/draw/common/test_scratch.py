@@ -33,3 +33,9 @@ def test_of_a_sparse_array_only_what_is_written_to_takes_memory() -> None:
     before = resident()
     array[:: 1 << 17] = 1  # a page in each half of a megabyte
     assert resident() - before < 8_000_000
+
+
+def test_more_than_there_is_is_told_as_numpy_tells_it() -> None:
+    for borrow in (Scratch().borrow, Scratch().sparse):
+        with pytest.raises(MemoryError):
+            borrow("a", 1 << 60, np.uint8)
