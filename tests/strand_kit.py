@@ -81,7 +81,7 @@ def moved(scene: Scene, frame: int, plain: bool = True) -> NDArray[np.float32]:
 
 
 def require_same_after_restart(whole: Solver, half: Solver) -> None:
-    """Fail where a solver that goes on from the state of another in frame 12 is not as that one in frame 20, to the bit."""
+    """Fail where a solver that goes on from the state of another in frame 12 differs from it in frame 20 by a bit."""
     whole.advance(12)
     half.restore(whole.state_arrays())
     for one in (whole, half):

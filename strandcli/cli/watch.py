@@ -125,7 +125,7 @@ def _scene(given: Mapping[str, Any]) -> Scene:
 
 def _with_one_turn(scene: Scene) -> Scene:
     """The scene with no more of a loop before its first frame than one turn, at the end of which strands that settle
-    are nearly where a further one would bring them: those of `hair` .01 mm off, 7 mm at the most."""
+    are nearly where a further one would bring them: those of `hair` .11 mm off on average, 2.9 mm at the most."""
     if scene.panels:
         return dataclasses.replace(scene, panels=tuple(_with_one_turn(panel) for panel in scene.panels))
     time = scene.time

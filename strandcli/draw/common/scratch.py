@@ -56,10 +56,14 @@ class Scratch:
 
 
 def _in_small_pages(size: int, dtype: DTypeLike) -> NDArray[Any]:
-    """An array with undefined contents whose pages are as small as the system has them."""
+    """An array with undefined contents whose pages are as small as the system has them. Raises `MemoryError` as NumPy
+    does."""
     if size == 0 or not hasattr(mmap, "MADV_NOHUGEPAGE"):
         return np.empty(size, dtype)
-    memory = mmap.mmap(-1, size * np.dtype(dtype).itemsize, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    try:
+        memory = mmap.mmap(-1, size * np.dtype(dtype).itemsize, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    except OSError as error:
+        raise MemoryError from error
     with suppress(OSError):  # of kernels without huge pages
         memory.madvise(mmap.MADV_NOHUGEPAGE)
     return np.frombuffer(memory, dtype)
