@@ -11,12 +11,10 @@ from collections.abc import Sequence
 from operator import sub
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
 from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
 from .rod_teleport import Jumps
-from .surroundings import Placed, Poses, Surroundings, flat
+from .surroundings import Placed, Poses, Surroundings, flat, viewed
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -79,7 +77,7 @@ class Motion:
         air = around.air(time)
         solids = around.placed(time, dt, self.outer(pose), before)
         change = change_of(pose if jumps else last, pose, around.dtype)
-        return Moved(last, pose, jumps, change, air, memoryview(np.array(air, around.dtype)), solids)
+        return Moved(last, pose, jumps, change, air, viewed(air, around.dtype), solids)
 
     def outer(self, pose: Pose) -> Pose | None:
         """The emitter's pose as solids take it that follow it."""
@@ -89,4 +87,4 @@ class Motion:
 def change_of(last: Pose, pose: Pose, dtype: Any) -> memoryview:
     """Return `Forcing.pose` for a step from one pose to another."""
     now = flat(pose)
-    return memoryview(np.array((*now, *map(sub, now, flat(last))), dtype))
+    return viewed((*now, *map(sub, now, flat(last))), dtype)
