@@ -9,9 +9,8 @@ material, as does the twist of curled strands.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
-from operator import sub
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,17 +19,18 @@ from numpy.typing import NDArray
 from ..blocks import lanes
 from ..errors import UsageError
 from ..groom.record import Groom
-from ..scene.motion import Pose, emitter_pose
+from ..scene.motion import Pose
 from .contact.between_strands import StrandContact, in_parts
 from .crowd import Crowd, Moment
-from .kernels.records import DRAG, FRICTION, ROOT_MASS, TOLERANCE, VELOCITY_STEP
+from .kernels.records import AIR, TOLERANCE
 from .kernels.rod_scratch import PACK
-from .kernels.rod_start import VELOCITY_RATE
 from .material import COIL_STEP, MOST_INNER
 from .rod_clamped import pins_of
 from .rod_kernel import StepKernel
-from .rod_pinned import HEAVY, Pins
+from .rod_motion import Motion, change_of
+from .rod_numbers import StepNumbers
 from .rod_pinned import TOLERANCE as PINNED_TOLERANCE
+from .rod_pinned import Pins
 from .rod_setup import (
     flags_of,
     forcing_of,
@@ -45,7 +45,7 @@ from .rod_setup import (
     with_coils,
     world_edges,
 )
-from .rod_teleport import Jumps, begin_before_roots, carry, stop, turned, velocity_of_roots
+from .rod_teleport import begin_before_roots, carry, stop, turned, velocity_of_roots
 from .rod_yield import yielding_of
 from .solver import Solver
 from .surroundings import Surroundings, flat, pose_of
@@ -58,10 +58,6 @@ FEWEST_BY_EDGES = 12
 TOLERANCES = {(False, False): 1.8e-3, (True, False): 1.8e-3, (False, True): 1e-10, (True, True): 1e-12}
 """Error of |e|² at which iterations stop, as `kernels.rod_newton` measures it, for (BDF2, double precision asked for).
 Of most strands the error is far less than of the worst."""
-ROOT_SHARE = 0.5
-"""Relative mass of a free root."""
-MOMENT = 1e-6
-"""Seconds in which nothing moves but what is put elsewhere."""
 LEAST_DAMPING = {False: 0.25, True: 0.5}
 """Share of a step that inner damping of grooms with coils is at least, with BDF2 where True. The reaction to rest
 shapes on the edges that carry them is that before the step, which rocks tight curls without it."""
@@ -86,10 +82,8 @@ class RodSolver(Solver):
         rod, matter = scene.rod, matter_of(scene, groom)
         self.dtype = precision_of(scene, matter)
         self.surroundings = Surroundings(scene, self.dtype)
-        self.carried = any(use.name == "emitter_motion" for use in scene.rules)
-        self._still = emitter_pose(scene.emitter, 0.0)
-        self.pose = self._pose(0.0)
-        self._jumps = Jumps(groom)
+        self.motion = Motion(scene, groom, self.surroundings, scene.rod.root == "free")
+        self.pose = self.motion.pose(0.0)
         shape = shape_of(scene, groom, self.dtype)
         matter = hinged(scene, matter, shape)
         if shape.mended:
@@ -108,6 +102,11 @@ class RodSolver(Solver):
         self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags, rod, shape.coiled)
         self.forcing.numbers[TOLERANCE] = TOLERANCES[flags.second, rod.precision == "double"]
         self.mass = self.material.mass.copy()
+        self._gravity = tuple(self.surroundings.gravity.tolist())
+        least_damping = LEAST_DAMPING[flags.second] if shape.coiled else 0.0
+        arrays = self.state, self.material, self.forcing
+        self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
+        self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, least_damping)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)
         self._across: NDArray[Any] | None = None
@@ -115,13 +114,11 @@ class RodSolver(Solver):
         if self.deforming is not None and shape.curled:
             rows = self.material.bends[:, 0].reshape(-1, 3, PACK).transpose(0, 2, 1)
             self._across = rows.reshape(-1, 3)[: self.strands].copy()
-        self._dragged: float | None = None
         self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
-        self._least_damping = LEAST_DAMPING[flags.second] if shape.coiled else 0.0
-        self._gravity = tuple(self.surroundings.gravity.tolist())
+        self._steady = self._coil_rate == 0 and self.contact is None and self.deforming is None
+        """Whether a step is one of the kernel's."""
         self._last_step = 0.0
         self.place_roots(1)
-        arrays = self.state, self.material, self.forcing
         self.kernel = StepKernel(self.strands, rod.iterations, flags, arrays, self.surroundings)
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
@@ -161,14 +158,16 @@ class RodSolver(Solver):
         self.pins = self.pins or Pins(self.state, self.pose)
         self.pins.bring(at, seconds)
 
-    def _pose(self, time: float) -> Pose:
-        """The emitter's pose; at rest where no rule carries the roots along."""
-        if self.carried and self.scene.emitter.keys:
-            return emitter_pose(self.scene.emitter, self.scene.time.pose_time(time))
-        return self._still
+    def announce(self, ends: Sequence[float], dt: float) -> None:
+        """As for any solver."""
+        if self._steady:
+            self.motion.announce(ends, dt, self.pose)
 
     def step(self, time: float, dt: float) -> None:
         """A step of ``dt`` seconds that ends at ``time``, in several where coils ask for it; nothing where it is 0."""
+        if self._steady:
+            self._step(time, dt)
+            return
         count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count
@@ -182,32 +181,32 @@ class RodSolver(Solver):
         long for what strands do to each other."""
         if dt <= 0:
             return True
-        rod, around = self.scene.rod, self.surroundings
-        pose = self._pose(time)
-        jumps = not self.loose and self._jumps.between(self.pose, pose)
-        if jumps:
+        rod, around, moved = self.scene.rod, self.surroundings, self.motion.step(time, dt, self.pose)
+        pose = moved.pose
+        if moved.jumps:
             carry(self.state, self.positions, self.pose, pose)
             self.pose = pose
-        if around.any_solids and (jumps or self._last_step == 0):
+        if around.any_solids and (moved.jumps or self._last_step == 0):
             self._put_outside(time - dt)
         self._deform(time)
-        bdf2 = self.second and dt == self._last_step and not jumps
-        h = 2 * dt / 3 if bdf2 else dt
-        self.forcing.numbers[VELOCITY_STEP] = dt / VELOCITY_RATE if bdf2 else dt
+        bdf2 = self.second and dt == self._last_step and not moved.jumps
         gust = around.gust(time, self.positions)
         if gust is not None:
             self.forcing.gust[...] = gust.reshape(-1, PACK)[: len(self.forcing.gust)]
-        around.solids(time, dt, pose if self.carried else None)
+        around.solids(time, dt, self.motion.outer(pose), moved.solids)
         self._moment = time, dt
-        air = around.air(time)
         if self.crowd is not None:
             strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
-            moment = Moment(time, dt, (strength * air[0], strength * air[1], strength * air[2]))
+            x, y, z = moved.air
+            moment = Moment(time, dt, (strength * x, strength * y, strength * z))
             self.crowd.prepare(self.state, self.mass, velocity_of_roots(self.forcing, self.pose, pose, dt), moment)
-        damping = max(rod.damping, self._least_damping * dt) * (h / dt)
-        numbers = h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction
-        run = partial(self._run, pose, *numbers)
-        short = run() is None if self.contact is None else self.contact.step(run, self)
+        self.numbers.set(dt, bdf2, self.pins is not None)
+        self._air[:] = moved.wind
+        if self.contact is None:
+            self._run(pose, moved.change)
+            short = True
+        else:
+            short = self.contact.step(partial(self._run, pose, moved.change), self)
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         if self.loose:
@@ -230,21 +229,12 @@ class RodSolver(Solver):
         forcing.roots[...], forcing.directions[...] = packed(roots, self.dtype), packed(directions, self.dtype)
         forcing.drift[...] = turned(past, forcing.roots - before).reshape(forcing.drift.shape)
 
-    def _run(self, pose: Pose, *numbers: float) -> None:
-        """Run the kernel to a pose of the emitter; ``numbers`` are those of `Forcing` up to friction."""
-        self.forcing.numbers[: FRICTION + 1] = numbers
-        now, past = flat(pose), flat(self.pose)
+    def _run(self, pose: Pose, change: memoryview) -> None:
+        """Run the kernel to a pose of the emitter, with its ``change`` as `Forcing.pose`."""
         if self.pins is not None:
             self.forcing.numbers[TOLERANCE] = min(self.forcing.numbers[TOLERANCE], PINNED_TOLERANCE)
             self.pins.aim(self.state, self.forcing, pose, *self._moment)
-        self.forcing.pose[:] = (*now, *map(sub, now, past))
-        dragged = self.forcing.numbers[VELOCITY_STEP] * numbers[DRAG]
-        if dragged != self._dragged:
-            np.multiply(self.mass, 1 + dragged, out=self.material.mass)
-            self.forcing.numbers[ROOT_MASS] = ROOT_SHARE * (1 + dragged)
-            if self.pins is not None:
-                self.material.mass[-1] *= HEAVY
-            self._dragged = dragged
+        self._change[:] = change
         self.kernel.run()
 
     def _put_outside(self, time: float) -> None:
@@ -255,15 +245,15 @@ class RodSolver(Solver):
         self.forcing.drift[...] = 0
         self.surroundings.solids(time, 0.0)
         state.crowd[...] = 0
-        self.forcing.numbers[VELOCITY_STEP] = MOMENT
-        self._run(self.pose, MOMENT, *[0.0] * FRICTION)
+        self.numbers.set_moment(self.pins is not None)
+        self._run(self.pose, change_of(self.pose, self.pose, self.dtype))
         state.tension[...] = tension
         stop(state.velocity, state.before, state.ahead, state.moved, state.push, state.touching)
 
     def place_roots(self, frame: int) -> None:
         """Put the first two rows where they are at a frame, to the bits of a step that ends there."""
         self._deform((frame - 1) / self.scene.time.fps)
-        turn, moved = (np.array(part, self.dtype) for part in self._pose((frame - 1) / self.scene.time.fps))
+        turn, moved = (np.array(part, self.dtype) for part in self.motion.pose((frame - 1) / self.scene.time.fps))
         roots = turned(turn, self.forcing.roots) + moved[:, None]
         before = roots - self.material.lengths[:, None] * turned(turn, self.forcing.directions)
         for row, at in enumerate((before, roots)):

@@ -7,13 +7,11 @@ from types import ModuleType
 from typing import Any
 
 import numba
-import numpy as np
 
 from ..blocks import aligned
-from ..constants import VECTOR, W
+from ..constants import VECTOR
 from .kernels import rod_step, rod_tension, work_queue
 from .kernels.records import Flags, Forcing, Material, State
-from .kernels.rod_scratch import PACK
 from .rod_others import module_among
 from .surroundings import Surroundings
 
@@ -29,7 +27,7 @@ class StepKernel:
         self, strands: int, iterations: int, flags: Flags, arrays: tuple[State, Material, Forcing],
         surroundings: Surroundings,
     ) -> None:  # fmt: skip
-        edges, rows = arrays[0].edges, arrays[0].positions
+        edges = arrays[0].edges
         segments = edges.shape[1]
         workers = min(numba.get_num_threads(), 1 + strands * segments // SEGMENTS_A_THREAD)
         size = rod_tension.scratch_size(segments) * VECTOR
@@ -43,14 +41,9 @@ class StepKernel:
         self._others = surroundings.others
         self._kind, self._flags = edges.dtype.name, flags
         self._code: int | None = None
-        # lanes without a strand are copies of the last strand, and the queue leaves most of them alone
-        last = rows[-1].reshape(-1, W)
-        done = len(edges) * PACK - (len(rows) - 1) * W
-        self._padding, self._last_strand = last[:, done:], last[:, done - 1, None]
 
     def run(self) -> None:
         """Move all strands by one step, as `Forcing` says."""
-        self._descriptor[work_queue.NEXT] = 0
         if self._code is None:  # compiled no sooner than anything moves, which need not be
             self._code = self._compiled()
         if self._data is not self._surroundings.data:
@@ -61,8 +54,6 @@ class StepKernel:
         if workers > 1:
             workers = min(workers, numba.get_num_threads())
         work_queue.run_workers(self._code, self._descriptor, workers)
-        if self._padding.size:
-            np.copyto(self._padding, self._last_strand)
 
     def _compiled(self) -> int:
         """Return the address of the step that the scene needs: a shipped one, or one of a module written for it."""

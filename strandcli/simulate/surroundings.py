@@ -6,7 +6,7 @@ Constants, such as solids that do not move, are computed once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,27 @@ from .rules import wind
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
+
+
+class Poses(NamedTuple):
+    """Where things are at the end of a step."""
+
+    time: float
+    """Seconds, at which keys are read; -1 before the first step."""
+    emitter: Pose | None
+    solids: dict[int, Pose]
+    """Of solids with motions of their own, by identity."""
+
+
+class Placed(NamedTuple):
+    """How solids move in a step."""
+
+    before: Poses
+    after: Poses
+    past: float
+    """Time of the poses before, seconds."""
+    rows: list[memoryview]
+    """Packed, of each that moves."""
 
 
 def gravity(scene: Scene) -> NDArray[np.float64]:
@@ -68,7 +89,8 @@ class Surroundings:
             for kind, mine in moving.items() if mine
             for row, one in zip(packed[kind][-len(mine) :], mine, strict=True)
         ]  # fmt: skip
-        self._poses: tuple[float, Pose | None, dict[int, Pose]] = (-1.0, None, {})
+        self._rows = [memoryview(row) for row, _, _ in self._moving]
+        self.poses = Poses(-1.0, None, {})
 
     def air(self, time: float) -> tuple[float, float, float]:
         """Return the velocity of the air, m/s, without gusts that differ from strand to strand."""
@@ -96,40 +118,51 @@ class Surroundings:
         )
         return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
 
-    def solids(self, time: float, dt: float, outer: Pose | None = None) -> tuple[Any, ...]:
+    def solids(self, time: float, dt: float, outer: Pose | None = None, known: Placed | None = None) -> tuple[Any, ...]:
         """Return packed solids with their motion in a step that ends at ``time``, with the emitter's pose ``outer``:
         spheres, capsules, planes, boxes, and `others` if there are any. The arrays are the same at each call; those of
-        `data` are new when a shape changes."""
-        now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
-        emitter = self.scene.emitter
-        outer = outer or emitter_pose(emitter, now)
-        known, inner, before = self._poses
-        if abs(known - past) > 1e-9 * dt:
-            inner, before = None, {}
-        else:
-            past = known
-        carried: Pose | None = None
-        after: dict[int, Pose] = {}
-        for row, one, own in self._moving:
-            if own is None:
-                pose = after[id(one)] = solid_pose(one, emitter, now, outer)
-                motion = _between(before.get(id(one)) or solid_pose(one, emitter, past), pose)
-            else:  # moves with the emitter, as other solids may
-                pose = compose(outer, own)
-                motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
-            (a, b, c), moved = motion
-            row[:] = (*self._numbers(one, pose, len(row) - MOTION), *a, *b, *c, *moved)
-        self._poses = now, outer, after
+        `data` are new when a shape changes. ``known``: what `placed` may have returned for the step."""
+        if known is None or known.before is not self.poses:
+            known = self.placed(time, dt, outer, self.poses)
+        for row, numbers in zip(self._rows, known.rows, strict=True):
+            row[:] = numbers
+        self.poses = known.after
         if self.data:
-            found = other.data_of(self.others, now, past)
+            found = other.data_of(self.others, known.after.time, known.past)
             if any(a is not b for a, b in zip(found, self.data, strict=True)):
                 self.data = found
         return self._packed
 
+    def placed(self, time: float, dt: float, outer: Pose | None, before: Poses) -> Placed:
+        """Return how solids move in a step that ends at ``time``, after one that has ended with the poses ``before``;
+        ``outer``: the emitter's pose then."""
+        now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
+        emitter = self.scene.emitter
+        outer = outer or emitter_pose(emitter, now)
+        known, inner, there = before
+        if abs(known - past) > 1e-9 * dt:
+            inner, there = None, {}
+        else:
+            past = known
+        carried: Pose | None = None
+        after: dict[int, Pose] = {}
+        rows = []
+        for row, one, own in self._moving:
+            if own is None:
+                pose = after[id(one)] = solid_pose(one, emitter, now, outer)
+                motion = _between(there.get(id(one)) or solid_pose(one, emitter, past), pose)
+            else:  # moves with the emitter, as other solids may
+                pose = compose(outer, own)
+                motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
+            (a, b, c), moved = motion
+            numbers = *self._numbers(one, pose, len(row) - MOTION), *a, *b, *c, *moved
+            rows.append(viewed(numbers, self.dtype))
+        return Placed(before, Poses(now, outer, after), past, rows)
+
     def last_poses(self) -> NDArray[np.float64]:
         """Return the time of the last step and the poses at its end: of the emitter, and of solids with motions
         of their own; NaN where none is known."""
-        time, outer, solids = self._poses
+        time, outer, solids = self.poses
         rows = [outer, *(solids.get(id(one)) for _, one, own in self._moving if own is None)]
         return np.array([time, *(number for one in rows for number in ([np.nan] * 12 if one is None else flat(one)))])
 
@@ -139,7 +172,8 @@ class Surroundings:
         rows = [rest[i : i + 12] for i in range(0, len(rest), 12)]
         outer, *others = [None if row[0] != row[0] else pose_of(row) for row in rows]
         moving = [one for _, one, own in self._moving if own is None]
-        self._poses = time, outer, {id(one): p for one, p in zip(moving, others, strict=True) if p is not None}
+        there = {id(one): p for one, p in zip(moving, others, strict=True) if p is not None}
+        self.poses = Poses(time, outer, there)
 
     def _numbers(self, solid: Any, pose: Pose, columns: int) -> list[float]:
         """Return a solid's packed row."""
@@ -160,6 +194,13 @@ class Surroundings:
             row[:columns] = self._numbers(one, solid_pose(one, self.scene.emitter, 0.0), columns)
         rows[:, columns : columns + MOTION_SHIFT] = np.eye(3).ravel()
         return rows
+
+
+def viewed(numbers: Sequence[float], dtype: Any) -> memoryview:
+    """Return numbers of a floating-point type. Copies between views run less code than those between arrays, which
+    counts where it is not in the caches."""
+    row: Any = np.array(numbers, dtype)
+    return memoryview(row)
 
 
 def flat(pose: Pose) -> tuple[float, ...]:

@@ -6,12 +6,13 @@ depends on the number of particles. These flaws of the source are kept, so that 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import NDArray
 
-from .. import runtime
+from .. import runtime, solids
 from ..blocks import lanes
 from ..groom.record import Groom
 from .compose import step_for
@@ -32,14 +33,27 @@ class ThesisSolver(Solver):
         self._distinct = list({id(one): one for one in self.passes}.values())
         places = {id(one): place for place, one in enumerate(self._distinct)}
         self._places = [places[id(one)] for one in self.passes]
+        self._steady = not (any(one.state for one in self._distinct) or solids.others(scene.solids))
+        """Whether the numbers of all passes follow from the moment alone, and are few."""
+        self._known: dict[tuple[float, float], list[Any]] = {}
+
+    def announce(self, ends: Sequence[float], dt: float) -> None:
+        """As for any solver."""
+        if self._steady:
+            self._known = {(time, dt): [kept(one) for one in self._prepared(time, dt)] for time in ends}
 
     def step(self, time: float, dt: float) -> None:
         """Simulate a step of ``dt`` seconds that ends at ``time``."""
         if self._step is not None and dt > 0:
             self._deform(time)
-            moment = Moment(time, dt, self.scene)
-            prepared = [one.prepare(moment) for one in self._distinct]
-            self._step(self.positions, self.lengths, self.rest, *[prepared[place] for place in self._places])
+            prepared = self._known.get((time, dt)) or self._prepared(time, dt)
+            self._step(self.positions, self.lengths, self.rest, *prepared)
+
+    def _prepared(self, time: float, dt: float) -> list[Any]:
+        """Return the numbers of all passes for a step of ``dt`` seconds that ends at ``time``."""
+        moment = Moment(time, dt, self.scene)
+        prepared = [one.prepare(moment) for one in self._distinct]
+        return [prepared[place] for place in self._places]
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return the positions, and what rules keep from step to step."""
@@ -71,3 +85,8 @@ class ThesisSolver(Solver):
         lengths = self.lengths.reshape(-1)[: self.strands, None]
         self.rest[:, 0] = lanes(roots - lengths * directions)
         self.rest[:, 1] = lanes(roots)
+
+
+def kept(prepared: Any) -> Any:
+    """Numbers of a pass that its rule may write over at the next moment."""
+    return prepared.copy() if isinstance(prepared, np.ndarray) else prepared

@@ -216,13 +216,12 @@ def work(kind, descriptor, worker, solids_of, second, crowded, held, loose, oval
     scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
     state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
     flags, solids = flags_of(descriptor, second, crowded, held, loose, oval), solids_of(kind, descriptor)
-    pack = take(descriptor)
+    pack, segments = take(descriptor), descriptor[SEGMENTS]
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
-        run(
-            scratch, state, material, forcing, flags, solids, descriptor[ITERATIONS], pack, next_pack,
-            descriptor[SEGMENTS],
-        )  # fmt: skip
+        run(scratch, state, material, forcing, flags, solids, descriptor[ITERATIONS], pack, next_pack, segments)
+        if pack == descriptor[TASKS] - 1:
+            rod_sweep.fill_block(scratch, state.positions, pack, segments)
         pack = next_pack
 
 

@@ -4,7 +4,20 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import device, function, inlined
-from ...simd import any_lane, broadcast, load, load3, no_fma, prefetch, prefetch3, sqrt, store, store3, where
+from ...simd import (
+    any_lane,
+    broadcast,
+    lane_count,
+    load,
+    load3,
+    no_fma,
+    prefetch,
+    prefetch3,
+    sqrt,
+    store,
+    store3,
+    where,
+)
 from . import rod, rod_loose, rod_start
 from .contact import resolve_contact
 from .records import ROUNDING, Segment
@@ -138,6 +151,18 @@ def move_root(s, at, state, length, place, scheme):
 def position_of(strand, n):
     """Place of a strand in the positions."""
     return strand // W * (n + 2) * ROW + strand % W
+
+
+@device
+def fill_block(s, positions, pack, n):
+    """Set the lanes of a block after its last ``pack``, which are no strands, to the last lane of that."""
+    start = position_of(pack * PACK, n) - pack * PACK % W
+    first = (pack + 1) * PACK % W
+    if first > 0:
+        for row in range(start + first, start + (n + 2) * ROW, W):
+            last = broadcast(s, positions[row - 1])
+            for lane in range(0, W - first, lane_count(s)):
+                store(positions, row + lane, last)
 
 
 @device

@@ -48,8 +48,8 @@ def call(typingctx: Any, code: Any, descriptor: Any, worker: Any) -> Any:
 
 
 def run_workers(code: int, descriptor: NDArray[np.int64], workers: int) -> None:
-    """Run the code at an address once for each of ``workers``, with the worker's number; a single worker runs on the
-    calling thread."""
+    """Run the code at an address once for each of ``workers``, with the worker's number, from the first task on; a
+    single worker runs on the calling thread."""
     if workers > 1:
         on_threads(code, descriptor, workers)
     else:
@@ -59,6 +59,7 @@ def run_workers(code: int, descriptor: NDArray[np.int64], workers: int) -> None:
 @parallel
 def on_threads(code, descriptor, workers):
     """Run `run_workers` on several threads."""
+    descriptor[NEXT] = 0
     for worker in prange(workers):
         call(code, descriptor, np.int64(worker))
 
@@ -66,6 +67,7 @@ def on_threads(code, descriptor, workers):
 @function
 def on_this(code, descriptor):
     """Run `run_workers` on the calling thread."""
+    descriptor[NEXT] = 0
     call(code, descriptor, 0)
 
 

@@ -1,0 +1,63 @@
+"""What the kernel is told of a step's method and length (`kernels.records.Forcing.numbers`), and masses with drag."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kernels.records import DRAG, FRICTION, ROOT_MASS, VELOCITY_STEP, Forcing, Material
+from .kernels.rod_start import VELOCITY_RATE
+from .rod_pinned import HEAVY
+
+if TYPE_CHECKING:
+    from ..scene.model import Rod
+
+ROOT_SHARE = 0.5
+"""Relative mass of a free root."""
+MOMENT = 1e-6
+"""Seconds in which nothing moves but what is put elsewhere."""
+
+
+class StepNumbers:
+    """Writes the numbers of steps, and nothing where they are those of the step before. ``mass`` (N,) is that of
+    particles without what drag adds; ``least_damping``: the least share of a step that inner damping has."""
+
+    def __init__(
+        self, rod: Rod, material: Material, forcing: Forcing, mass: NDArray[Any], gravity: tuple[float, ...],
+        least_damping: float,
+    ) -> None:  # fmt: skip
+        self._mass = mass
+        self._rod, self._material, self._forcing = rod, material, forcing
+        self._gravity, self._least_damping = gravity, least_damping
+        self._last: tuple[float, bool, bool] | None = None
+        self._dragged: float | None = None
+
+    def set(self, dt: float, bdf2: bool, pinned: bool) -> None:
+        """Write those of a step of ``dt`` seconds, but for the air. ``pinned``: whether tips are."""
+        if self._last == (dt, bdf2, pinned):
+            return
+        rod = self._rod
+        h, velocity_step = (2 * dt / 3, dt / VELOCITY_RATE) if bdf2 else (dt, dt)
+        damping = max(rod.damping, self._least_damping * dt) * (h / dt)
+        share = 1 / 3 if bdf2 else 0.0
+        self._write(velocity_step, pinned, h, *self._gravity, 0.0, 0.0, 0.0, rod.drag, damping, share, rod.friction)
+        self._last = dt, bdf2, pinned
+
+    def set_moment(self, pinned: bool) -> None:
+        """Write those of `MOMENT`, without any load."""
+        self._write(MOMENT, pinned, MOMENT, *[0.0] * FRICTION)
+
+    def _write(self, velocity_step: float, pinned: bool, *up_to_friction: Any) -> None:
+        numbers: NDArray[Any] = self._forcing.numbers
+        self._last = None
+        numbers[VELOCITY_STEP] = velocity_step
+        numbers[: FRICTION + 1] = up_to_friction
+        dragged = numbers[VELOCITY_STEP] * up_to_friction[DRAG]
+        if dragged != self._dragged:
+            np.multiply(self._mass, 1 + dragged, out=self._material.mass)
+            numbers[ROOT_MASS] = ROOT_SHARE * (1 + dragged)
+            if pinned:
+                self._material.mass[-1] *= HEAVY
+            self._dragged = dragged

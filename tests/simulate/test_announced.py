@@ -1,0 +1,110 @@
+"""What solvers compute for several steps at once: the same motion as step by step, and no more than they may."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import strandcli
+from strandcli.constants import W
+from strandcli.groom.emit import emit
+from strandcli.simulate import solver_of, thesis
+from strandcli.simulate.solver import ANNOUNCED
+from tests.simulate.test_surroundings import ALL, TURN
+
+JUMP = [
+    {"time": 0},
+    {"time": 0.4, "ease": "step"},
+    {"time": 0.5, "position": [9, 0, 0]},
+    {"time": 1, "position": [10, 0, 0]},
+]
+SCENES: dict[str, dict[str, Any]] = {
+    "rods": {"solver": "rod"},
+    "rods that jump": {"solver": "rod", "emitter.keys": JUMP},
+    "substeps": {"solver": "rod", "time.substeps": 3},
+    "a loop": {"solver": "rod", "time.loop": True, "time.frames": 12},
+    "rules": {"solver": "thesis"},
+}
+
+
+def solver(**changes: Any) -> Any:
+    settings = {
+        "emitter": {"strands": 20, "particles": 6, "length": 0.5, "shape": {"kind": "sphere", "radius": 0.3}},
+        "emitter.keys": TURN,
+        "time": {"fps": 10, "frames": 40},
+        "solids": ALL,
+        "rules": ["emitter_motion", "gravity", {"wind": {"strength": 5, "gust": 0.5, "sway": 30}}, "collision"],
+        **changes,
+    }
+    one = strandcli.load("minimal", settings=settings)
+    return solver_of(one)(one, emit(one.emitter, one.seed))
+
+
+@pytest.mark.parametrize("changes", SCENES.values(), ids=SCENES)
+def test_steps_that_are_announced_move_strands_as_others_do(changes: dict[str, Any]) -> None:
+    told, untold = solver(**changes), solver(**changes)
+    untold.announce = lambda ends, dt: None
+    for frame in range(1, 2 * ANNOUNCED + 3):
+        told.advance(frame)
+        untold.advance(frame)
+        np.testing.assert_array_equal(told.positions, untold.positions)
+
+
+@pytest.mark.parametrize(("changes", "where"), [("rods", "motion"), ("rules", "")])
+def test_nothing_is_computed_again_of_a_step_that_was_announced(
+    changes: str, where: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = solver(**SCENES[changes], **{"time.preroll": 0.1})
+    one.advance(2)
+    inner = one.motion if where else one
+    monkeypatch.setattr(inner, "_moved" if where else "_prepared", None)
+    one.advance(1 + ANNOUNCED)
+    with pytest.raises(TypeError):
+        one.advance(2 + ANNOUNCED)
+
+
+@pytest.mark.parametrize("changes", ["rods", "rules"])
+def test_what_was_announced_before_a_state_was_restored_is_not_used_where_it_does_not_follow(changes: str) -> None:
+    one, other = solver(**SCENES[changes]), solver(**SCENES[changes])
+    one.advance(4)
+    state = {name: array.copy() for name, array in one.state_arrays().items()}
+    other.advance(3)
+    other.restore(state)
+    for frame in (5, 6):
+        one.advance(frame)
+        other.advance(frame)
+        np.testing.assert_array_equal(one.positions, other.positions)
+
+
+def test_what_was_announced_is_not_used_after_a_step_that_was_not() -> None:
+    told, untold = solver(solver="rod"), solver(solver="rod")
+    untold.announce = lambda ends, dt: None
+    for one in (told, untold):
+        one.advance(4)
+        one.step(0.9, 0.1)
+        one.advance(5)
+    np.testing.assert_array_equal(told.positions, untold.positions)
+    for mine, other in zip(told.surroundings.solids(0.5, 0.1), untold.surroundings.solids(0.5, 0.1), strict=True):
+        np.testing.assert_array_equal(mine, other)
+
+
+def test_rules_that_remember_steps_are_prepared_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    passes_of = thesis.passes_of
+
+    def remembering(scene: Any) -> Any:
+        return [(use, replace(one, state=(np.zeros(1),))) for use, one in passes_of(scene)]
+
+    monkeypatch.setattr(thesis, "passes_of", remembering)
+    one = solver(solver="thesis")
+    one.advance(3)
+    assert not one._known
+
+
+def test_lanes_without_a_strand_are_copies_of_the_last() -> None:
+    one = solver(solver="rod")
+    one.advance(3)
+    rows = one.positions[-1].reshape(-1, W)
+    assert (rows[:, 20:] == rows[:, 19:20]).all()
