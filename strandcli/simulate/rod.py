@@ -202,7 +202,8 @@ class RodSolver(Solver):
         air = around.air(time)
         if self.crowd is not None:
             strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
-            moment = Moment(time, dt, (strength * air[0], strength * air[1], strength * air[2]))
+            wind = strength * air[0], strength * air[1], strength * air[2]
+            moment = Moment(time, dt, wind, around.packed())
             self.crowd.prepare(self.state, self.mass, velocity_of_roots(self.forcing, self.pose, pose, dt), moment)
         damping = max(rod.damping, self._least_damping * dt) * (h / dt)
         numbers = h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction
