@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 IMPORT = re.compile(rb"^[ \t]*from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]+)", re.MULTILINE)
 NOT_COMPILED = frozenset(
     f"{PACKAGE}.{name}" for name in (
-        "jit.cache", "jit.dispatcher", "jit.loaded", "jit.sources", "compiling", "runtime", "errors",
+        "jit.cache", "jit.deferred", "jit.dispatcher", "jit.loaded", "jit.sources", "compiling", "runtime", "errors",
     )
 )  # fmt: skip
 """Modules, or all of a package, that decide where kernels are kept and when they are compiled, not what is in them."""
