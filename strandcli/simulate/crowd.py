@@ -117,7 +117,7 @@ class Crowd:
         weights, masses = (one.astype(kind) for one in rest)
         lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, kind(dt), kind(pressed))
         most = crowd_grid.deposit(
-            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.grid, self.near
+            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.grid, self._most, self.near
         )
         self.found = float(most) / self.cell**3
         if self.density is None:
@@ -170,7 +170,7 @@ class Crowd:
         if 5 * count > 2 * len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
             self._cells = np.empty((3 * count, CELL), np.float32)
         self.grid, self.targets, rest = self._cells[:count], self._cells[count : 2 * count], self._cells[2 * count :]
-        self.near = np.empty((deep, high), np.bool_)
+        self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
         self.room = Room(*rest.reshape(-1)[: 4 * count].reshape(4, count))
         self.room.open[:] = 1
         self._work = work_of(self.pressure)

@@ -124,9 +124,10 @@ def extent(positions, first, last, axis):
 
 
 @parallel
-def deposit(moving, lattice, parts, boxes, memory, scratch, grid, near):
-    """Set the cells of the box of all, ``grid`` (cells, `CELL`), and whether strands are ``near`` each row of them
-    (cells along z, along y): in it or in one of the eight around. Returns the most metres in a cell.
+def deposit(moving, lattice, parts, boxes, memory, scratch, grid, most, near):
+    """Set the cells of the box of all, ``grid`` (cells, `CELL`), the ``most`` metres in a cell of each row of them
+    (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most of
+    all.
 
     Each part has cells in a box of its own first: ``boxes`` (parts + 1, `BOX`) int64, of which the last is that of all;
     ``memory`` (cells of all parts, `CELL`).
@@ -138,7 +139,6 @@ def deposit(moving, lattice, parts, boxes, memory, scratch, grid, near):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), scratch[part])
     whole = boxes[len(parts)]
-    most = np.empty((whole[SIZE + 2], whole[SIZE + 1]), np.float32)
     for o in prange(whole[SIZE + 2]):
         merge_layer(boxes, np.int64(o), memory.reshape(-1), grid, most)
     return mark_near(most, near)
