@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import gc
 import importlib
 import io
 import os
@@ -16,7 +15,7 @@ import click.shell_completion
 
 from .. import __version__, runtime
 from ..errors import DONE, FAILED, REFUSED, USAGE, StrandError
-from . import signals
+from . import garbage, signals
 from .say import printable
 
 # name: module of this package and what --help says. Commands for pictures first, tools after.
@@ -43,10 +42,6 @@ COMMANDS = {
     "doctor": ("doctor", "Check this machine and installation, and say how to mend faults."),
     "warmup": ("warmup", "Compile ahead of the first run."),
 }
-
-
-FEW_COLLECTIONS = (100_000, 20, 100)
-"""Python looks for garbage in cycles a hundred times less often: imports make many objects, and next to no garbage."""
 
 
 @dataclass(slots=True)
@@ -128,7 +123,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="backslashreplace")
     if arguments is None:
         runtime.spin_briefly()
-        gc.set_threshold(*FEW_COLLECTIONS)
+        garbage.seldom()
     with signals.handled(last=arguments is None):
         return _main(arguments)
 

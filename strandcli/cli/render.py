@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import SimulationError, StrandError, UsageError
-from . import camera_files, html_page, options, signals
+from . import camera_files, garbage, html_page, options, signals
 from . import checkpoint as checkpoints
 from . import dask as clusters
 from .frame_range import FrameRange
@@ -102,6 +102,7 @@ def command(
         given = click.get_current_context().params
         run_watch(given) if watch else run_sweep(_draw, given)
         return
+    garbage.put_off()
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     options.exclusive(checkpoint=checkpoint is not None, from_cache=from_cache is not None)
     camera_files.require_file(cameras, camera)
@@ -208,6 +209,7 @@ def _run(
                         look.hand_on(writer, frame)
                     progress.step(frame_line(frame.number, frame.report))
                     signals.check()
+                    garbage.resume()
             if bound is not None:
                 bound.check(report, warn, progress.note)
         status = "complete"
@@ -221,6 +223,7 @@ def _run(
             progress.line(interrupted(writer))
         raise
     finally:
+        garbage.resume()
         compiled = runtime.compile_seconds() - before if started else None
         data = _report(report, writer, status, runtime.machine() if started else None, compiled)
     return data

@@ -7,6 +7,7 @@ from typing import Any
 
 from numba import config, njit, prange
 
+from .deferred import Deferred
 from .dispatcher import KernelDispatcher
 
 __all__ = ["device", "function", "inlined", "parallel", "prange"]
@@ -21,6 +22,12 @@ def _cached(**options: Any) -> Any:
     return decorate
 
 
+def _uncached(**options: Any) -> Any:
+    """A decorator of functions that are compiled with these options into each kernel that calls them."""
+    decorate = njit(**options)
+    return lambda function: function if config.DISABLE_JIT else Deferred(function, decorate)  # type: ignore[attr-defined]
+
+
 _kept: dict[str, Any] = {"no_cfunc_wrapper": True}
 parallel: Any = _cached(parallel=True, nogil=True, error_model="numpy", **_kept)
 """A kernel that a driver calls: its loops run on all threads."""
@@ -33,9 +40,9 @@ each array and call: the kernel keeps them. So kernels alone take memory, and ha
 in a tuple, but only one that it was given."""
 
 BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-device: Any = njit(**LEAN, **BARE)
+device: Any = _uncached(**LEAN, **BARE)
 """A function that only kernels call, each of which holds a copy: without the wrappers for Python, which take a tenth of
 a second each, without machine code, and not cached."""
 
-inlined: Any = njit(**LEAN | BARE | {"forceinline": True})
+inlined: Any = _uncached(**LEAN | BARE | {"forceinline": True})
 """A function that is part of whichever calls it: for small ones that are handed much, which calls would write down."""

@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
-import pickle
 import platform
 import stat
 import time
@@ -33,7 +32,7 @@ from ..compiling.interrupts import interrupts
 from ..compiling.service import service
 from ..opening import READ
 from . import sources
-from .loaded import rebuilt
+from .loaded import rebuilt, unpacked
 
 MAGIC = b"strandcli kernel 1\n"
 SUFFIX = ".kernel"
@@ -94,7 +93,7 @@ class KernelCache(_Cache):
         """The kernel in a file; None where there is none that is whole."""
         try:
             data = _read(path)
-            return rebuilt(target_context, *pickle.loads(_checked(data, key)))
+            return rebuilt(target_context, *unpacked(_checked(data, key)))
         except FileNotFoundError:
             return None
         except Exception as error:

@@ -6,9 +6,13 @@ that are compiled. Reading that takes half of the time in which a kernel is load
 
 from __future__ import annotations
 
+import io
+import pickle
+import sys
 from typing import Any
 
 import llvmlite.binding
+from numba.core import environment
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompileResult
 
@@ -45,6 +49,33 @@ class LoadedLibrary(JITCodeLibrary):
         self._finalize_final_module()
 
 
+class _Parts(pickle.Unpickler):
+    """Reads the parts of an entry without importing the modules of all functions that a kernel holds copies of."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        if (module, name) == ("numba.core.environment", "_rebuild_env"):
+            return _environment
+        return super().find_class(module, name)
+
+
+def _environment(module: str, constants: Any, name: str) -> Any:
+    """What `numba.core.environment._rebuild_env` returns. Of a module that nobody has imported, one with its constants
+    alone, for this kernel: globals are read by code in object mode, which kernels are not."""
+    found = environment.lookup_environment(name)
+    if found is None and module in sys.modules:
+        return environment._rebuild_env(module, constants, name)
+    if found is None:
+        found = environment.Environment({"__name__": module})
+        found.consts[:] = constants
+        found.env_name = name
+    return found
+
+
+def unpacked(payload: bytes) -> Any:
+    """The parts of an entry, as `rebuilt` takes them, from a payload that has been checked."""
+    return _Parts(io.BytesIO(payload)).load()
+
+
 def rebuilt(
     context: Any, library: Any, description: Any, environment: Any, signature: Any, object_mode: Any, lifted: Any,
     annotation: Any, inits: Any, environments: Any,
@@ -58,7 +89,7 @@ def rebuilt(
     codegen = context.codegen()
     loaded = LoadedLibrary(codegen, name)
     loaded.take(*content)
-    codegen._engine._defined_symbols.add(description.llvm_cpython_wrapper_name)
+    codegen._engine._defined_symbols |= {description.llvm_cpython_wrapper_name, description.llvm_func_name}
     known = {
         "target_context": context, "typing_context": context.typing_context, "library": loaded,
         "environment": environment, "entry_point": context.get_executable(loaded, description, environment),

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..meshes.bvh import Bvh, make_bvh, moved
+from ..meshes.bvh import Bvh, moved
 from ..meshes.distance_grid import DistanceGrid, make_distance_grid
 from ..meshes.mesh import TriangleMesh, Vectors
+from . import kept
 from .normals import shading_normals
 from .read import KEPT, Moment, Placing, Version, deformed, moment, placed, placing, version
 from .texture import Pyramid, picture, pyramid
@@ -134,14 +135,13 @@ def _vertices_at(key: Key, mesh: TriangleMesh) -> Vectors:
 
 @functools.lru_cache(maxsize=KEPT)
 def _bvh(file: Version, how: Placing) -> Bvh:
-    mesh = placed(file, how)
-    return make_bvh(mesh.vertices, mesh.triangles)
+    return kept.tree_of(placed(file, how))
 
 
 @functools.lru_cache(maxsize=KEPT)
 def distances(file: Version, how: Placing, resolution: int) -> DistanceGrid:
     """The grid of distances from the mesh of a file."""
-    return make_distance_grid(_bvh(file, how), placed(file, how).closed, resolution)
+    return kept.distances_of(_bvh(file, how), placed(file, how).closed, resolution)
 
 
 def _grid_between(key: Key, at: Moment) -> DistanceGrid:

@@ -11,7 +11,7 @@ import hashlib
 import json
 import os
 import stat
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -41,13 +41,23 @@ class ForeignError(Exception):
 
 def write_state(path: Path, key: str, arrays: Arrays) -> None:
     """Write arrays under a key, whole or not at all. Raises `RefusedError`."""
-    whole = hashlib.sha256()
     with atomic(path) as file:
-        pieces: list[bytes | memoryview] = [MAGIC, _head(key, arrays), *map(_bytes, arrays.values())]
-        for piece in pieces:
-            whole.update(piece)
+        for piece in _pieces(key, arrays):
             file.write(piece)
-        file.write(whole.digest())
+
+
+def state_bytes(key: str, arrays: Arrays) -> bytes:
+    """The content of such a file."""
+    return b"".join(_pieces(key, arrays))
+
+
+def _pieces(key: str, arrays: Arrays) -> Iterator[bytes | memoryview]:
+    whole = hashlib.sha256()
+    pieces: list[bytes | memoryview] = [MAGIC, _head(key, arrays), *map(_bytes, arrays.values())]
+    for piece in pieces:
+        whole.update(piece)
+        yield piece
+    yield whole.digest()
 
 
 def read_state(path: Path, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:

@@ -11,7 +11,6 @@ from typing import Any
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.extending import intrinsic
-from numba.np.arrayobj import make_array, populate_array
 
 PLACES = 96
 """Numbers in such an array."""
@@ -20,6 +19,8 @@ PLACES = 96
 def _local(dtype: Any) -> Any:
     def typed(typingctx: Any) -> Any:
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            from numba.np.arrayobj import make_array, populate_array
+
             kind = context.get_value_type(dtype)
             # in the function's first block, so that a call within a loop takes no more at each turn
             data = cgutils.alloca_once(builder, kind, size=ir.Constant(ir.IntType(64), PLACES))

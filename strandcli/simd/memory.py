@@ -11,7 +11,6 @@ from numba.core import cgutils, types
 from numba.core.cgutils import get_or_insert_function
 from numba.core.extending import intrinsic, lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.np.arrayobj import populate_array
 
 from ..constants import VECTOR
 from ..jit import device
@@ -71,6 +70,8 @@ def array_at(typingctx: Any, kind: Any, address: Any, shape: Any) -> Any:
     made = types.Array(kind.instance_type, len(shape), "C")
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        from numba.np.arrayobj import populate_array  # which kernels of the cache do not need, and imports much
+
         sizes = [
             context.cast(builder, one, given, types.intp)
             for one, given in zip(cgutils.unpack_tuple(builder, args[2]), sig.args[2], strict=True)

@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import solids
 from ..blocks import aligned
 from ..errors import UsageError
 from ..groom.record import Groom
-from ..scene.touched import touched
-from .kernels import crowd_forces, crowd_grid, crowd_pressure, crowd_shelter
-from .kernels.crowd_records import BOX, CELL, LANES, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Room
+from ..solids import Solids
+from .kernels import crowd_forces, crowd_grid, crowd_pressure
+from .kernels.crowd_records import BOX, CELL, LANES, LOW, OFFSET, ROWS, SIZE, Lattice, Moving, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
 from .material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
@@ -47,6 +46,8 @@ class Moment(NamedTuple):
     """Its length, seconds."""
     wind: tuple[float, float, float]
     """Acceleration of strands at rest by the open wind, m/s²."""
+    solids: Solids | None
+    """Those that strands collide with, at its end."""
 
 
 class Samples(NamedTuple):
@@ -80,11 +81,11 @@ class Crowd:
         self.parts = np.array([cuts[:-1], cuts[1:]]).T.copy()
         self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
         self.scratch = aligned((len(self.parts), ROWS, PACK), dtype)
-        self.memory = np.zeros((0, CELL), np.float32)
-        self.grid, self.targets = self.memory, self.memory
+        self.memory = np.empty((0, CELL), np.float32)
+        self._cells = np.empty((0, CELL), np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
-        self.room = Room(self.pressure, self.pressure)
-        self.solids = touched(scene)
+        self._ends = np.empty((len(self.parts), 6))
+        self._empty_grid()
         self.density = parameters.density
         """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
         self.found = 0.0
@@ -115,25 +116,32 @@ class Crowd:
         first, counts, *rest = self.samples
         weights, masses = (one.astype(kind) for one in rest)
         lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, kind(dt), kind(pressed))
-        crowd_grid.deposit(moving, lattice, self.parts, self.boxes, self.memory, self.scratch)
-        crowd_grid.merge(self.boxes, self.memory, self.grid)
-        greatest = float(self.grid[:, MASS].max()) / self.cell**3
+        most = crowd_grid.deposit(
+            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.grid, self._most, self.near
+        )
+        self.found = float(most) / self.cell**3
         if self.density is None:
-            self.density = greatest
-        self.found = greatest
-        full = np.float32(self.density * self.cell**3)
-        near = _near(self.grid[:, MASS].reshape(whole[SIZE : SIZE + 3][::-1]).max(2) > 0)
-        self._find_room(whole, near, moment.time)
-        excess, pressure = np.empty(len(self.grid), np.float32), self.pressure.reshape(-1)
-        numbers = full, np.float32(dt / (2 * self.cell)), np.float32(min(EASE * dt, MOST))
-        crowd_pressure.find_excess(whole, self.grid, self.room, numbers, excess)
-        self.pressure *= near[:, :, None]
-        relax(whole, excess, self.room.faces, near, self.pressure)
-        share = np.float32(1 - (1 - self.friction) ** (dt / FRICTION_TIME))
-        numbers = full, share, np.float32(self.cell / dt)
-        crowd_forces.find_targets(whole, self.grid, self.room, numbers, pressure, self.targets)
-        self._shelter(whole, moment)
+            self.density = self.found
+        self._find_room(whole, moment.solids)
+        room = self.room if any(moment.wind) else self.room._replace(left=self.room.left[:0])
+        crowd_forces.act(
+            whole, self.grid, self.near, room, self._numbers(self.density, moment), self._work,
+            self.pressure.reshape(-1), self.targets,
+        )  # fmt: skip
         crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, state.crowd)
+
+    def _numbers(self, density: float, moment: Moment) -> NDArray[np.float32]:
+        """Return the numbers of a step, as `crowd_records.FULL` and the others."""
+        dt, wind = moment.step, moment.wind
+        x, y, z = wind
+        speed = math.sqrt(x * x + y * y + z * z)
+        way = [one / speed for one in wind] if speed > 0 else wind
+        share = 1 - (1 - self.friction) ** (dt / FRICTION_TIME)
+        return np.array(
+            [density * self.cell**3, dt / (2 * self.cell), min(EASE * dt, MOST), share, self.cell / dt,
+             self._thickness / self.cell**2, *way, *(dt * one for one in wind)],
+            np.float32,
+        )  # fmt: skip
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what a step takes from the one before: pressure and its box; and the densities that are reported."""
@@ -157,61 +165,51 @@ class Crowd:
 
     def _empty_grid(self) -> None:
         """Make arrays for the box of all."""
-        self.grid = np.empty((int(self.boxes[-1, SIZE : SIZE + 3].prod()), CELL), np.float32)
-        self.targets = np.empty_like(self.grid)
-        self.room = Room(*np.zeros((2, 0), np.float32))
+        wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
+        count = wide * high * deep
+        if 5 * count > 2 * len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
+            self._cells = np.empty((3 * count, CELL), np.float32)
+        self.grid, self.targets, rest = self._cells[:count], self._cells[count : 2 * count], self._cells[2 * count :]
+        self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
+        self.room = Room(*rest.reshape(-1)[: 4 * count].reshape(4, count))
+        self.room.open[:] = 1
+        self._work = work_of(self.pressure)
+        self._outside: tuple[list[bytes], tuple[Any, ...]] = [], ()
+        """What ``room.open`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
 
-    def _find_room(self, whole: NDArray[np.int64], near: NDArray[np.bool_], time: float) -> None:
-        """Find what solids leave at a time of the rows of cells that strands are ``near``."""
-        count = len(self.grid)
-        if len(self.room.open) == count and not self.solids:
+    def _find_room(self, whole: NDArray[np.int64], met: Solids | None) -> None:
+        """Find what solids ``met`` leave of the rows of cells that strands are near; it is kept for as long as neither
+        changes."""
+        if met is None:
             return
-        self.room = Room(np.ones(count, np.float32), np.full(count, 1 / 6, np.float32))
-        if self.solids:
-            along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
-            packed = solids.pack_all(self.solids, self.scene.emitter, self.scene.time.pose_time(time))
-            crowd_pressure.find_room(whole, self.cell, packed, along, near, self.room.open)
-            crowd_pressure.find_faces(whole, *self.room)
-
-    def _shelter(self, whole: NDArray[np.int64], moment: Moment) -> None:
-        """Take from the targets what sheltered strands do not get of the wind."""
-        wind = np.array(moment.wind)
-        speed = float(np.sqrt((wind**2).sum()))
-        if speed == 0:
+        rows, data = [one.tobytes() for one in (self.near, *met[:5])], met[5:]
+        if rows == self._outside[0] and all(a is b for a, b in zip(data, self._outside[1], strict=True)):
             return
-        left = np.empty(len(self.grid), np.float32)
-        stop = self._thickness / self.cell**2
-        crowd_shelter.shelter(whole, self.grid, (wind / speed).astype(np.float32), np.float32(stop), left)
-        crowd_shelter.add_shelter(left, (moment.step * wind).astype(np.float32), self.targets)
+        self._outside = rows, data
+        self.room.open[:] = 1
+        along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
+        crowd_pressure.find_room(whole, self.cell, met, along, self.near, self.room.open)
 
     def _lay(self, positions: NDArray[Any]) -> bool:
         """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
         `UsageError` where they take too many cells."""
-        ends = np.empty((len(self.parts), 6))
-        crowd_grid.find_boxes(positions, self.cell, self.parts, ends)
-        if not np.isfinite(ends).all():
+        before = self.boxes[-1].copy()
+        cells = crowd_grid.find_boxes(positions, self.cell, self.parts, float(MOST_CELLS), self._ends, self.boxes)
+        if math.isnan(cells):
             return False
-        low, high = np.floor(ends[:, :3] - 0.5), np.floor(ends[:, 3:] - 0.5) + 1
-        low, high = np.vstack([low, low.min(0)]), np.vstack([high, high.max(0)])
-        cells = np.prod(high - low + 1, axis=1)
-        if cells[-1] > MOST_CELLS:
-            least = self.cell * float(cells[-1] / MOST_CELLS) ** (1 / 3)
+        if cells > MOST_CELLS:
+            least = self.cell * (cells / MOST_CELLS) ** (1 / 3)
             raise UsageError(
-                f"{self.where}.cell: cells of {self.cell:.3g} m would be {cells[-1]:.3g} in the box about the strands, "
+                f"{self.where}.cell: cells of {self.cell:.3g} m would be {cells:.3g} in the box about the strands, "
                 f"more than {MOST_CELLS:,}; make them at least {1.05 * least:.2g}"
             )
-        before = self.boxes[-1].copy()
-        self.boxes[:, LOW : LOW + 3], self.boxes[:, SIZE : SIZE + 3] = low, high - low + 1
-        self.boxes[-1, SIZE] = -(-self.boxes[-1, SIZE] // LANES) * LANES
-        cells[-1] = self.boxes[-1, SIZE : SIZE + 3].prod()
-        self.boxes[1:, OFFSET] = np.cumsum(cells[:-1])
-        self.boxes[-1, OFFSET] = 0
-        if cells[:-1].sum() > len(self.memory):
-            self.memory = np.empty((int(cells[:-1].sum() * 1.2), CELL), np.float32)
-        whole = self.boxes[-1]
+        last, whole = self.boxes[-2:]
+        count = int(last[OFFSET] + last[SIZE : SIZE + 3].prod())
+        if count > len(self.memory):
+            self.memory = np.empty((int(count * 1.2), CELL), np.float32)
         if not np.array_equal(before, whole):
-            self._empty_grid()
             self.pressure = _moved(self.pressure, before, whole)
+            self._empty_grid()
         return True
 
 
@@ -236,26 +234,17 @@ def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
     return Samples(first, count, weights, mass)
 
 
-def relax(box: NDArray[np.int64], excess: NDArray[Any], faces: NDArray[Any], near: Any, pressure: NDArray[Any]) -> None:
-    """`crowd_pressure.relax` of pressure (z, y, x) without its margin."""
-    work = aligned((pressure.shape[0] + 2, pressure.shape[1] + 1, pressure.shape[2] + LANES))
-    work[1:-1, 1:, LANES:] = pressure
-    crowd_pressure.relax(box, excess, faces, near, work)
-    pressure[...] = work[1:-1, 1:, LANES:]
+def work_of(pressure: NDArray[Any]) -> NDArray[np.float32]:
+    """Return the array in which `crowd_pressure.relax` finds pressure (z, y, x)."""
+    deep, high, wide = pressure.shape
+    work: NDArray[np.float32] = aligned((deep + 2, high + 1, wide + LANES))
+    return work
 
 
 def extent_of(positions: NDArray[Any]) -> float:
     """Return the greatest extent along an axis of strands in blocks."""
     rows = positions[:, 1:].reshape(len(positions), -1, 3, positions.shape[2] // 3)
     return float((rows.max((0, 1, 3)) - rows.min((0, 1, 3))).max())
-
-
-def _near(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return (z, y) whether a row of cells or one of its neighbours is set."""
-    wide = np.pad(rows, 1)
-    wide[1:-1] |= wide[:-2] | wide[2:]
-    wide[:, 1:-1] |= wide[:, :-2] | wide[:, 2:]
-    return wide[1:-1, 1:-1]
 
 
 def _moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[Any]:

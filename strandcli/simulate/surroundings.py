@@ -71,7 +71,7 @@ class Surroundings:
         self._phases, self._swings = phases[:3], phases[3:]
         contacts = [use.parameters for use in scene.rules if use.name == "collision"]
         met = touched(scene)
-        self.any_solids = bool(met)
+        self._met, self.any_solids = met, bool(met)
         self.segments = bool(met) and any(one.segments for one in contacts)
         """Whether whole segments are kept out of solids, and not only particles."""
         kinds = {kind: [one for one in met if one.kind == kind] for kind in solids.COLUMNS}
@@ -158,6 +158,13 @@ class Surroundings:
             numbers = *self._numbers(one, pose, len(row) - MOTION), *a, *b, *c, *moved
             rows.append(viewed(numbers, self.dtype))
         return Placed(before, Poses(now, outer, after), past, rows)
+
+    def packed(self) -> solids.Solids | None:
+        """Return the solids at the end of the last step for kernels that draw or look, as `solids.pack_all` packs them,
+        each kind in an order of its own and with columns for the motion; None where there are none."""
+        if not self.any_solids:
+            return None
+        return solids.joined_with(self._met, [one.astype(np.float32, copy=False) for one in self._packed], self.data)
 
     def last_poses(self) -> NDArray[np.float64]:
         """Return the time of the last step and the poses at its end: of the emitter, and of solids with motions

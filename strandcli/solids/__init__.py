@@ -19,8 +19,8 @@ from ..scene.solid_shape import add as register
 from .shapes import box, capsule, other, other_code, plane, sphere
 
 __all__ = [
-    "COLUMNS", "SHAPES", "SeparateSolids", "Solids", "in_order", "joined", "numbers", "others", "pack", "pack_all",
-    "register",
+    "COLUMNS", "SHAPES", "SeparateSolids", "Solids", "in_order", "joined", "joined_with", "numbers", "others", "pack",
+    "pack_all", "register",
 ]  # fmt: skip
 
 SHAPES: dict[str, Any] = {"sphere": sphere, "capsule": capsule, "plane": plane, "box": box}
@@ -62,10 +62,18 @@ def joined(shipped: Sequence[NDArray[Any]], solids: Sequence[Any], emitter: Any,
     """The packed solids of strandcli's own kinds together with the `others` among ``solids``."""
     found = others(solids)
     if not found:
-        blended = any(getattr(one, "blend", 0) > 0 for one in solids)
-        return (Solids if blended else SeparateSolids)(*shipped)
+        return joined_with(solids, shipped)
     rows = other.pack(found, [solid_pose(one, emitter, time) for one in found], dtype)
-    made: Solids = other_code.type_of(solids, found)(*shipped, rows, *other.data_of(found, time))
+    return joined_with(solids, [*shipped, rows], other.data_of(found, time))
+
+
+def joined_with(solids: Sequence[Any], rows: Sequence[NDArray[Any]], data: Sequence[NDArray[Any]] = ()) -> Solids:
+    """The packed rows of each kind of ``solids``, those of `others` last, with the data of their shapes."""
+    found = others(solids)
+    if not found:
+        blended = any(getattr(one, "blend", 0) > 0 for one in solids)
+        return (Solids if blended else SeparateSolids)(*rows)
+    made: Solids = other_code.type_of(solids, found)(*rows, *data)
     return made
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numba
@@ -9,16 +10,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mesh_kit import mesh, obj
 from strand_kit import scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
-from strandcli.simulate.crowd import Moment, relax
+from strandcli.scene.motion import solid_pose
+from strandcli.simulate.crowd import Moment, work_of
 from strandcli.simulate.kernels import crowd_pressure
 from strandcli.simulate.kernels.crowd_records import BETWEEN, LOW, MASS, SIZE
 from strandcli.simulate.kernels.rod_scratch import PACK
 from strandcli.simulate.rod import RodSolver
+from strandcli.solids.shapes import other, other_code
 
 BALL = "shape: {kind: sphere, radius: 0.1}, particles: 6, length: 0.2, jitter: 40"
 CALM = (0.0, 0.0, 0.0)
@@ -37,7 +41,8 @@ def rows(packed: NDArray[Any], strands: int) -> NDArray[np.float64]:
 
 def prepare(solver: RodSolver, dt: float = 1 / 60, wind: tuple[float, float, float] = CALM) -> None:
     assert solver.crowd is not None
-    solver.crowd.prepare(solver.state, solver.mass, np.zeros_like(solver.forcing.roots), Moment(dt, dt, wind))
+    moment = Moment(dt, dt, wind, solver.surroundings.packed())
+    solver.crowd.prepare(solver.state, solver.mass, np.zeros_like(solver.forcing.roots), moment)
 
 
 def spread(solver: RodSolver) -> dict[tuple[int, ...], NDArray[np.float64]]:
@@ -206,12 +211,14 @@ def test_pressure_solves_the_complementarity_problem() -> None:
     rng = np.random.default_rng(3)
     excess = rng.normal(scale=0.3, size=16 * 9 * 7).astype(np.float32)
     open_ = (rng.random(len(excess)) > 0.2).astype(np.float32)
-    faces, pressure = np.empty_like(open_), np.zeros_like(open_)
-    crowd_pressure.find_faces(box, open_, faces)
-    for _ in range(20):
-        relax(box, excess, faces, np.ones((7, 9), np.bool_), pressure.reshape(7, 9, 16))
-    p = np.pad(pressure.reshape(7, 9, 16), 1)
+    pressure = np.zeros_like(open_)
     free = np.pad(open_.reshape(7, 9, 16), 1, constant_values=1) > 0
+    around = sum(np.roll(free, shift, axis) for axis in range(3) for shift in (-1, 1)).astype(np.float32)
+    faces = np.where(free & (around > 0), 1 / np.maximum(around, 1), 0)[1:-1, 1:-1, 1:-1].astype(np.float32).ravel()
+    work = work_of(pressure.reshape(7, 9, 16))
+    for _ in range(20):
+        crowd_pressure.relax(box, excess, faces, np.ones((7, 9), np.bool_), work, pressure)
+    p = np.pad(pressure.reshape(7, 9, 16), 1)
     left = np.zeros((7, 9, 16))
     for axis in range(3):
         for shift in (-1, 1):
@@ -226,6 +233,36 @@ def test_pressure_solves_the_complementarity_problem() -> None:
     held = inner & (faces.reshape(left.shape) > 0)
     assert left[held].min() > -1e-4
     assert np.abs(left[held & (mine > 0)]).max() < 1e-4
+
+
+def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Against distances of one point after the other; where strands are, and nowhere else."""
+    (tmp_path / "ball.obj").write_bytes(obj(mesh("ball")))
+    solver = solver_of(
+        f"emitter: {{{BALL}, strands: 40}}\nsolids: [{{kind: mesh, file: {tmp_path / 'ball.obj'}, scale: 0.1}}]\n"
+        "rules: [interaction: {cell: 0.03}, collision]"
+    )
+    crowd, (solid,) = solver.crowd, solver.scene.solids
+    assert crowd is not None
+    prepare(solver)
+    box = crowd.boxes[-1]
+    low, size = box[LOW : LOW + 3], box[SIZE : SIZE + 3]
+    z, y, x = np.meshgrid(*(crowd.cell * (low[c] + np.arange(size[c]) + 0.5) for c in (2, 1, 0)), indexing="ij")
+    row = other.pack([solid], [solid_pose(solid, solver.scene.emitter, 0.0)], np.float64)[0]
+    far = other_code.depth(solid, row, np.stack([x, y, z], -1).reshape(-1, 3)).reshape(x.shape) / -crowd.cell
+    beyond = 0.5 * np.maximum(1 - np.abs(far), 0) ** 2
+    wanted = np.where(far > 0, 1 - beyond, np.where(far > -0.5, beyond, 0))
+    wanted[~crowd.near] = 1
+    assert 0 < crowd.near.sum() < crowd.near.size
+    found = crowd.room.open.reshape(x.shape)
+    inner = np.abs(far + 0.5) > 1e-4  # where it jumps rounding decides
+    np.testing.assert_allclose(found[inner], wanted[inner], atol=1e-5)
+    assert (found < 0.5).sum() > 20
+    monkeypatch.setattr(crowd_pressure, "find_room", None)
+    prepare(solver)
+    np.testing.assert_array_equal(crowd.room.open.reshape(x.shape)[inner], found[inner])
 
 
 @pytest.mark.long

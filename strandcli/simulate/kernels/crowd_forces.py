@@ -14,7 +14,29 @@ import numpy as np
 from ...jit import device, parallel, prange
 from ...simd import half_width_pointer, lane, lane_count, load, pointer, store
 from .crowd_grid import cell_of, locate, three, weights_along
-from .crowd_records import BETWEEN, CELL, FIRST, LAST, MASS, MOMENTUM, PUSH, RATE, RESULT, SHARE, SIZE, TARGET, VELOCITY
+from .crowd_pressure import find_excess, find_faces, relax
+from .crowd_records import (
+    BETWEEN,
+    CELL,
+    CHANGE,
+    FIRST,
+    FULL,
+    LAST,
+    LOST,
+    MASS,
+    MOMENTUM,
+    PUSH,
+    RATE,
+    RESULT,
+    SHARE,
+    SIZE,
+    SPEED,
+    STOP,
+    TARGET,
+    VELOCITY,
+    WAY,
+)
+from .crowd_shelter import shelter
 from .rod_scratch import PACK
 
 EMPTY = np.float32(1e-30)
@@ -28,32 +50,63 @@ WIDELY = np.float32(0.5) * (1 - BETWEEN_ONLY)
 
 
 @parallel
-def find_targets(box, grid, room, numbers, pressure, targets):
-    """Set ``targets`` (cells, `CELL`). ``numbers``: metres in a cell that is as dense as allowed; the share of its
-    velocity against such a cell that a strand loses in the step; the cell's side over the step, m/s."""
-    full, share, speed = numbers
+def act(box, grid, near, room, numbers, work, pressure, targets):
+    """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`).
+
+    ``near``, ``work``: as `crowd_pressure.relax` takes them; ``numbers`` (`NUMBERS`,) float32. Pressure and shelter
+    follow from their own neighbours, cell by cell: a thread finds one of them while another finds the other.
+    """
+    for o in prange(box[SIZE + 2]):
+        find_faces(box, np.int64(o), room.open, room.faces)
+        find_excess(box, np.int64(o), grid, room.open, room.excess, numbers)
+    for task in prange(2):
+        if task == 0:
+            relax(box, room.excess, room.faces, near, work, pressure)
+        elif len(room.left) > 0:
+            shelter(box, grid, numbers[WAY : WAY + 3], numbers[STOP], room.left)
+    for o in prange(box[SIZE + 2]):
+        find_targets(box, np.int64(o), grid, room, numbers, pressure, targets)
+
+
+@device
+def find_targets(box, o, grid, room, numbers, pressure, targets):
+    """Set the targets of layer o. A cell that no sample reaches has none."""
+    full, share, speed = numbers[FULL], numbers[LOST], numbers[SPEED]
     push = speed * full
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
-    for o in prange(deep):
-        for n in range(high):
-            row = o * layer + n * wide
-            for i in range(wide):
-                at = row + i
-                m = grid[at, MASS]
-                rate = share * min(m / full, np.float32(1))
-                f = rate / max(m, EMPTY)
-                targets[at, RATE] = rate
-                x, before = push_between(at, 1, i, wide, 0, grid, pressure, room.open)
-                targets[at, TARGET] = f * grid[at, MOMENTUM] + push * WIDELY * (x + before)
-                targets[at, PUSH] = push * BETWEEN_ONLY * x
-                x, before = push_between(at, wide, n, high, 1, grid, pressure, room.open)
-                targets[at, TARGET + 1] = f * grid[at, MOMENTUM + 1] + push * WIDELY * (x + before)
-                targets[at, PUSH + 1] = push * BETWEEN_ONLY * x
-                x, before = push_between(at, layer, o, deep, 2, grid, pressure, room.open)
-                targets[at, TARGET + 2] = f * grid[at, MOMENTUM + 2] + push * WIDELY * (x + before)
-                targets[at, PUSH + 2] = push * BETWEEN_ONLY * x
-                targets[at, CELL - 1] = 0
+    for n in range(high):
+        row = o * layer + n * wide
+        for i in range(wide):
+            at = row + i
+            if is_empty(grid, at):
+                for c in range(CELL):
+                    targets[at, c] = 0
+                continue
+            m = grid[at, MASS]
+            rate = share * min(m / full, np.float32(1))
+            f = rate / max(m, EMPTY)
+            targets[at, RATE] = rate
+            x, before = push_between(at, 1, i, wide, 0, grid, pressure, room.open)
+            targets[at, TARGET] = f * grid[at, MOMENTUM] + push * WIDELY * (x + before)
+            targets[at, PUSH] = push * BETWEEN_ONLY * x
+            x, before = push_between(at, wide, n, high, 1, grid, pressure, room.open)
+            targets[at, TARGET + 1] = f * grid[at, MOMENTUM + 1] + push * WIDELY * (x + before)
+            targets[at, PUSH + 1] = push * BETWEEN_ONLY * x
+            x, before = push_between(at, layer, o, deep, 2, grid, pressure, room.open)
+            targets[at, TARGET + 2] = f * grid[at, MOMENTUM + 2] + push * WIDELY * (x + before)
+            targets[at, PUSH + 2] = push * BETWEEN_ONLY * x
+            targets[at, CELL - 1] = 0
+            if len(room.left) > 0:  # what sheltered strands do not take of the wind
+                for c in range(3):
+                    targets[at, TARGET + c] += (room.left[at] - np.float32(1)) * numbers[CHANGE + c]
+
+
+@device
+def is_empty(grid, at):
+    """Whether no sample counts for a cell."""
+    between = max(grid[at, BETWEEN], grid[at, BETWEEN + 1], grid[at, BETWEEN + 2])
+    return grid[at, MASS] == 0 and between == 0
 
 
 @device

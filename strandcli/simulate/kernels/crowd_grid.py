@@ -28,7 +28,21 @@ from ...simd import (
     where,
     with_lane,
 )
-from .crowd_records import BELOW, BETWEEN, BOX, CELL, FIRST, LAST, LOW, OFFSET, SHARE, SIZE, VELOCITY
+from .crowd_records import (
+    BELOW,
+    BETWEEN,
+    BOX,
+    CELL,
+    FIRST,
+    LANES,
+    LAST,
+    LOW,
+    MASS,
+    OFFSET,
+    SHARE,
+    SIZE,
+    VELOCITY,
+)
 from .rod_scratch import PACK
 
 ROW = 3 * W
@@ -39,14 +53,55 @@ OWN[np.arange(3), BETWEEN + np.arange(3)] = 1
 
 
 @parallel
-def find_boxes(positions, cell, parts, boxes):
-    """Set the lowest and the greatest coordinates in cells, ``boxes`` (parts, 6) float64, of the strands of each of
-    ``parts``; NaN where a coordinate is not finite. ``positions`` (blocks, N + 2, 3 W)."""
+def find_boxes(positions, cell, parts, most, ends, boxes):
+    """Set the boxes about the strands of each part and of all, and return the cells of the last: NaN where a coordinate
+    is not finite. Where they are more than ``most``, boxes stay as they are.
+
+    positions (blocks, N + 2, 3 W); cell: side of a cell, metres; ends (parts, 6) float64, scratch; boxes (parts + 1,
+    `BOX`) int64."""
     for part in prange(len(parts)):
         for axis in range(3):
             low, high = extent(positions, parts[part, FIRST] * PACK, parts[part, LAST] * PACK, axis)
-            boxes[part, axis] = low / cell
-            boxes[part, 3 + axis] = high / cell
+            ends[part, axis] = np.floor(low / cell - 0.5)
+            ends[part, 3 + axis] = np.floor(high / cell - 0.5) + 1
+    return cut_boxes(ends, most, boxes)
+
+
+@device
+def cut_boxes(ends, most, boxes):
+    """Set the boxes from the lowest and the highest cells of each part's strands, and return the cells of the last."""
+    last = len(ends)
+    cells = 1.0
+    for axis in range(3):
+        low, high = ends[0, axis], ends[0, 3 + axis]
+        for part in range(last):
+            if not (math.isfinite(ends[part, axis]) and math.isfinite(ends[part, 3 + axis])):
+                return math.nan
+            low, high = min(low, ends[part, axis]), max(high, ends[part, 3 + axis])
+        cells *= high - low + 1
+    if cells > most:
+        return cells
+    place = 0
+    for part in range(last):
+        size = 1
+        for axis in range(3):
+            low, high = np.int64(ends[part, axis]), np.int64(ends[part, 3 + axis])
+            widen(boxes[last], axis, low, high, part == 0)
+            boxes[part, LOW + axis], boxes[part, SIZE + axis] = low, high - low + 1
+            size *= high - low + 1
+        boxes[part, OFFSET] = place
+        place += size
+    boxes[last, SIZE] = -(-boxes[last, SIZE] // LANES) * LANES
+    boxes[last, OFFSET] = 0
+    return cells
+
+
+@device
+def widen(box, axis, low, high, first):
+    """Extend a box along an axis to the cells from ``low`` to ``high``, or set it to them where they are the first."""
+    if not first:
+        low, high = min(low, box[LOW + axis]), max(high, box[LOW + axis] + box[SIZE + axis] - 1)
+    box[LOW + axis], box[SIZE + axis] = low, high - low + 1
 
 
 @device
@@ -69,14 +124,24 @@ def extent(positions, first, last, axis):
 
 
 @parallel
-def deposit(moving, lattice, parts, boxes, memory, scratch):
-    """Set each part's cells, in a box of its own: ``boxes`` (parts, `BOX`) int64, ``memory`` (cells of all, `CELL`)."""
+def deposit(moving, lattice, parts, boxes, memory, scratch, grid, most, near):
+    """Set the cells of the box of all, ``grid`` (cells, `CELL`), the ``most`` metres in a cell of each row of them
+    (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most of
+    all.
+
+    Each part has cells in a box of its own first: ``boxes`` (parts + 1, `BOX`) int64, of which the last is that of all;
+    ``memory`` (cells of all parts, `CELL`).
+    """
     for part in prange(len(parts)):
         box = boxes[part]
-        grid = memory[box[OFFSET] : box[OFFSET] + box[SIZE] * box[SIZE + 1] * box[SIZE + 2]]
-        grid[...] = 0
+        own = memory[box[OFFSET] : box[OFFSET] + box[SIZE] * box[SIZE + 1] * box[SIZE + 2]]
+        own[...] = 0
         for pack in range(parts[part, FIRST], parts[part, LAST]):
-            deposit_pack(moving, lattice, pack, box, lattice.origins[part], grid.reshape(-1), scratch[part])
+            deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), scratch[part])
+    whole = boxes[len(parts)]
+    for o in prange(whole[SIZE + 2]):
+        merge_layer(boxes, np.int64(o), memory.reshape(-1), grid, most)
+    return mark_near(most, near)
 
 
 @device
@@ -165,31 +230,49 @@ def locate(moving, lattice, pack, sample, box, origins, rows):
             store(out, (VELOCITY + c) * PACK + lane, u)
 
 
-@parallel
-def merge(boxes, memory, grid):
-    """Add the parts' cells up, part by part. The last of ``boxes`` is that of all strands; ``grid`` (its cells, `CELL`)
-    is set."""
+@device
+def merge_layer(boxes, o, memory, grid, most):
+    """Add the parts' cells of layer o of the box of all up, part by part, and set the ``most`` metres in a cell of each
+    of its rows."""
     last = len(boxes) - 1
     whole = boxes[last]
     wide, high = whole[SIZE], whole[SIZE + 1]
-    for o in prange(whole[SIZE + 2]):
-        grid[o * wide * high : (o + 1) * wide * high] = 0
-        for part in range(last):
-            add_layer(boxes[part], whole, o, memory, grid)
+    layer = grid[o * wide * high : (o + 1) * wide * high]
+    layer[...] = 0
+    for part in range(last):
+        add_layer(boxes[part], whole, o, half_width_pointer(memory), half_width_pointer(layer.reshape(-1)))
+    for n in range(high):
+        found = np.float32(0)
+        for i in range(wide):
+            found = max(found, layer[n * wide + i, MASS])
+        most[o, n] = found
 
 
 @device
-def add_layer(box, whole, o, memory, grid):
-    """Add a part's cells of one layer of the whole box to it."""
+def add_layer(box, whole, o, memory, layer):
+    """Add a part's cells of layer o of the box of all to it."""
     inner = o + whole[LOW + 2] - box[LOW + 2]
     if inner < 0 or inner >= box[SIZE + 2]:
         return
     for n in range(box[SIZE + 1]):
-        at = ((o * whole[SIZE + 1] + n + box[LOW + 1] - whole[LOW + 1]) * whole[SIZE]) + box[LOW] - whole[LOW]
+        at = (n + box[LOW + 1] - whole[LOW + 1]) * whole[SIZE] + box[LOW] - whole[LOW]
         source = box[OFFSET] + (inner * box[SIZE + 1] + n) * box[SIZE]
         for i in range(box[SIZE]):
-            for c in range(CELL):
-                grid[at + i, c] += memory[source + i, c]
+            store(layer, (at + i) * CELL, load(layer, (at + i) * CELL) + load(memory, (source + i) * CELL))
+
+
+@device
+def mark_near(most, near):
+    """Set whether a row of cells or one of those around it has strands; return the most metres in a cell."""
+    deep, high = most.shape
+    greatest = np.float32(0)
+    near[...] = False
+    for o in range(deep):
+        for n in range(high):
+            greatest = max(greatest, most[o, n])
+            if most[o, n] > 0:
+                near[max(o - 1, 0) : o + 2, max(n - 1, 0) : n + 2] = True
+    return greatest
 
 
 assert OFFSET + 1 == BOX

@@ -24,7 +24,7 @@ import numpy as np
 from ...jit import device, function, parallel, prange
 from ...simd import broadcast, lane_count, load, pointer, store, where
 from ...solids.kernels.any_depth import any_depth
-from .crowd_records import LANES, LOW, MASS, MOMENTUM, SIZE
+from .crowd_records import FULL, LANES, LOW, MASS, MOMENTUM, MOST, RATIO, SIZE
 
 RELAXATION = np.float32(1.5)
 EVEN = np.array([1, 0] * LANES, np.float32)
@@ -33,23 +33,21 @@ ROUNDS = 12
 """Sweeps of a step: the pressure of the step before is nearly right already."""
 
 
-@parallel
-def find_excess(box, grid, room, numbers, excess):
-    """Set e, ``excess`` (cells,). ``room``: `Room`; ``numbers``: metres in a cell that is as dense as allowed, half the
-    step over the cell's side in s/m, and the share of the density that pressure makes up for in a step at the most."""
-    full, ratio, most = numbers
+@device
+def find_excess(box, o, grid, open, excess, numbers):
+    """Set e, ``excess`` (cells,), of layer o. ``open`` (cells,): `Room.open`; ``numbers`` (`NUMBERS`,)."""
+    full, ratio, most = numbers[FULL], numbers[RATIO], numbers[MOST]
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
-    for o in prange(deep):
-        for n in range(high):
-            row = o * layer + n * wide
-            for i in range(wide):
-                at = row + i
-                flow = inflow(at, 1, i, wide, grid, MOMENTUM, room.open)
-                flow += inflow(at, wide, n, high, grid, MOMENTUM + 1, room.open)
-                flow += inflow(at, layer, o, deep, grid, MOMENTUM + 2, room.open)
-                dense = grid[at, MASS] / full
-                excess[at] = min(dense - room.open[at], most * max(dense, np.float32(1))) + ratio * flow / full
+    for n in range(high):
+        row = o * layer + n * wide
+        for i in range(wide):
+            at = row + i
+            flow = inflow(at, 1, i, wide, grid, MOMENTUM, open)
+            flow += inflow(at, wide, n, high, grid, MOMENTUM + 1, open)
+            flow += inflow(at, layer, o, deep, grid, MOMENTUM + 2, open)
+            dense = grid[at, MASS] / full
+            excess[at] = min(dense - open[at], most * max(dense, np.float32(1))) + ratio * flow / full
 
 
 @device
@@ -69,24 +67,34 @@ def inflow(at, stride, i, count, grid, column, open):
 
 
 @function
-def relax(box, excess, faces, near, work):
+def relax(box, excess, faces, near, work, pressure):
     """Sweep over the cells `ROUNDS` times, those of one colour after those of the other, as on a chessboard.
 
     faces (cells,): 1 over the number of a cell's faces that no solid closes, 0 in solids; near (cells along z, along
-    y): whether strands are near that row of cells, in others pressure stays 0; work (cells along z + 2, along y + 1,
-    along x + `LANES`): pressure, is changed, with a margin of zeros, so that no cell is a special case: the one after a
-    row is that before the next.
+    y): whether strands are near that row of cells, in others pressure is 0; pressure (cells,): is changed; work (cells
+    along z + 2, along y + 1, along x + `LANES`): pressure with a margin of zeros, which stays, so that no cell is a
+    special case: the one after a row is that before the next.
     """
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     stride = wide + LANES
     layer = (high + 1) * stride
     p, e, f = pointer(work), pointer(excess), pointer(faces)
+    for o in range(deep):
+        for n in range(high):
+            at, row, some = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide, np.float32(near[o, n])
+            for i in range(0, wide, LANES):
+                store(p, at + i, some * load(pointer(pressure), row + i))
     for round in range(2 * ROUNDS):
         for o in range(deep):
             for n in range(high):
                 if near[o, n]:
                     at = (o + 1) * layer + (n + 1) * stride + LANES
                     relax_row(p, at, stride, layer, e, f, (o * high + n) * wide, wide, (o + n + round) % 2)
+    for o in range(deep):
+        for n in range(high):
+            at, row = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide
+            for i in range(0, wide, LANES):
+                store(pointer(pressure), row + i, load(p, at + i))
 
 
 @device
@@ -131,20 +139,19 @@ def find_room_of_row(wide, y, z, solids, inverse, along, open):
         store(out, i, where(s > 0.0, 1.0 - beyond, where(s > -0.5, beyond, 0.0)))
 
 
-@parallel
-def find_faces(box, open, faces):
-    """Set ``faces`` (cells,) as `relax` takes them."""
+@device
+def find_faces(box, o, open, faces):
+    """Set ``faces`` (cells,) of layer o as `relax` takes them."""
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
-    for o in prange(deep):
-        for n in range(high):
-            for i in range(wide):
-                at = o * layer + n * wide + i
-                count = np.float32(6)
-                count -= closed(at, 1, i, wide, open)
-                count -= closed(at, wide, n, high, open)
-                count -= closed(at, layer, o, deep, open)
-                faces[at] = 1 / count if open[at] > 0 and count > 0 else np.float32(0)
+    for n in range(high):
+        for i in range(wide):
+            at = o * layer + n * wide + i
+            count = np.float32(6)
+            count -= closed(at, 1, i, wide, open)
+            count -= closed(at, wide, n, high, open)
+            count -= closed(at, layer, o, deep, open)
+            faces[at] = 1 / count if open[at] > 0 and count > 0 else np.float32(0)
 
 
 @device

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, function
-from .crowd_records import MASS, SIZE, TARGET
+from .crowd_records import MASS, SIZE
 
 
 @function
@@ -74,13 +74,3 @@ def between(left, grid, at, strides, sides, place, shares):
             passed += share * left[cell]
             met += share * grid[cell, MASS]
     return passed, met
-
-
-@function
-def add_shelter(left, change, targets):
-    """Add to ``targets`` (cells, `CELL`) what sheltered strands do not take of ``change`` (3,), the change of velocity
-    by the open wind in the step, m/s."""
-    for at in range(len(left)):
-        lost = left[at] - np.float32(1)
-        for c in range(3):
-            targets[at, TARGET + c] += lost * change[c]

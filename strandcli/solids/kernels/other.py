@@ -216,5 +216,7 @@ def _deepen(solids, x, y, z, most):
     form = form_of(solids)
     if form is None:
         return lambda solids, x, y, z, most: most
-    distance, among = form.distance, form.among
+    distance, distances, among = form.distance, form.distances_in_own, form.among
+    if distances is not None:
+        return lambda solids, x, y, z, most: segment_depth.deepen_vectors(distances, among(solids), x, y, z, most)
     return lambda solids, x, y, z, most: segment_depth.deepen_lanes(distance, among(solids), x, y, z, most)

@@ -12,9 +12,9 @@ import numpy as np
 
 from ...constants import W
 from ...jit import inlined
-from ...simd import lane, lane_count, pointer, with_lane
+from ...simd import any_lane, lane, lane_count, pointer, sqrt, where, with_lane
 from ..shapes.other import REACH, X, Y, Z
-from .distance_field import INF, ROUNDS, TINY, ZERO
+from .distance_field import INF, ROUNDS, TINY, ZERO, own
 
 PARTS = 4
 """Equal parts of a segment whose ends are tested."""
@@ -154,4 +154,17 @@ def deepen_lanes(distance, p, x, y, z, most):
             if under > ZERO:
                 under = -distance(p, m, a, b, c)
             most = with_lane(most, k, max(lane(most, k), under))
+    return most
+
+
+@inlined
+def deepen_vectors(distances_in_own, p, x, y, z, most):
+    """The same to the bit, where these solids have distances of vectors."""
+    for m in range(p.rows.shape[0]):
+        dx, dy, dz = x - p.rows[m, X], y - p.rows[m, Y], z - p.rows[m, Z]
+        under = p.rows[m, REACH] - sqrt(dx * dx + dy * dy + dz * dz)
+        if any_lane(under > ZERO):
+            u, v, w = own(p, m, x, y, z)
+            under = where(under > ZERO, -distances_in_own(p, m, u, v, w), under)
+        most = max(most, under)
     return most
