@@ -93,7 +93,7 @@ def any_drawn(fade, begin, end):
     """Return whether any of the strands begin … end − 1 is not left out; fade: as in `Splitting`."""
     if fade.shape[0] == 0:
         return True
-    for s in range(begin, end):
+    for s in range(begin, end):  # noqa: SIM110  kernels know no generators
         if fade[s] != ZERO:
             return True
     return False
