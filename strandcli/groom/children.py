@@ -136,8 +136,7 @@ class Children:
             family = self.family
             rotation, shift = (np.array(part) for part in pose)
             roots = family.roots if self._deforming is None else self._deforming.roots(at)[family.ids]
-            across = (family.across @ rotation.T).astype(np.float32)
-            self._placed = pose, (roots @ rotation.T + shift).astype(np.float32), across
+            self._placed = pose, _moved(roots, rotation, shift), _moved(family.across, rotation, np.zeros(3))
         return self._placed[1:]
 
     def _solids(self, at: float) -> solids.Solids:
@@ -181,3 +180,15 @@ class Children:
     def family(self) -> Family:
         """Constants of all children, computed on first use."""
         return family_of(self.scene, self.groom, self.every, self._waves)
+
+
+def _moved(
+    points: NDArray[np.floating], rotation: NDArray[np.float64], shift: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """Return points (A, 3), turned and then shifted. Not by BLAS: its threads wait for each other longer than this takes
+    one of them, most of all where others draw frames beside it."""
+    x, y, z = (np.asarray(points[:, c], np.float64) for c in range(3))
+    out = np.empty(points.shape, np.float32)
+    for c, (a, b, d) in enumerate(rotation):
+        out[:, c] = x * a + y * b + z * d + shift[c]
+    return out

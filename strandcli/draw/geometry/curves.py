@@ -11,7 +11,7 @@ from ...scene.model import Curves
 from ..common.scratch import Scratch
 from ..view.camera import View
 from .kernels import curves as kernel
-from .kernels import thinning
+from .kernels import piece_counts, thinning
 
 
 @dataclass(frozen=True)
@@ -96,9 +96,9 @@ def flatten(
         pieces = scratch.borrow("pieces", (strands, n - 1), np.uint16)
         bound = scratch.borrow("curve_error", strands, np.float32)
         sizes = scratch.borrow("sizes", strands, np.int64)
-        kernel.count(
+        piece_counts.count(
             positions, lengths, strands, view.pack(),
-            kernel.Splitting(
+            piece_counts.Splitting(
                 most, np.float32(curves.tolerance), int(keep_off_screen), ALL_DRAWN if fade is None else fade, printed
             ),
             pieces, sizes, bound,

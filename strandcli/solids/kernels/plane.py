@@ -17,12 +17,11 @@ INF = np.float32(np.inf)
 
 @device
 def meet(p, m, ox, oy, oz, dx, dy, dz):
-    """Return the distance as `sphere.meet`, to the upper side of plane m."""
+    """Return the distance as `sphere.meet`, to the upper side of plane m. Without branches."""
     down = p[m, X] * dx + p[m, Y] * dy + p[m, Z] * dz
     over = p[m, X] * ox + p[m, Y] * oy + p[m, Z] * oz - p[m, HEIGHT]
-    if down >= ZERO or over < ZERO:
-        return INF
-    return -over / down
+    hit = -over / down
+    return INF if (down >= ZERO) | (over < ZERO) else hit
 
 
 @device

@@ -16,7 +16,7 @@ from strandcli.draw.coverage.kernels import cells, column_light, fragments, mask
 from strandcli.draw.coverage.kernels import ribbon as coverage_ribbon
 from strandcli.draw.fibre.kernels import chiang, diffuse, dual, marschner
 from strandcli.draw.film.kernels import film
-from strandcli.draw.geometry.kernels import curves, joints, ribbon, silhouette, tangents
+from strandcli.draw.geometry.kernels import curves, joints, piece_counts, ribbon, silhouette, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.shadows.kernels import (
     cell_extents,
@@ -45,7 +45,7 @@ TABLE = np.ones((4, 24), np.float32)
 KEYS = np.zeros(64, np.uint64)
 WORK = np.ones(project.ROWS * project.ROW, np.float32)
 LIT = np.ones(surface_batch.ROWS * W, np.float32)
-BLOCK = np.ones((5, 3 * W), np.float32)
+BLOCKS = np.ones((1, 5, 3 * W), np.float32)
 PLACES = np.zeros(4, np.int64)
 SOLIDS = Solids(TABLE, TABLE, TABLE, TABLE)
 RAY = penumbra.LightRay(*[ONE] * 7)
@@ -56,9 +56,11 @@ NUMBERS = np.zeros(64, np.int32)
 TILE = cells.Target(0, 8, 0, 8, 4, ROW, NUMBERS, NUMBERS, ONE, NUMBERS, ROW, NUMBERS, ROW)
 STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1)
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
-    "difference": (tangents.difference, (BLOCK, 0, 1, 4)),
-    "printed": (tangents.printed, (BLOCK, 0, 1, 4)),
-    "greatest scale": (curves.greatest_scale, (*[ONE] * 7, curves.Sides(*[ONE] * 4), ROW)),
+    "tangents": (tangents.find_tangents, (BLOCKS, 0, None, True, ROW)),
+    "pieces": (
+        piece_counts.count_pieces,
+        (BLOCKS, 0, None, ROW, piece_counts.Splitting(8, ONE, 0, ROW, True), WORK),
+    ),
     "to_view": (to_view, (ONE, ONE, ONE, ROW)),
     "bezier": (curves.bezier, (ONE,) * 5),
     "second coefficient": (curves.second_coefficient, (ONE, ONE, ONE)),

@@ -14,23 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....constants import W
-from ....jit import device, function, parallel, prange
-from ....simd import pointer, prefetch
+from ....jit import device, function, inlined, parallel, prange
+from ....simd import broadcast, load, pointer, prefetch, store, triple_pointer
 from ...common.kernels.approximations import clamp
-from ...common.kernels.batch import (
-    ADDED,
-    BEFORE,
-    EX,
-    EY,
-    EZ,
-    LX,
-    LY,
-    LZ,
-    RADIANCE,
-    TX,
-    TY,
-    TZ,
-)
+from ...common.kernels.batch import ADDED, BEFORE, EX, EY, EZ, LX, LY, LZ, RADIANCE, TX, TY, TZ
 from ...common.kernels.keys import LOW
 from .column_light import COLUMNS, Crossing, column_light
 from .masks import ALL_POINTS
@@ -178,27 +165,29 @@ def integrate_columns(profile, slot):
         profile[0, slot, COLUMNS, c] = ZERO
 
 
-@function
-def departure(profile, slots, v, c, low, high):
-    """Return the mean of row 0 of a vertex's profile between the offsets `low` and `high`, in columns, for channel c; 0
-    for a vertex that is not wide."""
-    slot = slots[v]
+@inlined
+def departure(rows, slot, low, high):
+    """Return the mean of row 0 of a vertex's profile between the offsets `low` and `high`, in columns, for all channels
+    at once; 0 for slot −1, a vertex that is not wide. rows: `triple_pointer` to the profiles."""
     if slot < 0:
-        return ZERO
-    return (integral_at(profile, slot, c, high) - integral_at(profile, slot, c, low)) / (high - low)
+        return broadcast(rows, ZERO)
+    return (integral_at(rows, slot, high) - integral_at(rows, slot, low)) / (high - low)
 
 
 @device
-def integral_at(profile, slot, c, place):
-    """Return the sum from `integrate_columns` at an offset in [0, COLUMNS], interpolated by a cubic, so that its slope,
-    the light, is continuous."""
+def integral_at(rows, slot, place):
+    """Return the sums from `integrate_columns` at an offset in [0, COLUMNS], interpolated by a cubic, so that their
+    slope, the light, is continuous."""
     i = min(np.int64(place), COLUMNS - 1)
     t = place - np.float32(i)
-    a = profile[0, slot, i, c]
-    b = profile[0, slot, i + 1, c]
+    at = 3 * (np.int64(slot) * (COLUMNS + 1) + i)
+    a, b = load(rows, at), load(rows, at + 3)
     rise = b - a
-    before = HALF * (rise + a - profile[0, slot, i - 1, c]) if i > 0 else rise
-    after = HALF * (rise + profile[0, slot, i + 2, c] - b) if i + 2 <= COLUMNS else rise
+    before = after = rise
+    if i > 0:
+        before = HALF * (rise + a - load(rows, at - 3))
+    if i + 2 <= COLUMNS:
+        after = HALF * (rise + load(rows, at + 6) - b)
     return a + t * (before + t * ((THREE * rise - TWO * before - after) + t * (before + after - TWO * rise)))
 
 
@@ -226,16 +215,15 @@ def add_departure(part, table, profiles, shades, shares, image):
     weight *= counts * counts * (THREE - TWO * counts)
     after = slots[v + stride]
     if shades is None:
-        per = np.float32(COLUMNS) / wide
-        middle = HALF * np.float32(COLUMNS)
+        per, middle = np.float32(COLUMNS) / wide, HALF * np.float32(COLUMNS)
         half = max(HALF * per, FINEST)
-        least = np.float32(0.02) * half
-        low = clamp(middle + off * per - half, ZERO, np.float32(COLUMNS) - least)
-        high = clamp(middle + off * per + half, low + least, np.float32(COLUMNS))
-        for c in range(3):
-            one = departure(profile, slots, v, c, low, high)
-            two = departure(profile, slots, v + stride, c, low, high)
-            image[y, x, c] = max(image[y, x, c] + weight * (one + t * (two - one)), ZERO)
+        least, most = np.float32(0.02) * half, np.float32(COLUMNS)
+        low = clamp(middle + off * per - half, ZERO, most - least)
+        high = clamp(middle + off * per + half, low + least, most)
+        rows, picture = triple_pointer(profile), triple_pointer(image)
+        one, two = departure(rows, slots[v], low, high), departure(rows, after, low, high)
+        here = 3 * (y * image.shape[1] + x)
+        store(picture, here, max(load(picture, here) + weight * (one + t * (two - one)), ZERO))
     elif slots[v] >= 0 and after >= 0:
         crossing = Crossing(dx / size, dy / size, off, HALF * wide)
         r, g, b = column_light(profile, shades, slots[v], after, t, HALF / size, part.points, table, crossing, shares)

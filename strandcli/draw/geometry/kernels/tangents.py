@@ -1,70 +1,79 @@
-"""Tangents of strands at their particles, from root to tip."""
+"""Tangents of strands at their particles, from root to tip: of neighbouring strands at once.
+
+`rows` is a `simd.pointer` to positions (blocks, n + 1, 3 W), and o the place in it of a block's first row and the first
+strand: row i + 1 is particle i, row 0 stands one segment before the root.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ....constants import W
+from ....constants import VECTOR, W
 from ....jit import device
+from ....simd import broadcast, load3, pointer, sqrt, store3, where
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 STRAIGHT = np.float32(0.1)
 """Length below which the source's construction has no tangent, see `printed`."""
+LANES = VECTOR // 4
+"""Strands at once. Blocks hold a multiple of it."""
+STEP = 3 * W
+"""Numbers of a row."""
 
 
 @device
-def difference(block, lane, i, n):
-    """Return the unit tangent at particle i, toward the tip: the central difference p_{i+1} − p_{i−1}; zero at the tip.
+def between(rows, o, i, j):
+    """Return row j minus row i."""
+    ax, ay, az = load3(rows, o + i * STEP, W)
+    bx, by, bz = load3(rows, o + j * STEP, W)
+    return bx - ax, by - ay, bz - az
 
-    For equal segments it is the direction that the source constructs, but never singular. block (n + 1, 3 W): row i + 1
-    is particle i, row 0 stands one segment before the root."""
-    if i == n - 1:
-        return ZERO, ZERO, ZERO
-    high = i + 2 if i > 0 else 1  # the root: from the row before it, the strand's direction
-    x = block[high, lane] - block[i, lane]
-    y = block[high, W + lane] - block[i, W + lane]
-    z = block[high, 2 * W + lane] - block[i, 2 * W + lane]
-    size = ONE / np.sqrt(max(x * x + y * y + z * z, TINY))
+
+@device
+def unit(x, y, z):
+    """Return a vector of length one; of (0, 0, 0) itself."""
+    size = ONE / sqrt(max(x * x + y * y + z * z, TINY))
     return x * size, y * size, z * size
 
 
 @device
-def circle(block, lane, i, n):
+def difference(rows, o, i, n):
+    """Return the unit tangent at particle i, toward the tip: the central difference p_{i+1} − p_{i−1}; zero at the tip.
+
+    For equal segments it is the direction that the source constructs, but never singular."""
+    if i == n - 1:
+        none = broadcast(rows, ZERO)
+        return none, none, none
+    # the root: from the row before it, the strand's direction
+    x, y, z = between(rows, o, i, i + 2 if i > 0 else 1)
+    return unit(x, y, z)
+
+
+@device
+def circle(rows, o, i, n):
     """Return the unit tangent at particle i for segments of different lengths: that of the circle through three
     particles, e₁ / |e₁|² + e₂ / |e₂|² with the segments e₁ before and e₂ after; arguments as in `difference`."""
     if i == 0 or i == n - 1:
-        return difference(block, lane, i, n)
-    ax = block[i + 1, lane] - block[i, lane]
-    ay = block[i + 1, W + lane] - block[i, W + lane]
-    az = block[i + 1, 2 * W + lane] - block[i, 2 * W + lane]
-    bx = block[i + 2, lane] - block[i + 1, lane]
-    by = block[i + 2, W + lane] - block[i + 1, W + lane]
-    bz = block[i + 2, 2 * W + lane] - block[i + 1, 2 * W + lane]
+        return difference(rows, o, i, n)
+    ax, ay, az = between(rows, o, i, i + 1)
+    bx, by, bz = between(rows, o, i + 1, i + 2)
     f = bx * bx + by * by + bz * bz
     g = ax * ax + ay * ay + az * az
-    x = f * ax + g * bx
-    y = f * ay + g * by
-    z = f * az + g * bz
-    size = ONE / np.sqrt(max(x * x + y * y + z * z, TINY))
-    return x * size, y * size, z * size
+    return unit(f * ax + g * bx, f * ay + g * by, f * az + g * bz)
 
 
 @device
-def printed(block, lane, i, n):
+def printed(rows, o, i, n):
     """Return the unit tangent at particle i as the source prints it, but toward the tip; arguments as in `difference`.
 
     v = p_i − p_{i−1}, w = p_i − p_{i+1} (printed p_{i−2}), u = v × w, t = u × (v + w); zero if |u| or |v + w| is less
     than `STRAIGHT`, whatever the scale of the scene."""
     if i == 0 or i == n - 1:
-        return difference(block, lane, i, n)
-    vx = block[i + 1, lane] - block[i, lane]
-    vy = block[i + 1, W + lane] - block[i, W + lane]
-    vz = block[i + 1, 2 * W + lane] - block[i, 2 * W + lane]
-    wx = block[i + 1, lane] - block[i + 2, lane]
-    wy = block[i + 1, W + lane] - block[i + 2, W + lane]
-    wz = block[i + 1, 2 * W + lane] - block[i + 2, 2 * W + lane]
+        return difference(rows, o, i, n)
+    vx, vy, vz = between(rows, o, i, i + 1)
+    wx, wy, wz = between(rows, o, i + 2, i + 1)
     ux = vy * wz - vz * wy
     uy = vz * wx - vx * wz
     uz = vx * wy - vy * wx
@@ -72,20 +81,38 @@ def printed(block, lane, i, n):
     sy = vy + wy
     sz = vz + wz
     # (v + w) × u, the opposite of the source's sign, for a tangent toward the tip
-    tx = sy * uz - sz * uy
-    ty = sz * ux - sx * uz
-    tz = sx * uy - sy * ux
-    bent = ux * ux + uy * uy + uz * uz >= STRAIGHT * STRAIGHT and sx * sx + sy * sy + sz * sz >= STRAIGHT * STRAIGHT
-    size = ONE / np.sqrt(max(tx * tx + ty * ty + tz * tz, TINY)) if bent else ZERO
-    return tx * size, ty * size, tz * size
+    tx, ty, tz = unit(sy * uz - sz * uy, sz * ux - sx * uz, sx * uy - sy * ux)
+    least = STRAIGHT * STRAIGHT
+    bent = (ux * ux + uy * uy + uz * uz >= least) & (sx * sx + sy * sy + sz * sz >= least)
+    return where(bent, tx, ZERO), where(bent, ty, ZERO), where(bent, tz, ZERO)
 
 
 @device
-def tangent(block, lane, i, n, lengths, as_printed):
+def tangent(rows, o, i, n, lengths, as_printed):
     """Return the unit tangent at particle i: `printed` if `as_printed`, `circle` if lengths is None, else
     `difference`."""
     if as_printed:
-        return printed(block, lane, i, n)
+        return printed(rows, o, i, n)
     if lengths is None:
-        return circle(block, lane, i, n)
-    return difference(block, lane, i, n)
+        return circle(rows, o, i, n)
+    return difference(rows, o, i, n)
+
+
+@device
+def find_tangents(positions, s, lengths, as_printed, out):
+    """Write the tangents at all particles of the strands s … s + `LANES` − 1 to out (n, 3, `LANES`): at the root by
+    `difference`; other arguments as in `curves.flatten`."""
+    rows, found = pointer(positions), pointer(out)
+    n = positions.shape[1] - 1
+    o = first_place(positions, s)
+    x, y, z = difference(rows, o, 0, n)
+    store3(found, 0, LANES, x, y, z)
+    for i in range(1, n):
+        x, y, z = tangent(rows, o, i, n, lengths, as_printed)
+        store3(found, 3 * LANES * i, LANES, x, y, z)
+
+
+@device
+def first_place(positions, s):
+    """Return the place of strand s in the first row of its block."""
+    return s // W * positions.shape[1] * STEP + s % W

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, function
-from ....simd import floor, gather, half_width_pointer, lane_count, load, pointer, store, where
+from ....simd import floor, gather, half_width_pointer, lane_count, load, pointer, prefetch, store, where
 from .map_segments import (
     ACROSS,
     AREA,
@@ -109,6 +109,10 @@ def add(work, n, window, opacity_map):
     stacks = opacity_map.stacks
     cells = np.int64((window.width >> 1) ** 2)
     stride = np.int64(HEAD + FIVE * (opacity_map.layers + 1))
+    numbers = pointer(stacks)
+    for k in range(n):
+        for at in range(k, k + PAIR * BATCH, BATCH):
+            prefetch(numbers, cells + np.int64(work[ROW + at]) * stride + np.int64(work[PLACE + at]))
     for k in range(n):
         for at in range(k, k + PAIR * BATCH, BATCH):
             row = np.int64(work[ROW + at])

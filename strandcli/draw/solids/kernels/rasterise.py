@@ -6,7 +6,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, parallel, prange
-from ....solids.kernels import capsule, sphere
+from ....solids.kernels import capsule, plane, sphere
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import blended, sphere_tracing
@@ -22,8 +22,9 @@ def draw(solids, frames, view, width, height, keys):
 
     frames (m, 4) int64: screen bounds of each solid, with the columns above; keys (height * width,) uint64 out.
     """
-    # a row of a sphere or a capsule is one loop without branches, which LLVM vectorises
-    spheres, capsules = solids.spheres, solids.capsules
+    # a row of a sphere, a capsule or a plane is one loop without branches, which LLVM vectorises
+    spheres, capsules, planes = solids.spheres, solids.capsules, solids.planes
+    round_ones = spheres.shape[0] + capsules.shape[0]
     flat = ONE - view[PERSPECTIVE]
     far = ONE / view[DEPTH_RANGE]
     for y in prange(height):
@@ -51,11 +52,17 @@ def draw(solids, frames, view, width, height, keys):
                     ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[FOCAL], up)
                     key = key_at(sphere.meet(spheres, m, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
                     part[x] = min(part[x], key)
-            elif m < spheres.shape[0] + capsules.shape[0]:
+            elif m < round_ones:
                 own = m - spheres.shape[0]
                 for x in range(part.shape[0]):
                     ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[FOCAL], up)
                     key = key_at(capsule.meet(capsules, own, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
+                    part[x] = min(part[x], key)
+            elif m < round_ones + planes.shape[0]:
+                own = m - round_ones
+                for x in range(part.shape[0]):
+                    ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[FOCAL], up)
+                    key = key_at(plane.meet(planes, own, ox, oy, oz, dx, dy, dz), view, flat, far, identity)
                     part[x] = min(part[x], key)
             else:
                 for x in range(part.shape[0]):
