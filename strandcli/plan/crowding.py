@@ -18,9 +18,8 @@ if TYPE_CHECKING:
 
     Numbers = Any  # arrays of float64; numpy is not imported for a scene without contact
 
-GUESS, GUESSED_CELLS = 3.0, 8.0
-"""Pairs and cells of a particle of strands from a file, which is not read for it, or of more than `FINEST` particles."""
-FINEST = 2000
+GUESS, GUESSED_CELLS, FINEST = 3.0, 8.0, 2000
+"""Pairs and cells of a particle of strands from a file, which is not read for it, or of strands of more particles."""
 STRANDS, PARTICLES, SAMPLE = 5000, 100_000, 256
 """Strands that are emitted for it at the most, and particles, and segments whose neighbours are counted."""
 ROUNDS, SLOPE = 3, 1e-4
