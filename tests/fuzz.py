@@ -161,6 +161,7 @@ def main() -> int:
     begun, _, end = (sys.argv[1] if len(sys.argv) > 1 else "1000").rpartition("-")
     count = int(end)
     wrong = 0
+    sys.dont_write_bytecode = True  # of modules that a damaged file is the first to need
     remember_shipped()
     for suffix in sys.argv[2:] or (*seeds(), *KINDS):
         with tempfile.TemporaryDirectory() as folder:  # whatever is imported by the first file does not count

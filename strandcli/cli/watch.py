@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import gc
 import hashlib
+import stat
 import sys
 import time
 from collections.abc import Mapping
@@ -212,8 +213,11 @@ def _stamp(name: str) -> tuple[int, int]:
 
 
 def _digest(name: str) -> str:
-    """Hash of a file's content; "" where it cannot be read, as while an editor replaces it."""
+    """Hash of a file's content; "" where it cannot be read, as while an editor replaces it. What is no file is not
+    opened: a pipe waits for who writes to it, and /dev/zero has no end."""
     try:
+        if not stat.S_ISREG(kind := Path(name).stat().st_mode):
+            return stat.filemode(kind)
         with open(name, "rb") as file:
             return hashlib.file_digest(file, "blake2b").hexdigest()
     except OSError:

@@ -11,7 +11,7 @@ from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, 
 from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
-from .crowding import pairs_of
+from .crowding import crowding_of
 from .libraries import known_bytes
 from .sizes import map_rows, share_in_maps, side_of
 
@@ -29,9 +29,10 @@ NEARER, SEEN = 1.3, 0.75
 """How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
 ROD, CROWDED = 80, 30
 """Bytes of a particle of a rod, and more where strands push each other."""
-TOUCHING, PAIR = 560, 50
-"""More where strands have contact: the state before the step, 120; particles at its ends, 48, boxes, 72, and cells and
-their table, 320; of a pair of segments whose boxes meet (`crowding`), its numbers and what sorts them."""
+TOUCHING, CELL, PAIR = 290, 32, 50
+"""More where strands have contact: the state before the step, 120; particles at its ends, 48, boxes, 72, the cells'
+table, 50; of each cell that a segment lies in (`crowding`); of a pair of segments whose boxes meet, its numbers and
+what sorts them."""
 
 
 def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
@@ -62,7 +63,8 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     rods = ROD if scene.solver == "rod" else 0
     rods += CROWDED if rods and any(use.name == "interaction" for use in scene.rules) else 0
     contact = rods and any(use.name == "contact" for use in scene.rules)
-    touching = blocks * n * TOUCHING + PAIR * pairs_of(scene, plan.strands) if contact else 0
+    crowding = crowding_of(scene, plan.strands)
+    touching = blocks * n * TOUCHING + CELL * crowding.cells + PAIR * crowding.pairs if contact else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
     return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + round(touching)
 

@@ -41,12 +41,12 @@ def _of_sections(rod: Rod, listed: set[str]) -> Iterator[Clash]:
     section = rod.section
     assert section is not None
     if section.thin > section.wide:
-        yield ("rod.section.thin", "rod.section.wide"), "is more than wide; swap them, and turn the angle by 90"
+        yield ("rod.section.thin", "rod.section.wide"), "thin is more than wide; swap them, and turn the angle by 90"
     if section.thin < section.wide / FLATTEST:
         yield (
             ("rod.section.thin", "rod.section.wide"),
-            f"is less than a quarter of wide, {section.wide / FLATTEST:g}: steps of strands so flat would take too "
-            "long; make it larger",
+            f"thin is less than a quarter of wide, {section.wide / FLATTEST:g}: steps of strands so flat would take "
+            "too long; make it larger",
         )
     if rod.root == "free":
         yield ("rod.section", "rod.root"), "free roots have no frame that a section lies in; use root: hinged"

@@ -78,13 +78,17 @@ def contact_thickness(scene: Scene, groom: Groom, given: float | None) -> float:
     that does not fit the groom."""
     own = 2 * matter(scene.rod)[1]
     found = given or own
-    spread = float(np.linalg.norm(np.ptp(groom.roots, axis=0))) + 2 * float(groom.lengths.max())
-    if found > spread:
+    if found > (spread := _spread(groom)):
         raise UsageError(
             f"{scene.label or scene.source or 'scene'}: rule contact.thickness: {found:g} m is more than the groom, "
             f"which is {spread:.3g} m wide; make it smaller, such as {own:.2g}, the strands' own"
         )
     return found
+
+
+def _spread(groom: Groom) -> float:
+    """Return how wide a groom may come to be, metres."""
+    return float(np.linalg.norm(np.ptp(groom.roots, axis=0))) + 2 * float(groom.lengths.max())
 
 
 def require_cell(scene: Scene, cell: float, lengths: NDArray[np.float64], usual: float) -> None:
@@ -111,7 +115,13 @@ def require_between(scene: Scene, groom: Groom) -> None:
         if use.name == "interaction" and use.parameters.cell is not None:
             lengths = groom.lengths.astype(np.float64)
             segments = lengths / (scene.emitter.particles - 1)
-            require_cell(scene, use.parameters.cell, segments, float(lengths.max()) / CELLS_ACROSS)
+            usual = float(lengths.max()) / CELLS_ACROSS
+            require_cell(scene, use.parameters.cell, segments, usual)
+            if use.parameters.cell > (spread := _spread(groom)):  # `Crowd` knows how wide it is
+                raise UsageError(
+                    f"{scene.label or scene.source or 'scene'}: rule interaction.cell: {use.parameters.cell:g} m is "
+                    f"larger than the groom, which is at most {spread:.3g} m wide; make it smaller, such as {usual:.2g}"
+                )
 
 
 def rigidity(rod: Rod) -> float:

@@ -26,7 +26,7 @@ from PIL import Image
 from cli_runs import TINY, Runner, child, environment
 from strandcli import load
 from strandcli.cli import terminal_pictures as shown
-from strandcli.cli.watch import _with_one_turn
+from strandcli.cli.watch import Watcher, _with_one_turn
 from strandcli.errors import RefusedError, UsageError
 from strandcli.output import png, video
 from strandcli.output.compare import write_image
@@ -250,3 +250,22 @@ def test_a_real_ffmpeg_makes_a_film_of_the_right_length(run: Runner) -> None:
         image = png.read(Path(f"a/frame_{number:04d}.png")).astype(int)
         assert np.abs(films[place, :47, :63] - image).mean() < 6
     assert shutil.which("ffmpeg") or "imageio" in command
+
+
+def test_a_preset_that_becomes_a_pipe_or_a_device_is_seen_and_not_opened(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text(TINY, encoding="utf-8")
+    watcher = Watcher(str(path))
+    assert watcher.changed()
+    steps = (path.unlink, lambda: os.mkfifo(path), lambda: None, path.unlink, lambda: path.symlink_to("/dev/zero"))
+    signal.alarm(20)  # to open either never ends
+    try:
+        for step, seen in zip(steps, (True, True, False, True, True), strict=True):
+            step()
+            assert watcher.changed() == seen
+            watcher.follow(None)
+    finally:
+        signal.alarm(0)
+    path.unlink()
+    path.write_text(TINY, encoding="utf-8")
+    assert watcher.changed()

@@ -188,8 +188,8 @@ def test_round_sections_have_a_round_strand_s_kernel_and_motion() -> None:
     [
         ("{wide: 0}", "", r":2:\d+: rod\.section\.wide: must be a number above 0"),
         ("{thin: 0}", "", r":2:\d+: rod\.section\.thin: must be a number above 0"),
-        ("{thin: 2}", "", r":2:\d+: rod\.section\.thin: is more than wide; swap them"),
-        ("{wide: 4, thin: 0.9}", "", r"rod\.section\.thin: is less than a quarter of wide, 1:"),
+        ("{thin: 2}", "", r":2:\d+: rod\.section\.thin: thin is more than wide; swap them"),
+        ("{wide: 4, thin: 0.9}", "", r"rod\.section\.thin: thin is less than a quarter of wide, 1:"),
         ("{wide: 2}", "root: free", r"rod\.section: free roots have no frame"),
         ("{wide: 2}", "end: clamped", r"rod\.section: clamped tips know of no section"),
         ("{wide: 2}", "yield_strain: 0.1", r"rod\.section: oval strands keep no set"),

@@ -178,5 +178,6 @@ def in_parts(solver: Any, step: Callable[[float, float], bool], time: float, dt:
     if step(time, dt) or not saved:
         return
     solver.restore(saved)
+    saved.clear()  # each of the halves keeps its own
     in_parts(solver, step, time - dt / 2, dt / 2, halvings + 1)
     in_parts(solver, step, time, dt / 2, halvings + 1)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .cells import cell_side
 from .kernels import contact_pairs
 from .kernels.contact_columns import FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
 
-MOST_ENTRIES = 16
-"""Cells a box lies in at the most, as a mean: larger cells are taken otherwise."""
 ROOM = 1.3
 """Pairs that arrays have room for, over those found the last time."""
 
@@ -29,10 +28,7 @@ class Nearby:
         of which some points come closer than ``reach`` on straight ways from ``start`` to ``end`` (S, N + 1, 3). They
         are valid until the next call."""
         boxes = _boxes(start, end, reach)
-        extents = boxes[:, 3:] - boxes[:, :3]
-        side = float(extents.mean() * 1.5)
-        while (np.floor(boxes[:, 3:] / side) - np.floor(boxes[:, :3] / side) + 1).prod(1).mean() > MOST_ENTRIES:
-            side *= 1.5
+        side = cell_side(boxes[:, :3], boxes[:, 3:])
         buckets = 1 << max(4, int(len(boxes) * 4).bit_length())
         starts = np.zeros(buckets + 2, np.int64)
         contact_pairs.count_cells(boxes, side, starts)
