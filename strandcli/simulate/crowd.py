@@ -18,7 +18,8 @@ from ..blocks import aligned
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.touched import touched
-from .kernels import crowd_forces, crowd_grid, crowd_pressure, crowd_shelter
+from .crowd_samples import samples_of
+from .kernels import crowd_forces, crowd_grid, crowd_homes, crowd_pressure, crowd_shelter
 from .kernels.crowd_records import BOX, CELL, LANES, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
@@ -32,6 +33,8 @@ FRICTION_TIME = 0.01
 EASE, MOST = 15.0, 0.5
 """Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
 other are led apart."""
+LEAST_ROOM = 0.5
+"""Share of a cell that counts as outside of solids at the least, where the greatest density is told."""
 MOST_CELLS = 4_000_000
 """Of the box about the strands: 64 MB, and as much again for pressure and targets."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
@@ -47,15 +50,6 @@ class Moment(NamedTuple):
     """Its length, seconds."""
     wind: tuple[float, float, float]
     """Acceleration of strands at rest by the open wind, m/s²."""
-
-
-class Samples(NamedTuple):
-    """Points at which every strand is sampled, as `Lattice` has them."""
-
-    first: NDArray[np.int64]
-    counts: NDArray[np.int64]
-    weights: NDArray[np.float64]
-    mass: NDArray[np.float64]
 
 
 class Crowd:
@@ -84,6 +78,10 @@ class Crowd:
         self.grid, self.targets = self.memory, self.memory
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
         self.room = Room(self.pressure, self.pressure)
+        self.homes: NDArray[Any] = np.zeros(0, np.int8)
+        self.others = np.zeros((packs, n, 3 * PACK), dtype)
+        """(P, N, 3 S) after a step: velocity at its begin, and `1 - HELD` of what strands around have added, m/s."""
+        self._last_step = 0.0
         self.solids = touched(scene)
         self.density = parameters.density
         """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
@@ -105,40 +103,59 @@ class Crowd:
         """Set `State.crowd` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
         Where a coordinate is not finite there is no grid, and it is set to zero."""
         dt, kind = moment.step, state.velocity.dtype.type
-        moving = Moving(state.positions, state.velocity, state.push, roots, self.metres, mass)
-        pressed = dt if len(state.push) == len(state.velocity) else 0.0
+        self._find_others(state, dt)
+        moving = Moving(state.positions, state.velocity, self.others, roots, self.metres, mass)
         if not self._lay(state.positions):
             state.crowd[...] = 0
+            self._last_step = 0.0
             return
         whole = self.boxes[-1]
         origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
         first, counts, *rest = self.samples
         weights, masses = (one.astype(kind) for one in rest)
-        lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, kind(dt), kind(pressed))
+        lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, kind(dt))
         crowd_grid.deposit(moving, lattice, self.parts, self.boxes, self.memory, self.scratch)
         crowd_grid.merge(self.boxes, self.memory, self.grid)
-        greatest = float(self.grid[:, MASS].max()) / self.cell**3
-        if self.density is None:
-            self.density = greatest
-        self.found = greatest
-        full = np.float32(self.density * self.cell**3)
         near = _near(self.grid[:, MASS].reshape(whole[SIZE : SIZE + 3][::-1]).max(2) > 0)
         self._find_room(whole, near, moment.time)
+        self.found = float((self.grid[:, MASS] / np.maximum(self.room.open, LEAST_ROOM)).max()) / self.cell**3
+        if self.density is None:
+            self.density = self.found
+        full = np.float32(self.density * self.cell**3)
         excess, pressure = np.empty(len(self.grid), np.float32), self.pressure.reshape(-1)
         numbers = full, np.float32(dt / (2 * self.cell)), np.float32(min(EASE * dt, MOST))
-        crowd_pressure.find_excess(whole, self.grid, self.room, numbers, excess)
         self.pressure *= near[:, :, None]
+        crowd_pressure.find_excess(whole, self.grid, self.room, numbers, pressure, excess)
         relax(whole, excess, self.room.faces, near, self.pressure)
         share = np.float32(1 - (1 - self.friction) ** (dt / FRICTION_TIME))
         numbers = full, share, np.float32(self.cell / dt)
         crowd_forces.find_targets(whole, self.grid, self.room, numbers, pressure, self.targets)
         self._shelter(whole, moment)
+        if self.solids:
+            crowd_homes.read_home(whole, self.homes, self.targets)
         crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, state.crowd)
+        np.multiply(state.crowd, kind(dt * (1 - crowd_pressure.HELD)), out=self.others)
+        self.others += state.velocity
+        self._last_step = dt
+
+    def _find_others(self, state: State, dt: float) -> None:
+        """Set what velocities are expected to change by in a step of ``dt`` seconds: as in the last one."""
+        if self._last_step == 0:
+            self.others[...] = 0
+            return
+        np.subtract(state.velocity, self.others, out=self.others)
+        if dt != self._last_step:
+            self.others *= self.others.dtype.type(dt / self._last_step)
+
+    def begin_anew(self) -> None:
+        """Forget what moved strands in the last step, for they have been stopped or put elsewhere."""
+        self._last_step = 0.0
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what a step takes from the one before: pressure and its box; and the densities that are reported."""
-        densities = np.array([math.nan if self.density is None else self.density, self.found])
-        return {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1], "densities": densities}
+        numbers = np.array([math.nan if self.density is None else self.density, self.found, self._last_step])
+        pressure = {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1]}
+        return {**pressure, "others": self.others, "crowd": numbers}
 
     def check(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Raise `ValueError` where pressure is not of its box."""
@@ -152,7 +169,8 @@ class Crowd:
         self.boxes[-1] = box
         self.pressure = state["free pressure"].reshape(box[SIZE : SIZE + 3][::-1])
         self._empty_grid()
-        density, self.found = state["densities"].tolist()
+        self.others[...] = state["others"]
+        density, self.found, self._last_step = state["crowd"].tolist()
         self.density = None if math.isnan(density) else density
 
     def _empty_grid(self) -> None:
@@ -171,6 +189,10 @@ class Crowd:
             along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
             packed = solids.pack_all(self.solids, self.scene.emitter, self.scene.time.pose_time(time))
             crowd_pressure.find_room(whole, self.cell, packed, along, near, self.room.open)
+            self.homes = np.empty(count, np.int8)
+            crowd_homes.find_homes(whole, self.grid, self.room.open, self.homes)
+            crowd_homes.find_far_homes(whole, self.grid, self.room.open, self.homes)
+            crowd_homes.bring_home(whole, self.homes, self.grid, self.room.open)
             crowd_pressure.find_faces(whole, *self.room)
 
     def _shelter(self, whole: NDArray[np.int64], moment: Moment) -> None:
@@ -192,7 +214,8 @@ class Crowd:
         if not np.isfinite(ends).all():
             return False
         low, high = np.floor(ends[:, :3] - 0.5), np.floor(ends[:, 3:] - 0.5) + 1
-        low, high = np.vstack([low, low.min(0)]), np.vstack([high, high.max(0)])
+        margin = 1 if self.solids else 0
+        low, high = np.vstack([low, low.min(0) - margin]), np.vstack([high, high.max(0) + margin])
         cells = np.prod(high - low + 1, axis=1)
         if cells[-1] > MOST_CELLS:
             least = self.cell * float(cells[-1] / MOST_CELLS) ** (1 / 3)
@@ -213,27 +236,6 @@ class Crowd:
             self._empty_grid()
             self.pressure = _moved(self.pressure, before, whole)
         return True
-
-
-def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
-    """Return the samples of strands whose segments have the relative masses ``segments`` (N,) and the length
-    ``length``, in cells, of the longest. A sample of several segments is a mean by masses."""
-    n = len(segments)
-    several = max(1, math.ceil(length * (1 - 1e-6)))
-    if several > 1:
-        t = np.tile((np.arange(several) + 0.5) / several, n)
-        first = np.repeat(np.arange(n), several)
-        weights, mass = np.stack([1 - t, t], 1), np.repeat(segments / several, several)
-        return Samples(first, np.full(len(first), 2), weights, mass)
-    group = min(max(1, int(1 / length * (1 + 1e-6))), n)
-    first = np.arange(0, n, group)
-    count = np.minimum(first + group, n) - first + 1
-    weights, mass = np.zeros((len(first), group + 1)), np.zeros(len(first))
-    for row, begin, end in zip(range(len(first)), first, first + count - 1, strict=True):
-        mass[row] = segments[begin:end].sum()
-        weights[row, : end - begin] += segments[begin:end] / 2 / mass[row]
-        weights[row, 1 : end - begin + 1] += segments[begin:end] / 2 / mass[row]
-    return Samples(first, count, weights, mass)
 
 
 def relax(box: NDArray[np.int64], excess: NDArray[Any], faces: NDArray[Any], near: Any, pressure: NDArray[Any]) -> None:

@@ -188,6 +188,8 @@ class RodSolver(Solver):
         if jumps:
             carry(self.state, self.positions, self.pose, pose)
             self.pose = pose
+            if self.crowd is not None:
+                self.crowd.begin_anew()
         if around.any_solids and (jumps or self._last_step == 0):
             self._put_outside(time - dt)
         self._deform(time)
@@ -259,6 +261,8 @@ class RodSolver(Solver):
         self._run(self.pose, MOMENT, *[0.0] * FRICTION)
         state.tension[...] = tension
         stop(state.velocity, state.before, state.ahead, state.moved, state.push, state.touching)
+        if self.crowd is not None:
+            self.crowd.begin_anew()
 
     def place_roots(self, frame: int) -> None:
         """Put the first two rows where they are at a frame, to the bits of a step that ends there."""

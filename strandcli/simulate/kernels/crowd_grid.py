@@ -138,11 +138,10 @@ def cell_of(rows, k, wide, layer):
 def locate(moving, lattice, pack, sample, box, origins, rows):
     """Set the rows of scratch for a sample of a pack's strands. ``origins`` (3,): the middle of the box's first cell,
     metres."""
-    positions, velocity, push = pointer(moving.positions), pointer(moving.velocity), pointer(moving.push)
+    positions, velocity, others = pointer(moving.positions), pointer(moving.velocity), pointer(moving.others)
     roots, out = pointer(moving.roots), pointer(rows)
     n = moving.velocity.shape[1]
     block = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W
-    pushes = 0 if lattice.pressed == 0 else pack * n
     first, count = lattice.first[sample], lattice.counts[sample]
     for lane in range(0, PACK, lane_count(positions)):
         for c in range(3):
@@ -155,9 +154,8 @@ def locate(moving, lattice, pack, sample, box, origins, rows):
                 if j == 0:
                     u += weight * load(roots, (pack * 3 + c) * PACK + lane)
                 else:
-                    u += weight * load(velocity, ((pack * n + j - 1) * 3 + c) * PACK + lane)
-                    if lattice.pressed > 0:
-                        u += weight * lattice.pressed * load(push, ((pushes + j - 1) * 3 + c) * PACK + lane)
+                    at = ((pack * n + j - 1) * 3 + c) * PACK + lane
+                    u += weight * (load(velocity, at) + load(others, at))
             x *= lattice.inverse
             below = min(max(floor(x), 0.0), broadcast(x, box[SIZE + c] - 2))
             store(out, (SHARE + c) * PACK + lane, x - below)
