@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from operator import is_
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -16,9 +17,11 @@ from numpy.typing import NDArray
 from ..blocks import aligned
 from ..errors import UsageError
 from ..groom.record import Groom
+from ..scene.touched import touched
 from ..solids import Solids
-from .kernels import crowd_forces, crowd_grid, crowd_pressure
-from .kernels.crowd_records import BOX, CELL, LANES, LOW, OFFSET, ROWS, SIZE, Lattice, Moving, Room
+from .crowd_samples import samples_of
+from .kernels import crowd_forces, crowd_grid, crowd_homes, crowd_pressure
+from .kernels.crowd_records import BOX, CELL, LANES, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
 from .material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
@@ -31,6 +34,8 @@ FRICTION_TIME = 0.01
 EASE, MOST = 15.0, 0.5
 """Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
 other are led apart."""
+LEAST_ROOM = 0.5
+"""Share of a cell that counts as outside of solids at the least, where the greatest density is told."""
 MOST_CELLS = 4_000_000
 """Of the box about the strands: 64 MB, and as much again for pressure and targets."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
@@ -48,15 +53,6 @@ class Moment(NamedTuple):
     """Acceleration of strands at rest by the open wind, m/s²."""
     solids: Solids | None
     """Those that strands collide with, at its end."""
-
-
-class Samples(NamedTuple):
-    """Points at which every strand is sampled, as `Lattice` has them."""
-
-    first: NDArray[np.int64]
-    counts: NDArray[np.int64]
-    weights: NDArray[np.float64]
-    mass: NDArray[np.float64]
 
 
 class Crowd:
@@ -85,7 +81,12 @@ class Crowd:
         self._cells = np.empty((0, CELL), np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
         self._ends = np.empty((len(self.parts), 6))
+        self._margin = 1 if touched(scene) else 0
+        """Cells that the box of all has beside strands: closed ones lend theirs to open neighbours."""
         self._empty_grid()
+        self.others = np.zeros((packs, n, 3 * PACK), dtype)
+        """(P, N, 3 S) after a step: velocity at its begin, and `1 - HELD` of what strands around have added, m/s."""
+        self._last_step = 0.0
         self.density = parameters.density
         """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
         self.found = 0.0
@@ -106,29 +107,51 @@ class Crowd:
         """Set `State.crowd` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
         Where a coordinate is not finite there is no grid, and it is set to zero."""
         dt, kind = moment.step, state.velocity.dtype.type
-        moving = Moving(state.positions, state.velocity, state.push, roots, self.metres, mass)
-        pressed = dt if len(state.push) == len(state.velocity) else 0.0
+        self._find_others(state, dt)
+        moving = Moving(state.positions, state.velocity, self.others, roots, self.metres, mass)
         if not self._lay(state.positions):
             state.crowd[...] = 0
+            self._last_step = 0.0
             return
         whole = self.boxes[-1]
         origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
         first, counts, *rest = self.samples
         weights, masses = (one.astype(kind) for one in rest)
-        lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, kind(dt), kind(pressed))
+        lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, kind(dt))
         most = crowd_grid.deposit(
             moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.grid, self._most, self.near
         )
+        if moment.solids is not None:
+            self._find_room(whole, moment.solids)
+            most = (self.grid[:, MASS] / np.maximum(self.room.open, LEAST_ROOM)).max()
         self.found = float(most) / self.cell**3
         if self.density is None:
             self.density = self.found
-        self._find_room(whole, moment.solids)
+        self.pressure *= self.near[:, :, None]
         room = self.room if any(moment.wind) else self.room._replace(left=self.room.left[:0])
         crowd_forces.act(
             whole, self.grid, self.near, room, self._numbers(self.density, moment), self._work,
             self.pressure.reshape(-1), self.targets,
         )  # fmt: skip
+        if moment.solids is not None:
+            crowd_homes.read_home(whole, self.homes, self.targets)
         crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, state.crowd)
+        np.multiply(state.crowd, kind(dt * (1 - crowd_pressure.HELD)), out=self.others)
+        self.others += state.velocity
+        self._last_step = dt
+
+    def _find_others(self, state: State, dt: float) -> None:
+        """Set what velocities are expected to change by in a step of ``dt`` seconds: as in the last one."""
+        if self._last_step == 0:
+            self.others[...] = 0
+            return
+        np.subtract(state.velocity, self.others, out=self.others)
+        if dt != self._last_step:
+            self.others *= self.others.dtype.type(dt / self._last_step)
+
+    def begin_anew(self) -> None:
+        """Forget what moved strands in the last step, for they have been stopped or put elsewhere."""
+        self._last_step = 0.0
 
     def _numbers(self, density: float, moment: Moment) -> NDArray[np.float32]:
         """Return the numbers of a step, as `crowd_records.FULL` and the others."""
@@ -145,8 +168,9 @@ class Crowd:
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what a step takes from the one before: pressure and its box; and the densities that are reported."""
-        densities = np.array([math.nan if self.density is None else self.density, self.found])
-        return {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1], "densities": densities}
+        numbers = np.array([math.nan if self.density is None else self.density, self.found, self._last_step])
+        pressure = {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1]}
+        return {**pressure, "others": self.others, "crowd": numbers}
 
     def check(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Raise `ValueError` where pressure is not of its box."""
@@ -160,7 +184,8 @@ class Crowd:
         self.boxes[-1] = box
         self.pressure = state["free pressure"].reshape(box[SIZE : SIZE + 3][::-1])
         self._empty_grid()
-        density, self.found = state["densities"].tolist()
+        self.others[...] = state["others"]
+        density, self.found, self._last_step = state["crowd"].tolist()
         self.density = None if math.isnan(density) else density
 
     def _empty_grid(self) -> None:
@@ -171,30 +196,35 @@ class Crowd:
             self._cells = np.empty((3 * count, CELL), np.float32)
         self.grid, self.targets, rest = self._cells[:count], self._cells[count : 2 * count], self._cells[2 * count :]
         self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
-        self.room = Room(*rest.reshape(-1)[: 4 * count].reshape(4, count))
+        self.shares, *of_room = rest.reshape(-1)[: 5 * count].reshape(5, count)
+        self.room = Room(*of_room)
         self.room.open[:] = 1
+        self.homes = np.empty(count if self._margin else 0, np.int8)
         self._work = work_of(self.pressure)
         self._outside: tuple[list[bytes], tuple[Any, ...]] = [], ()
-        """What ``room.open`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
+        """What ``shares`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
 
-    def _find_room(self, whole: NDArray[np.int64], met: Solids | None) -> None:
-        """Find what solids ``met`` leave of the rows of cells that strands are near; it is kept for as long as neither
-        changes."""
-        if met is None:
-            return
+    def _find_room(self, whole: NDArray[np.int64], met: Solids) -> None:
+        """Find what solids ``met`` leave of the rows of cells that strands are near, kept for as long as neither
+        changes, and bring what lies in closed cells to their homes."""
         rows, data = [one.tobytes() for one in (self.near, *met[:5])], met[5:]
-        if rows == self._outside[0] and all(a is b for a, b in zip(data, self._outside[1], strict=True)):
-            return
-        self._outside = rows, data
-        self.room.open[:] = 1
-        along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
-        crowd_pressure.find_room(whole, self.cell, met, along, self.near, self.room.open)
+        if rows != self._outside[0] or not all(map(is_, data, self._outside[1])):
+            self._outside = rows, data
+            self.shares[:] = 1
+            along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
+            crowd_pressure.find_room(whole, self.cell, met, along, self.near, self.shares)
+        self.room.open[:] = self.shares
+        crowd_homes.find_homes(whole, self.grid, self.room.open, self.homes)
+        crowd_homes.find_far_homes(whole, self.grid, self.room.open, self.homes)
+        crowd_homes.bring_home(whole, self.homes, self.grid, self.room.open)
 
     def _lay(self, positions: NDArray[Any]) -> bool:
         """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
         `UsageError` where they take too many cells."""
         before = self.boxes[-1].copy()
-        cells = crowd_grid.find_boxes(positions, self.cell, self.parts, float(MOST_CELLS), self._ends, self.boxes)
+        cells = crowd_grid.find_boxes(
+            positions, self.cell, self.parts, self._margin, float(MOST_CELLS), self._ends, self.boxes
+        )
         if math.isnan(cells):
             return False
         if cells > MOST_CELLS:
@@ -211,27 +241,6 @@ class Crowd:
             self.pressure = _moved(self.pressure, before, whole)
             self._empty_grid()
         return True
-
-
-def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
-    """Return the samples of strands whose segments have the relative masses ``segments`` (N,) and the length
-    ``length``, in cells, of the longest. A sample of several segments is a mean by masses."""
-    n = len(segments)
-    several = max(1, math.ceil(length * (1 - 1e-6)))
-    if several > 1:
-        t = np.tile((np.arange(several) + 0.5) / several, n)
-        first = np.repeat(np.arange(n), several)
-        weights, mass = np.stack([1 - t, t], 1), np.repeat(segments / several, several)
-        return Samples(first, np.full(len(first), 2), weights, mass)
-    group = min(max(1, int(1 / length * (1 + 1e-6))), n)
-    first = np.arange(0, n, group)
-    count = np.minimum(first + group, n) - first + 1
-    weights, mass = np.zeros((len(first), group + 1)), np.zeros(len(first))
-    for row, begin, end in zip(range(len(first)), first, first + count - 1, strict=True):
-        mass[row] = segments[begin:end].sum()
-        weights[row, : end - begin] += segments[begin:end] / 2 / mass[row]
-        weights[row, 1 : end - begin + 1] += segments[begin:end] / 2 / mass[row]
-    return Samples(first, count, weights, mass)
 
 
 def work_of(pressure: NDArray[Any]) -> NDArray[np.float32]:

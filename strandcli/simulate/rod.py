@@ -186,6 +186,8 @@ class RodSolver(Solver):
         if moved.jumps:
             carry(self.state, self.positions, self.pose, pose)
             self.pose = pose
+            if self.crowd is not None:
+                self.crowd.begin_anew()
         if around.any_solids and (moved.jumps or self._last_step == 0):
             self._put_outside(time - dt)
         self._deform(time)
@@ -249,6 +251,8 @@ class RodSolver(Solver):
         self._run(self.pose, change_of(self.pose, self.pose, self.dtype))
         state.tension[...] = tension
         stop(state.velocity, state.before, state.ahead, state.moved, state.push, state.touching)
+        if self.crowd is not None:
+            self.crowd.begin_anew()
 
     def place_roots(self, frame: int) -> None:
         """Put the first two rows where they are at a frame, to the bits of a step that ends there."""

@@ -41,6 +41,9 @@ from .rod_scratch import PACK
 
 EMPTY = np.float32(1e-30)
 """Metres in a cell up to which it is empty."""
+SLIVER = np.float32(1e-4)
+"""Share of a full cell about a face below which the impulse on it is not all handed on: what rounding places there in
+one sum, and not in another, would be thrown."""
 BETWEEN_ONLY = np.float32(0.5)
 """Share of the impulse on a face of two cells that goes to what lies between their middles. Were there none, cells of
 which every other one is dense would feel no pressure at all, and strands would gather in them; were it all, few strands
@@ -58,7 +61,7 @@ def act(box, grid, near, room, numbers, work, pressure, targets):
     """
     for o in prange(box[SIZE + 2]):
         find_faces(box, np.int64(o), room.open, room.faces)
-        find_excess(box, np.int64(o), grid, room.open, room.excess, numbers)
+        find_excess(box, np.int64(o), grid, room.open, pressure, room.excess, numbers)
     for task in prange(2):
         if task == 0:
             relax(box, room.excess, room.faces, near, work, pressure)
@@ -72,7 +75,7 @@ def act(box, grid, near, room, numbers, work, pressure, targets):
 def find_targets(box, o, grid, room, numbers, pressure, targets):
     """Set the targets of layer o. A cell that no sample reaches has none."""
     full, share, speed = numbers[FULL], numbers[LOST], numbers[SPEED]
-    push = speed * full
+    push, least = speed * full, SLIVER * full
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
     for n in range(high):
@@ -87,13 +90,13 @@ def find_targets(box, o, grid, room, numbers, pressure, targets):
             rate = share * min(m / full, np.float32(1))
             f = rate / max(m, EMPTY)
             targets[at, RATE] = rate
-            x, before = push_between(at, 1, i, wide, 0, grid, pressure, room.open)
+            x, before = push_between(at, 1, i, wide, 0, grid, pressure, room.open, least)
             targets[at, TARGET] = f * grid[at, MOMENTUM] + push * WIDELY * (x + before)
             targets[at, PUSH] = push * BETWEEN_ONLY * x
-            x, before = push_between(at, wide, n, high, 1, grid, pressure, room.open)
+            x, before = push_between(at, wide, n, high, 1, grid, pressure, room.open, least)
             targets[at, TARGET + 1] = f * grid[at, MOMENTUM + 1] + push * WIDELY * (x + before)
             targets[at, PUSH + 1] = push * BETWEEN_ONLY * x
-            x, before = push_between(at, layer, o, deep, 2, grid, pressure, room.open)
+            x, before = push_between(at, layer, o, deep, 2, grid, pressure, room.open, least)
             targets[at, TARGET + 2] = f * grid[at, MOMENTUM + 2] + push * WIDELY * (x + before)
             targets[at, PUSH + 2] = push * BETWEEN_ONLY * x
             targets[at, CELL - 1] = 0
@@ -110,21 +113,21 @@ def is_empty(grid, at):
 
 
 @device
-def push_between(at, stride, i, count, axis, grid, pressure, open):
+def push_between(at, stride, i, count, axis, grid, pressure, open, least):
     """Change of velocity by the pressure on the faces to the next cell along an axis and to the one before, in cells a
     step for each metre in a cell."""
-    next = pushed(at, stride, axis, grid, pressure, open) if i < count - 1 else np.float32(0)
-    return next, pushed(at - stride, stride, axis, grid, pressure, open) if i > 0 else np.float32(0)
+    next = pushed(at, stride, axis, grid, pressure, open, least) if i < count - 1 else np.float32(0)
+    return next, pushed(at - stride, stride, axis, grid, pressure, open, least) if i > 0 else np.float32(0)
 
 
 @device
-def pushed(at, stride, axis, grid, pressure, open):
+def pushed(at, stride, axis, grid, pressure, open, least):
     """Change of velocity by the pressure on the face to the next cell, which lies a ``stride`` on."""
     next = at + stride
     if open[at] <= 0 or open[next] <= 0:
         return np.float32(0)
     m = WIDELY * (grid[at, MASS] + grid[next, MASS]) + BETWEEN_ONLY * grid[at, BETWEEN + axis]
-    return (pressure[at] - pressure[next]) / max(m, EMPTY)
+    return (pressure[at] - pressure[next]) / max(m, least)
 
 
 @parallel

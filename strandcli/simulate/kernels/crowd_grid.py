@@ -53,22 +53,22 @@ OWN[np.arange(3), BETWEEN + np.arange(3)] = 1
 
 
 @parallel
-def find_boxes(positions, cell, parts, most, ends, boxes):
+def find_boxes(positions, cell, parts, margin, most, ends, boxes):
     """Set the boxes about the strands of each part and of all, and return the cells of the last: NaN where a coordinate
     is not finite. Where they are more than ``most``, boxes stay as they are.
 
-    positions (blocks, N + 2, 3 W); cell: side of a cell, metres; ends (parts, 6) float64, scratch; boxes (parts + 1,
-    `BOX`) int64."""
+    positions (blocks, N + 2, 3 W); cell: side of a cell, metres; margin: cells that the box of all has beside strands;
+    ends (parts, 6) float64, scratch; boxes (parts + 1, `BOX`) int64."""
     for part in prange(len(parts)):
         for axis in range(3):
             low, high = extent(positions, parts[part, FIRST] * PACK, parts[part, LAST] * PACK, axis)
             ends[part, axis] = np.floor(low / cell - 0.5)
             ends[part, 3 + axis] = np.floor(high / cell - 0.5) + 1
-    return cut_boxes(ends, most, boxes)
+    return cut_boxes(ends, margin, most, boxes)
 
 
 @device
-def cut_boxes(ends, most, boxes):
+def cut_boxes(ends, margin, most, boxes):
     """Set the boxes from the lowest and the highest cells of each part's strands, and return the cells of the last."""
     last = len(ends)
     cells = 1.0
@@ -78,7 +78,7 @@ def cut_boxes(ends, most, boxes):
             if not (math.isfinite(ends[part, axis]) and math.isfinite(ends[part, 3 + axis])):
                 return math.nan
             low, high = min(low, ends[part, axis]), max(high, ends[part, 3 + axis])
-        cells *= high - low + 1
+        cells *= high - low + 1 + 2 * margin
     if cells > most:
         return cells
     place = 0
@@ -91,6 +91,9 @@ def cut_boxes(ends, most, boxes):
             size *= high - low + 1
         boxes[part, OFFSET] = place
         place += size
+    for axis in range(3):
+        boxes[last, LOW + axis] -= margin
+        boxes[last, SIZE + axis] += 2 * margin
     boxes[last, SIZE] = -(-boxes[last, SIZE] // LANES) * LANES
     boxes[last, OFFSET] = 0
     return cells
@@ -203,11 +206,10 @@ def cell_of(rows, k, wide, layer):
 def locate(moving, lattice, pack, sample, box, origins, rows):
     """Set the rows of scratch for a sample of a pack's strands. ``origins`` (3,): the middle of the box's first cell,
     metres."""
-    positions, velocity, push = pointer(moving.positions), pointer(moving.velocity), pointer(moving.push)
+    positions, velocity, others = pointer(moving.positions), pointer(moving.velocity), pointer(moving.others)
     roots, out = pointer(moving.roots), pointer(rows)
     n = moving.velocity.shape[1]
     block = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W
-    pushes = 0 if lattice.pressed == 0 else pack * n
     first, count = lattice.first[sample], lattice.counts[sample]
     for lane in range(0, PACK, lane_count(positions)):
         for c in range(3):
@@ -220,9 +222,8 @@ def locate(moving, lattice, pack, sample, box, origins, rows):
                 if j == 0:
                     u += weight * load(roots, (pack * 3 + c) * PACK + lane)
                 else:
-                    u += weight * load(velocity, ((pack * n + j - 1) * 3 + c) * PACK + lane)
-                    if lattice.pressed > 0:
-                        u += weight * lattice.pressed * load(push, ((pushes + j - 1) * 3 + c) * PACK + lane)
+                    at = ((pack * n + j - 1) * 3 + c) * PACK + lane
+                    u += weight * (load(velocity, at) + load(others, at))
             x *= lattice.inverse
             below = min(max(floor(x), 0.0), broadcast(x, box[SIZE + c] - 2))
             store(out, (SHARE + c) * PACK + lane, x - below)

@@ -29,13 +29,17 @@ from .crowd_records import FULL, LANES, LOW, MASS, MOMENTUM, MOST, RATIO, SIZE
 RELAXATION = np.float32(1.5)
 EVEN = np.array([1, 0] * LANES, np.float32)
 """1 in lanes of even numbers."""
+HELD = np.float32(0.5)
+"""Share of the pressure of the step before that is taken to be held by other forces wholly, whatever the grid sees of
+them. With all of it pressure swings; with none, what the grid does not see has to be made up for by density."""
 ROUNDS = 12
 """Sweeps of a step: the pressure of the step before is nearly right already."""
 
 
 @device
-def find_excess(box, o, grid, open, excess, numbers):
-    """Set e, ``excess`` (cells,), of layer o. ``open`` (cells,): `Room.open`; ``numbers`` (`NUMBERS`,)."""
+def find_excess(box, o, grid, open, pressure, excess, numbers):
+    """Set e, ``excess`` (cells,), of layer o. ``open`` (cells,): `Room.open`; ``pressure`` (cells,) of the step
+    before; ``numbers`` (`NUMBERS`,)."""
     full, ratio, most = numbers[FULL], numbers[RATIO], numbers[MOST]
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
@@ -47,7 +51,26 @@ def find_excess(box, o, grid, open, excess, numbers):
             flow += inflow(at, wide, n, high, grid, MOMENTUM + 1, open)
             flow += inflow(at, layer, o, deep, grid, MOMENTUM + 2, open)
             dense = grid[at, MASS] / full
-            excess[at] = min(dense - open[at], most * max(dense, np.float32(1))) + ratio * flow / full
+            held = difference(at, 1, i, wide, pressure, open)
+            held += difference(at, wide, n, high, pressure, open)
+            held += difference(at, layer, o, deep, pressure, open)
+            more = dense - open[at]
+            excess[at] = min(more, most * max(dense, np.float32(1))) + ratio * flow / full + HELD * held
+
+
+@device
+def difference(at, stride, i, count, pressure, open):
+    """What pressure is more than in the neighbours along an axis from which no solid closes the cell."""
+    own, found = pressure[at], np.float32(0)
+    if i == 0:
+        found += own
+    elif open[at - stride] > 0:
+        found += own - pressure[at - stride]
+    if i == count - 1:
+        found += own
+    elif open[at + stride] > 0:
+        found += own - pressure[at + stride]
+    return found
 
 
 @device
@@ -58,11 +81,22 @@ def inflow(at, stride, i, count, grid, column, open):
     if i == 0:
         flow += own
     elif open[at - stride] > 0:
-        flow += own + grid[at - stride, column]
+        flow += through(at - stride, stride, i - 1, count, grid, column, open)
     if i == count - 1:
         flow -= own
     elif open[at + stride] > 0:
-        flow -= own + grid[at + stride, column]
+        flow -= through(at, stride, i, count, grid, column, open)
+    return flow
+
+
+@device
+def through(at, stride, i, count, grid, column, open):
+    """Twice the momentum."""
+    flow = grid[at, column] + grid[at + stride, column]
+    if i > 0 and open[at - stride] <= 0:
+        flow += grid[at, column]
+    if i < count - 2 and open[at + 2 * stride] <= 0:
+        flow += grid[at + stride, column]
     return flow
 
 
@@ -136,7 +170,7 @@ def find_room_of_row(wide, y, z, solids, inverse, along, open):
         s = any_depth(solids, here, broadcast(x, y), broadcast(x, z)) * -inverse
         beyond = max(1.0 - abs(s), 0.0)
         beyond = 0.5 * beyond * beyond
-        store(out, i, where(s > 0.0, 1.0 - beyond, where(s > -0.5, beyond, 0.0)))
+        store(out, i, where(s > 0.0, 1.0 - beyond, where(s > -0.5, beyond, -beyond)))
 
 
 @device
@@ -158,8 +192,8 @@ def find_faces(box, o, open, faces):
 def closed(at, stride, i, count, open):
     """The number of a cell's faces along an axis that solids close."""
     found = np.float32(0)
-    if i > 0 and open[at - stride] == 0:
+    if i > 0 and open[at - stride] <= 0:
         found += np.float32(1)
-    if i < count - 1 and open[at + stride] == 0:
+    if i < count - 1 and open[at + stride] <= 0:
         found += np.float32(1)
     return found

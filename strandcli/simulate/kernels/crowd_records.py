@@ -46,8 +46,8 @@ class Moving(NamedTuple):
     """(blocks, N + 2, 3 W) metres."""
     velocity: Any
     """(P, N, 3 S) m/s."""
-    push: Any
-    """(P, N, 3 S) acceleration by contact, m/s²; one row of zeros without solids."""
+    others: Any
+    """(P, N, 3 S) what velocities change by in the step through all that is not of the strands around, m/s."""
     roots: Any
     """(P, 3 S) velocity of the roots, m/s."""
     metres: Any
@@ -74,8 +74,6 @@ class Lattice(NamedTuple):
     """(parts + 1, 3) the middle of the lowest cell of each box, metres."""
     step: Any
     """Length of the step, seconds."""
-    pressed: Any
-    """The step where there are solids, else 0, seconds."""
 
 
 LANES = 16
@@ -86,7 +84,7 @@ class Room(NamedTuple):
     """What solids leave of cells, and what follows for them. Float32."""
 
     open: Any
-    """(cells,) share of each that is outside of solids."""
+    """(cells,) share of each that is outside of solids; of closed ones that times −1."""
     faces: Any
     """(cells,) 1 over the number of its faces that no solid closes, 0 in solids."""
     excess: Any
