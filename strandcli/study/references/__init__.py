@@ -18,6 +18,7 @@ from . import (
     section,
     spring,
     tip_load,
+    tuft,
     twist,
     writhe,
 )
@@ -41,6 +42,7 @@ REFERENCES: Mapping[str, Reference] = {
         twist,
         incline,
         layer,
+        tuft,
     )
 }
 """By name, in the order in which `--reference all` goes through them."""
