@@ -233,11 +233,11 @@ class FrameRenderer:
         """The frame with its picture."""
         import numba
 
-        from .cameras.of_scene import at_frame
-
         frame = moved.frame
         at = (frame.number - 1) / self._fps
         if self._scene.camera.views:
+            from .cameras.of_scene import at_frame
+
             self._renderer.scene = at_frame(self._scene, frame.number)
         self._renderer.tones = moved.tones
         self._renderer.ids = moved.ids

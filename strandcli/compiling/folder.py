@@ -27,7 +27,7 @@ MOST_BYTES = 1 << 30
 """Beyond this the entries that were not loaded for longest are removed."""
 PART_SECONDS = 600.0
 """A file being written is renamed within milliseconds; one this old was left by a process that was killed."""
-ENTRY = re.compile(r"[\w.<>]+-[0-9a-f]{24}\.(kernel|mesh)|[a-z_]+_[0-9a-f]{16}\.py")
+ENTRY = re.compile(r"[\w.<>]+-[0-9a-f]{24}\.(kernel|arrays)|[a-z_]+_[0-9a-f]{16}\.py")
 PART = re.compile(r"\d+-\w+\.part")
 OLD_FOLDER = re.compile(r"kernels-\d+\.\d+\.\w+|\d+\.\d+\.\w+-[0-9a-f]{12}")
 """Folders of other versions, and of those whose folder's name held a hash of all sources."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..meshes.bvh import Bvh, moved
 from ..meshes.distance_grid import DistanceGrid, make_distance_grid
 from ..meshes.mesh import TriangleMesh, Vectors
-from . import kept
+from . import long
 from .normals import shading_normals
 from .read import KEPT, Moment, Placing, Version, deformed, moment, placed, placing, version
 from .texture import Pyramid, picture, pyramid
@@ -135,13 +135,13 @@ def _vertices_at(key: Key, mesh: TriangleMesh) -> Vectors:
 
 @functools.lru_cache(maxsize=KEPT)
 def _bvh(file: Version, how: Placing) -> Bvh:
-    return kept.tree_of(placed(file, how))
+    return long.tree_of(placed(file, how))
 
 
 @functools.lru_cache(maxsize=KEPT)
 def distances(file: Version, how: Placing, resolution: int) -> DistanceGrid:
     """The grid of distances from the mesh of a file."""
-    return kept.distances_of(_bvh(file, how), placed(file, how).closed, resolution)
+    return long.distances_of(_bvh(file, how), placed(file, how).closed, resolution)
 
 
 def _grid_between(key: Key, at: Moment) -> DistanceGrid:

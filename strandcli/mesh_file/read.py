@@ -15,6 +15,7 @@ from ..exchange.edit.transform import turning
 from ..meshes.make import LARGEST
 from ..meshes.mesh import TriangleMesh, Vectors
 from ..meshes.read import read_mesh
+from .file_kept import mesh_of_file
 
 UP = "y"
 KEPT = 8
@@ -125,4 +126,4 @@ def _transform(file: Version, how: Placing) -> tuple[Vectors, Vectors]:
 @functools.lru_cache(maxsize=KEPT)
 def as_in_file(file: Version) -> TriangleMesh:
     """The mesh of a file, in its own units and axes."""
-    return read_mesh(Path(file.path))
+    return mesh_of_file(Path(file.path), file.size)

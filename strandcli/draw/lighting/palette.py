@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import asdict
 from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...kept import kept
 from ...registry import FIBRES
 from ...scene.model import Material
+from ..common.kernels.batch import CHANNELS
 from ..fibre import dual
 from ..fibre.pigment import absorption, colour_of, tint, varies
 
@@ -71,7 +75,20 @@ def _scattered(material: Material, roughness: float) -> tuple[dual.kernel.DualAr
     return tables, dual.loss_table(tables)
 
 
-_scattered_of = lru_cache(maxsize=1)(_scattered)
+@lru_cache(maxsize=1)
+def _scattered_of(material: Material, roughness: float) -> tuple[dual.kernel.DualArrays, NDArray[np.float32]]:
+    """The same of a material of a preset, which is kept from one run to the next."""
+
+    def make() -> Iterable[NDArray[Any]]:
+        tables, loss = _scattered(material, roughness)
+        return *tables, loss
+
+    like = {
+        "rows": np.empty((dual.N_THETA, CHANNELS), np.float32), "scale": np.empty(3, np.float32),
+        "loss": np.empty((dual.LOSS_NODES, 4), np.float32),
+    }  # fmt: skip
+    *tables, loss = kept("dual", (dual.__name__,), (asdict(material), roughness), like, make)
+    return dual.kernel.DualArrays(*tables), loss
 
 
 def tint_table(material: Material, roughness: float, base: NDArray[np.float64] | None) -> NDArray[np.float32]:

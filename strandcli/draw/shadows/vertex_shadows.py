@@ -14,16 +14,9 @@ from ..geometry.extent import Thickness
 from ..view.camera import View
 from .kernels.shadow_arrays import ShadowArrays
 
-EVENLY = np.array(
-    [
-        [
-            sum(1 << i for i in range(PLACES) if ((i + 1) * k + shift) // PLACES > (i * k + shift) // PLACES)
-            for shift in range(0, PLACES, PLACES // LINES)
-        ]
-        for k in range(PLACES + 1)
-    ],
-    np.uint64,
-)
+_k, _shift, _i = np.ogrid[: PLACES + 1, : PLACES : PLACES // LINES, :PLACES]
+_set = ((_i + 1) * _k + _shift) // PLACES > (_i * _k + _shift) // PLACES
+EVENLY = (_set.astype(np.uint64) << _i.astype(np.uint64)).sum(2)
 """(`PLACES` + 1, LINES) words: row k has k bits set in each word, spread evenly along each line and between lines."""
 
 

@@ -1,0 +1,125 @@
+"""Arrays that take long to compute, kept beside compiled kernels from one run to the next.
+
+The tree over the triangles of a head, the grid of its distances and the tables of a material take a third of a second,
+as long as a small picture. A file's name is the hash of all that its arrays follow from: what they are computed of, the
+text of the modules that compute them, and the versions and instructions that their bits depend on. It is checked by its
+own hash, and its arrays by their types and shapes; nothing in it is unpickled. One that is damaged, or that others may
+change, is made again; where nothing can be kept, arrays are computed each time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import json
+import os
+import platform
+import stat
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .compiling import folder
+from .compiling.clock import clock
+from .output.state_file import FREE, DamagedError, ForeignError, read_state, state_bytes
+
+__all__ = ["FREE", "Arrays", "kept"]
+
+SUFFIX = ".arrays"
+MOST_BYTES = 256 << 20
+"""Of all such files: beyond it those that no run has read for longest are removed."""
+SETTINGS = ("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")
+"""Variables that NumPy's bits may follow from."""
+
+Arrays = Mapping[str, NDArray[Any]]
+
+
+def kept(
+    kind: str, code: Sequence[str], of: Iterable[Any], like: Arrays, make: Callable[[], Iterable[NDArray[Any]]]
+) -> list[NDArray[Any]]:
+    """The arrays that ``make`` computes, or a file's where there is one.
+
+    ``code``: names of the modules that compute them; ``of``: arrays, and values that JSON has, that they are computed
+    of; ``like``: arrays of their names, types and shapes, in their order. Those whose names begin with `FREE`
+    have any length, and lose their shape.
+    """
+
+    def made() -> dict[str, NDArray[Any]]:
+        found = zip(like, make(), strict=True)
+        return {name: one.reshape(-1) if name.startswith(FREE) else one for name, one in found}
+
+    if folder.cache.trouble is not None:
+        return list(made().values())
+    key = _key(kind, code, of)
+    path = folder.cache.path / f"{kind}-{key[:24]}{SUFFIX}"
+    found = _read(path, key, like)
+    if found is None:
+        found = made()
+        if folder.cache.write(path, state_bytes(key, found)):
+            _remove_oldest(path.parent)
+    return list(found.values())
+
+
+def _read(path: Path, key: str, like: Arrays) -> Arrays | None:
+    """The arrays of a file; None where there is none that is whole. Its time says at least to the day when it was last
+    used."""
+    try:
+        status = path.lstat()
+        if others := folder.writers(status):
+            raise DamagedError(others)
+        if not stat.S_ISREG(status.st_mode):
+            raise DamagedError("it is no file")
+        found = read_state(path, key, like)
+    except FileNotFoundError:
+        return None
+    except (DamagedError, ForeignError, OSError) as error:
+        clock.tell(f"{path}: is not used ({error or 'it is of something else'}): made anew")
+        folder.cache.discard(path)
+        return None
+    if status.st_mtime < time.time() - folder.DAY:
+        with contextlib.suppress(OSError):
+            os.utime(path)
+    return found
+
+
+def _key(kind: str, code: Sequence[str], of: Iterable[Any]) -> str:
+    """64 hexadecimal digits: the hash of all that the bits of what is kept follow from."""
+    from .jit import sources
+
+    whole = hashlib.sha256(repr([kind, [sources.digest(one) for one in code], _machine()]).encode())
+    for one in of:
+        if isinstance(one, np.ndarray):
+            whole.update(f"{one.dtype.str} {one.shape} ".encode())
+            whole.update(np.ascontiguousarray(one))
+        else:
+            whole.update(json.dumps(one, sort_keys=True).encode())
+    return whole.hexdigest()
+
+
+@functools.cache
+def _machine() -> list[Any]:
+    """Versions and instructions."""
+    import llvmlite.binding as llvm
+    import numba
+
+    return [
+        platform.machine(), llvm.get_host_cpu_name(), platform.libc_ver(), numba.__version__, llvm.llvm_version_info,
+        np.__version__, [os.environ.get(name) for name in SETTINGS],
+    ]  # fmt: skip
+
+
+def _remove_oldest(where: Path) -> None:
+    """Remove those that were not used for longest, so that the others are within `MOST_BYTES`."""
+    size = 0
+    with contextlib.suppress(OSError), os.scandir(where) as found:
+        mine = [(one.stat(follow_symlinks=False), one.path) for one in found if one.name.endswith(SUFFIX)]
+        for status, path in sorted(mine, key=lambda one: one[0].st_mtime, reverse=True):
+            size += status.st_size
+            if size > MOST_BYTES:
+                with contextlib.suppress(OSError):
+                    os.unlink(path)
