@@ -81,10 +81,13 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "measure band": (coverage_ribbon.measure_band, (RIBBON,)),
     "find cells of a band": (coverage_ribbon.find_cells, (RIBBON, ONE, ONE, TILE)),
-    "cover cell": (
-        coverage_ribbon.cover_cell,
-        (RIBBON, coverage_ribbon.Band(*7 * (ONE,)), 1, coverage_ribbon.Cells(0, 8, 0, 8), STRANDS, 0, 0, TILE, 0),
+    "rows of a cell": (
+        coverage_ribbon.rows_of_cell, (RIBBON, coverage_ribbon.Band(*8 * (ONE,)), 1, coverage_ribbon.Cells(0, 8, 0, 8)),
     ),
+    "cover listed": (
+        coverage_ribbon.cover_listed, (WORK, 8, RIBBON, coverage_ribbon.Band(*8 * (ONE,)), STRANDS, TILE),
+    ),
+    "add listed": (coverage_ribbon.add_listed, (WORK, 8, 1, 0, TILE, 0)),
     "depth offsets": (ribbon.depth_offsets, (*7 * (ONE,), SLOPE)),
     "covered": (masks.covered_points, (KEYS, TABLE, ROW, 1, ONE, ONE)),
     "column light": (

@@ -114,6 +114,8 @@ class Work(NamedTuple):
     """(ROWS * CELLS,)"""
     numbers: NDArray[np.int32]
     """(INTEGERS * CELLS,) integers of cells."""
+    ribbon: NDArray[np.float32]
+    """(`ribbon.ROWS` * `ribbon.LISTED`,) pixels of a wide segment."""
 
 
 @inlined

@@ -176,7 +176,7 @@ def add_row(row, strands, widths, hidden, work, n, target, m):
             if after > row.high:
                 return n, m
             if kind == RIBBON:
-                m = cover_ribbon(strands, widths, after, row.begin, row.end, target, m)
+                m = cover_ribbon(strands, widths, after, row.begin, row.end, work.ribbon, target, m)
             if kind != run:
                 start = rows[seg.BEGIN + i] if v >= row.low else start
                 run = kind

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....jit import device, parallel, prange
 from ....simd import broadcast, load, pointer, prefetch, store, triple_pointer
-from . import cells, segments
+from . import cells, ribbon, segments
 from .composite import OPAQUE, composite, composite_masked
 from .crowds import SLICES, list_by_pixel
 from .fragments import Strands, find_fragments
@@ -47,7 +47,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
         strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
         work = cells.Work(
             np.empty(segments.ROWS * segments.ROW, np.float32), np.empty(cells.ROWS * cells.CELLS, np.float32),
-            np.empty(cells.INTEGERS * cells.CELLS, np.int32),
+            np.empty(cells.INTEGERS * cells.CELLS, np.int32), np.empty(ribbon.ROWS * ribbon.LISTED, np.float32),
         )  # fmt: skip
         o = task * share
         end = o + share

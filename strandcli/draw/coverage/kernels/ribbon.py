@@ -13,9 +13,18 @@ from typing import NamedTuple
 import numpy as np
 
 from ....jit import device, inlined
-from ...geometry.kernels.ribbon import cross_section, measure_ribbon, offsets_across, round_depth
-from .cells import add_fragment
-from .tiles import ROW_BITS, fixed_point
+from ....simd import half_width_pointer, lane_count, load, sqrt, store, where
+from ...geometry.kernels.ribbon import cross_section, measure_ribbon
+from .tiles import (
+    AT_DEPTH,
+    AT_OPACITY,
+    AT_PLACE,
+    AT_VERTEX,
+    NUMBERS,
+    PIXEL_BITS,
+    TILE_WIDTH,
+    fixed_point,
+)  # fmt: skip
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -30,6 +39,15 @@ OPAQUE = np.float32(1 - 1 / 512)
 TINY = np.float32(1e-30)
 ROUNDED = np.float32(1e-3)
 """Pixels across by which more is examined than can be covered, for rounding."""
+UNSEEN = np.float32(-1.0)
+"""Depth number where a ribbon covers nothing: those behind which nothing is seen are not negative."""
+
+LISTED = 64
+"""Greatest number of pixels that are looked at together."""
+# Rows of listed pixels: the coordinates a and b of `Ribbon`; position along the segment, 0 to 1; depth number; opacity;
+# number of the pixel in the tile.
+COLUMN, LINE, ALONG, DEPTH, ALPHA, PIXEL = (i * LISTED for i in range(6))
+ROWS = 6
 
 
 class Band(NamedTuple):
@@ -45,6 +63,8 @@ class Band(NamedTuple):
     """Change of t at the nearest point of the axis, for each pixel across."""
     spread: np.float32
     """Rise of the edges within a cell, pixels."""
+    narrow: np.float32
+    """One over it."""
     inside0: np.float32
     inside1: np.float32
     """For the joint at each end, one over the distance that its line moves while it crosses a pixel."""
@@ -61,11 +81,12 @@ class Cells(NamedTuple):
 
 
 @device
-def cover_ribbon(strands, widths, v, begin, end, target, m):
+def cover_ribbon(strands, widths, v, begin, end, work, target, m):
     """Append the fragments of the segment from vertex v − 1 to v of the strand begin … end − 1 to the m found so far;
     return their new number.
 
-    strands: `fragments.Strands`; widths: of the strands, None: one pixel; target: `cells.Target`.
+    strands: `fragments.Strands`; widths: of the strands, None: one pixel; work (`ROWS` * `LISTED`,): scratch; target:
+    `cells.Target`.
     """
     screen = strands.screen
     w0 = ONE if widths is None else widths[v - 1]
@@ -75,9 +96,26 @@ def cover_ribbon(strands, widths, v, begin, end, target, m):
     band = measure_band(ribbon)
     cells = find_cells(ribbon, w0, w1, target)
     past_lit = (v - 1 - begin) & (strands.stride - 1)
-    for c in range(cells.a_low, cells.a_high):
-        m = cover_cell(ribbon, band, c, cells, strands, v - 1, past_lit, target, m)
-    return m
+    c = np.int64(cells.a_low)
+    row = stop = np.int64(0)
+    while True:
+        n = np.int64(0)
+        while True:
+            listed = min(stop - row, LISTED - n)
+            for i in range(listed):
+                work[COLUMN + n + i] = np.float32(c - 1)
+                work[LINE + n + i] = np.float32(row + i)
+            n += listed
+            row += listed
+            if row < stop or c >= cells.a_high:
+                break
+            row, stop = rows_of_cell(ribbon, band, c, cells)
+            c += 1
+        if n > 0:
+            cover_listed(work, n, ribbon, band, strands, target)
+            m = add_listed(work, n, v - 1, past_lit, target, m)
+        if row >= stop and c >= cells.a_high:
+            return m
 
 
 @inlined
@@ -86,8 +124,9 @@ def measure_band(ribbon):
     per = ONE / (ribbon.a1 - ribbon.a0)
     slope = (ribbon.b1 - ribbon.b0) * per
     square = ONE + slope * slope
+    spread = max(abs(slope), FLAT)
     return Band(
-        per, slope, HALF * math.sqrt(square), slope / square * per, max(abs(slope), FLAT),
+        per, slope, HALF * math.sqrt(square), slope / square * per, spread, ONE / spread,
         ONE / (abs(ribbon.ma0) + abs(ribbon.mb0)), ONE / (abs(ribbon.ma1) + abs(ribbon.mb1)),
     )  # fmt: skip
 
@@ -118,50 +157,97 @@ def rounded_up(x):
 
 
 @inlined
-def cover_cell(ribbon, band, c, cells, strands, vertex, past_lit, target, m):
-    """Append the fragments of a ribbon's cell number c to the m found so far; return their new number.
-
-    vertex: the ribbon's first; past_lit: vertices from the lit one before it to that. An opaque fragment becomes the
-    pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before.
-    """
-    spread = band.spread
-    narrow = ONE / spread
+def rows_of_cell(ribbon, band, c, cells):
+    """Return the first row that a ribbon's cell number c may cover, and the one behind the last."""
     past = np.float32(c) + HALF - ribbon.a0
-    left = np.float32(c) + HALF - ribbon.a1
-    along, width, middle = cross_section(ribbon, band.per, band.slope, past)
-    h = band.tall * width
-    over = ONE / max(h, TINY)
-    reach = h + HALF * spread + ROUNDED
+    _, width, middle = cross_section(ribbon, band.per, band.slope, past)
+    reach = band.tall * width + HALF * band.spread + ROUNDED
     first = max(np.int64(max(middle - reach, np.float32(cells.b_low))), cells.b_low)
     stop = min(rounded_up(min(middle + reach, np.float32(cells.b_high))), cells.b_high)
-    forward = tilt = ZERO
-    measured = False
-    for row in range(first, stop):
-        rest = middle - np.float32(row)
-        b = np.float32(row) + HALF
+    return first, max(stop, first)
+
+
+@inlined
+def cover_listed(work, n, ribbon, band, strands, target):
+    """Store what a ribbon has in the first n listed pixels: the rows from `ALONG` on."""
+    rows = half_width_pointer(work)  # most ribbons touch few pixels
+    left, top = np.float32(target.left), np.float32(target.top)
+    for k in range(0, n, lane_count(rows)):
+        column, row = load(rows, COLUMN + k), load(rows, LINE + k)
+        past = column + HALF - ribbon.a0
+        over_end = column + HALF - ribbon.a1
+        along, width, middle = cross_section(ribbon, band.per, band.slope, past)
+        h = band.tall * width
+        rest = middle - row
+        b = row + HALF
         begun = share_within(past * ribbon.ma0 + (b - ribbon.b0) * ribbon.mb0, band.inside0)
-        ended = share_within(left * ribbon.ma1 + (b - ribbon.b1) * ribbon.mb1, band.inside1)
-        cover = edge(rest + h, spread, narrow) - edge(rest - h, spread, narrow)
-        cover *= begun - ended
-        if not cover > FAINT:
-            continue
-        if not measured:  # many cells at the ends of a short ribbon show nothing
-            forward, tilt = offsets_across(ribbon, along, width, ribbon.a0 + past, middle, strands.depth_slope)
-            measured = True
-        x, y = (c, row) if ribbon.flat else (row, c)
-        pixel = (y - target.top) << ROW_BITS | (x - target.left)
+        ended = share_within(over_end * ribbon.ma1 + (b - ribbon.b1) * ribbon.mb1, band.inside1)
+        cover = edge(rest + h, band.spread, band.narrow) - edge(rest - h, band.spread, band.narrow)
+        cover = cover * (begun - ended)
+        forward, tilt = offsets_across(ribbon, along, width, ribbon.a0 + past, middle, strands.depth_slope)
         # middle of the part of the width that the pixel shows
         off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
         t = min(max(past * band.per + band.lean * off, ZERO), ONE)
-        depth = round_depth(ribbon, t, off * over, forward, tilt)
-        if not depth >= target.occlusion_depth[pixel]:
-            continue
-        alpha = min(cover, ONE) * strands.opacity
-        if alpha > OPAQUE:
-            target.occlusion_depth[pixel] = depth
-        place = fixed_point(t, past_lit, target.place_bits)
-        m = add_fragment(target, m, depth, alpha, vertex, place, pixel)
-    return m
+        depth = round_depth(ribbon, t, off * (ONE / max(h, TINY)), forward, tilt)
+        store(rows, ALONG + k, t)
+        store(rows, DEPTH + k, where(cover > FAINT, depth, UNSEEN))
+        store(rows, ALPHA + k, min(cover, ONE) * strands.opacity)
+        x, y = (column, row) if ribbon.flat else (row, column)
+        store(rows, PIXEL + k, (y - top) * np.float32(TILE_WIDTH) + (x - left))
+
+
+@inlined
+def add_listed(work, n, vertex, past_lit, target, m):
+    """Append those of the first n listed pixels that a ribbon covers and nothing hides to the m fragments found so far;
+    return their new number.
+
+    vertex: the ribbon's first; past_lit: vertices from the lit one before it to that. An opaque fragment becomes the
+    pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before. Each
+    fragment is written, and the end of the list advances only past visible ones, as in `cells.cover_cells`.
+    """
+    found = target.found
+    room = np.uint64(found.shape[0] // NUMBERS - 1)
+    o = np.uint64(m)
+    for k in range(np.uint64(n)):
+        pixel = np.int64(work[np.uint64(PIXEL) + k])
+        depth, alpha = work[np.uint64(DEPTH) + k], work[np.uint64(ALPHA) + k]
+        place = fixed_point(work[np.uint64(ALONG) + k], past_lit, target.place_bits)
+        at = min(o, room) * np.uint64(NUMBERS)
+        found[at + AT_DEPTH] = np.float32(depth).view(np.int32)
+        found[at + AT_OPACITY] = np.float32(alpha).view(np.int32)
+        found[at + AT_VERTEX] = vertex
+        found[at + AT_PLACE] = place << PIXEL_BITS | pixel
+        hidden = target.occlusion_depth[np.uint64(pixel)]
+        visible = depth >= hidden
+        target.counts[np.uint64(pixel)] += np.int64(visible)
+        target.occlusion_depth[np.uint64(pixel)] = depth if visible & (alpha > OPAQUE) else hidden
+        o += np.uint64(visible)
+    return np.int64(o)
+
+
+@inlined
+def offsets_across(ribbon, t, width, a, b, depth_slope):
+    """Return `geometry.kernels.ribbon.offsets_across` of vectors."""
+    x, y = (a, b) if ribbon.flat else (b, a)
+    dx, dy = (ribbon.da, ribbon.db) if ribbon.flat else (ribbon.db, ribbon.da)
+    q = ribbon.q0 + ribbon.rise * t
+    per = depth_slope.per_depth * q + depth_slope.constant
+    u = (x - depth_slope.axis_x) * depth_slope.per_depth
+    v = (y - depth_slope.axis_y) * depth_slope.per_depth
+    p = u * dx + v * dy
+    w = v * dx - u * dy
+    g = ribbon.steep / per
+    slant = ONE - g * p
+    scale = HALF * width * per / (ONE + w * w)
+    forward, tilt = scale * sqrt(slant * slant + g * g * (ONE + w * w)), scale * w * slant
+    turn = ONE if (dx if ribbon.flat else -dy) > ZERO else -ONE  # whether b grows toward (−dy, dx)
+    return where(per > ZERO, forward, ZERO), where(per > ZERO, tilt * turn, ZERO)
+
+
+@inlined
+def round_depth(ribbon, t, h, forward, tilt):
+    """Return `geometry.kernels.ribbon.round_depth` of vectors."""
+    return ribbon.q0 + ribbon.rise * t + tilt * h + forward * sqrt(max(ONE - h * h, ZERO))
 
 
 @inlined
@@ -171,7 +257,7 @@ def share_within(past, inside):
     return min(max(past * inside + HALF, ZERO), ONE)
 
 
-@device
+@inlined
 def edge(height, spread, narrow):
     """Return the share of a pixel below an edge at a mean height above the pixel's lower side; spread: rise of the edge
     within the pixel; narrow: 1 / spread."""
@@ -179,7 +265,7 @@ def edge(height, spread, narrow):
     return (ramp(height + HALF * spread) - ramp(height - HALF * spread)) * narrow
 
 
-@device
+@inlined
 def ramp(x):
     """Return the integral from 0 to x of x clipped to [0, 1]."""
     inside = min(max(x, ZERO), ONE)
