@@ -16,7 +16,7 @@ from .libraries import known_bytes
 from .sizes import map_rows, share_in_maps, side_of
 
 if TYPE_CHECKING:
-    from ..scene.model import Scene
+    from ..scene.model import Rod, Scene
     from .make import Plan
 
 PRIVATE = 85_000_000
@@ -27,8 +27,9 @@ SORTING, RODS, CHILDREN, MESHES = 18_000_000, 8_000_000, 18_000_000, 40_000_000
 
 NEARER, SEEN = 1.3, 0.75
 """How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
-ROD, CROWDED = 80, 30
-"""Bytes of a particle of a rod, and more where strands push each other."""
+ROD, CROWDED, FRAMED = 80, 42, 28
+"""Bytes of a particle of a rod, more where strands push each other, and more where strands have frames: twist, and
+rest shapes in them and in the world."""
 TOUCHING, CELL, PAIR = 290, 32, 50
 """More where strands have contact: the state before the step, 120; particles at its ends, 48, boxes, 72, the cells'
 table, 50; of each cell that a segment lies in (`crowding`); of a pair of segments whose boxes meet, its numbers and
@@ -62,11 +63,18 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     blocks = -(-plan.strands // W) * W
     rods = ROD if scene.solver == "rod" else 0
     rods += CROWDED if rods and any(use.name == "interaction" for use in scene.rules) else 0
+    rods += FRAMED if rods and _framed(scene.rod) else 0
     contact = rods and any(use.name == "contact" for use in scene.rules)
     crowding = crowding_of(scene, plan.strands)
     touching = blocks * n * TOUCHING + CELL * crowding.cells + PAIR * crowding.pairs if contact else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
     return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + round(touching)
+
+
+def _framed(rod: Rod) -> bool:
+    """Whether rods have frames by their settings, whatever shape they are emitted in."""
+    oval = rod.section is not None and rod.section.wide != rod.section.thin
+    return oval or rod.rest == "sag_free" or rod.yield_strain is not None or rod.end == "clamped"
 
 
 def _mesh_bytes(scene: Scene) -> int:

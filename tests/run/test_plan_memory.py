@@ -13,9 +13,12 @@ import pytest
 from plan_figures import measured
 from strand_kit import scene_of
 from strandcli.errors import RefusedError
+from strandcli.groom.emit import emit
 from strandcli.plan import available_memory, checked_plan, libraries, limits, make_plan, needed_strands
 from strandcli.plan import make as making
 from strandcli.plan import require as planning
+from strandcli.plan.memory import motion_bytes
+from strandcli.simulate.rod import RodSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
 
 
@@ -34,6 +37,21 @@ def test_memory_grows_with_what_takes_it() -> None:
     assert bytes_of(10_000, 10, 800) < 500e6
     # pictures: a key of 8 bytes and three colours of 4 bytes a sample
     assert bytes_of(size=30_000) - small > 20 * 30_000 * 31
+
+
+@pytest.mark.parametrize("setting", ["section: {wide: 2, thin: 1}", "rest: sag_free", "yield_strain: 0.01"])
+def test_what_frames_of_rods_take_is_planned(setting: str) -> None:
+    """As many bytes a particle as the solver's own arrays are more."""
+    planned, taken = [], []
+    for more in ("", f", {setting}"):
+        scene = scene_of(
+            f"solver: rod\nrod: {{integrator: bdf2{more}}}\nrules: [gravity]\nemitter: {{strands: 2048, particles: 20}}"
+        )
+        solver = RodSolver(scene, emit(scene.emitter, scene.seed))
+        arrays = (*solver.state, *solver.material)
+        taken.append(sum(one.nbytes for one in arrays) / 2048 / 20)
+        planned.append(motion_bytes(make_plan(scene, [1], draw=False), scene) / 2048 / 20)
+    assert planned[1] - planned[0] == pytest.approx(taken[1] - taken[0], abs=28 / 20)  # roots have none
 
 
 def test_level_of_detail_saves_memory_only_where_frames_are_drawn() -> None:

@@ -1,10 +1,10 @@
 """Volume: a tuft of thick strands that falls on a table stands as high as its strands do one by one.
 
-Limp strands stand out from a wall in a channel and fall on its floor. Away from the wall they lie beside each other, and
-what they do across the channel is what discs of their thickness do there. The reference is a pile of 500 discs without
-friction, each contact resolved by itself, one after the other, until all have come to rest (`tests/study/discs.py`). The
-rule is given the density of that pile, as its strands a square metre, and nothing else of it: what is measured is
-whether it holds up as many, at any step, on a floor.
+Limp strands stand out from a wall in a channel and fall on its floor. Away from the wall they lie beside each other,
+and what they do across the channel is what discs of their thickness do there. The reference is a pile of 500 discs
+without friction, each contact resolved by itself, one after the other, until all have come to rest
+(`tests/study/discs.py`). The rule is given the density of that pile, as its strands a square metre, and nothing else of
+it: what is measured is whether it holds up as many, at any step, on a floor.
 
 Discs are outside the solids wholly; strands that interact are where their middles are, and fill a room as large.
 """
