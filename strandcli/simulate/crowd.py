@@ -174,7 +174,7 @@ class Crowd:
         self.room = Room(*rest.reshape(-1)[: 4 * count].reshape(4, count))
         self.room.open[:] = 1
         self._work = work_of(self.pressure)
-        self._outside: tuple[list[bytes], tuple[Any, ...]] = [], ()
+        self._outside: tuple[list[bytes], Any] = [], ()
         """What ``room.open`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
 
     def _find_room(self, whole: NDArray[np.int64], met: Solids | None) -> None:
@@ -182,7 +182,8 @@ class Crowd:
         changes."""
         if met is None:
             return
-        rows, data = [one.tobytes() for one in (self.near, *met[:5])], met[5:]
+        parts: tuple[Any, ...] = self.near, *met
+        rows, data = [one.tobytes() for one in parts[:6]], parts[6:]
         if rows == self._outside[0] and all(a is b for a, b in zip(data, self._outside[1], strict=True)):
             return
         self._outside = rows, data

@@ -16,6 +16,7 @@ from ..constants import W
 from ..errors import UsageError
 from ..scene.motion import Pose, compose, emitter_pose, multiply, own_pose, rotate, solid_pose
 from ..scene.touched import touched
+from ..solids import Solids
 from ..solids.shapes import other
 from .kernels.records import MOTION, MOTION_SHIFT
 from .rules import wind
@@ -126,7 +127,7 @@ class Surroundings:
                 self.data = found
         return self._packed
 
-    def packed(self) -> solids.Solids | None:
+    def packed(self) -> Solids | None:
         """Return the solids at the end of the last step for kernels that draw or look, as `solids.pack_all` packs them,
         each kind in an order of its own and with columns for the motion; None where there are none."""
         if not self.any_solids:
