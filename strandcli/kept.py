@@ -95,9 +95,10 @@ def _key(kind: str, code: Sequence[str], of: Iterable[Any]) -> str:
     for one in of:
         if isinstance(one, np.ndarray):
             whole.update(f"{one.dtype.str} {one.shape} ".encode())
-            whole.update(np.ascontiguousarray(one))
+            flat: Any = np.ascontiguousarray(one).reshape(-1)
+            whole.update(memoryview(flat).cast("B"))
         else:
-            whole.update(json.dumps(one, sort_keys=True).encode())
+            whole.update(json.dumps(one, sort_keys=True).encode() + b"\0")
     return whole.hexdigest()
 
 

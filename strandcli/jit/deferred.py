@@ -18,7 +18,7 @@ class Deferred:
 
     def __init__(self, function: Any, decorate: Any) -> None:
         """``decorate``: makes the dispatcher of the function."""
-        functools.update_wrapper(self, function)
+        functools.update_wrapper(self, function)  # type: ignore[arg-type]
         self.py_func = function
         self._decorate = decorate
         self._made: Any = None

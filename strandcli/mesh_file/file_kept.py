@@ -32,7 +32,7 @@ def mesh_of_file(path: Path, size: int) -> TriangleMesh:
     content = _alone(path) if LEAST <= size <= MOST else None
     if content is None:
         return read_mesh(path)
-    like = {FREE + name: np.empty(0, kind) for name, (kind, _) in ARRAYS.items()}
+    like: dict[str, NDArray[Any]] = {FREE + name: np.empty(0, kind) for name, (kind, _) in ARRAYS.items()}
     like |= {FREE + "attributes": np.empty(0, np.float32), FREE + "rest": np.empty(0, np.uint8)}
     of = np.frombuffer(content, np.uint8), path.suffix.lower()
     *found, attributes, rest = kept("read", CODE, of, like, lambda: _taken_apart(read_mesh(path)))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kept import FREE, kept
+from ..kept import FREE, Arrays, kept
 from ..meshes.bvh import Bvh, make_bvh
 from ..meshes.distance_grid import DistanceGrid, make_distance_grid
 from ..meshes.mesh import TriangleMesh
@@ -20,7 +20,7 @@ TREE, GRID = ("strandcli.meshes.bvh",), ("strandcli.meshes.distance_grid",)
 def tree_of(mesh: TriangleMesh) -> Bvh:
     """The tree over a mesh's triangles."""
     count = len(mesh.triangles)
-    like = {
+    like: Arrays = {
         FREE + "boxes": np.empty(0, np.float32), FREE + "child": np.empty(0, np.int32),
         FREE + "counts": np.empty(0, np.int32), "corners": np.empty((count, 3, 3)),
         "triangle": np.empty(count, np.int32), FREE + "moments": np.empty(0),
@@ -32,7 +32,7 @@ def tree_of(mesh: TriangleMesh) -> Bvh:
 
 def distances_of(bvh: Bvh, closed: bool, resolution: int) -> DistanceGrid:
     """The grid of distances from a mesh, as `make_distance_grid`."""
-    like = {
+    like: Arrays = {
         FREE + "values": np.empty(0, np.float32), "size": np.empty(3, np.int64), "low": np.empty(3, np.float32),
         "spacing": np.empty(1, np.float32),
     }  # fmt: skip

@@ -201,13 +201,14 @@ class Crowd:
         self.room.open[:] = 1
         self.homes = np.empty(count if self._margin else 0, np.int8)
         self._work = work_of(self.pressure)
-        self._outside: tuple[list[bytes], tuple[Any, ...]] = [], ()
+        self._outside: tuple[list[bytes], Any] = [], ()
         """What ``shares`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
 
     def _find_room(self, whole: NDArray[np.int64], met: Solids) -> None:
         """Find what solids ``met`` leave of the rows of cells that strands are near, kept for as long as neither
         changes, and bring what lies in closed cells to their homes."""
-        rows, data = [one.tobytes() for one in (self.near, *met[:5])], met[5:]
+        parts: tuple[Any, ...] = self.near, *met
+        rows, data = [one.tobytes() for one in parts[:6]], parts[6:]
         if rows != self._outside[0] or not all(map(is_, data, self._outside[1])):
             self._outside = rows, data
             self.shares[:] = 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numba
@@ -10,19 +9,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mesh_kit import mesh, obj
 from strand_kit import scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
-from strandcli.scene.motion import solid_pose
 from strandcli.simulate.crowd import Moment, work_of
 from strandcli.simulate.kernels import crowd_pressure
 from strandcli.simulate.kernels.crowd_records import BETWEEN, LOW, MASS, SIZE
 from strandcli.simulate.kernels.rod_scratch import PACK
 from strandcli.simulate.rod import RodSolver
-from strandcli.solids.shapes import other, other_code
 
 BALL = "shape: {kind: sphere, radius: 0.1}, particles: 6, length: 0.2, jitter: 40"
 CALM = (0.0, 0.0, 0.0)
@@ -233,36 +229,6 @@ def test_pressure_solves_the_complementarity_problem() -> None:
     held = inner & (faces.reshape(left.shape) > 0)
     assert left[held].min() > -1e-4
     assert np.abs(left[held & (mine > 0)]).max() < 1e-4
-
-
-def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Against distances of one point after the other; where strands are, and nowhere else."""
-    (tmp_path / "ball.obj").write_bytes(obj(mesh("ball")))
-    solver = solver_of(
-        f"emitter: {{{BALL}, strands: 40}}\nsolids: [{{kind: mesh, file: {tmp_path / 'ball.obj'}, scale: 0.1}}]\n"
-        "rules: [interaction: {cell: 0.03}, collision]"
-    )
-    crowd, (solid,) = solver.crowd, solver.scene.solids
-    assert crowd is not None
-    prepare(solver)
-    box = crowd.boxes[-1]
-    low, size = box[LOW : LOW + 3], box[SIZE : SIZE + 3]
-    z, y, x = np.meshgrid(*(crowd.cell * (low[c] + np.arange(size[c]) + 0.5) for c in (2, 1, 0)), indexing="ij")
-    row = other.pack([solid], [solid_pose(solid, solver.scene.emitter, 0.0)], np.float64)[0]
-    far = other_code.depth(solid, row, np.stack([x, y, z], -1).reshape(-1, 3)).reshape(x.shape) / -crowd.cell
-    beyond = 0.5 * np.maximum(1 - np.abs(far), 0) ** 2
-    wanted = np.where(far > 0, 1 - beyond, np.where(far > -0.5, beyond, -beyond))
-    wanted[~crowd.near] = 1
-    assert 0 < crowd.near.sum() < crowd.near.size
-    found = crowd.shares.reshape(x.shape)
-    inner = np.abs(far + 0.5) > 1e-4  # where it jumps rounding decides
-    np.testing.assert_allclose(found[inner], wanted[inner], atol=1e-5)
-    assert (found < 0.5).sum() > 20
-    monkeypatch.setattr(crowd_pressure, "find_room", None)
-    prepare(solver)
-    np.testing.assert_array_equal(crowd.shares.reshape(x.shape)[inner], found[inner])
 
 
 @pytest.mark.long

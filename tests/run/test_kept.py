@@ -1,0 +1,222 @@
+"""Arrays that are kept from one run to the next: the same bits, and whatever is not what was written is made again."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mesh_kit import obj, ply, sphere
+from strandcli import kept as keeping
+from strandcli.compiling import folder
+from strandcli.compiling.clock import clock
+from strandcli.draw.lighting import palette
+from strandcli.kept import FREE, kept
+from strandcli.mesh_file import file_kept, long
+from strandcli.meshes.bvh import make_bvh
+from strandcli.meshes.distance_grid import make_distance_grid
+from strandcli.meshes.make import make_mesh
+from strandcli.meshes.read import read_mesh
+from strandcli.scene.model import Material
+
+LIKE = {FREE + "many": np.empty(0, np.float32), "few": np.empty((2, 2))}
+CODE = ("strandcli.kept",)
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder for arrays; kernels stay in the cache's."""
+    new = folder.Folder()
+    new.use(tmp_path / "cache")
+    new.path.mkdir(mode=0o700)
+    monkeypatch.setattr(keeping, "folder", SimpleNamespace(cache=new, writers=folder.writers, DAY=folder.DAY))
+    return new.path
+
+
+@pytest.fixture
+def told(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    lines: list[str] = []
+    monkeypatch.setattr(clock, "notify", lines.append)
+    return lines
+
+
+def refuse(*given: Any) -> Any:
+    raise AssertionError("made again")
+
+
+def numbers(value: float = 1.0) -> Iterable[NDArray[Any]]:
+    return np.full((3, 4), value, np.float32), np.eye(2) * value
+
+
+def get(make: Callable[[], Iterable[NDArray[Any]]] = numbers, of: Any = "this") -> list[NDArray[Any]]:
+    return kept("some", CODE, (of, np.arange(3)), LIKE, make)
+
+
+def test_what_was_made_is_read_and_follows_what_it_is_made_of(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = get()
+    assert first[0].shape == (12,)
+    (path,) = place.iterdir()
+    assert path.stat().st_mode & 0o777 == 0o600
+    for one, other in zip(first, get(refuse), strict=True):
+        np.testing.assert_array_equal(one, other)
+        assert (one.dtype, one.shape) == (other.dtype, other.shape)
+    assert get(lambda: numbers(2.0), of="that")[1][0, 0] == 2
+    monkeypatch.setattr(keeping, "_machine", lambda: ["another"])
+    assert get(lambda: numbers(3.0))[1][0, 0] == 3
+    with pytest.raises(TypeError):
+        get(of=object())
+
+
+def damage(path: Path, how: str, other: Path) -> None:
+    content = bytearray(path.read_bytes())
+    if how == "a bit":
+        content[-40] ^= 4
+    elif how == "short":
+        del content[-5:]
+    elif how == "empty":
+        content.clear()
+    elif how == "swapped":
+        content[:] = other.read_bytes()
+    elif how == "a long head":
+        content[:] = content.replace(b"[12]", b"[99999999999]", 1)
+    if how == "a folder":
+        path.unlink()
+        path.mkdir()
+    elif how == "a link":
+        path.rename(path.with_suffix(".moved"))
+        path.symlink_to(path.with_suffix(".moved"))
+    else:
+        path.write_bytes(content)
+    if how == "open to others":
+        path.chmod(0o666)
+
+
+@pytest.mark.parametrize(
+    "how", ["a bit", "short", "empty", "swapped", "a long head", "a folder", "a link", "open to others"]
+)
+def test_what_is_not_what_was_written_is_made_again(place: Path, told: list[str], how: str) -> None:
+    if how in ("a link", "open to others") and not hasattr(os, "getuid"):
+        pytest.skip("this system has no such owners")
+    get()
+    (path,) = place.iterdir()
+    get(lambda: numbers(7.0), of="other")
+    (other,) = {*place.iterdir()} - {path}
+    damage(path, how, other)
+    assert get(lambda: numbers(5.0))[1][0, 0] == 5
+    assert len(told) == 1
+    assert str(path) in told[0]
+    assert "\n" not in told[0]
+    assert get(refuse)[1][0, 0] == 5
+
+
+def test_those_that_were_not_read_for_longest_go_where_there_are_too_many(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    get(of="old")
+    (old,) = place.iterdir()
+    os.utime(old, (time.time() - 3 * folder.DAY,) * 2)
+    get(refuse, of="old")
+    assert old.stat().st_mtime > time.time() - 60, "to be read says that it is in use"
+    os.utime(old, (time.time() - 3600,) * 2)
+    monkeypatch.setattr(keeping, "MOST_BYTES", int(2.5 * old.stat().st_size))
+    for of in ("new", "newer"):
+        get(of=of)
+    assert not old.exists()
+    assert len(list(place.iterdir())) == 2
+
+
+def test_nothing_is_kept_where_nothing_can_be(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(keeping.folder.cache, "_trouble", "a disk that is full")
+    assert get()[0].shape == (12,)
+    assert get(lambda: numbers(2.0))[1][0, 0] == 2
+    assert not list(place.iterdir())
+
+
+def same(one: Any, other: Any) -> None:
+    for a, b in zip(one, other, strict=True):
+        np.testing.assert_array_equal(a, b)
+        assert (np.asarray(a).dtype, np.shape(a)) == (np.asarray(b).dtype, np.shape(b))
+
+
+def test_trees_and_distances_have_the_bits_of_those_that_are_made(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh = make_mesh(*sphere())
+    bvh = make_bvh(mesh.vertices, mesh.triangles)
+    grid = make_distance_grid(bvh, mesh.closed, 24)
+    same(long.tree_of(mesh), bvh)
+    same(long.distances_of(bvh, mesh.closed, 24), grid)
+    monkeypatch.setattr(long, "make_bvh", refuse)
+    monkeypatch.setattr(long, "make_distance_grid", refuse)
+    same(long.tree_of(mesh), bvh)
+    same(long.distances_of(bvh, mesh.closed, 24), grid)
+    for other in ((bvh, mesh.closed, 25), (bvh, not mesh.closed, 24)):
+        with pytest.raises(AssertionError, match="made again"):
+            long.distances_of(*other)
+    with pytest.raises(AssertionError, match="made again"):
+        long.tree_of(make_mesh(1.01 * mesh.vertices, mesh.triangles))
+
+
+def test_a_mesh_is_what_reading_its_file_gives_and_follows_its_content(
+    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(file_kept, "LEAST", 100)
+    ball = make_mesh(*sphere())
+    count = len(ball.vertices)
+    path = tmp_path / "ball.ply"
+    grey = np.full(count, 90, np.uint8)
+    more = {"scalp": np.linspace(0, 1, count), "red": grey, "green": grey, "blue": grey}
+    path.write_bytes(ply(ball, more=more))
+    read = read_mesh(path)
+    for _ in range(2):
+        mesh = file_kept.mesh_of_file(path, path.stat().st_size)
+        for name in file_kept.ARRAYS:
+            one, other = getattr(mesh, name), getattr(read, name)
+            assert (one is None) == (other is None), name
+            if one is not None:
+                same([one], [other])
+        assert mesh.attributes.keys() == read.attributes.keys()
+        same(mesh.attributes.values(), read.attributes.values())
+        assert (mesh.closed, mesh.facts, mesh.notes) == (read.closed, read.facts, read.notes)
+        monkeypatch.setattr(file_kept, "read_mesh", refuse)
+    path.write_bytes(ply(make_mesh(1.5 * ball.vertices, ball.triangles), more=more))
+    with pytest.raises(AssertionError, match="made again"):
+        file_kept.mesh_of_file(path, path.stat().st_size)
+
+
+@pytest.mark.parametrize("name", ["ball.obj", "ball.ply"])
+def test_a_mesh_whose_file_may_name_others_is_not_kept(
+    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setattr(file_kept, "LEAST", 100)
+    path = tmp_path / name
+    if name.endswith("obj"):
+        path.write_bytes(obj(make_mesh(*sphere(1))))
+    else:
+        begin = b"\nelement vertex"
+        content = ply(make_mesh(*sphere(1)))
+        path.write_bytes(content.replace(begin, b"\ncomment TextureFile a.png" + begin, 1))
+    file_kept.mesh_of_file(path, path.stat().st_size)
+    assert not list(place.iterdir())
+
+
+def test_tables_of_a_material_have_the_bits_of_those_that_are_made(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    material = Material(model="chiang", scatter="dual")
+    rows, loss = palette._scattered(material, 0.3)
+    for _ in range(2):
+        palette._scattered_of.cache_clear()
+        kept_rows, kept_loss = palette._scattered_of(material, 0.3)
+        same([*kept_rows, kept_loss], [*rows, loss])
+        assert len(list(place.iterdir())) == 1
+        monkeypatch.setattr(palette, "_scattered", refuse)
+    palette._scattered_of.cache_clear()
+    with pytest.raises(AssertionError, match="made again"):
+        palette._scattered_of(Material(model="chiang", scatter="dual", beta_m=0.2), 0.3)
+    palette._scattered_of.cache_clear()
