@@ -185,8 +185,8 @@ class Children:
 def _moved(
     points: NDArray[np.floating], rotation: NDArray[np.float64], shift: NDArray[np.float64]
 ) -> NDArray[np.float32]:
-    """Return points (A, 3), turned and then shifted. Not by BLAS: its threads wait for each other longer than this takes
-    one of them, most of all where others draw frames beside it."""
+    """Return points (A, 3), turned and then shifted. Not by BLAS: its threads wait for each other longer than this
+    takes one of them, most of all where others draw frames beside it."""
     x, y, z = (np.asarray(points[:, c], np.float64) for c in range(3))
     out = np.empty(points.shape, np.float32)
     for c, (a, b, d) in enumerate(rotation):
