@@ -16,6 +16,7 @@ from strandcli.draw.fibre.width_tables import N_PHI, N_THETA
 from strandcli.jit import parallel
 from strandcli.registry import FIBRES
 from strandcli.scene.model import Material, Scene
+from strandcli.simd import store, triple_pointer
 from strandcli.study import chiang_reference
 from strandcli.study.pictures.settings import changed
 from strandcli.study.pictures.subject import LinearRenderer
@@ -85,11 +86,10 @@ def test_columns_average_to_nothing_and_with_the_average_are_the_light_at_an_off
 
 @parallel
 def means(profile, places):
-    """Means of the first channel of profile 0 between neighbouring places."""
-    slots = np.zeros(1, np.int32)
-    out = np.empty(len(places) - 1)
+    """Means (…, 3) of profile 0 between neighbouring places."""
+    out = np.empty((len(places) - 1, 3), np.float32)
     for i in range(len(out)):
-        out[i] = kernel.departure(profile, slots, 0, 0, places[i], places[i + 1])
+        store(triple_pointer(out), 3 * i, kernel.departure(triple_pointer(profile), 0, places[i], places[i + 1]))
     return out
 
 
@@ -97,14 +97,14 @@ def test_whatever_pixels_the_width_is_cut_into_departures_add_up_to_nothing() ->
     rng = np.random.default_rng(4)
     profile = np.zeros((1, 1, kernel.COLUMNS + 1, 3), np.float32)
     profile[0, 0, 1:] = rng.normal(size=(kernel.COLUMNS, 3))
-    light = profile[0, 0, 1:, 0] - profile[0, 0, 1:, 0].mean()
+    light = profile[0, 0, 1:] - profile[0, 0, 1:].mean(0)
     kernel.integrate_columns(profile, 0)
     edges = np.arange(kernel.COLUMNS + 1, dtype=np.float32)
     np.testing.assert_allclose(means(profile, edges), light, atol=2e-6)  # a column is its own mean
     for pixels in (1, 3, 7, 40):
         places = np.sort(np.concatenate([[0, kernel.COLUMNS], rng.uniform(0, kernel.COLUMNS, pixels)]))
         places = places.astype(np.float32)
-        assert means(profile, places) @ np.diff(places) == pytest.approx(0, abs=1e-4)
+        assert np.diff(places) @ means(profile, places) == pytest.approx(0, abs=1e-4)
 
 
 @pytest.mark.parametrize("resolver", ["sorted", "zbuffer"])

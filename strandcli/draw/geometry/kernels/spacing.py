@@ -17,7 +17,9 @@ SAFE = np.float32(0.98)
 X, Y, Z = range(3)
 """Columns of `points`."""
 LOW_X, LOW_Y, LOW_Z, HIGH_X, HIGH_Y, HIGH_Z = range(6)
-"""Columns of `boxes`: least and greatest coordinates of a block."""
+"""Columns of `boxes`: least and greatest coordinates."""
+PART = 8
+"""Segments of a part of a block that has a box of its own."""
 
 
 @parallel
@@ -28,10 +30,12 @@ def nearest(positions, strands, points, own, out):
     strand that is left out for each point, −1 for none; out (P, k). All but indices float32.
     """
     blocks = np.int64((strands + W - 1) // W)
-    boxes = np.empty((blocks, 6), np.float32)
+    parts = np.int64(max((positions.shape[1] - 2 + PART - 1) // PART, 1))
+    boxes = np.empty((blocks * (parts + 1), 6), np.float32)  # of the parts of a block, and then of the whole of it
     for one in prange(blocks):
         block = np.int64(one)
-        bound(positions, block, min(W, strands - block * W), np.empty(W, np.float32), np.empty(W, np.float32), boxes)
+        lanes, first = min(W, strands - block * W), block * (parts + 1)
+        bound(positions, block, lanes, first, np.empty(W, np.float32), np.empty(W, np.float32), boxes)
     for point in prange(points.shape[0]):
         p = np.int64(point)
         least = np.empty(W, np.float32)
@@ -40,9 +44,13 @@ def nearest(positions, strands, points, own, out):
         home = max(own[p], 0) // W  # searched first, so that most other blocks are too far away
         for turn in range(blocks):
             block = np.int64(turn if turn > home else turn - 1 if turn > 0 else home)
-            if square_to_box(boxes, block, points[p, X], points[p, Y], points[p, Z]) > out[p, -1]:
+            first = block * (parts + 1)
+            if square_to_box(boxes, first + parts, points[p, X], points[p, Y], points[p, Z]) > out[p, -1]:
                 continue
-            squares_to_strands(positions, block, points[p, X], points[p, Y], points[p, Z], least)
+            if not squares_to_strands(
+                positions, block, points[p, X], points[p, Y], points[p, Z], boxes, first, out[p, -1], least
+            ):
+                continue
             for k in range(min(W, strands - block * W)):
                 if block * W + k != own[p] and least[k] < out[p, -1]:
                     insert_sorted(out, p, least[k])
@@ -51,26 +59,36 @@ def nearest(positions, strands, points, own, out):
 
 
 @device
-def bound(positions, block, lanes, low, high, boxes):
-    """Write the bounding box of a block's first `lanes` strands to boxes[block]; low, high (W,): scratch."""
+def bound(positions, block, lanes, first, low, high, boxes):
+    """Write the bounding boxes of the parts of a block's first `lanes` strands to boxes[first] and behind, and that of
+    the whole of them behind these; low, high (W,): scratch."""
+    last = positions.shape[1] - 1
+    parts = max((last - 1 + PART - 1) // PART, 1)
+    whole = first + parts
     for c in range(3):
-        for k in range(W):
-            low[k] = np.inf
-            high[k] = -np.inf
-        for row in range(1, positions.shape[1]):
+        boxes[whole, LOW_X + c] = np.inf
+        boxes[whole, HIGH_X + c] = -np.inf
+        for part in range(parts):
+            at = first + part
             for k in range(W):
-                low[k] = min(low[k], positions[block, row, c * W + k])
-                high[k] = max(high[k], positions[block, row, c * W + k])
-        boxes[block, LOW_X + c] = np.inf
-        boxes[block, HIGH_X + c] = -np.inf
-        for k in range(lanes):
-            boxes[block, LOW_X + c] = min(boxes[block, LOW_X + c], low[k])
-            boxes[block, HIGH_X + c] = max(boxes[block, HIGH_X + c], high[k])
+                low[k] = np.inf
+                high[k] = -np.inf
+            for row in range(1 + part * PART, min(1 + (part + 1) * PART, last) + 1):
+                for k in range(W):
+                    low[k] = min(low[k], positions[block, row, c * W + k])
+                    high[k] = max(high[k], positions[block, row, c * W + k])
+            boxes[at, LOW_X + c] = np.inf
+            boxes[at, HIGH_X + c] = -np.inf
+            for k in range(lanes):
+                boxes[at, LOW_X + c] = min(boxes[at, LOW_X + c], low[k])
+                boxes[at, HIGH_X + c] = max(boxes[at, HIGH_X + c], high[k])
+            boxes[whole, LOW_X + c] = min(boxes[whole, LOW_X + c], boxes[at, LOW_X + c])
+            boxes[whole, HIGH_X + c] = max(boxes[whole, HIGH_X + c], boxes[at, HIGH_X + c])
 
 
 @device
 def square_to_box(boxes, block, x, y, z):
-    """Return a lower bound of the squared distance from a point to the strands of a block."""
+    """Return a lower bound of the squared distance from a point to the strands in box number `block`."""
     x = max(max(boxes[block, LOW_X] - x, x - boxes[block, HIGH_X]), ZERO)
     y = max(max(boxes[block, LOW_Y] - y, y - boxes[block, HIGH_Y]), ZERO)
     z = max(max(boxes[block, LOW_Z] - z, z - boxes[block, HIGH_Z]), ZERO)
@@ -78,23 +96,30 @@ def square_to_box(boxes, block, x, y, z):
 
 
 @device
-def squares_to_strands(positions, block, x, y, z, least):
-    """Write the squared distances from a point to the strands of a block to least (W,)."""
+def squares_to_strands(positions, block, x, y, z, boxes, first, most, least):
+    """Write the squared distances from a point to the strands of a block to least (W,), as far as they are less than
+    `most`: parts that are farther away are left out. Return whether any is not. boxes, first: as in `bound`."""
     for k in range(W):
         least[k] = np.inf
-    for row in range(2, positions.shape[1]):
-        for k in range(W):
-            ax = positions[block, row - 1, k] - x
-            ay = positions[block, row - 1, W + k] - y
-            az = positions[block, row - 1, 2 * W + k] - z
-            ex = positions[block, row, k] - x - ax
-            ey = positions[block, row, W + k] - y - ay
-            ez = positions[block, row, 2 * W + k] - z - az
-            t = min(max(-(ax * ex + ay * ey + az * ez) / max(ex * ex + ey * ey + ez * ez, TINY), ZERO), ONE)
-            ax += t * ex
-            ay += t * ey
-            az += t * ez
-            least[k] = min(least[k], ax * ax + ay * ay + az * az)
+    found = False
+    for begin in range(2, positions.shape[1], PART):
+        if square_to_box(boxes, first + (begin - 2) // PART, x, y, z) > most:
+            continue
+        found = True
+        for row in range(begin, min(begin + PART, positions.shape[1])):
+            for k in range(W):
+                ax = positions[block, row - 1, k] - x
+                ay = positions[block, row - 1, W + k] - y
+                az = positions[block, row - 1, 2 * W + k] - z
+                ex = positions[block, row, k] - x - ax
+                ey = positions[block, row, W + k] - y - ay
+                ez = positions[block, row, 2 * W + k] - z - az
+                t = min(max(-(ax * ex + ay * ey + az * ez) / max(ex * ex + ey * ey + ez * ez, TINY), ZERO), ONE)
+                ax += t * ex
+                ay += t * ey
+                az += t * ez
+                least[k] = min(least[k], ax * ax + ay * ay + az * az)
+    return found
 
 
 @device
