@@ -21,8 +21,9 @@ from ..blocks import lanes
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
-from .contact.between_strands import StrandContact, in_parts
+from .contact.between_strands import TAUT, StrandContact, in_parts
 from .crowd import Crowd, Moment
+from .health import RESIDUAL_MOST
 from .kernels.records import DRAG, FRICTION, ROOT_MASS, TOLERANCE, VELOCITY_STEP
 from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
@@ -172,10 +173,10 @@ class RodSolver(Solver):
         count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count
-            if self.contact is None:
+            if self.contact is None and self.pins is None:
                 self._step(end, part)
             else:
-                in_parts(self, self._step, end, part)
+                in_parts(self, self._step, end, part, TAUT if self.contact is None else 0)
 
     def _step(self, time: float, dt: float) -> bool:
         """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0. Return False where it is too
@@ -208,6 +209,8 @@ class RodSolver(Solver):
         numbers = h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction
         run = partial(self._run, pose, *numbers)
         short = run() is None if self.contact is None else self.contact.step(run, self)
+        if self.pins is not None:  # iterations may fail strands that are taut
+            short = short and bool((self.state.residuals <= RESIDUAL_MOST).all())
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         if self.loose:
