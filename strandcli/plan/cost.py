@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from ..draw.shadows.needs import needs_counts, shining
 from ..draw.shadows.shadow_model import casts_map, model_of, shades_vertices
 from ..scene.model import MeshShape
+from .crowding import crowding_of
 from .sizes import share_in_maps, side_of
 
 if TYPE_CHECKING:
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 NS = 1e-9
 STEP, ROD_STEP, ON_MESH, INTERACTING = 5 * NS, 100 * NS, 140 * NS, 50 * NS
 """Of a particle in a step: by the source's rules, as a rod, and more beside a mesh or where strands push each other."""
+TOUCHING, TOUCHED = 700 * NS, 8500 * NS
+"""More where strands have contact: of a particle, to look for pairs; and of a pair, for each pair of a particle, since
+the denser strands stand, the more rounds a step takes."""
 FRAME, LOOKED_AT = 0.002, 20 * NS
 """Of a frame, whatever it holds; and of a particle, for the errors of the frame."""
 CHILD, COMBED, CURVE, EVEN = 70 * NS, 60 * NS, 38 * NS, 12 * NS
@@ -59,7 +63,11 @@ def motion_seconds(plan: Plan, scene: Scene) -> float:
         each += ON_MESH
     if any(use.name == "interaction" for use in scene.rules):
         each += INTERACTING
-    return plan.particles * each if plan.steps else 0.0
+    if not plan.steps:
+        return 0.0
+    crowding = crowding_of(scene, plan.strands)
+    touching = TOUCHED * crowding.pairs**2 / plan.particles + (TOUCHING * plan.particles if crowding.cells else 0.0)
+    return plan.particles * each + touching
 
 
 def drawing_seconds(plan: Plan, scene: Scene) -> float:

@@ -59,6 +59,8 @@ def share_bounds(scene: Scene, time: float) -> tuple[float, float]:
 def mean_share(scene: Scene, time: float) -> float:
     """Return about what k is on average at a time, seconds, over roots at evenly spread distances from the camera."""
     away, radius = _reach(scene, time)
+    if radius == UNKNOWN:
+        return sum(share_bounds(scene, time)) / 2
     low, high = max(away - radius, 0.0), away + radius
     return sum(share_at(scene, time, low + (high - low) * (i + 0.5) / SPREAD) for i in range(SPREAD)) / SPREAD
 

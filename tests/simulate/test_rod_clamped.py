@@ -12,11 +12,11 @@ from strandcli.groom.emit import emit
 from strandcli.scene import SceneError
 from strandcli.simulate import rod_clamped
 from strandcli.simulate.rod import RodSolver
-from strandcli.study.stress import traits
 from strandcli.study.exactness import scene_of as reference_scene
 from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
 from strandcli.study.references import michell, writhe
 from strandcli.study.references.base import Case, Reference, groom, preset
+from strandcli.study.stress import traits
 
 
 def measured(reference: Reference, particles: int, dt: float, metric: str) -> float:
