@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from ..draw.shadows.needs import needs_counts, shining
 from ..draw.shadows.shadow_model import casts_map, model_of, shades_vertices
 from ..scene.model import MeshShape
+from .crowding import crowding_of
 from .sizes import share_in_maps, side_of
 
 if TYPE_CHECKING:
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 NS = 1e-9
 STEP, ROD_STEP, ON_MESH, INTERACTING = 5 * NS, 100 * NS, 140 * NS, 50 * NS
 """Of a particle in a step: by the source's rules, as a rod, and more beside a mesh or where strands push each other."""
+TOUCHING, TOUCHED = 700 * NS, 8500 * NS
+"""More where strands have contact: of a particle, to look for pairs; and of a pair, for each pair of a particle, since
+the denser strands stand, the more rounds a step takes."""
 FRAME, LOOKED_AT = 0.002, 20 * NS
 """Of a frame, whatever it holds; and of a particle, for the errors of the frame."""
 CHILD, COMBED, CURVE, EVEN = 70 * NS, 60 * NS, 38 * NS, 12 * NS
@@ -38,8 +42,8 @@ LIGHTER = 0.25
 """Of that, what fibres without light from strand to strand take."""
 FILMED, WRITTEN, OCCLUDED = 32 * NS, 12 * NS, 60 * NS
 """Of a sample, of a pixel, and of a cell of the sky's grid and a direction."""
-BEGIN, READ_MESH, EACH_STRAND = 2.4, 0.9, 3e-6
-"""Before the first frame: to start and to load kernels; to read meshes; and for each strand that is drawn."""
+BEGIN, READ_MESH, EACH_STRAND, EACH_CHILD = 2.4, 0.9, 3e-6, 6e-6
+"""Before the first frame: to start and to load kernels; to read meshes; and for each strand that may be drawn."""
 WIDER = 0.8
 """Of a thread, what each further one adds."""
 
@@ -59,7 +63,11 @@ def motion_seconds(plan: Plan, scene: Scene) -> float:
         each += ON_MESH
     if any(use.name == "interaction" for use in scene.rules):
         each += INTERACTING
-    return plan.particles * each if plan.steps else 0.0
+    if not plan.steps:
+        return 0.0
+    crowding = crowding_of(scene, plan.strands)
+    touching = TOUCHED * crowding.pairs**2 / plan.particles + (TOUCHING * plan.particles if crowding.cells else 0.0)
+    return plan.particles * each + touching
 
 
 def drawing_seconds(plan: Plan, scene: Scene) -> float:
@@ -70,7 +78,7 @@ def drawing_seconds(plan: Plan, scene: Scene) -> float:
     exposures = scene.camera.samples if scene.camera.aperture > 0 or scene.camera.shutter > 0 else 1
     fixed = FRAME + plan.particles * LOOKED_AT + plan.pixels * WRITTEN
     if scene.children is not None or scene.emitter.followers is not None:
-        fixed += sizes.strands * sizes.points * CHILD
+        fixed += sizes.made * sizes.points * CHILD
     if scene.emitter.tie is not None:
         fixed += sizes.strands * sizes.points * COMBED
     if scene.occluded and scene.ambient_occlusion is not None:
@@ -82,7 +90,7 @@ def drawing_seconds(plan: Plan, scene: Scene) -> float:
 
 
 def _shadow_seconds(sizes: Sizes, scene: Scene) -> float:
-    vertices, counts, total = sizes.segments + sizes.strands, needs_counts(scene), 0.0
+    vertices, counts, total = sizes.segments + sizes.made, needs_counts(scene), 0.0
     for light in scene.lights:
         views = 1 if light.kind == "directional" else 6
         layers = model_of(light).layers(light.shadow)
@@ -93,7 +101,7 @@ def _shadow_seconds(sizes: Sizes, scene: Scene) -> float:
 
 
 def _exposure_seconds(plan: Plan, scene: Scene, sizes: Sizes) -> float:
-    vertices = sizes.segments + sizes.strands
+    vertices = sizes.segments + sizes.made
     curve = CURVE if scene.curves.mode == "adaptive" else EVEN
     if scene.image.resolver == "zbuffer":
         shown, found = min(sizes.fragments, COVERED * plan.samples), vertices * LINED
@@ -130,8 +138,12 @@ def _begin_seconds(panels: list[tuple[Plan, Scene]]) -> float:
         isinstance(scene.emitter.shape, MeshShape) or any(solid.kind == "mesh" for solid in scene.solids)
         for _, scene in panels
     )
-    strands = sum(part.strands if part.sizes is None else part.sizes.strands for part, _ in panels)
-    return BEGIN + (READ_MESH if meshes else 0.0) + strands * EACH_STRAND
+    strands = sum(
+        (part.strands if part.sizes is None else part.sizes.strands)
+        * (EACH_STRAND if scene.children is None else EACH_CHILD)
+        for part, scene in panels
+    )
+    return BEGIN + (READ_MESH if meshes else 0.0) + strands
 
 
 def kind_of(scene: Scene) -> str:

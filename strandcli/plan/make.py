@@ -11,7 +11,7 @@ from ..scene.named_files import naming_files
 from ..scene.rule_type import MUTUAL
 from .drawing import drawing_decisions
 from .free import SHARE, available_memory
-from .memory import memory_of, picture_bytes, resident
+from .memory import memory_of, picture_bytes, program_bytes
 from .motion import motion_decisions, solver_steps
 from .sizes import Sizes, most_strands, points_of, sizes_of
 from .warnings import warnings_of
@@ -105,8 +105,9 @@ def _of_panels(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
         for total in ("strands", "particles", "steps", "segments_max", "pixels", "samples"):
             setattr(plan, total, getattr(plan, total) + getattr(part, total))
         plan.warnings += [f"{name}: {words}" for words in part.warnings]
-    base = resident()
-    plan.memory_bytes = base + sum(part.memory_bytes - base for part in parts)
+    programs = [program_bytes(panel, draw) for panel in scene.panels]
+    own = sum(part.memory_bytes - program for part, program in zip(parts, programs, strict=True))
+    plan.memory_bytes = max(programs) + own
     plan.memory_at_once_bytes = plan.memory_bytes
     return plan
 

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from ..scene.model import Rod, Scene
     from .make import Plan
 
-PRIVATE = 85_000_000
+PRIVATE = 60_000_000
 """Bytes of the interpreter, of what libraries hold besides their files, and of kernels of a plain scene."""
-SORTING, RODS, CHILDREN, MESHES = 18_000_000, 8_000_000, 18_000_000, 40_000_000
+SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 18_000_000, 25_000_000
 """Of the further kernels, and of what reads meshes, where a scene has them."""
 
 
@@ -50,7 +50,7 @@ def resident() -> int:
 def program_bytes(scene: Scene, draw: bool = True) -> int:
     """Return the bytes of the program, its libraries and kernels."""
     meshes = isinstance(scene.emitter.shape, MeshShape) or any(solid.kind == "mesh" for solid in scene.solids)
-    total = resident() if draw else resident() - 40_000_000
+    total = resident() if draw else resident() - 18_000_000
     total += SORTING if draw and scene.image.resolver != "zbuffer" else 0
     total += RODS if scene.solver == "rod" else 0
     total += CHILDREN if draw and scene.children is not None else 0
@@ -91,7 +91,7 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
     """Return the bytes for drawing one frame."""
     sizes = plan.sizes
     assert sizes is not None
-    strands = sizes.strands
+    strands = sizes.made
     vertices = round(sizes.segments) + strands
     traced = sum(shades_vertices(light) for light in scene.lights)
     if scene.image.resolver == "zbuffer" and not traced:
@@ -110,7 +110,7 @@ def _projected_bytes(plan: Plan, scene: Scene) -> float:
     """Return the bytes for a vertex of what a light sees at once, at the most; 0 without shadow maps."""
     assert plan.sizes is not None
     found = 0.0
-    parts = 130 / (plan.sizes.segments / max(plan.sizes.strands, 1) + 1)  # lists of them, and room for their ends
+    parts = 130 / (plan.sizes.segments / max(plan.sizes.made, 1) + 1)  # lists of them, and room for their ends
     for light in scene.lights:
         if casts_map(light, needs_counts(scene)):
             share = share_in_maps(scene, plan.sizes, side_of(scene, plan.sizes, light))
@@ -125,7 +125,7 @@ def _groom_bytes(plan: Plan, scene: Scene) -> int:
     total = 0
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
         levels, waves = len(scene.children.clumps), len(scene.children.waves)
-        total += 12 * (n + 1) * (plan.strands + strands * 9 // 8) + strands * (200 + 8 * levels + 12 * waves)
+        total += 12 * (n + 1) * (plan.strands + plan.sizes.made * 9 // 8) + strands * (200 + 8 * levels + 12 * waves)
     followers = scene.emitter.followers
     if followers is not None:  # the file, as it is read and packed; at rest, with shares; as they are placed; a table
         total += followers.strands * (24 * (followers.file_points + 1) + 100)

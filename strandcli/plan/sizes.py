@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..draw.shadows.shadow_model import model_of
-from ..scene.detail import share_bounds, strands_needed
+from ..scene.detail import mean_share, strands_needed
 from ..scene.model import DiscShape, MeshShape, PlaneShape
 from ..scene.model.emitter import TIED
 from .warnings import samples_a_metre
@@ -37,7 +37,9 @@ class Sizes(NamedTuple):
     """Of the largest frame."""
 
     strands: int
-    """That are drawn."""
+    """That level of detail chooses from."""
+    made: int
+    """Of them, those that it draws and that are made."""
     points: int
     """Of each, before curves."""
     segments: float
@@ -57,8 +59,8 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
     times = [(frame - 1) / scene.time.fps for frame in sorted({*frames[:1], *frames[-1:]})] or [0.0]
     drawn, share = most_strands(scene, strands, times), 1.0
     if scene.detail is not None:
-        low, high = max((share_bounds(scene, time) for time in times), key=lambda bounds: bounds[1])
-        share = (low + high) / (2 * high) if high > 0 else 1.0
+        share = max(mean_share(scene, time) for time in times)
+        share = min(share * scene.drawn_strands / max(drawn, 1), 1.0)
     points = points_of(scene)
     scale = max(samples_a_metre(scene, time) for time in times)
     length = mean_length(scene)
@@ -73,7 +75,8 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
     width = scene.material.width * (1 - scene.material.taper / 2) * scale if scene.material.width > 0 else 1.0
     shown = HIDDEN if scene.children is not None and scene.children.clumps else 1.0
     apart = math.sqrt(max(area, 1e-12) * squeezed(scene, extent, length) / max(drawn * share, 1.0))
-    return Sizes(drawn, points, segments, ahead * (CROSSED + FOR_WIDTH * width) * shown, scale, radius, apart)
+    made = round(drawn * share) if scene.children is not None else drawn
+    return Sizes(drawn, made, points, segments, ahead * (CROSSED + FOR_WIDTH * width) * shown, scale, radius, apart)
 
 
 def most_strands(scene: Scene, strands: int, times: Sequence[float]) -> int:

@@ -18,6 +18,8 @@ BAND = 0.1
 
 MOST_FRAMES = 10_000
 """That are looked at one by one, a tenth of a second."""
+SPREAD = 32
+"""Distances that a mean is taken over."""
 UNKNOWN = 1e15
 """Metres that a mesh may reach to, where that is not known: larger than any."""
 
@@ -50,14 +52,28 @@ def share_at(scene: Scene, time: float, distance: float) -> float:
 
 def share_bounds(scene: Scene, time: float) -> tuple[float, float]:
     """Return a lower and an upper bound of k over all roots at a time, seconds."""
+    away, radius = _reach(scene, time)
+    return share_at(scene, time, away + radius), share_at(scene, time, away - radius)
+
+
+def mean_share(scene: Scene, time: float) -> float:
+    """Return about what k is on average at a time, seconds, over roots at evenly spread distances from the camera."""
+    away, radius = _reach(scene, time)
+    if radius == UNKNOWN:
+        return sum(share_bounds(scene, time)) / 2
+    low, high = max(away - radius, 0.0), away + radius
+    return sum(share_at(scene, time, low + (high - low) * (i + 0.5) / SPREAD) for i in range(SPREAD)) / SPREAD
+
+
+def _reach(scene: Scene, time: float) -> tuple[float, float]:
+    """Return how far the emitter is from the camera and the radius of a ball that holds its roots, metres."""
     eye, radius = camera_at(scene.camera, time)[0], _radius(scene.emitter.shape)
     carried = any(use.name == "emitter_motion" for use in scene.rules)
     pose, followers = emitter_pose(scene.emitter, max(time, 0.0) if carried else 0.0), scene.emitter.followers
     centre = pose.translation
     if followers is not None:
         radius, centre = followers.radius, apply(pose, followers.centre)
-    away = math.dist(eye, centre)
-    return share_at(scene, time, away + radius), share_at(scene, time, away - radius)
+    return math.dist(eye, centre), radius
 
 
 def _radius(shape: SphereShape | DiscShape | PlaneShape | MeshShape) -> float:

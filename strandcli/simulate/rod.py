@@ -20,8 +20,9 @@ from ..blocks import lanes
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
-from .contact.between_strands import StrandContact, in_parts
+from .contact.between_strands import TAUT, StrandContact, in_parts
 from .crowd import Crowd, Moment
+from .health import RESIDUAL_MOST
 from .kernels.records import AIR, TOLERANCE
 from .kernels.rod_scratch import PACK
 from .material import COIL_STEP, MOST_INNER
@@ -165,16 +166,16 @@ class RodSolver(Solver):
 
     def step(self, time: float, dt: float) -> None:
         """A step of ``dt`` seconds that ends at ``time``, in several where coils ask for it; nothing where it is 0."""
-        if self._steady:
+        if self._steady and self.pins is None:
             self._step(time, dt)
             return
         count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count
-            if self.contact is None:
+            if self.contact is None and self.pins is None:
                 self._step(end, part)
             else:
-                in_parts(self, self._step, end, part)
+                in_parts(self, self._step, end, part, TAUT if self.contact is None else 0)
 
     def _step(self, time: float, dt: float) -> bool:
         """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0. Return False where it is too
@@ -209,6 +210,8 @@ class RodSolver(Solver):
             short = True
         else:
             short = self.contact.step(partial(self._run, pose, moved.change), self)
+        if self.pins is not None:  # iterations may fail strands that are taut
+            short = short and bool((self.state.residuals <= RESIDUAL_MOST).all())
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         if self.loose:

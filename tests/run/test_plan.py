@@ -13,8 +13,10 @@ from strand_kit import frames_of, scene_of, solver_of
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.shadows.shadow import plan_maps
 from strandcli.plan import Plan, make_plan, needs_shadow_maps
-from strandcli.scene import Scene
+from strandcli.plan.cost import motion_seconds
+from strandcli.scene import Scene, load
 from strandcli.simulate import compose
+from strandcli.simulate.rules import registry
 from tests.run.test_pipeline_extremes import EVERYTHING, UNLIT
 
 BOUNDS = np.array([[-1.0, -1, -1], [1, 1, 1]])
@@ -182,3 +184,26 @@ def test_planning_millions_of_strands_makes_few_of_them(
     assert main(["plan", str(preset)]) == 0
     assert made == [plan.LOOKED_AT]
     assert "11,000,000 strands" in capsys.readouterr().out
+
+
+def test_children_that_level_of_detail_leaves_out_take_no_memory() -> None:
+    """Of `grass` a third is drawn, 426,100 blades; of a mesh nobody knows how far it reaches."""
+    plan = make_plan(load("grass", rules=registry()), [1])
+    assert plan.sizes is not None
+    assert plan.sizes.strands == 1_200_000
+    assert plan.sizes.made == pytest.approx(426_100, rel=0.15)
+    draft = load("hair", rules=registry(), settings={"quality": "draft"})
+    plan = make_plan(draft, [1])
+    assert plan.sizes is not None
+    assert 0.3 < plan.sizes.made / plan.sizes.strands <= 1
+
+
+def test_the_cost_of_contact_grows_with_the_square_of_pairs() -> None:
+    """2.25 times as many strands on a surface have five times as many pairs."""
+    settings = ("solver=rod", "rules=[gravity, collision, {contact: {}}]", "emitter.particles=10")
+    times = []
+    for strands in (8000, 18_000):
+        scene = load("minimal", rules=registry(), overrides=(*settings, f"emitter.strands={strands}"))
+        times.append(motion_seconds(make_plan(scene, [1]), scene))
+    assert times[0] == pytest.approx(0.86, rel=0.3)  # as measured
+    assert times[1] / times[0] == pytest.approx(2.25**3, rel=0.25)
