@@ -246,16 +246,6 @@ def test_double_precision_moves_strands_alike() -> None:
     np.testing.assert_allclose(*found, atol=2e-3)
 
 
-def test_a_box_that_grows_finds_room_in_the_memory_of_the_last_one() -> None:
-    crowd = solver_of(f"emitter: {{{BALL}, strands: 4}}\nrules: [interaction]").crowd
-    assert crowd is not None
-    for wide in range(16, 16 * 200, 16):
-        crowd.boxes[-1, SIZE : SIZE + 3] = wide, 3, 5
-        crowd._empty_grid()
-        for one in (crowd.grid, crowd.targets, crowd.shares, *crowd.room):
-            assert len(one) == wide * 15
-
-
 def test_one_strand_of_an_emitter_a_thousand_kilometres_wide() -> None:
     solver = solver_of(
         "emitter: {shape: {kind: disc, radius: 1.0e+6}, strands: 1, particles: 5, length: 1000}\n"
