@@ -192,7 +192,8 @@ class Crowd:
         """Make arrays for the box of all."""
         wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
         count = wide * high * deep
-        if 5 * count > 2 * len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
+        needed = 2 * count + -(-5 * count // CELL)
+        if needed > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
             self._cells = np.empty((3 * count, CELL), np.float32)
         self.grid, self.targets, rest = self._cells[:count], self._cells[count : 2 * count], self._cells[2 * count :]
         self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)

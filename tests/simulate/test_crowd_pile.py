@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from strandcli.groom.record import Groom
 from strandcli.simulate.kernels import crowd_homes
-from strandcli.simulate.kernels.crowd_records import BETWEEN, CELL, MASS, PUSH, RATE
-from tests.simulate.test_crowd import solver_of
+from strandcli.simulate.kernels.crowd_records import BETWEEN, CELL, MASS, PUSH, RATE, SIZE
+from tests.simulate.test_crowd import BALL, solver_of
 
 D, ROWS, ACROSS, LENGTH = 0.002, 20, 20, 0.12
 """From strand to strand, metres; strands above and beside each other; their length, metres."""
@@ -89,3 +89,13 @@ def test_strands_read_of_closed_cells_what_they_leave_in_them() -> None:
         assert brought == pytest.approx(grid[:, column].astype(float) @ read[:, target], abs=1e-3)
     assert (left[homes > 0, MASS] == 0).all()
     assert room[open_ > 0].sum() == pytest.approx(np.abs(open_[(open_ > 0) | (homes > 0)]).sum(), rel=1e-5)
+
+
+def test_a_box_that_grows_finds_room_in_the_memory_of_the_last_one() -> None:
+    crowd = solver_of(f"emitter: {{{BALL}, strands: 4}}\nrules: [interaction]").crowd
+    assert crowd is not None
+    for wide in range(16, 16 * 200, 16):
+        crowd.boxes[-1, SIZE : SIZE + 3] = wide, 3, 5
+        crowd._empty_grid()
+        for one in (crowd.grid, crowd.targets, crowd.shares, *crowd.room):
+            assert len(one) == wide * 15

@@ -12,9 +12,13 @@ overrelaxation (Cryer 1971), which begins with the pressure of the step before. 
 apart in the same way.
 
 Stability. Interpolated by trilinear weights and central differences, and held by their roots, strands give way by no
-more than the Laplacian foretells: no step makes up for more than what there is too much of, however long it is. At rest
-forces of contact, which take part in v, balance the pressure where φ = f: the density then depends neither on the load
-nor on the step.
+more than the Laplacian foretells: no step makes up for more than what there is too much of, however long it is.
+
+Loads. v has what all other forces changed velocities by in the last step: of a pile at rest they undo what pressure
+does, and so it is found anew with φ = f, whatever the load and the step. The grid sees less of them than there is, near
+surfaces and where cells are few. So only 1 − `HELD` of what they undo is seen so, and for the rest the pressure of the
+step before is taken as it is. At a closed face half of a cell's momentum would be lost; it counts for the face
+opposite.
 """
 
 from __future__ import annotations
@@ -91,7 +95,8 @@ def inflow(at, stride, i, count, grid, column, open):
 
 @device
 def through(at, stride, i, count, grid, column, open):
-    """Twice the momentum."""
+    """Twice the momentum through the face to the next cell, a ``stride`` on: the mean of both cells' and, where the
+    face opposite is closed, the other half of theirs."""
     flow = grid[at, column] + grid[at + stride, column]
     if i > 0 and open[at - stride] <= 0:
         flow += grid[at, column]

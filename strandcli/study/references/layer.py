@@ -21,7 +21,7 @@ SPARSE = (ROWS / SIDE) ** 2
 """Strands a square metre as they stand."""
 DENSE = 1.5 * SPARSE
 """Strands a square metre at the most, n."""
-CELL = 0.006
+CELL = 0.004
 DEEPEST, MEASURED = 0.03, 0.02
 """How far the plate comes in, and where it is when the layer is measured, metres."""
 SPEED, SPAN = 0.03, 3.0
