@@ -33,6 +33,8 @@ __all__ = ["FREE", "Arrays", "kept"]
 SUFFIX = ".arrays"
 MOST_BYTES = 256 << 20
 """Of all such files: beyond it those that no run has read for longest are removed."""
+LARGEST = 32 << 20
+"""Bytes of arrays that are kept: larger ones would take as much memory again while they are written."""
 SETTINGS = ("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")
 """Variables that NumPy's bits may follow from."""
 
@@ -60,7 +62,8 @@ def kept(
     found = _read(path, key, like)
     if found is None:
         found = made()
-        if folder.cache.write(path, state_bytes(key, found)):
+        small = sum(one.nbytes for one in found.values()) <= LARGEST
+        if small and folder.cache.write(path, state_bytes(key, found)):
             _remove_oldest(path.parent)
     return list(found.values())
 

@@ -16,7 +16,7 @@ from ..meshes.mesh import MeshFacts, TriangleMesh
 from ..meshes.read import read_mesh
 
 CODE = ("strandcli.meshes.read",)
-LEAST, MOST = 100_000, 64 << 20
+LEAST, MOST = 100_000, 8 << 20
 """Bytes of files whose mesh is kept."""
 ARRAYS: dict[str, tuple[type, tuple[int, ...]]] = {
     "vertices": (np.float64, (3,)), "triangles": (np.int32, (3,)), "normals": (np.float64, (3,)),

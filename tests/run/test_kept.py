@@ -132,11 +132,18 @@ def test_those_that_were_not_read_for_longest_go_where_there_are_too_many(
     assert len(list(place.iterdir())) == 2
 
 
-def test_nothing_is_kept_where_nothing_can_be(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_kept_where_nothing_can_be_nor_what_is_large(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(keeping.folder.cache, "_trouble", "a disk that is full")
     assert get()[0].shape == (12,)
     assert get(lambda: numbers(2.0))[1][0, 0] == 2
     assert not list(place.iterdir())
+    monkeypatch.setattr(keeping.folder.cache, "_trouble", None)
+    monkeypatch.setattr(keeping, "LARGEST", 3 * 4 * 4 + 2 * 2 * 8 - 1)
+    assert get()[0].shape == (12,)
+    assert not list(place.iterdir())
+    monkeypatch.setattr(keeping, "LARGEST", 3 * 4 * 4 + 2 * 2 * 8)
+    get()
+    assert len(list(place.iterdir())) == 1
 
 
 def same(one: Any, other: Any) -> None:

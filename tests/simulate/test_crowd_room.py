@@ -43,3 +43,6 @@ def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
     monkeypatch.setattr(crowd_pressure, "find_room", None)
     prepare(solver)
     np.testing.assert_array_equal(crowd.shares.reshape(x.shape)[inner], found[inner])
+    solver.surroundings._packed[-1][0, 0] += 0.01  # the ball moves
+    with pytest.raises(TypeError, match="not callable"):
+        prepare(solver)
