@@ -111,6 +111,7 @@ class RodSolver(Solver):
         self.mass = self.material.mass.copy()
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)
+        self._sudden = self.pins is not None and self.yielding is not None
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
         if self.deforming is not None and shape.curled:
@@ -173,7 +174,7 @@ class RodSolver(Solver):
         count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count
-            if self.contact is None and self.pins is None:
+            if self.contact is None and not self._sudden:
                 self._step(end, part)
             else:
                 in_parts(self, self._step, end, part, TAUT if self.contact is None else 0)
@@ -209,7 +210,7 @@ class RodSolver(Solver):
         numbers = h, *self._gravity, *air, rod.drag, damping, 1 / 3 if bdf2 else 0.0, rod.friction
         run = partial(self._run, pose, *numbers)
         short = run() is None if self.contact is None else self.contact.step(run, self)
-        if self.pins is not None:  # iterations may fail strands that are taut
+        if self._sudden:  # iterations may fail taut strands whose rest shapes have just changed
             short = short and bool((self.state.residuals <= RESIDUAL_MOST).all())
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
