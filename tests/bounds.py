@@ -28,6 +28,8 @@ PRESETS = sorted(path.stem for path in (ROOT / "presets").glob("*.yaml"))
 STILL, OF_FILES = ("groom",), ("groom", "rope")
 """Presets of one frame, and those whose strands are from a file."""
 LABELS = ("gaussianhaircut", "hairstep", "nerfstudio", "neuralhaircut")
+SQUARE = ("--size", "32x32")
+"""Most of these layouts have square pictures alone."""
 
 
 @device
@@ -84,7 +86,7 @@ def scenes(presets: list[str]) -> dict[str, list[str]]:
     small = {name: SMALL if name not in OF_FILES else SMALL[4:] for name in presets}
     found = {name: ["render", name, "-f", "1" if name in STILL else "2", "--no-html", *small[name]] for name in presets}
     for layout in LABELS if presets == PRESETS else ():
-        found[f"labels {layout}"] = ["dataset", "minimal", "--layout", layout, "--views", "1", *SMALL]
+        found[f"labels {layout}"] = ["dataset", "minimal", "--layout", layout, "--views", "1", *SMALL, *SQUARE]
     return found
 
 

@@ -110,13 +110,14 @@ class RodSolver(Solver):
         self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, least_damping)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)
+        self._sudden = self.pins is not None and self.yielding is not None
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
         if self.deforming is not None and shape.curled:
             rows = self.material.bends[:, 0].reshape(-1, 3, PACK).transpose(0, 2, 1)
             self._across = rows.reshape(-1, 3)[: self.strands].copy()
         self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
-        self._steady = self._coil_rate == 0 and self.contact is None and self.deforming is None
+        self._steady = not (self._coil_rate or self.contact or self._sudden or self.deforming)
         """Whether a step is one of the kernel's."""
         self._last_step = 0.0
         self.place_roots(1)
@@ -166,13 +167,13 @@ class RodSolver(Solver):
 
     def step(self, time: float, dt: float) -> None:
         """A step of ``dt`` seconds that ends at ``time``, in several where coils ask for it; nothing where it is 0."""
-        if self._steady and self.pins is None:
+        if self._steady:
             self._step(time, dt)
             return
         count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count
-            if self.contact is None and self.pins is None:
+            if self.contact is None and not self._sudden:
                 self._step(end, part)
             else:
                 in_parts(self, self._step, end, part, TAUT if self.contact is None else 0)
@@ -210,7 +211,7 @@ class RodSolver(Solver):
             short = True
         else:
             short = self.contact.step(partial(self._run, pose, moved.change), self)
-        if self.pins is not None:  # iterations may fail strands that are taut
+        if self._sudden:  # iterations may fail taut strands whose rest shapes have just changed
             short = short and bool((self.state.residuals <= RESIDUAL_MOST).all())
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
