@@ -7,6 +7,7 @@ strand, so that padding can neither fail nor differ.
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,12 @@ Array = NDArray[np.float32]
 
 LINE = 64
 """Bytes that processors fetch at once."""
+LARGE_PAGE = 1 << 21
+"""Bytes of a large page."""
+ADVISED = 1 << 22
+"""Bytes of an array from which on NumPy asks the system for large pages."""
+_made = itertools.count()
+"""How many arrays there are on large pages."""
 
 
 def aligned(shape: tuple[int, ...], dtype: Any = np.float32) -> NDArray[Any]:
@@ -27,6 +34,19 @@ def aligned(shape: tuple[int, ...], dtype: Any = np.float32) -> NDArray[Any]:
     raw = np.zeros(int(np.prod(shape)) * kind.itemsize + LINE, np.uint8)
     first = -raw.ctypes.data % LINE
     return raw[first : raw.size - LINE + first].view(kind).reshape(shape)
+
+
+def on_large_pages(shape: tuple[int, ...], dtype: Any = np.float32) -> NDArray[Any]:
+    """Zeros as of `aligned`, on pages of 2 MB where the system has them and the array fills half of one. What is read
+    seldom is found sooner then: its places are no longer known to the processor, which keeps them page by page."""
+    kind = np.dtype(dtype)
+    size = int(np.prod(shape)) * kind.itemsize
+    if size < LARGE_PAGE // 2:
+        return aligned(shape, dtype)
+    apart = next(_made) % 8 * 17 * LINE  # arrays that begin alike would share lines of the first-level cache
+    raw = np.zeros(max(size + apart + LARGE_PAGE, ADVISED), np.uint8)
+    first = -raw.ctypes.data % LARGE_PAGE + apart
+    return raw[first : first + size].view(kind).reshape(shape)
 
 
 def lanes(rows: NDArray[np.floating], dtype: Any = np.float32, width: int = W) -> NDArray[Any]:

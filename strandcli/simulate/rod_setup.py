@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import aligned, lanes
+from ..blocks import aligned, lanes, on_large_pages
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
@@ -185,19 +185,19 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
     """The state of strands at rest, at ``positions`` with these ``edges`` in the world; arrays that the flags leave out
     have one pack."""
     packs, n, _ = rest.tension.shape
-    rows = aligned((packs, n, 3 * PACK), dtype)
+    rows = on_large_pages((packs, n, 3 * PACK), dtype)
     for j, edge in enumerate(edges):
         rows[:, j] = packed(edge, dtype)
 
     def zeros(needed: bool) -> NDArray[Any]:
-        return aligned((packs if needed else 1, n, 3 * PACK), dtype)
+        return on_large_pages((packs if needed else 1, n, 3 * PACK), dtype)
 
     def of_roots(needed: bool) -> NDArray[Any]:
         return aligned((packs if needed else 1, 1, 3 * PACK), dtype)
 
     if dtype != np.float32:
         single = positions
-        positions = aligned(single.shape, dtype)
+        positions = on_large_pages(single.shape, dtype)
         positions[...] = single
     return State(
         edges=rows,

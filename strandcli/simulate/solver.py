@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
-from ..blocks import aligned, lanes, pack, unpack
+from ..blocks import lanes, on_large_pages, pack, unpack
 from ..constants import W
 from ..groom.check import check
 from ..groom.deforming import deforming
@@ -44,7 +44,7 @@ class Solver(ABC):
         rest_length = groom.lengths.astype(np.float64) / (n - 1)
         rotation, translation = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))
         blocks = -(-groom.strands // W)
-        self.positions = aligned((blocks, n + 1, 3 * W))
+        self.positions = on_large_pages((blocks, n + 1, 3 * W))
         self.rest = np.empty((blocks, 2, 3 * W), np.float32)
         local = groom.roots - rest_length[:, None] * groom.directions
         for row in range(n + 1):

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from strandcli.blocks import lanes, pack, unpack
+from strandcli.blocks import LINE, lanes, on_large_pages, pack, unpack
 from strandcli.constants import W
 
 NUMBERS = st.floats(width=32, allow_nan=True, allow_infinity=True)
@@ -41,3 +41,16 @@ def test_padding_repeats_the_last_strand() -> None:
     positions = np.random.default_rng(0).normal(size=(W + 5, 3, 3)).astype(np.float32)
     whole = unpack(pack(positions), 2 * W)
     np.testing.assert_array_equal(whole[W + 5 :], np.broadcast_to(positions[-1], (W - 5, 3, 3)))
+
+
+def test_arrays_on_large_pages_are_zeros_that_begin_where_a_line_does() -> None:
+    for shape in ((3, 5), (400, 700), (1000, 1000)):
+        for kind in (np.float32, np.float64):
+            one, other = on_large_pages(shape, kind), on_large_pages(shape, kind)
+            assert one.shape == shape
+            assert one.dtype == kind
+            assert one.flags.c_contiguous
+            assert one.ctypes.data % LINE == 0
+            assert not one.any()
+            one[...] = 1
+            assert not other.any()
