@@ -117,7 +117,7 @@ class RodSolver(Solver):
             rows = self.material.bends[:, 0].reshape(-1, 3, PACK).transpose(0, 2, 1)
             self._across = rows.reshape(-1, 3)[: self.strands].copy()
         self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
-        self._steady = not (self._coil_rate or self.contact or self._sudden or self.deforming)
+        self._steady = not (self._coil_rate or self._sudden) and self.contact is None and self.deforming is None
         """Whether a step is one of the kernel's."""
         self._last_step = 0.0
         self.place_roots(1)
