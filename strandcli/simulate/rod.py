@@ -111,6 +111,7 @@ class RodSolver(Solver):
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)
         self._sudden = self.pins is not None and self.yielding is not None
+        """Whether rest shapes of taut strands may change at once, which iterations may fail."""
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
         if self.deforming is not None and shape.curled:
@@ -211,7 +212,7 @@ class RodSolver(Solver):
             short = True
         else:
             short = self.contact.step(partial(self._run, pose, moved.change), self)
-        if self._sudden:  # iterations may fail taut strands whose rest shapes have just changed
+        if self._sudden:
             short = short and bool((self.state.residuals <= RESIDUAL_MOST).all())
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
