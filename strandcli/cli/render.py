@@ -121,10 +121,12 @@ def command(
     clusters.require(scene, dask)
     numbers = options.frame_numbers(frames, scene, from_cache)
 
-    from ..output.report import RunReport
     from ..plan import checked_plan
 
     plan = checked_plan(scene, numbers, check=memory_check)
+
+    from ..output.report import RunReport
+
     positions = options.open_cache(from_cache, numbers, scene, keep_going)
     folder = output or options.default_folder(preset)
     writer = frame_writer(folder, numbers, scene, from_cache, animate or (), overwrite, resume, exr)
