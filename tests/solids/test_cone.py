@@ -290,7 +290,7 @@ def test_its_kernels_can_be_kept_in_the_cache() -> None:
     rays.visibility(solids, *[one] * 6, FAR, SKIN)
     measured = np.zeros((1, 2), np.float32)
     measure.depths(np.zeros((1, 4, 3 * W), np.float32), solids, measured)
-    step = module_among([of(SHAPES_OF_IT["cone"])], [], "float32", (None, None, None)).step
+    step = module_among([of(SHAPES_OF_IT["cone"])], [], "float32", (None, None, None, None)).step
     work_queue.address(step)
     for kernel in (rays.meet, rays.normal, rays.visibility, measure.depths, step):
         assert not any(made.library.has_dynamic_globals for made in kernel.overloads.values()), kernel.__name__
