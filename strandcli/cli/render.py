@@ -124,8 +124,7 @@ def command(
     from ..plan import checked_plan
 
     plan = checked_plan(scene, numbers, check=memory_check)
-
-    from ..output.report import RunReport
+    from ..output.report import RunReport  # NumPy, once memory suffices
 
     positions = options.open_cache(from_cache, numbers, scene, keep_going)
     folder = output or options.default_folder(preset)
@@ -133,12 +132,11 @@ def command(
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
     page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
-    hidden = no_progress or quiet
     look = Look(Preview(preview), folder)
     motion = Motion(positions, checkpoint, keep_going, dask, Watch())
     with (
         html_page.of_failed(page),
-        Progress(len(writer.wanted), label, hidden=hidden, verbose=verbose) as progress,
+        Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress,
         look.signalled(progress),
     ):
         data = _run(scene, writer, report, motion, threads, quiet, progress, bound, look)

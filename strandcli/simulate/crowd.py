@@ -130,7 +130,7 @@ class Crowd:
         self.pressure *= self.near[:, :, None]
         room = self.room if any(moment.wind) else self.room._replace(left=self.room.left[:0])
         crowd_forces.act(
-            whole, self.grid, self.near, room, self._numbers(self.density, moment), self._work,
+            whole, self.grid, self.near, room, self._numbers(self.density, moment), *self._work,
             self.pressure.reshape(-1), self.targets,
         )  # fmt: skip
         if moment.solids is not None:
@@ -245,11 +245,10 @@ class Crowd:
         return True
 
 
-def work_of(pressure: NDArray[Any]) -> NDArray[np.float32]:
-    """Return the array in which `crowd_pressure.relax` finds pressure (z, y, x)."""
+def work_of(pressure: NDArray[Any]) -> tuple[NDArray[np.float32], NDArray[np.uint64]]:
+    """Return the arrays in which `crowd_pressure.relax` finds pressure (z, y, x)."""
     deep, high, wide = pressure.shape
-    work: NDArray[np.float32] = aligned((deep + 2, high + 1, wide + LANES))
-    return work
+    return aligned((deep + 2, high + 1, wide + LANES)), np.empty((2, deep + 2, high + 2), np.uint64)
 
 
 def extent_of(positions: NDArray[Any]) -> float:

@@ -213,7 +213,7 @@ def test_pressure_solves_the_complementarity_problem() -> None:
     faces = np.where(free & (around > 0), 1 / np.maximum(around, 1), 0)[1:-1, 1:-1, 1:-1].astype(np.float32).ravel()
     work = work_of(pressure.reshape(7, 9, 16))
     for _ in range(20):
-        crowd_pressure.relax(box, excess, faces, np.ones((7, 9), np.bool_), work, pressure)
+        crowd_pressure.relax(box, excess, faces, np.ones((7, 9), np.bool_), *work, pressure)
     p = np.pad(pressure.reshape(7, 9, 16), 1)
     left = np.zeros((7, 9, 16))
     for axis in range(3):

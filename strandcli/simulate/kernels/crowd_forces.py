@@ -53,32 +53,35 @@ WIDELY = np.float32(0.5) * (1 - BETWEEN_ONLY)
 
 
 @parallel
-def act(box, grid, near, room, numbers, work, pressure, targets):
+def act(box, grid, near, room, numbers, work, busy, pressure, targets):
     """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`).
 
-    ``near``, ``work``: as `crowd_pressure.relax` takes them; ``numbers`` (`NUMBERS`,) float32. Pressure and shelter
-    follow from their own neighbours, cell by cell: a thread finds one of them while another finds the other.
+    ``near``, ``work``, ``busy``: as `crowd_pressure.relax` takes them; ``numbers`` (`NUMBERS`,) float32. Pressure and
+    shelter follow from their own neighbours, cell by cell: a thread finds one of them while another finds the other.
+    No strand is in rows that are not ``near``: what else those hold is neither set nor read.
     """
     for o in prange(box[SIZE + 2]):
-        find_faces(box, np.int64(o), room.open, room.faces)
-        find_excess(box, np.int64(o), grid, room.open, pressure, room.excess, numbers)
+        find_faces(box, np.int64(o), near, room.open, room.faces)
+        find_excess(box, np.int64(o), near, grid, room, pressure, numbers)
     for task in prange(2):
         if task == 0:
-            relax(box, room.excess, room.faces, near, work, pressure)
+            relax(box, room.excess, room.faces, near, work, busy, pressure)
         elif len(room.left) > 0:
             shelter(box, grid, numbers[WAY : WAY + 3], numbers[STOP], room.left)
     for o in prange(box[SIZE + 2]):
-        find_targets(box, np.int64(o), grid, room, numbers, pressure, targets)
+        find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets)
 
 
 @device
-def find_targets(box, o, grid, room, numbers, pressure, targets):
+def find_targets(box, o, near, grid, room, numbers, pressure, targets):
     """Set the targets of layer o. A cell that no sample reaches has none."""
     full, share, speed = numbers[FULL], numbers[LOST], numbers[SPEED]
     push, least = speed * full, SLIVER * full
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
     for n in range(high):
+        if not near[o, n]:
+            continue
         row = o * layer + n * wide
         for i in range(wide):
             at = row + i

@@ -26,7 +26,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, function, parallel, prange
-from ...simd import broadcast, lane_count, load, pointer, store, where
+from ...simd import any_lane, broadcast, lane_count, load, pointer, store, where
 from ...solids.kernels.any_depth import any_depth
 from .crowd_records import FULL, LANES, LOW, MASS, MOMENTUM, MOST, RATIO, SIZE
 
@@ -36,18 +36,23 @@ EVEN = np.array([1, 0] * LANES, np.float32)
 HELD = np.float32(0.5)
 """Share of the pressure of the step before that is taken to be held by other forces wholly, whatever the grid sees of
 them. With all of it pressure swings; with none, what the grid does not see has to be made up for by density."""
+GROUPS = 64
+"""Of cells of a row at the most: bits of a word."""
 ROUNDS = 12
 """Sweeps of a step: the pressure of the step before is nearly right already."""
 
 
 @device
-def find_excess(box, o, grid, open, pressure, excess, numbers):
-    """Set e, ``excess`` (cells,), of layer o. ``open`` (cells,): `Room.open`; ``pressure`` (cells,) of the step
-    before; ``numbers`` (`NUMBERS`,)."""
+def find_excess(box, o, near, grid, room, pressure, numbers):
+    """Set e, `Room.excess`, of layer o's rows that are ``near``. ``pressure`` (cells,): of the step before; ``numbers``
+    (`NUMBERS`,)."""
+    open, excess = room.open, room.excess
     full, ratio, most = numbers[FULL], numbers[RATIO], numbers[MOST]
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
     for n in range(high):
+        if not near[o, n]:
+            continue
         row = o * layer + n * wide
         for i in range(wide):
             at = row + i
@@ -106,29 +111,42 @@ def through(at, stride, i, count, grid, column, open):
 
 
 @function
-def relax(box, excess, faces, near, work, pressure):
+def relax(box, excess, faces, near, work, busy, pressure):
     """Sweep over the cells `ROUNDS` times, those of one colour after those of the other, as on a chessboard.
 
     faces (cells,): 1 over the number of a cell's faces that no solid closes, 0 in solids; near (cells along z, along
     y): whether strands are near that row of cells, in others pressure is 0; pressure (cells,): is changed; work (cells
     along z + 2, along y + 1, along x + `LANES`): pressure with a margin of zeros, which stays, so that no cell is a
-    special case: the one after a row is that before the next.
+    special case: the one after a row is that before the next. Cells without pressure beside others without stay so
+    unless their excess is positive: they are left out, `LANES` or a multiple of them at once. busy (2, cells along z
+    + 2, along y + 2) uint64: a bit for each such group of a row, whether an excess is positive, whether a pressure is.
     """
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     stride = wide + LANES
     layer = (high + 1) * stride
+    group = LANES * (wide // LANES // GROUPS + 1)
     p, e, f = pointer(work), pointer(excess), pointer(faces)
+    busy[...] = 0
     for o in range(deep):
         for n in range(high):
-            at, row, some = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide, np.float32(near[o, n])
+            at, row = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide
             for i in range(0, wide, LANES):
-                store(p, at + i, some * load(pointer(pressure), row + i))
+                if near[o, n]:
+                    before = load(pointer(pressure), row + i)
+                    store(p, at + i, before)
+                    busy[0, o + 1, n + 1] |= bit_of(load(e, row + i), i // group)
+                    busy[1, o + 1, n + 1] |= bit_of(before, i // group)
+                else:
+                    store(p, at + i, broadcast(p, 0.0))
     for round in range(2 * ROUNDS):
         for o in range(deep):
             for n in range(high):
                 if near[o, n]:
-                    at = (o + 1) * layer + (n + 1) * stride + LANES
-                    relax_row(p, at, stride, layer, e, f, (o * high + n) * wide, wide, (o + n + round) % 2)
+                    groups = busy[0, o + 1, n + 1] | groups_around(busy[1], o + 1, n + 1)
+                    if groups != 0:
+                        at, row = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide
+                        sizes, colour = (stride, layer, wide, group), (o + n + round) % 2
+                        busy[1, o + 1, n + 1] = relax_row(p, at, sizes, e, f, row, colour, groups)
     for o in range(deep):
         for n in range(high):
             at, row = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide
@@ -137,17 +155,39 @@ def relax(box, excess, faces, near, work, pressure):
 
 
 @device
-def relax_row(p, at, stride, layer, e, f, row, wide, colour):
-    """Relax a row's cells of a colour: all are computed, and the others stay as they are."""
+def bit_of(values, place):
+    """A bit at a place where some lane is positive, else 0."""
+    return np.uint64(any_lane(values > 0.0)) << np.uint64(place)
+
+
+@device
+def groups_around(live, o, n):
+    """The groups of a row, and those of the rows around it and beside them, that have pressure."""
+    own = live[o, n]
+    beside = own << np.uint64(1) | own >> np.uint64(1)
+    return own | beside | live[o, n - 1] | live[o, n + 1] | live[o - 1, n] | live[o + 1, n]
+
+
+@device
+def relax_row(p, at, sizes, e, f, row, colour, groups):
+    """Relax a row's cells of a colour in these groups, and return which groups have pressure then: all cells are
+    computed, and those of the other colour stay as they are."""
+    stride, layer, wide, group = sizes
     mine = load(pointer(EVEN), colour) > 0.0
+    found = np.uint64(0)
     for i in range(0, wide, LANES):
+        if groups >> np.uint64(i // group) & np.uint64(1) == 0:
+            continue
         here = at + i
         around = load(p, here - 1) + load(p, here + 1)
         around += load(p, here - stride) + load(p, here + stride)
         around += load(p, here - layer) + load(p, here + layer)
         own, share = load(p, here), load(f, row + i)
         wanted = own + RELAXATION * ((load(e, row + i) + around) * share - own)
-        store(p, here, where(mine, where(share > 0.0, max(wanted, 0.0), 0.0), own))
+        new = where(mine, where(share > 0.0, max(wanted, 0.0), 0.0), own)
+        store(p, here, new)
+        found |= bit_of(new, i // group)
+    return found
 
 
 @parallel
@@ -179,11 +219,13 @@ def find_room_of_row(wide, y, z, solids, inverse, along, open):
 
 
 @device
-def find_faces(box, o, open, faces):
-    """Set ``faces`` (cells,) of layer o as `relax` takes them."""
+def find_faces(box, o, near, open, faces):
+    """Set ``faces`` (cells,) of layer o's rows that are ``near`` as `relax` takes them."""
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
     for n in range(high):
+        if not near[o, n]:
+            continue
         for i in range(wide):
             at = o * layer + n * wide + i
             count = np.float32(6)
