@@ -42,7 +42,7 @@ LIGHTER = 0.25
 """Of that, what fibres without light from strand to strand take."""
 FILMED, WRITTEN, OCCLUDED = 32 * NS, 12 * NS, 60 * NS
 """Of a sample, of a pixel, and of a cell of the sky's grid and a direction."""
-BEGIN, READ_MESH, EACH_STRAND, EACH_CHILD = 2.4, 0.9, 3e-6, 6e-6
+BEGIN, READ_MESH, EACH_STRAND, EACH_CHILD = 1.7, 0.6, 3e-6, 6e-6
 """Before the first frame: to start and to load kernels; to read meshes; and for each strand that may be drawn."""
 WIDER = 0.8
 """Of a thread, what each further one adds."""

@@ -14,7 +14,7 @@ from ..compiling.folder import cache
 
 SMAPS = Path("/proc/self/smaps")
 FILE = "libraries.json"
-USUAL = 125_000_000
+USUAL = 120_000_000
 """Bytes where nothing was measured: most of it LLVM's library."""
 LEAST, MOST = 20_000_000, 1_000_000_000
 """Bytes that are believed."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..scene.model import Rod, Scene
     from .make import Plan
 
-PRIVATE = 60_000_000
+PRIVATE = 53_000_000
 """Bytes of the interpreter, of what libraries hold besides their files, and of kernels of a plain scene."""
 SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 18_000_000, 25_000_000
 """Of the further kernels, and of what reads meshes, where a scene has them."""
