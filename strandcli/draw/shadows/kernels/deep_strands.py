@@ -29,7 +29,7 @@ OPEN = np.float32(5.0)
 """Strands before a place, on average, up to which all strands are drawn."""
 FALL = np.float32(2.0)
 """How many more leave e times fewer strands."""
-RANGE = np.float32(2.0)
+RANGE = np.float32(1.4)
 """Up to so many times: the least share is e^-RANGE."""
 FADES = 0.25
 """Part of the share of strands over which they fade."""
