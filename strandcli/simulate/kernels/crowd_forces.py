@@ -135,11 +135,12 @@ def pushed(at, stride, axis, grid, pressure, open, least):
 
 @parallel
 def accelerate(moving, lattice, parts, box, targets, scratch, crowd):
-    """Set the accelerations of particles, ``crowd`` (P, N, 3 S)."""
+    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and `Moving.others`."""
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             crowd[pack] = 0
             accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), scratch[part], crowd)
+            keep_others(moving, pack, lattice.seen * lattice.step, crowd)
 
 
 @device
@@ -175,6 +176,15 @@ def share_out(moving, lattice, pack, sample, rows, crowd):
                 j = first + i - 1
                 at = ((pack * n + j) * 3 + c) * PACK + k
                 store(out, at, load(out, at) + m * lattice.weights[sample, i] / moving.mass[j] * change)
+
+
+@device
+def keep_others(moving, pack, time, crowd):
+    """Set `Moving.others` of a pack of strands."""
+    velocity, change, out = pointer(moving.velocity), pointer(crowd), pointer(moving.others)
+    size = crowd.shape[1] * crowd.shape[2]
+    for at in range(pack * size, (pack + 1) * size, lane_count(out)):
+        store(out, at, time * load(change, at) + load(velocity, at))
 
 
 @device

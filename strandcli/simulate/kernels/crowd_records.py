@@ -47,7 +47,7 @@ class Moving(NamedTuple):
     velocity: Any
     """(P, N, 3 S) m/s."""
     others: Any
-    """(P, N, 3 S) what velocities change by in the step through all that is not of the strands around, m/s."""
+    """(P, N, 3 S) as `Crowd.others`: of the step before, and then of this one."""
     roots: Any
     """(P, 3 S) velocity of the roots, m/s."""
     metres: Any
@@ -74,6 +74,10 @@ class Lattice(NamedTuple):
     """(parts + 1, 3) the middle of the lowest cell of each box, metres."""
     step: Any
     """Length of the step, seconds."""
+    again: Any
+    """That over the length of the step before: what has changed velocities then is expected to do so again."""
+    seen: Any
+    """Share of what strands around change velocities by that is not to be expected again."""
 
 
 LANES = 16
