@@ -51,6 +51,8 @@ class Moment(NamedTuple):
     """Its length, seconds."""
     wind: tuple[float, float, float]
     """Acceleration of strands at rest by the open wind, m/s²."""
+    gravity: tuple[float, float, float]
+    """m/s²."""
     solids: Solids | None
     """Those that strands collide with, at its end."""
 
@@ -153,7 +155,8 @@ class Crowd:
         share = 1 - (1 - self.friction) ** (dt / FRICTION_TIME)
         return np.array(
             [density * self.cell**3, dt / (2 * self.cell), min(EASE * dt, MOST), share, self.cell / dt,
-             self._thickness / self.cell**2, *way, *(dt * one for one in wind)],
+             self._thickness / self.cell**2, *way, *(dt * one for one in wind),
+             *(dt * dt / self.cell * one for one in moment.gravity)],
             np.float32,
         )  # fmt: skip
 
@@ -183,12 +186,12 @@ class Crowd:
         """Make arrays for the box of all."""
         wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
         count = wide * high * deep
-        needed = 2 * count + -(-5 * count // CELL)
+        needed = 2 * count + -(-6 * count // CELL)
         if needed > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
             self._cells = aligned((3 * count, CELL))
         self.grid, self.targets, rest = self._cells[:count], self._cells[count : 2 * count], self._cells[2 * count :]
         self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
-        self.shares, *of_room = rest.reshape(-1)[: 5 * count].reshape(5, count)
+        self.shares, *of_room = rest.reshape(-1)[: 6 * count].reshape(6, count)
         self.room = Room(*of_room)
         self.room.open[:] = 1
         self.homes = np.empty(count if self._margin else 0, np.int8)

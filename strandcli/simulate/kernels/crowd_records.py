@@ -22,13 +22,13 @@ RATE, TARGET, PUSH = 0, 1, 4
 velocity changes by (3), m/s, and what is added to that between two middles (3), m/s. One is not used."""
 CELL = 8
 """Columns of each."""
-FULL, RATIO, MOST, LOST, SPEED, STOP, WAY, CHANGE = 0, 1, 2, 3, 4, 5, 6, 9
+FULL, RATIO, MOST, LOST, SPEED, STOP, WAY, CHANGE, FALL = 0, 1, 2, 3, 4, 5, 6, 9, 12
 """Numbers of a step: metres in a cell that is as dense as allowed; half the step over the cell's side, s/m; the share
 of the density that pressure makes up for at the most; the share of its velocity against a cell that is as dense as
 allowed that a strand loses; the cell's side over the step, m/s; and of the wind, τ of a cell that holds a metre of
 strand, for a way as long as a cell's side, its unit direction (3), and by how much the open wind changes velocities
-(3), m/s."""
-NUMBERS = 12
+(3), m/s; and by how much gravity does (3), cells a step."""
+NUMBERS = 15
 
 
 SHARE, BELOW, VELOCITY = 0, 3, 6
@@ -93,5 +93,7 @@ class Room(NamedTuple):
     """(cells,) 1 over the number of its faces that no solid closes, 0 in solids."""
     excess: Any
     """(cells,) e of `crowd_pressure`."""
+    held: Any
+    """(cells,) `HELD` of the pressure of the step before."""
     left: Any
     """(cells,) share of the wind that is left; no rows in calm air."""
