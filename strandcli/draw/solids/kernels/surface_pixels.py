@@ -40,7 +40,7 @@ def fill_batch(screen, p, end, width, solids, work, which):
         key = keys[at]
         if key == EMPTY or (key & LOW) < FIRST:
             continue
-        if hidden.shape[0] > 0 and hidden[at] != 0:
+        if hidden.shape[0] > 0 and hidden[at] != screen.wanted:
             continue
         own = np.int64((key & LOW) - FIRST)
         if n > 0 and (own != solid or n == W):
