@@ -1,8 +1,8 @@
 """Hold `plan` to what runs take: `make plan-figures`.
 
 Each case is planned, and then rendered without the pre-roll by a process of its own with compiled kernels on one
-thread; some as a whole on two. A line a case: the peak of memory that was planned and that the system measured, and the processor's seconds of
-a frame and of the whole run, with the ratios. Exits with 1 where a ratio is beyond its bound.
+thread; some as a whole on two. A line a case: the peak of memory that was planned and that the system measured, and the
+processor's seconds of a frame and of the whole run, with the ratios. Exits with 1 where a ratio is beyond its bound.
 """
 
 from __future__ import annotations
