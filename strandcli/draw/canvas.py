@@ -22,6 +22,7 @@ from .film.aovs import Recorder
 from .film.kernels import film
 from .geometry.curves import Polylines
 from .lighting.lighting import NO_SPOTS, NOT_HIDDEN, Lighting
+from .lighting.sparse_light import is_costly, shade_surfaces
 from .shadows.vertex_shadows import VertexShadows
 from .solids import triangles
 from .solids.edges import Edges, find_edges
@@ -193,7 +194,10 @@ class Canvas:
         thick = self.lighting.scene.image.haze
         top, bottom = rows or (0, len(image))
         behind = None if thick is None else image[top:bottom].copy()
-        self.lighting.shade_surfaces(keys, image, spots, hidden, rows)
+        if rows is not None and is_costly(self.lighting):
+            shade_surfaces(self.lighting, keys, image, hidden, rows, self.scratch)
+        else:
+            self.lighting.shade_surfaces(keys, image, spots, hidden, rows)
         if thick is not None and behind is not None:
             here = slice(top * image.shape[1], bottom * image.shape[1])
             haze.veil_solids(thick, self.lighting.view, behind, keys[here], image[top:bottom], hidden[here])

@@ -51,6 +51,8 @@ class Moment(NamedTuple):
     """Its length, seconds."""
     wind: tuple[float, float, float]
     """Acceleration of strands at rest by the open wind, m/s²."""
+    gravity: tuple[float, float, float]
+    """m/s²."""
     solids: Solids | None
     """Those that strands collide with, at its end."""
 
@@ -107,7 +109,8 @@ class Crowd:
         """Set `State.crowd` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
         Where a coordinate is not finite there is no grid, and it is set to zero."""
         dt, kind = moment.step, state.velocity.dtype.type
-        self._find_others(state, dt)
+        if self._last_step == 0:
+            self.others[...] = state.velocity
         moving = Moving(state.positions, state.velocity, self.others, roots, self.metres, mass)
         if not self._lay(state.positions):
             state.crowd[...] = 0
@@ -117,7 +120,8 @@ class Crowd:
         origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
         first, counts, *rest = self.samples
         weights, masses = (one.astype(kind) for one in rest)
-        lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, kind(dt))
+        steps = kind(dt), kind(dt / self._last_step if self._last_step else 1.0), kind(1 - crowd_pressure.HELD)
+        lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, *steps)
         most = crowd_grid.deposit(
             moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.grid, self._most, self.near
         )
@@ -136,18 +140,7 @@ class Crowd:
         if moment.solids is not None:
             crowd_homes.read_home(whole, self.homes, self.targets)
         crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, state.crowd)
-        np.multiply(state.crowd, kind(dt * (1 - crowd_pressure.HELD)), out=self.others)
-        self.others += state.velocity
         self._last_step = dt
-
-    def _find_others(self, state: State, dt: float) -> None:
-        """Set what velocities are expected to change by in a step of ``dt`` seconds: as in the last one."""
-        if self._last_step == 0:
-            self.others[...] = 0
-            return
-        np.subtract(state.velocity, self.others, out=self.others)
-        if dt != self._last_step:
-            self.others *= self.others.dtype.type(dt / self._last_step)
 
     def begin_anew(self) -> None:
         """Forget what moved strands in the last step, for they have been stopped or put elsewhere."""
@@ -162,7 +155,8 @@ class Crowd:
         share = 1 - (1 - self.friction) ** (dt / FRICTION_TIME)
         return np.array(
             [density * self.cell**3, dt / (2 * self.cell), min(EASE * dt, MOST), share, self.cell / dt,
-             self._thickness / self.cell**2, *way, *(dt * one for one in wind)],
+             self._thickness / self.cell**2, *way, *(dt * one for one in wind),
+             *(dt * dt / self.cell * one for one in moment.gravity)],
             np.float32,
         )  # fmt: skip
 
@@ -192,12 +186,12 @@ class Crowd:
         """Make arrays for the box of all."""
         wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
         count = wide * high * deep
-        needed = 2 * count + -(-5 * count // CELL)
+        needed = 2 * count + -(-6 * count // CELL)
         if needed > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
-            self._cells = np.empty((3 * count, CELL), np.float32)
+            self._cells = aligned((3 * count, CELL))
         self.grid, self.targets, rest = self._cells[:count], self._cells[count : 2 * count], self._cells[2 * count :]
         self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
-        self.shares, *of_room = rest.reshape(-1)[: 5 * count].reshape(5, count)
+        self.shares, *of_room = rest.reshape(-1)[: 6 * count].reshape(6, count)
         self.room = Room(*of_room)
         self.room.open[:] = 1
         self.homes = np.empty(count if self._margin else 0, np.int8)
@@ -238,7 +232,7 @@ class Crowd:
         last, whole = self.boxes[-2:]
         count = int(last[OFFSET] + last[SIZE : SIZE + 3].prod())
         if count > len(self.memory):
-            self.memory = np.empty((int(count * 1.2), CELL), np.float32)
+            self.memory = aligned((int(count * 1.2), CELL))
         if not np.array_equal(before, whole):
             self.pressure = _moved(self.pressure, before, whole)
             self._empty_grid()

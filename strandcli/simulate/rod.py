@@ -203,7 +203,7 @@ class RodSolver(Solver):
         if self.crowd is not None:
             strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
             x, y, z = moved.air
-            moment = Moment(time, dt, (strength * x, strength * y, strength * z), around.packed())
+            moment = Moment(time, dt, (strength * x, strength * y, strength * z), self._gravity, around.packed())
             self.crowd.prepare(self.state, self.mass, velocity_of_roots(self.forcing, self.pose, pose, dt), moment)
         self.numbers.set(dt, bdf2, self.pins is not None)
         self._air[:] = moved.wind

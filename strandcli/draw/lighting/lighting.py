@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,8 @@ from ..shadows.shadow import ShadowMaps, map_arrays
 from ..solids.solids import NONE, coats_of, paint_of
 from ..view.camera import View
 from .kernels import shade_strands, shade_surfaces
-from .kernels.inputs import Coating, Lights, Screen, StrandColour, StrandLight, Surround, Vertices, WidthProfiles
+from .kernels.inputs import COMPUTED, Coating, Lights, Screen, StrandColour, StrandLight, Surround, Vertices, WidthProfiles
+from .kernels.lattice import DRAWN
 from .kernels.mirror import DULL
 from .kernels.occlusion_columns import BOX_SIZE
 from .occlusion import Occlusion
@@ -45,6 +46,19 @@ def coating_of(solids: Sequence[Any], paint: NDArray[np.float32]) -> Coating:
     """Return the materials of visible solids; paint: from `paint_of`."""
     polished = any(solid.coat > 0 and solid.roughness < DULL for solid in solids)
     return Coating(paint, given(coats_of(solids), 7), given(None, 7), np.uint8(1) if polished else None)
+
+
+class Lattice(NamedTuple):
+    """What `inputs.Lights` and `inputs.Screen` are given of a lattice of known light."""
+
+    known: NDArray[np.float32]
+    down: np.uint8
+    right: np.uint8
+    use: np.uint8
+    wanted: np.uint8
+
+
+NO_LATTICE = Lattice(np.zeros((0, 0, 0, 3), np.float32), np.uint8(0), np.uint8(0), COMPUTED, DRAWN)
 
 
 @dataclass(frozen=True)
@@ -98,12 +112,13 @@ class Lighting:
 
     def shade_surfaces(
         self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS,
-        hidden: NDArray[np.uint8] = NOT_HIDDEN, rows: tuple[int, int] | None = None,
+        hidden: NDArray[np.uint8] = NOT_HIDDEN, rows: tuple[int, int] | None = None, lattice: Lattice = NO_LATTICE,
     ) -> None:  # fmt: skip
         """Composite the shaded solids of a z-buffer ``keys`` (height * width,) over image (height, width, 3).
 
         spots (pixels, 2): positions of the pixels on the screen; without rows each pixel is at its own position. hidden
-        (height * width,): not 0 at pixels that are left as they are, as are those outside of the rows.
+        (height * width,): not ``lattice.wanted`` at pixels that are left as they are, as are those outside of the rows;
+        lattice: where light is known, if it is anywhere.
         """
         if self.solids is None:
             return
@@ -111,9 +126,10 @@ class Lighting:
         seen = [solid for solid in self.scene.solids if solid.visible]
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
-            Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN), hidden, width * top, width * bottom),
+            Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN), hidden,
+                   lattice.wanted, top, bottom),
             self._surround(),
-            StrandLight(self.palette.colour, given(self.palette.loss, 4)), self._lights(given(None, 0)),
+            StrandLight(self.palette.colour, given(self.palette.loss, 4)), self._lights(given(None, 0), lattice),
             map_arrays(self.maps), self.solids, coating_of(seen, paint), image,
         )  # fmt: skip
 
@@ -122,5 +138,5 @@ class Lighting:
         around = (given(None, 4), NO_BOX) if found is None else (found.volume, found.box)
         return Surround(np.array(self.scene.ambient, np.float32), given(self.sky, 9, 3), *around)
 
-    def _lights(self, clear: NDArray[np.float32]) -> Lights:
-        return Lights(self.lights, clear, self.skin, self.sized)
+    def _lights(self, clear: NDArray[np.float32], lattice: Lattice = NO_LATTICE) -> Lights:
+        return Lights(self.lights, clear, self.skin, self.sized, lattice.known, lattice.down, lattice.right, lattice.use)

@@ -14,6 +14,7 @@ import numpy as np
 from ...jit import device, parallel, prange
 from ...simd import half_width_pointer, lane, lane_count, load, pointer, store
 from .crowd_grid import cell_of, locate, three, weights_along
+from .crowd_limit import BETWEEN_ONLY, SLIVER, WIDELY, limit, moved
 from .crowd_pressure import find_excess, find_faces, relax
 from .crowd_records import (
     BETWEEN,
@@ -41,15 +42,6 @@ from .rod_scratch import PACK
 
 EMPTY = np.float32(1e-30)
 """Metres in a cell up to which it is empty."""
-SLIVER = np.float32(1e-4)
-"""Share of a full cell about a face below which the impulse on it is not all handed on: what rounding places there in
-one sum, and not in another, would be thrown."""
-BETWEEN_ONLY = np.float32(0.5)
-"""Share of the impulse on a face of two cells that goes to what lies between their middles. Were there none, cells of
-which every other one is dense would feel no pressure at all, and strands would gather in them; were it all, few strands
-that lie there would be thrown."""
-WIDELY = np.float32(0.5) * (1 - BETWEEN_ONLY)
-"""And the share that each of the cells gets, by trilinear weights."""
 
 
 @parallel
@@ -66,6 +58,7 @@ def act(box, grid, near, room, numbers, work, busy, pressure, targets):
     for task in prange(2):
         if task == 0:
             relax(box, room.excess, room.faces, near, work, busy, pressure)
+            limit(box, near, grid, room, numbers, pressure)
         elif len(room.left) > 0:
             shelter(box, grid, numbers[WAY : WAY + 3], numbers[STOP], room.left)
     for o in prange(box[SIZE + 2]):
@@ -129,17 +122,17 @@ def pushed(at, stride, axis, grid, pressure, open, least):
     next = at + stride
     if open[at] <= 0 or open[next] <= 0:
         return np.float32(0)
-    m = WIDELY * (grid[at, MASS] + grid[next, MASS]) + BETWEEN_ONLY * grid[at, BETWEEN + axis]
-    return (pressure[at] - pressure[next]) / max(m, least)
+    return (pressure[at] - pressure[next]) / moved(at, next, axis, grid, least)
 
 
 @parallel
 def accelerate(moving, lattice, parts, box, targets, scratch, crowd):
-    """Set the accelerations of particles, ``crowd`` (P, N, 3 S)."""
+    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and `Moving.others`."""
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             crowd[pack] = 0
             accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), scratch[part], crowd)
+            keep_others(moving, pack, lattice.seen * lattice.step, crowd)
 
 
 @device
@@ -175,6 +168,15 @@ def share_out(moving, lattice, pack, sample, rows, crowd):
                 j = first + i - 1
                 at = ((pack * n + j) * 3 + c) * PACK + k
                 store(out, at, load(out, at) + m * lattice.weights[sample, i] / moving.mass[j] * change)
+
+
+@device
+def keep_others(moving, pack, time, crowd):
+    """Set `Moving.others` of a pack of strands."""
+    velocity, change, out = pointer(moving.velocity), pointer(crowd), pointer(moving.others)
+    size = crowd.shape[1] * crowd.shape[2]
+    for at in range(pack * size, (pack + 1) * size, lane_count(out)):
+        store(out, at, time * load(change, at) + load(velocity, at))
 
 
 @device

@@ -223,7 +223,8 @@ def locate(moving, lattice, pack, sample, box, origins, rows):
                     u += weight * load(roots, (pack * 3 + c) * PACK + lane)
                 else:
                     at = ((pack * n + j - 1) * 3 + c) * PACK + lane
-                    u += weight * (load(velocity, at) + load(others, at))
+                    v = load(velocity, at)
+                    u += weight * (v + (v - load(others, at)) * lattice.again)
             x *= lattice.inverse
             below = min(max(floor(x), 0.0), broadcast(x, box[SIZE + c] - 2))
             store(out, (SHARE + c) * PACK + lane, x - below)

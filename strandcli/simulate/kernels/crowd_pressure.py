@@ -36,6 +36,9 @@ EVEN = np.array([1, 0] * LANES, np.float32)
 HELD = np.float32(0.5)
 """Share of the pressure of the step before that is taken to be held by other forces wholly, whatever the grid sees of
 them. With all of it pressure swings; with none, what the grid does not see has to be made up for by density."""
+HASTE = np.float32(4)
+"""Densities, of those allowed, up to which pressure makes up for a share of them a step: what is denser is led apart no
+faster."""
 GROUPS = 64
 """Of cells of a row at the most: bits of a word."""
 ROUNDS = 12
@@ -44,16 +47,17 @@ ROUNDS = 12
 
 @device
 def find_excess(box, o, near, grid, room, pressure, numbers):
-    """Set e, `Room.excess`, of layer o's rows that are ``near``. ``pressure`` (cells,): of the step before; ``numbers``
-    (`NUMBERS`,)."""
+    """Set e, `Room.excess`, and `Room.held` of layer o's rows that are ``near``, the latter to 0 in others.
+    ``pressure`` (cells,): of the step before; ``numbers`` (`NUMBERS`,)."""
     open, excess = room.open, room.excess
     full, ratio, most = numbers[FULL], numbers[RATIO], numbers[MOST]
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
     for n in range(high):
-        if not near[o, n]:
-            continue
         row = o * layer + n * wide
+        if not near[o, n]:
+            room.held[row : row + wide] = 0
+            continue
         for i in range(wide):
             at = row + i
             flow = inflow(at, 1, i, wide, grid, MOMENTUM, open)
@@ -64,7 +68,8 @@ def find_excess(box, o, near, grid, room, pressure, numbers):
             held += difference(at, wide, n, high, pressure, open)
             held += difference(at, layer, o, deep, pressure, open)
             more = dense - open[at]
-            excess[at] = min(more, most * max(dense, np.float32(1))) + ratio * flow / full + HELD * held
+            room.held[at] = HELD * pressure[at]
+            excess[at] = min(more, most * min(max(dense, np.float32(1)), HASTE)) + ratio * flow / full + HELD * held
 
 
 @device

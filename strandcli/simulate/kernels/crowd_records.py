@@ -22,13 +22,13 @@ RATE, TARGET, PUSH = 0, 1, 4
 velocity changes by (3), m/s, and what is added to that between two middles (3), m/s. One is not used."""
 CELL = 8
 """Columns of each."""
-FULL, RATIO, MOST, LOST, SPEED, STOP, WAY, CHANGE = 0, 1, 2, 3, 4, 5, 6, 9
+FULL, RATIO, MOST, LOST, SPEED, STOP, WAY, CHANGE, FALL = 0, 1, 2, 3, 4, 5, 6, 9, 12
 """Numbers of a step: metres in a cell that is as dense as allowed; half the step over the cell's side, s/m; the share
 of the density that pressure makes up for at the most; the share of its velocity against a cell that is as dense as
 allowed that a strand loses; the cell's side over the step, m/s; and of the wind, τ of a cell that holds a metre of
 strand, for a way as long as a cell's side, its unit direction (3), and by how much the open wind changes velocities
-(3), m/s."""
-NUMBERS = 12
+(3), m/s; and by how much gravity does (3), cells a step."""
+NUMBERS = 15
 
 
 SHARE, BELOW, VELOCITY = 0, 3, 6
@@ -47,7 +47,7 @@ class Moving(NamedTuple):
     velocity: Any
     """(P, N, 3 S) m/s."""
     others: Any
-    """(P, N, 3 S) what velocities change by in the step through all that is not of the strands around, m/s."""
+    """(P, N, 3 S) as `Crowd.others`: of the step before, and then of this one."""
     roots: Any
     """(P, 3 S) velocity of the roots, m/s."""
     metres: Any
@@ -74,6 +74,10 @@ class Lattice(NamedTuple):
     """(parts + 1, 3) the middle of the lowest cell of each box, metres."""
     step: Any
     """Length of the step, seconds."""
+    again: Any
+    """That over the length of the step before: what has changed velocities then is expected to do so again."""
+    seen: Any
+    """Share of what strands around change velocities by that is not to be expected again."""
 
 
 LANES = 16
@@ -89,5 +93,7 @@ class Room(NamedTuple):
     """(cells,) 1 over the number of its faces that no solid closes, 0 in solids."""
     excess: Any
     """(cells,) e of `crowd_pressure`."""
+    held: Any
+    """(cells,) `HELD` of the pressure of the step before."""
     left: Any
     """(cells,) share of the wind that is left; no rows in calm air."""

@@ -7,7 +7,8 @@ from .batch import layout
 # Unit normal; position on the screen, and distance along the ray; width of a pixel there, metres; the point's share of
 # its pixel.
 NX, NY, NZ = layout.allocate("normal", 3, surfaces="ambient:out")
-SX, SY, DISTANCE = layout.allocate("place on the screen", 3, surfaces="gather:ambient")
+SX, SY = layout.allocate("place on the screen", 2, surfaces="gather:reflect")
+DISTANCE = layout.allocate_row("distance", surfaces="gather:ambient")
 PIXEL = layout.allocate_row("width of a pixel", surfaces="ambient")
 THERE = layout.allocate_row("share of the picture", surfaces="ambient:out")
 # Noise of a pixel, in 8-bit levels.

@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device, parallel, prange
-from ....solids.kernels import capsule, sphere
+from ....simd import broadcast, lane_count, load, load3, pointer, store, where
+from ....solids.kernels import capsule, other, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.outside import count as count_solids
 from ....solids.kernels.outside import outside
 from ...common.kernels.approximations import exp
+from ...shadows.kernels import penumbra
 from ...solids.kernels import rays
 from .occlusion_columns import (
     DENSITY,
@@ -206,13 +208,36 @@ def occlude(work, n, x, y, z, solids, skin):
     """Set the row `LIGHT` of the first n directions to 0 where a solid occludes the light: vectorised
     `rays.visibility`."""
     past_round(solids, work, n, x, y, z, skin)
+    by_lanes = other.takes_vectors(solids)
+    if by_lanes:
+        past_distances(work, n, x, y, z, solids, skin)
     further = flat_or_other(solids)
     for d in range(n):
         if further and work[LIGHT + d] > ZERO:
-            ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-            work[LIGHT + d] *= rays.visibility_past_flat(
-                solids, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
-            )
+            lx, ly, lz = work[LX + d], work[LY + d], work[LZ + d]
+            ox, oy, oz = x + skin * lx, y + skin * ly, z + skin * lz
+            if by_lanes:
+                work[LIGHT + d] *= rays.visibility_past_planes(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
+            else:
+                work[LIGHT + d] *= rays.visibility_past_flat(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
+
+
+@device
+def past_distances(work, n, x, y, z, solids, skin):
+    """Set the row `LIGHT` to 0 where solids of other shapes occlude the light, by their distances along rays: as soft
+    shadows do, of a light without a size. That takes a tenth of the time of rays that meet triangles, and is as exact
+    as light that varies from cell to cell needs."""
+    rows = pointer(work)
+    for d in range(n, -(-n // lane_count(rows)) * lane_count(rows)):  # nothing to look for
+        work[LIGHT + d] = ZERO
+    for d in range(0, n, lane_count(rows)):
+        light = load(rows, LIGHT + d)
+        way = load3(rows, LX + d, W)
+        point = broadcast(light, x), broadcast(light, y), broadcast(light, z)
+        reach, size = broadcast(light, FAR), broadcast(light, penumbra.SHARP)
+        least = where(light > ZERO, ONE, -ONE * size)
+        least = other.lowest_sines(solids, least, point, way, (reach, size, skin))
+        store(rows, LIGHT + d, where(least > ZERO, light, ZERO))
 
 
 @device_if_built_in(lambda solids: True)

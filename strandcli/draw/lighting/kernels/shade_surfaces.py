@@ -15,18 +15,15 @@ from ....jit import device, parallel, prange
 from ....jit.balance import places, task_at
 from ....jit.indices import FIRST, SECOND, THIRD
 from ....solids.kernels import other, sphere
-from ...common.kernels.batch import ARRIVES, EX, EY, EZ, RADIANCE, X, Y, Z
-from ...common.kernels.light_columns import MAP_LAYERS
+from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
 from ...common.kernels.surface_batch import (
     ALBEDO,
     COAT,
     DISTANCE,
-    LEFT,
     NX,
     NY,
     NZ,
     PIXEL,
-    PX,
     ROWS,
     SX,
     SY,
@@ -34,15 +31,13 @@ from ...common.kernels.surface_batch import (
     UNDER,
 )
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
-from ...shadows.kernels import percentage_closer
-from ...shadows.kernels.minmax import transmittance
 from ...solids.kernels import appearance, blended, coat, rays
-from ...solids.kernels.surface_pixels import average, composite, fill_batch
+from ...solids.kernels.surface_pixels import average, composite, fill_batch, places_in
 from . import mirror, occlusion
-from .inputs import FADE, FADE_X, FADE_Y, FADE_Z, Coating
+from .inputs import FADE, FADE_X, FADE_Y, FADE_Z, READ, WRITTEN, Coating
 from .light import SURFACE, around
-from .reflection import bend, deepest, gleam, lift, reflect, reflect_from_below, rise, unbend
-from .shade_strands import aim, past_solids
+from .reflection import deepest, gleam, reflect, reflect_from_below
+from .surface_light import arrive, as_computed, recall, store
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -60,12 +55,12 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
     shadows: `ShadowArrays`; solids: `Solids`. The image contains the background. Blended solids may have edges in front
     of themselves, which z-buffer keys do not show; there the mean of 4×4 rays is used.
     """
-    first, last = np.int64(screen.begin), np.int64(screen.end)
     width = image.shape[1]
     picture = image.reshape(-1)
-    tasks = np.int64((last - first + PIXELS - 1) // PIXELS)
+    last = places_in(screen, width)
+    tasks = np.int64((last + PIXELS - 1) // PIXELS)
     for turn in prange(places(tasks)):
-        p = first + task_at(np.int64(turn), tasks) * PIXELS
+        p = task_at(np.int64(turn), tasks) * PIXELS
         end = min(p + PIXELS, last)
         work = np.empty(ROWS * W, np.float32)
         which = np.empty(W, np.int64)
@@ -75,13 +70,30 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
         )  # fmt: skip
         while p < end:
             p, n, solid, fine = fill_batch(screen, p, end, width, solids, work, which)
-            if n > 0:
-                look(work, n, screen.camera)
-                batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
-                mirror_solids(n, solid, surround, strands, lights, shadows, solids, coating, way, coating.mirrors)
-                if fine:
-                    average(work, n)
-                composite(work, np.int64(1) if fine else n, which, screen, width, picture)
+            if n == 0:
+                continue
+            look(work, n, screen.camera)
+            if lights.use == WRITTEN:
+                keep(work, n, solid, fine, strands, lights, shadows, solids, coating)
+                continue
+            batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
+            mirror_solids(n, solid, surround, strands, lights, shadows, solids, coating, way, coating.mirrors)
+            if fine:
+                average(work, n)
+            composite(work, np.int64(1) if fine else n, which, screen, width, picture)
+
+
+@device
+def keep(work, n, which, fine, strands, lights, shadows, solids, coating):
+    """Write the light that arrives at the first n points of a batch to the lattice; arguments as in `batch`; fine:
+    whether they are rays of one pixel, whose light nobody shares."""
+    depth = deepest(coating.coats, which)
+    if other.has_look(solids) or depth > ZERO:
+        appearance.plain(work, n, coating.paint, which)
+    face(work, n, solids, which)
+    for i in range(lights.rows.shape[0]):
+        arrive(work, n, i, lights, shadows, solids, strands.loss, depth)
+        store(work, n, i, lights, fine)
 
 
 @device
@@ -109,18 +121,10 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     if coats.shape[0] > 0:
         cover(work, n, surround, coats, which)
     for i in range(rows.shape[0]):
-        aim(work, n, rows, i)
-        rise(work, n, lights.skin, depth)
-        if other.has_look(solids):
-            lift(work, n)
-        if depth > ZERO:
-            bend(work, n, rows, i)
-        past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
-        for k in range(3 * W):
-            work[X + k] = work[PX + k]
-        if depth > ZERO:
-            unbend(work, n)
-        past_strands(work, n, rows, i, shadows, strands.loss)
+        if lights.use == READ:
+            recall(work, n, i, lights, depth)
+        else:
+            arrive(work, n, i, lights, shadows, solids, strands.loss, depth)
         if depth > ZERO:
             reflect_from_below(work, n, rows, i, coats, which)
         else:
@@ -150,10 +154,11 @@ def mirror_solids(n, which, surround, strands, lights, shadows, solids, coating,
         return
     mirror.follow(way, n, solids, which)
     bare = Coating(coating.paint, coating.bare, coating.bare, mirrors)
+    computed = as_computed(lights)
     for hit in range(mirror.FREE, mirror.number_of(solids)):
         m = mirror.gather(way, n, hit)
         if m > 0 and hit >= 0:
-            batch(seen, m, hit, surround, strands, lights, shadows, solids, bare)
+            batch(seen, m, hit, surround, strands, computed, shadows, solids, bare)
         for k in range(m):
             p = way.points[k]
             light = ZERO, ZERO, ZERO
@@ -163,23 +168,6 @@ def mirror_solids(n, which, surround, strands, lights, shadows, solids, coating,
                 there = seen[THERE + k]
             sky = surroundings(surround, ways[p], ways[W + p], ways[2 * W + p])
             mirror.add(way, p, light, there, sky, surround, strands, lights.rows, coats, which)
-
-
-@device
-def past_strands(work, n, lights, i, shadows, loss):
-    """Apply the strand shadows of light number i: min/max maps change `ARRIVES`, opacity maps set `LEFT`, else 1."""
-    if lights[i, MAP_LAYERS] == ZERO:
-        for k in range(n):
-            if work[ARRIVES + k] > ZERO:
-                work[ARRIVES + k] *= transmittance(
-                    work[X + k], work[Y + k], work[Z + k], lights, i,
-                    shadows.texels, shadows.starts, shadows.sizes, shadows.views,
-                )  # fmt: skip
-    if lights[i, MAP_LAYERS] > ZERO:
-        percentage_closer.transmittance(work, n, lights, i, loss, shadows)
-    else:
-        for k in range(3 * W):
-            work[LEFT + k] = ONE
 
 
 @device

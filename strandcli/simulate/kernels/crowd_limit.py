@@ -1,0 +1,92 @@
+"""Pressure that throws no strand: as great as it may be.
+
+Where strands are far too dense beside room, as when thousands begin inside each other, what pressure hands to the few
+at the edge would throw them by dozens of cells. On a face it may stop what comes against it and what falls against it,
+hold what it held before, and lead apart by `FARTHEST` cells a step:
+
+    p_c − p_d <= m (FARTHEST + max(−v, 0) + max(−g, 0)) + HELD max(p'_c − p'_d, 0)
+
+of the metres m that the impulse on the face moves, their velocity v from c to d, gravity's change g of it, both in
+cells a step, and the pressure p' of the step before. Of all pressures that are no greater than what was found, the
+greatest with that is taken: the least of sums along all ways from a cell, which sweeps to and fro find. Impulses are
+those of a pressure still, so that sums of momentum stay.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...jit import device, function
+from .crowd_records import BETWEEN, FALL, FULL, MASS, MOMENTUM, SIZE, SPEED
+
+FARTHEST = np.float32(0.5)
+"""Cells that pressure leads strands apart by in a step, at the most."""
+SWEEPS = 8
+"""To and fro, at the most."""
+BETWEEN_ONLY = np.float32(0.5)
+"""Share of the impulse on a face of two cells that goes to what lies between their middles. Were there none, cells of
+which every other one is dense would feel no pressure at all, and strands would gather in them; were it all, few strands
+that lie there would be thrown."""
+WIDELY = np.float32(0.5) * (1 - BETWEEN_ONLY)
+"""And the share that each of the cells gets, by trilinear weights."""
+SLIVER = np.float32(1e-4)
+"""Share of a full cell about a face below which the impulse on it is not all handed on: what rounding places there in
+one sum, and not in another, would be thrown."""
+
+
+@device
+def moved(at, next, axis, grid, least):
+    """Metres that the impulse on the face of two cells moves, at least so many."""
+    m = WIDELY * (grid[at, MASS] + grid[next, MASS]) + BETWEEN_ONLY * grid[at, BETWEEN + axis]
+    return max(m, least)
+
+
+@function
+def limit(box, near, grid, room, numbers, pressure):
+    """Lower the ``pressure`` (cells,) where it is more than it may be."""
+    for sweep in range(2 * SWEEPS):
+        lowered = False
+        for k in range(box[SIZE + 1] * box[SIZE + 2]):
+            row = box[SIZE + 1] * box[SIZE + 2] - 1 - k if sweep % 2 else k
+            if near[row // box[SIZE + 1], row % box[SIZE + 1]]:
+                lowered |= limit_row(row, sweep % 2 == 1, box, grid, room, numbers, pressure)
+        if not lowered:
+            break
+
+
+@device
+def limit_row(row, back, box, grid, room, numbers, pressure):
+    """Lower the pressure of a row's cells one after the other, and return whether any was."""
+    wide, lowered = box[SIZE], False
+    for k in range(wide):
+        i = wide - 1 - k if back else k
+        at = row * wide + i
+        own = pressure[at]
+        if own <= 0:
+            continue
+        stride, most = 1, own
+        for axis in range(3):
+            place = at // stride % box[SIZE + axis]
+            if place > 0:
+                most = min(most, greatest(at, at - stride, at - stride, axis, -1, grid, room, numbers, pressure))
+            if place < box[SIZE + axis] - 1:
+                most = min(most, greatest(at, at + stride, at, axis, 1, grid, room, numbers, pressure))
+            stride *= box[SIZE + axis]
+        if most < own:
+            pressure[at] = most
+            lowered = True
+    return lowered
+
+
+@device
+def greatest(at, next, first, axis, way, grid, room, numbers, pressure):
+    """The greatest pressure of a cell by that of a neighbour; ``first``: the one of both before the face."""
+    if room.open[next] <= 0:
+        return pressure[at]
+    full = numbers[FULL]
+    m = moved(first, at + next - first, axis, grid, SLIVER * full) / full
+    both = max(grid[at, MASS] + grid[next, MASS], SLIVER * full)
+    against = (grid[at, MOMENTUM + axis] + grid[next, MOMENTUM + axis]) / both * -way / numbers[SPEED]
+    held = max(room.held[at] - room.held[next], np.float32(0))
+    fall = -way * numbers[FALL + axis]
+    return pressure[next] + held + m * (FARTHEST + max(against, np.float32(0)) + max(fall, np.float32(0)))

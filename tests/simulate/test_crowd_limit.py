@@ -1,0 +1,70 @@
+"""Pressure that throws no strand: the greatest that is no greater than what was found."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from strandcli.simulate.kernels.crowd_limit import BETWEEN_ONLY, FARTHEST, WIDELY, limit
+from strandcli.simulate.kernels.crowd_records import BETWEEN, CELL, FALL, FULL, MASS, MOMENTUM, NUMBERS, SPEED, Room
+
+WIDE, HIGH, DEEP = 16, 7, 6
+COUNT = WIDE * HIGH * DEEP
+BOX = np.array([0, 0, 0, WIDE, HIGH, DEEP, 0])
+
+
+def made() -> tuple[NDArray[np.float32], Room, NDArray[np.float32], NDArray[np.float32]]:
+    """A grid with few strands at its sides, and far too much pressure within."""
+    rng = np.random.default_rng(5)
+    grid = rng.random((COUNT, CELL)).astype(np.float32)
+    z, y, x = np.meshgrid(*(np.arange(n) - (n - 1) / 2 for n in (DEEP, HIGH, WIDE)), indexing="ij")
+    inner = np.exp(-(x**2 + y**2 + z**2) / 8).ravel().astype(np.float32)
+    grid *= (0.01 + inner)[:, None]
+    grid[:, MOMENTUM : MOMENTUM + 3] -= 0.5 * grid[:, [MASS]]
+    empty = np.zeros(COUNT, np.float32)
+    room = Room(np.where(rng.random(COUNT) > 0.1, 1, -0.1).astype(np.float32), empty, empty, 0.2 * inner, empty)
+    numbers = np.zeros(NUMBERS, np.float32)
+    numbers[FULL], numbers[SPEED], numbers[FALL + 1] = 0.3, 2.0, -0.3
+    return grid, room, numbers, (30 * inner * (room.open > 0)).astype(np.float32)
+
+
+def most(at: int, next: int, axis: int, grid: NDArray[np.float32], room: Room, numbers: NDArray[np.float32]) -> float:
+    """By how much the pressure of a cell may be above that of a neighbour: plain numbers."""
+    first, way = min(at, next), 1 if next > at else -1
+    both = float(grid[at, MASS] + grid[next, MASS])
+    m = float(WIDELY) * both + float(BETWEEN_ONLY) * float(grid[first, BETWEEN + axis])
+    speed = way * float(grid[at, MOMENTUM + axis] + grid[next, MOMENTUM + axis]) / both / float(numbers[SPEED])
+    led = float(FARTHEST) + max(-speed, 0) + max(-way * float(numbers[FALL + axis]), 0)
+    return m / float(numbers[FULL]) * led + max(float(room.held[at] - room.held[next]), 0)
+
+
+def test_pressure_is_the_greatest_that_no_face_throws_strands_with() -> None:
+    """Against the least sums along all ways between cells."""
+    grid, room, numbers, found = made()
+    pressure, near = found.copy(), np.ones((DEEP, HIGH), np.bool_)
+    limit(BOX, near, grid, room, numbers, pressure)
+    wanted = found.astype(float)
+    for _ in range(COUNT):
+        before = wanted.copy()
+        for at in range(COUNT):
+            stride = 1
+            for axis, size in enumerate((WIDE, HIGH, DEEP)):
+                place = at // stride % size
+                for next in [at - stride] * (place > 0) + [at + stride] * (place < size - 1):
+                    if room.open[at] > 0 and room.open[next] > 0:
+                        wanted[at] = min(wanted[at], wanted[next] + most(at, next, axis, grid, room, numbers))
+                stride *= size
+        if (before == wanted).all():
+            break
+    assert (wanted < 0.5 * found).sum() > 20
+    np.testing.assert_allclose(pressure, wanted, rtol=1e-5, atol=1e-6)
+
+
+def test_pressure_that_throws_none_stays_as_it_is() -> None:
+    grid, room, numbers, found = made()
+    pressure = (0.001 * found).astype(np.float32)
+    before = pressure.copy()
+    limit(BOX, np.ones((DEEP, HIGH), np.bool_), grid, room, numbers, pressure)
+    np.testing.assert_array_equal(pressure, before)
+    assert before.max() == pytest.approx(0.03, rel=0.1)
