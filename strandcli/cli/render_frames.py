@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..calibration.learn import Watch, learn
+from ..plan.libraries import keep, mapped_bytes
 from . import dask
 
 if TYPE_CHECKING:
@@ -50,7 +51,10 @@ def frames_of(
 
 
 def learn_speed(plan: Plan, scene: Scene, data: Mapping[str, Any], motion: Motion) -> None:
-    """Refine what is known of this machine's speed by a run that has drawn all itself, unless it compiled kernels."""
+    """Refine what is known of this machine's speed by a run that has drawn all itself, unless it compiled kernels; and
+    of what libraries take, more of which compiling maps."""
+    if motion.dask is None and not data.get("compile_seconds"):
+        keep(mapped_bytes())
     here = motion.dask is None and motion.positions is None
     if here and data.get("status") == "complete" and not data.get("compile_seconds"):
         learn(plan, scene, motion.watch)

@@ -1,7 +1,8 @@
 """Memory that libraries' files take in a process: as many of their pages as the system maps.
 
 That differs twofold from one environment to the next with the same libraries, by how their files lie in the page cache.
-It is measured with the machine's speed, where kernels run anyhow, and kept for each environment.
+It changes as well as that cache is emptied and filled. It is read at the end of each render, and where the machine's
+speed is measured, and kept for each environment.
 """
 
 from __future__ import annotations
@@ -12,30 +13,26 @@ from pathlib import Path
 
 from ..compiling.folder import cache
 
-SMAPS = Path("/proc/self/smaps")
+STATUS = Path("/proc/self/status")
 FILE = "libraries.json"
-USUAL = 120_000_000
+USUAL = 116_000_000
 """Bytes where nothing was measured: most of it LLVM's library."""
 LEAST, MOST = 20_000_000, 1_000_000_000
 """Bytes that are believed."""
+NEAR = 2_000_000
+"""Bytes by which what is kept may be off, before it is written anew."""
 ENVIRONMENTS = 20
 """That are remembered."""
 
 
-def mapped_bytes(smaps: Path = SMAPS) -> int:
-    """Return the bytes of libraries' files that are mapped into this process; 0 where the system does not tell."""
-    total, library = 0, False
+def mapped_bytes(status: Path = STATUS) -> int:
+    """Return the bytes of files that are mapped into this process; 0 where the system does not tell. All of them are
+    the interpreter's and libraries': strandcli maps none."""
     try:
-        lines = smaps.read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError:
+        lines = status.read_text(encoding="utf-8", errors="replace").splitlines()
+        return sum(1024 * int(line.split()[1]) for line in lines if line.startswith("RssFile:"))
+    except (OSError, ValueError, IndexError):
         return 0
-    for line in lines:
-        words = line.split(None, 5)
-        if len(words) >= 5 and not words[0].endswith(":"):  # a mapping; its file is the last word
-            library = len(words) > 5 and ".so" in words[5].strip().rpartition("/")[2]
-        elif library and words[:1] == ["Rss:"]:
-            total += 1024 * int(words[1])
-    return total
 
 
 class _Known:
@@ -56,9 +53,10 @@ def look() -> None:
 
 
 def keep(measured: int) -> None:
-    """Keep what was measured of this environment, if it can be believed."""
-    if LEAST <= measured <= MOST:
-        kept = {**{name: one for name, one in _kept().items() if name != _environment()}, _environment(): measured}
+    """Keep what was measured of this environment, if it can be believed and is news."""
+    known, environment = _kept(), _environment()
+    if LEAST <= measured <= MOST and abs(known.get(environment, 0) - measured) > NEAR:
+        kept = {**{name: one for name, one in known.items() if name != environment}, environment: measured}
         latest = dict(list(kept.items())[-ENVIRONMENTS:])
         cache.write(cache.path / FILE, json.dumps(latest, indent=1).encode())
 

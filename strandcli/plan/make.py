@@ -11,7 +11,7 @@ from ..scene.named_files import naming_files
 from ..scene.rule_type import MUTUAL
 from .drawing import drawing_decisions
 from .free import SHARE, available_memory
-from .memory import memory_of, picture_bytes, program_bytes
+from .memory import memory_of, picture_bytes, program_bytes, shared_bytes
 from .motion import motion_decisions, solver_steps
 from .sizes import Sizes, most_strands, points_of, sizes_of
 from .warnings import warnings_of
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 
-BACKDROP, THREAD = 40, 20_000_000
-"""Bytes of a sample while its backdrop is made, and of a thread with a renderer of its own."""
+THREAD = 10_000_000
+"""Bytes of a thread with a renderer of its own, besides its picture."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ def _fitting(plan: Plan, scene: Scene) -> int:
 def _each_more(plan: Plan, scene: Scene) -> int:
     """Return the bytes of each further frame that is drawn at once, with its thread and its copy of the state."""
     state = plan.strands * 12 * (scene.emitter.particles + 1)
-    return picture_bytes(plan, scene) + state + BACKDROP * plan.samples + THREAD
+    return picture_bytes(plan, scene) - shared_bytes(plan, scene) + state + THREAD
 
 
 def _plan_side_by_side(plan: Plan, scene: Scene, threads: int) -> None:

@@ -19,12 +19,14 @@ if TYPE_CHECKING:
     from ..scene.model import Rod, Scene
     from .make import Plan
 
-PRIVATE = 53_000_000
+PRIVATE = 57_500_000
 """Bytes of the interpreter, of what libraries hold besides their files, and of kernels of a plain scene."""
-SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 18_000_000, 25_000_000
+SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 5_000_000, 25_000_000
 """Of the further kernels, and of what reads meshes, where a scene has them."""
 
 
+WAITING = 24
+"""Bytes of a pixel of pictures that wait to be written."""
 NEARER, SEEN = 1.3, 0.75
 """How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
 ROD, CROWDED, FRAMED = 80, 42, 28
@@ -124,8 +126,7 @@ def _groom_bytes(plan: Plan, scene: Scene) -> int:
     strands, n = plan.sizes.strands, plan.sizes.points
     total = 0
     if scene.children is not None:  # the guides as finely, the strands, and what they follow
-        levels, waves = len(scene.children.clumps), len(scene.children.waves)
-        total += 12 * (n + 1) * (plan.strands + plan.sizes.made * 9 // 8) + strands * (200 + 8 * levels + 12 * waves)
+        total += 12 * (n + 1) * (plan.strands + plan.sizes.made * 9 // 8) + _followed_bytes(plan, scene)
     followers = scene.emitter.followers
     if followers is not None:  # the file, as it is read and packed; at rest, with shares; as they are placed; a table
         total += followers.strands * (24 * (followers.file_points + 1) + 100)
@@ -133,6 +134,19 @@ def _groom_bytes(plan: Plan, scene: Scene) -> int:
     if scene.emitter.tie is not None:  # as they are made, in blocks, and joined to what hangs from the tie
         total += strands * 12 * (2 * (TIED + 1) + n)
     return total
+
+
+def _followed_bytes(plan: Plan, scene: Scene) -> int:
+    """Return the bytes of what children follow."""
+    if scene.children is None or plan.sizes is None:
+        return 0
+    return plan.sizes.strands * (200 + 8 * len(scene.children.clumps) + 12 * len(scene.children.waves))
+
+
+def shared_bytes(plan: Plan, scene: Scene) -> int:
+    """Return the bytes of `picture_bytes` that frames drawn at once have in common: what children follow, and pictures
+    that are written one after the other."""
+    return _followed_bytes(plan, scene) + WAITING * plan.pixels
 
 
 def _traced_bytes(plan: Plan, scene: Scene, vertices: int, traced: int) -> int:
@@ -184,7 +198,7 @@ def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
         total += plan.samples * 12
     if scene.image.aovs:
         total += plan.pixels * 60 * 3  # three more pictures may wait to be written
-    return total + plan.samples * 32 + plan.pixels * 3 * 8
+    return total + plan.samples * 32 + plan.pixels * WAITING
 
 
 def fragment_bytes(plan: Plan, scene: Scene) -> int:

@@ -29,6 +29,12 @@ CROSSED, FOR_WIDTH = 1.3, 1.9
 """Samples that a line touches for each that it is long, and as many more for each that it is wide."""
 HIDDEN = 0.45
 """Of fragments, those in front of what is opaque, where strands stand in locks."""
+GATHERED = 0.5
+"""What `squeezed` returns of long strands that are combed and hang."""
+BULKY = 0.02
+"""Radius of waves that hold strands apart, over their length."""
+PRESSED = 0.95
+"""Distance of strands that push each other once they hang, over that at which they begin to; locks are denser."""
 HANGING = 0.55
 """How far strands that are combed or tied reach beyond what they grow on, over their length."""
 
@@ -75,6 +81,8 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
     width = scene.material.width * (1 - scene.material.taper / 2) * scale if scene.material.width > 0 else 1.0
     shown = HIDDEN if scene.children is not None and scene.children.clumps else 1.0
     apart = math.sqrt(max(area, 1e-12) * squeezed(scene, extent, length) / max(drawn * share, 1.0))
+    if pressed := next((use.parameters.density for use in scene.rules if use.name == "interaction"), 0.0):
+        apart = min(apart, PRESSED / math.sqrt(pressed))  # the weight of what hangs brings them as near
     made = round(drawn * share) if scene.children is not None else drawn
     return Sizes(drawn, made, points, segments, ahead * (CROSSED + FOR_WIDTH * width) * shown, scale, radius, apart)
 
@@ -133,8 +141,17 @@ def squeezed(scene: Scene, extent: float, length: float) -> float:
     if scene.emitter.tie is not None:
         return 0.3 * together
     emitter = scene.emitter
+    if length > extent and _lies_smooth(scene, length):
+        return GATHERED * together
     flat = isinstance(emitter.shape, PlaneShape | DiscShape | MeshShape) or emitter.comb is not None
     return together if flat or emitter.direction is not None else together * (1 + length / 2 / max(extent, 1e-9)) ** 2
+
+
+def _lies_smooth(scene: Scene, length: float) -> bool:
+    """Whether strands are combed and have no curls that hold them apart."""
+    emitter, waves = scene.emitter, scene.children.waves if scene.children is not None else ()
+    combed = emitter.comb is not None or (isinstance(emitter.shape, MeshShape) and emitter.shape.comb is not None)
+    return combed and emitter.curl_turns == 0 and all(wave.radius < BULKY * length for wave in waves)
 
 
 def pieces_of(scene: Scene, scale: float, length: float, points: int) -> float:
@@ -150,7 +167,7 @@ def pieces_of(scene: Scene, scale: float, length: float, points: int) -> float:
     if emitter.curl_turns > 0:
         bends.append(2 * math.pi * emitter.curl_turns / emitter.length * math.sin(math.radians(emitter.curl_angle)))
     for wave in scene.children.waves if scene.children is not None else ():
-        bends.append(wave.radius * (2 * math.pi / wave.length) ** 2 * wave.share)
+        bends.append(wave.radius * (2 * math.pi / wave.length) ** 2 * wave.share * (1 - wave.onset / 2))
     chord = length / max(points - 1, 1)
     off = math.hypot(*bends) * chord**2 / 8 * scale / curves.tolerance
     return sum(min(max(math.ceil(math.sqrt(spread * off)), 1), most) for spread in SPREADS) / len(SPREADS)

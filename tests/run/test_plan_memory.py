@@ -102,14 +102,14 @@ def test_a_control_group_that_has_less_left_than_the_machine_refuses(
     group, told = tmp_path / ("memory" if version == 1 else "") / "user.slice" / "job", tmp_path / "told"
     group.mkdir(parents=True)
     names = ("memory.limit_in_bytes", "memory.usage_in_bytes") if version == 1 else ("memory.max", "memory.current")
-    for folder, numbers in ((group, (2**63 - 4096, 0)), (group.parent, (300_000_000, 90_000_000))):
+    for folder, numbers in ((group, (2**63 - 4096, 0)), (group.parent, (200_000_000, 90_000_000))):
         for name, number in zip(names, numbers, strict=True):
             (folder / name).write_text(f"{number}\n")
     told.write_text("9:cpu,memory:/user.slice/job\n" if version == 1 else "0::/user.slice/job\n")
     left = limits.memory_left
     monkeypatch.setattr(limits, "memory_left", lambda: left(tmp_path, told))
-    assert available_memory() == 210_000_000
-    with pytest.raises(RefusedError, match="more than 80 % of the 210 MB that are free"):
+    assert available_memory() == 110_000_000
+    with pytest.raises(RefusedError, match="more than 80 % of the 110 MB that are free"):
         checked_plan(scene_of(EVERYTHING), [1])
 
 
