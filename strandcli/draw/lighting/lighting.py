@@ -127,7 +127,7 @@ class Lighting:
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
             Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN), hidden,
-                   lattice.wanted, width * top, width * bottom),
+                   lattice.wanted, top, bottom),
             self._surround(),
             StrandLight(self.palette.colour, given(self.palette.loss, 4)), self._lights(given(None, 0), lattice),
             map_arrays(self.maps), self.solids, coating_of(seen, paint), image,

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, floor, gather, load, load3, pointer, sqrt, store3
+from ...simd import any_lane, broadcast, floor, gather, gather2, gather4, load, load3, pointer, sqrt, store3
 from .child_scratch import BASE, CHAIN, LINK, PARENT, PULL, REST, ROOT, SHARE, WEIGHT
 from .inputs import PARENTS
 
@@ -53,14 +53,11 @@ def on_guides(particles, stride, scratch, link, low, t):
         g = load(scratch, link + (PARENT + p) * W)
         w = load(scratch, link + (WEIGHT + p) * W)
         bx, by, bz = load3(scratch, link + (BASE + 3 * p) * W, W)
-        ax, ay, az = (
-            gather(particles, 3, g, stride, row),
-            gather(particles, 4, g, stride, row),
-            gather(particles, 5, g, stride, row),
-        )
-        x = x + w * (ax + t * (gather(particles, 6, g, stride, row) - ax) - bx)
-        y = y + w * (ay + t * (gather(particles, 7, g, stride, row) - ay) - by)
-        z = z + w * (az + t * (gather(particles, 8, g, stride, row) - az) - bz)
+        ax, ay, az, cx = gather4(particles, 3, g, stride, row)  # two points lie beside each other
+        cy, cz = gather2(particles, 7, g, stride, row)
+        x = x + w * (ax + t * (cx - ax) - bx)
+        y = y + w * (ay + t * (cy - ay) - by)
+        z = z + w * (az + t * (cz - az) - bz)
     return x, y, z
 
 

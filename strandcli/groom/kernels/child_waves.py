@@ -20,7 +20,7 @@ from .child_scratch import (
     WAY,
 )
 from .inputs import ONSET, ROUNDNESS
-from .keep_out import keep_lane_out
+from .keep_out import keep_lane_out, way_past_shapes
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -62,8 +62,11 @@ def write_strands(waves, solids, solid, scratch, first, out, b, k):
         store3(x, top + j * 3 * W, W, px, py, pz)
         if solid:
             way = load(own, WAY * W + k) - rest
-            store(own, WAY * W + k, way)
             left = movemask(~(way > 0.0))
+            if left != 0:
+                way = max(way, way_past_shapes(solids, px, py, pz, rest))
+                left = movemask(~(way > 0.0))
+            store(own, WAY * W + k, way)
             if left != 0:
                 for lane in range(k, k + lane_count(x)):
                     if (left >> (lane - k)) & 1:

@@ -8,7 +8,9 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device
-from ...solids.kernels import built_in, other
+from ...simd import broadcast, pointer
+from ...solids.kernels import box, built_in, capsule, other, plane, sphere
+from ...solids.kernels.built_in import device_if_built_in
 from ...solids.kernels.outside import outside
 
 ZERO = np.float32(0.0)
@@ -21,6 +23,31 @@ ROUNDS = 3
 SURE = np.float32(0.55)
 """Share of the distance from solids that a strand may go on unexamined: distances that are linear along the axes
 between nodes of a grid grow by √3 a metre at most."""
+FREE = np.float32(0.98)
+"""The same from solids of the four shapes, whose distances are exact but for rounding."""
+FAR = np.float32(1e6)
+
+
+@device_if_built_in(lambda solids, x, y, z, rest: rest - rest)
+def way_past_shapes(solids, x, y, z, rest):
+    """Return how far strands may go on from particles before solids, all of the four shapes, can be met, metres; 0
+    where that is not known. Vectors of lanes."""
+    if other.count(solids) > 0:
+        return rest - rest
+    deep = broadcast(x, -FAR)
+    rows, size = pointer(solids.spheres), solids.spheres.shape[1]
+    for m in range(0, solids.spheres.shape[0] * size, size):
+        deep = max(deep, sphere.depth(rows, m, x, y, z))
+    rows, size = pointer(solids.capsules), solids.capsules.shape[1]
+    for m in range(0, solids.capsules.shape[0] * size, size):
+        deep = max(deep, capsule.depth(rows, m, x, y, z))
+    rows, size = pointer(solids.planes), solids.planes.shape[1]
+    for m in range(0, solids.planes.shape[0] * size, size):
+        deep = max(deep, plane.depth(rows, m, x, y, z))
+    rows, size = pointer(solids.boxes), solids.boxes.shape[1]
+    for m in range(0, solids.boxes.shape[0] * size, size):
+        deep = max(deep, box.depth(rows, m, x, y, z)[0])
+    return max(-FREE * deep - CLEAR * rest, ZERO)
 
 
 @device

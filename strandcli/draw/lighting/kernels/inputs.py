@@ -111,7 +111,7 @@ class Screen(NamedTuple):
     """uint8: the number in `hidden` of pixels that are shaded, the others are left as they are."""
     begin: int
     end: int
-    """The pixels that are shaded: begin … end − 1, the others are left as they are."""
+    """The rows that are shaded: begin … end − 1, the others are left as they are."""
 
 
 class Coating(NamedTuple):

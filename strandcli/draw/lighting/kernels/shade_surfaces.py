@@ -32,7 +32,7 @@ from ...common.kernels.surface_batch import (
 )
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...solids.kernels import appearance, blended, coat, rays
-from ...solids.kernels.surface_pixels import average, composite, fill_batch
+from ...solids.kernels.surface_pixels import average, composite, fill_batch, places_in
 from . import mirror, occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z, READ, WRITTEN, Coating
 from .light import SURFACE, around
@@ -55,12 +55,12 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
     shadows: `ShadowArrays`; solids: `Solids`. The image contains the background. Blended solids may have edges in front
     of themselves, which z-buffer keys do not show; there the mean of 4×4 rays is used.
     """
-    first, last = np.int64(screen.begin), np.int64(screen.end)
     width = image.shape[1]
     picture = image.reshape(-1)
-    tasks = np.int64((last - first + PIXELS - 1) // PIXELS)
+    last = places_in(screen, width)
+    tasks = np.int64((last + PIXELS - 1) // PIXELS)
     for turn in prange(places(tasks)):
-        p = first + task_at(np.int64(turn), tasks) * PIXELS
+        p = task_at(np.int64(turn), tasks) * PIXELS
         end = min(p + PIXELS, last)
         work = np.empty(ROWS * W, np.float32)
         which = np.empty(W, np.int64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import device
+from ....jit import device, inlined
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.dither import dithered, noise_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
@@ -19,24 +19,29 @@ ONE = np.float32(1.0)
 FOLD = np.float32(4.0)
 """Second difference of depth between neighbouring pixels, in pixel widths, beyond which a surface is taken to have an
 edge in front of itself."""
+SIDE_BITS = np.int64(3)
+SIDE = np.int64(8)
+"""Side of a square of pixels that are shaded one after the other."""
 FINE = 4
 """Rays along each side of a pixel with such an edge."""
 
 
 @device
 def fill_batch(screen, p, end, width, solids, work, which):
-    """Fill a batch with pixels of one solid, from pixel number p on, or with the rays of a single pixel in which the
-    solid has an edge in front of itself.
+    """Fill a batch with pixels of one solid, from place p on in the order of `pixel_at`, or with the rays of a single
+    pixel in which the solid has an edge in front of itself.
 
-    Returns the next pixel, the number of points, the number of the solid, and whether they are rays of one pixel.
-    screen: `inputs.Screen`; end: first pixel beyond the task; which (W,) int64 out: pixel of each point.
+    Returns the next place, the number of points, the number of the solid, and whether they are rays of one pixel.
+    screen: `inputs.Screen`; end: first place beyond the task; which (W,) int64 out: pixel of each point.
     """
     keys, view, spots, hidden = screen.keys, screen.camera, screen.spots, screen.hidden
     n = np.int64(0)
     solid = np.int64(-1)
     blends = False
-    row = p // width
-    for at in range(p, end):
+    for place in range(p, end):
+        at, column, row = pixel_at(place, screen, width)
+        if at < 0:
+            continue
         key = keys[at]
         if key == EMPTY or (key & LOW) < FIRST:
             continue
@@ -44,19 +49,16 @@ def fill_batch(screen, p, end, width, solids, work, which):
             continue
         own = np.int64((key & LOW) - FIRST)
         if n > 0 and (own != solid or n == W):
-            return at, n, solid, False
+            return place, n, solid, False
         if own != solid:
             solid = own
             blends = blended.blends(solids, own) or appearance.folds(solids, own)
             blends = spots.shape[0] == 0 and blends
-        while at >= (row + 1) * width:
-            row += 1
-        column = at - row * width
         if blends and folded(keys, at, column, width, view):
             if n > 0:
-                return at, n, solid, False
+                return place, n, solid, False
             which[0] = at
-            return at + 1, fine_rays(work, column, row, view, solids, own), solid, True
+            return place + 1, fine_rays(work, column, row, view, solids, own), solid, True
         which[n] = at
         work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
         work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
@@ -66,6 +68,31 @@ def fill_batch(screen, p, end, width, solids, work, which):
             work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, solids, own)
         n += 1
     return end, n, solid, False
+
+
+@inlined
+def places_in(screen, width):
+    """Return the number of places of `pixel_at`."""
+    rows, columns = np.int64(screen.end - screen.begin), np.int64(width)
+    if screen.spots.shape[0] > 0:
+        return rows * columns
+    return ((rows + SIDE - 1) >> SIDE_BITS) * ((columns + SIDE - 1) >> SIDE_BITS) * SIDE * SIDE
+
+
+@inlined
+def pixel_at(place, screen, width):
+    """Return number, column and row of the pixel at a place of an order in which sixteen pixels one after the other are
+    a square of 4 × 4, and of every second pixel of every second row a square, too: they read the same texels. −1 where
+    no pixel is. Pixels with positions of their own are in their own order."""
+    if screen.spots.shape[0] > 0:
+        return screen.begin * width + place, np.int64(0), np.int64(0)
+    across = (np.int64(width) + SIDE - 1) >> SIDE_BITS
+    square, within = place >> (2 * SIDE_BITS), place & (SIDE * SIDE - 1)
+    down = square // across
+    column = (square - down * across) * SIDE + (within & 1) + ((within >> 1) & 2) + ((within >> 2) & 4)
+    row = screen.begin + down * SIDE + ((within >> 1) & 1) + ((within >> 2) & 2) + ((within >> 3) & 4)
+    inside = (column < width) & (row < screen.end)
+    return row * width + column if inside else np.int64(-1), column, row
 
 
 @device
