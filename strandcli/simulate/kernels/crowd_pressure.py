@@ -36,9 +36,11 @@ EVEN = np.array([1, 0] * LANES, np.float32)
 HELD = np.float32(0.5)
 """Share of the pressure of the step before that is taken to be held by other forces wholly, whatever the grid sees of
 them. With all of it pressure swings; with none, what the grid does not see has to be made up for by density."""
-HASTE = np.float32(4)
-"""Densities, of those allowed, up to which pressure makes up for a share of them a step: what is denser is led apart no
-faster."""
+HASTE = np.float32(2)
+"""Share of what there is too much of that pressure makes up for in a step, over the share of the density that it does
+at the most: were it all, short steps would throw strands apart, which would go on until drag stops them."""
+DENSEST = np.float32(4)
+"""Densities, of those allowed, up to which that is a share of them: what is denser is led apart no faster."""
 GROUPS = 64
 """Of cells of a row at the most: bits of a word."""
 ROUNDS = 12
@@ -51,6 +53,7 @@ def find_excess(box, o, near, grid, room, pressure, numbers):
     ``pressure`` (cells,): of the step before; ``numbers`` (`NUMBERS`,)."""
     open, excess = room.open, room.excess
     full, ratio, most = numbers[FULL], numbers[RATIO], numbers[MOST]
+    haste = min(HASTE * most, np.float32(1))
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     layer = wide * high
     for n in range(high):
@@ -69,7 +72,9 @@ def find_excess(box, o, near, grid, room, pressure, numbers):
             held += difference(at, layer, o, deep, pressure, open)
             more = dense - open[at]
             room.held[at] = HELD * pressure[at]
-            excess[at] = min(more, most * min(max(dense, np.float32(1)), HASTE)) + ratio * flow / full + HELD * held
+            if more > 0:
+                more = min(more * haste, most * min(max(dense, np.float32(1)), DENSEST))
+            excess[at] = more + ratio * flow / full + HELD * held
 
 
 @device

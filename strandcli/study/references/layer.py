@@ -4,7 +4,8 @@ The strands hang from their roots, and the plate stands beside their lower halve
 it, for their weight draws them to it. With it those next to it are as dense as allowed, and no denser, up to where as
 many are as the plate has swept together. Where the plate comes back, the layer follows. Of two layers one is pressed to
 where it is measured, and the other further, from where the plate has come back. They are measured from strands and not
-from a grid: metres of strand in a box before the plate.
+from a grid: metres of strand in a box before the plate. Strands are limp: stiff ones that lean over the plate's edge
+bend away from it further down, hair by 2 mm at the tips, and leave room there that nothing presses them into.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ SPARSE = (ROWS / SIDE) ** 2
 """Strands a square metre as they stand."""
 DENSE = 1.5 * SPARSE
 """Strands a square metre at the most, n."""
-CELL = 0.004
+CELL = 0.006
+YOUNG = 4e7
+"""A hundredth of hair's, Pa."""
 DEEPEST, MEASURED = 0.03, 0.02
 """How far the plate comes in, and where it is when the layer is measured, metres."""
 SPEED, SPAN = 0.03, 3.0
@@ -79,7 +82,7 @@ def case(particles: int) -> Case:
                     "particles": particles, "length": LENGTH},
         "solids": solids,
         "rules": ["gravity", {"interaction": {"density": DENSE, "cell": CELL}}, "collision"],
-        "rod": {"rest": "straight", "drag": 5.0, "friction": 0.0},
+        "rod": {"rest": "straight", "young": YOUNG, "drag": 5.0, "friction": 0.0},
     }  # fmt: skip
     return Case(settings, made)
 
