@@ -24,7 +24,7 @@ from .renderer import Renderer
 from .shadows.kernels.counting import count_splats
 from .shadows.kernels.map_parts import PartsInMap
 from .shadows.shadow import ShadowMaps
-from .shadows.strands_in_map import parts_in_map, project, view_numbers
+from .shadows.strands_in_map import project, view_numbers
 from .strand_batches import StrandBatch, StrandBatches, Strands
 from .view.camera import View
 from .zbuffer.kernels.counting import count_samples
@@ -135,8 +135,7 @@ def count_in_maps(maps: ShadowMaps, lines: Polylines, scratch: Scratch) -> Count
         size = int(maps.sizes[number])
         found["strand_vertices_in_maps"] += len(screen)
         if maps.layers[number]:
-            parts = parts_in_map(lines, view, size, maps.thickness, 1, scratch)
-            found["splats"] += splats_of(parts, size, view)
+            found["splats"] += splats_of(maps.parts(number, lines, 1, scratch), size, view)
         else:
             found["map_texels"] += samples_of(first, screen, (size,) * 2)
     return found

@@ -33,6 +33,7 @@ from .lighting.palette import Palette
 from .shadows.needs import needs_counts
 from .shadows.shadow import ShadowMaps, map_arrays, plan_maps
 from .shadows.shadow_model import casts_map, counts_strands, model_of, shades_vertices
+from .shadows.strands_in_map import chances_of
 from .shadows.vertex_shadows import StrandsInLight
 from .solids.solids import packed as pack_solids
 from .strand_batches import StrandBatch, StrandBatches, Strands, divide
@@ -147,13 +148,11 @@ class Renderer:
         which shadows and occlusion are reused; pinhole: whether to ignore lens and jitter."""
         scene, drawing, at = self.scene, self._drawing, shot.at
         strands = self.drawn.at(scene, at, positions, lengths, self.tones, self.ids, drawing)
-        level = strands.level
         if recorder is not None:
             recorder.ids = strands.ids
-        bounds = bounds_of(strands.positions, strands.count, None if level is None else level.fade)
+        bounds = bounds_of(strands.positions, strands.count, None if strands.level is None else strands.level.fade)
         view = self._view(shot, bounds, pinhole)
-        solids = self.solids(at)
-        thickness = thickness_of(scene.material, view, bounds)
+        solids, thickness = self.solids(at), thickness_of(scene.material, view, bounds)
         if made is None:
             maps, hidden = self._plan_shadows(strands, bounds, thickness, solids)
         else:
@@ -210,6 +209,8 @@ class Renderer:
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:
         """Draw all strands into the shadow maps before any is shaded; ``lines``: of the only batch, if they exist."""
+        if self.coverage is not None:  # sorted strands are one batch
+            maps.chances = chances_of(batches.strands.ids, batches.strands.count)
         if lines is not None:
             return maps.build(lines, workers, self.scratch)
         for draw in (maps.add, maps.accumulate_layers) if maps.deep else (maps.add,):
@@ -256,8 +257,8 @@ class Renderer:
 
     def solids(self, at: float) -> Solids | None:
         """Return the visible solids at a time, seconds, packed; None if there are none."""
-        visible = [solid for solid in self.scene.solids if solid.visible]
-        return pack_solids(visible, self.scene.emitter, at) if visible else None
+        seen = [solid for solid in self.scene.solids if solid.visible]
+        return pack_solids(seen, self.scene.emitter, at) if seen else None
 
     def _view(self, shot: lens.Exposure, bounds: NDArray[np.float64], pinhole: bool) -> View:
         """Return the camera's view at an exposure's time, through its point of the lens, within the crop window."""
@@ -280,17 +281,16 @@ class Renderer:
 
     def blank(self) -> NDArray[np.uint8]:
         """Return a picture (height, width, 3) with undefined contents."""
-        width, height = self.scene.image.drawn
-        return np.empty((height, width, 3), np.uint8)
+        return np.empty((*self.scene.image.drawn[::-1], 3), np.uint8)
 
     def _spacing(self, strands: Strands) -> float:
         """Return the distance between neighbouring drawn strands, metres, for opacity maps; 0 if there are none. It is
         measured between all of these strands, and converted to the density that level of detail leaves."""
         if not self._deep:
             return 0.0
-        count, level, whole = strands.total, strands.level, strands.whole
-        even = strands.ids is None or isinstance(self.children, Children)
-        among = first_emitted(count, strands.ids) if even and whole is None else None
+        count, level, whole, ids = strands.total, strands.level, strands.whole, strands.ids
+        even = whole is None and (ids is None or isinstance(self.children, Children))
+        among = first_emitted(count, ids) if even else None
         spacing = spacing_of(*(strands.positions, count, among) if whole is None else whole.around())
         return spacing if level is None else spacing * math.sqrt(count / self._most / level.share)
 

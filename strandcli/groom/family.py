@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..kept import Arrays, kept
 from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
 from . import fringe
 from .arrange import spatial_order
@@ -25,6 +27,8 @@ WAVE_SPREAD = 0.35
 """Relative spread of wavelengths between clumps."""
 SHARED = np.float32(0.4)
 """Share of a strand's tone that is that of its clumps."""
+LEVELS = ("middles", "pulls", "radii", "phases", "turns")
+"""Arrays of a family that have a row for each level or wave, and those of a child next to each other."""
 PLAIN = 4
 """Coordinates by which strands are compared, but on meshes."""
 FACING = 0.1
@@ -68,18 +72,39 @@ class Family(NamedTuple):
         """Return the children in another order; ``order`` (A,): where each is here."""
         standing = np.empty_like(order)
         standing[order] = np.arange(len(order), dtype=np.int32)
-        levels = {"middles", "pulls", "radii", "phases", "turns"}
-        moved = {name: one[:, order] if name in levels else one[order] for name, one in self._asdict().items()}
+        moved = {name: one[:, order] if name in LEVELS else one[order] for name, one in self._asdict().items()}
         return self._replace(**moved | {"middles": standing[moved["middles"]]})
 
 
 def family_of(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave]) -> Family:
     """Return the constants of children. ``groom``: the guides; ``every``: the children as emitted, the guides first;
-    ``waves``: those that move anything."""
+    ``waves``: those that move anything. They are kept from one run to the next."""
+    settings, where, count = scene.children, _places(scene.emitter, every), every.strands
+    assert settings is not None
+    levels, moved, used = len(settings.clumps), len(waves), min(PARENTS, groom.strands)
+    small, whole = np.float32, np.int32
+    like: Arrays = {
+        name: np.broadcast_to(np.zeros((), kind), shape) for name, kind, shape in (
+            ("ids", whole, count), ("tones", every.tones.dtype, count), ("roots", np.float64, (count, 3)),
+            ("parents", whole, (count, used)), ("weights", small, (count, used)), ("shares", small, count),
+            ("middles", whole, (levels, count)), ("pulls", small, (levels, count)), ("radii", small, (moved, count)),
+            ("phases", small, (moved, count)), ("turns", small, (moved, count)), ("across", np.float64, (count, 3)),
+        )
+    }  # fmt: skip
+    given = [
+        asdict(settings), [asdict(wave) for wave in waves], scene.seed, _area(scene.emitter), groom.strands,
+        every.colours is None, where, groom.emitted(np.arange(groom.strands, dtype=np.int32)), every.tones,
+        every.directions, every.roots,
+    ]  # fmt: skip
+    found = Family(*kept("family", (__name__,), given, like, lambda: _made(scene, groom, every, waves, where)))
+    return found._replace(**{name: np.asfortranarray(getattr(found, name)) for name in LEVELS})
+
+
+def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where: NDArray[np.float32]) -> Family:
+    """As `family_of`; ``where``: from `_places`."""
     settings, emitter, count = scene.children, scene.emitter, every.strands
     assert settings is not None
     seed: int = scene.seed
-    where = _places(emitter, every)
     parents, weights = _parents(where, groom)
     lots = stream(seed, RANDOM, count)
     levels = _Levels(emitter, settings.clumps, where, seed)

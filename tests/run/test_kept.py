@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,16 +16,20 @@ from numpy.typing import NDArray
 
 from mesh_kit import obj, ply, sphere
 from strandcli import kept as keeping
+from strandcli import load
 from strandcli.compiling import folder
 from strandcli.compiling.clock import clock
 from strandcli.draw.lighting import palette
+from strandcli.groom import family
+from strandcli.groom.children import Children
+from strandcli.groom.emit import emit
 from strandcli.kept import FREE, kept
 from strandcli.mesh_file import file_kept, long
 from strandcli.meshes.bvh import make_bvh
 from strandcli.meshes.distance_grid import make_distance_grid
 from strandcli.meshes.make import make_mesh
 from strandcli.meshes.read import read_mesh
-from strandcli.scene.model import Material
+from strandcli.scene.model import Material, Scene
 
 LIKE = {FREE + "many": np.empty(0, np.float32), "few": np.empty((2, 2))}
 CODE = ("strandcli.kept",)
@@ -227,3 +232,29 @@ def test_tables_of_a_material_have_the_bits_of_those_that_are_made(
     with pytest.raises(AssertionError, match="made again"):
         palette._scattered_of(Material(model="chiang", scatter="dual", beta_m=0.2), 0.3)
     palette._scattered_of.cache_clear()
+
+
+def test_what_children_follow_has_the_bits_and_the_layout_of_what_is_made(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wave = {"radius": 0.001, "length": 0.02}
+    scene = load("brush", settings={"children.count": 4, "children.waves": [wave, {**wave, "share": 0.5}]})
+
+    def found(scene: Scene) -> family.Family:
+        return Children(scene, emit(scene.emitter, scene.seed)).family
+
+    made = found(scene)
+    assert len(list(place.iterdir())) == 1
+    monkeypatch.setattr(family, "_made", refuse)
+    again = found(scene)
+    same(again, made)
+    for one, other in zip(again, made, strict=True):  # kernels are compiled for either order
+        assert (one.flags.c_contiguous, one.flags.f_contiguous) == (other.flags.c_contiguous, other.flags.f_contiguous)
+    settings = scene.children
+    assert settings is not None
+    for other in (
+        replace(scene, seed=1), replace(scene, children=replace(settings, cut=0.3)),
+        replace(scene, emitter=replace(scene.emitter, strands=80)),
+    ):  # fmt: skip
+        with pytest.raises(AssertionError, match="made again"):
+            found(other)

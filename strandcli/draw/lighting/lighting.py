@@ -17,7 +17,17 @@ from ..shadows.shadow import ShadowMaps, map_arrays
 from ..solids.solids import NONE, coats_of, paint_of
 from ..view.camera import View
 from .kernels import shade_strands, shade_surfaces
-from .kernels.inputs import COMPUTED, Coating, Lights, Screen, StrandColour, StrandLight, Surround, Vertices, WidthProfiles
+from .kernels.inputs import (
+    COMPUTED,
+    Coating,
+    Lights,
+    Screen,
+    StrandColour,
+    StrandLight,
+    Surround,
+    Vertices,
+    WidthProfiles,
+)
 from .kernels.lattice import DRAWN
 from .kernels.mirror import DULL
 from .kernels.occlusion_columns import BOX_SIZE
@@ -122,7 +132,7 @@ class Lighting:
         """
         if self.solids is None:
             return
-        (top, bottom), width = rows or (0, len(image)), image.shape[1]
+        top, bottom = rows or (0, len(image))
         seen = [solid for solid in self.scene.solids if solid.visible]
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
@@ -139,4 +149,5 @@ class Lighting:
         return Surround(np.array(self.scene.ambient, np.float32), given(self.sky, 9, 3), *around)
 
     def _lights(self, clear: NDArray[np.float32], lattice: Lattice = NO_LATTICE) -> Lights:
-        return Lights(self.lights, clear, self.skin, self.sized, lattice.known, lattice.down, lattice.right, lattice.use)
+        at = lattice.known, lattice.down, lattice.right, lattice.use
+        return Lights(self.lights, clear, self.skin, self.sized, *at)

@@ -81,6 +81,8 @@ class ShadowMaps:
     """1 / h of `kernels.opacity`, 1/m."""
     fronts: tuple[NDArray[np.float32], NDArray[np.int64]] = NO_FRONTS
     """From `tables_of_cells`, once all opacity maps are divided."""
+    chances: NDArray[np.float32] | None = None
+    """(strands,) from `chances_of`, to leave out most strands deep in shadow; None: none are."""
     _lengths: list[int] = field(default_factory=list)
     """Numbers of each opacity map that is divided."""
 
@@ -95,18 +97,18 @@ class ShadowMaps:
             if not layers:
                 self._fill(number, lines, workers, scratch)
                 continue
-            parts = self._parts(number, lines, workers, scratch)
+            parts = self.parts(number, lines, workers, scratch)
             self._draw(number, parts)
             self._divide(number, scratch)
             self._draw(number, parts)
-            self._sum(number)
+            opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
         self._find_fronts()
 
     def add(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw a portion of the polylines into every map."""
         for number, layers in enumerate(self.layers):
             if layers:
-                self._draw(number, self._parts(number, lines, workers, scratch))
+                self._draw(number, self.parts(number, lines, workers, scratch))
             else:
                 self._fill(number, lines, workers, scratch)
 
@@ -120,13 +122,13 @@ class ShadowMaps:
         """Draw a portion of the polylines into the layers of every opacity map."""
         for number, layers in enumerate(self.layers):
             if layers:
-                self._draw(number, self._parts(number, lines, workers, scratch))
+                self._draw(number, self.parts(number, lines, workers, scratch))
 
     def finish(self) -> None:
         """Sum the layers of every opacity map. Call it after all portions have been drawn into them."""
         for number, layers in enumerate(self.layers):
             if layers:
-                self._sum(number)
+                opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
         self._find_fronts()
 
     def _find_fronts(self) -> None:
@@ -144,8 +146,7 @@ class ShadowMaps:
                 f"shadow: an opacity map would hold {4 * length / 1e9:.1f} GB, more than the "
                 f"{4 * PLACES / 1e9:.1f} GB that a kernel counts; a smaller shadow.size or fewer layers take less"
             )
-        begin = sum(self._lengths)
-        self.starts[number] = begin
+        self.starts[number] = begin = sum(self._lengths)
         self._lengths.append(length)
         maps = int(np.count_nonzero(self.layers))
         likely = (begin + length) * maps // len(self._lengths)
@@ -160,11 +161,10 @@ class ShadowMaps:
             return None
         return self.stacks[self.starts[number] :][: self._lengths[place]]
 
-    def _sum(self, number: int) -> None:
-        opacity_maps.sum_layers(len(self.extents[number]), self.layers[number], self._stack(number))
-
-    def _parts(self, number: int, lines: Polylines, workers: int, scratch: Scratch) -> PartsInMap:
-        return parts_in_map(lines, self.views[number], int(self.sizes[number]), self.thickness, workers, scratch)
+    def parts(self, number: int, lines: Polylines, workers: int, scratch: Scratch) -> PartsInMap:
+        """Return what polylines draw into an opacity map, valid until the next are requested."""
+        return parts_in_map(lines, self.views[number], int(self.sizes[number]), self.thickness, workers, scratch,
+                            self.chances, self.over)  # fmt: skip
 
     def _draw(self, number: int, parts: PartsInMap) -> None:
         """Widen the extents of an opacity map that is not divided yet, else add to its layers."""

@@ -10,32 +10,76 @@ from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View
 from ..zbuffer.raster import to_screen
-from .kernels import map_parts
+from .kernels import map_parts, sketches
+from .kernels.deep_strands import CELL, LEVELS, NO_SKETCH, WEIGHTS, Sketch
 from .kernels.map_parts import BITS, PARTS, MapView, PartsInMap, StrandsInMap
 from .kernels.map_segments import SEGMENTS
 
+FEWEST = 4000
+"""Strands from which on those deep in shadow are left out in part."""
+SKETCHED = 3000
+"""Strands of a sketch, about, and at most a quarter of all."""
+WORTH = 0.15
+"""Part of what strands cover that must lie deep in shadow to leave any out."""
+MIXERS = ((16, 0x7FEB352D), (15, 0x846CA68B))
+"""Of an integer hash (Wellons 2018, `lowbias32`). Multiples of the golden ratio do not do: roots of strands beside each
+other differ by such numbers that their multiples are alike."""
+
 
 def parts_in_map(
-    lines: Polylines, view: View, side: int, thickness: Thickness, workers: int, scratch: Scratch
-) -> PartsInMap:
+    lines: Polylines, view: View, side: int, thickness: Thickness, workers: int, scratch: Scratch,
+    chances: NDArray[np.float32] | None = None, over: float = 1.0,
+) -> PartsInMap:  # fmt: skip
     """Return the parts of polylines that are drawn into an opacity map of ``side`` texels a side, an even number, in a
-    band for each worker. They are valid until the next are requested."""
+    band for each worker. They are valid until the next are requested.
+
+    ``chances``: from `chances_of`, to leave out most strands deep in shadow, None to leave out none; ``over``: 1 / h of
+    `kernels.opacity`, 1/m."""
     first, screen = project(lines, view, scratch)
     width, taper = np.float32(thickness.width), np.float32(thickness.taper)
+    seen = view_numbers(view)
     strands = StrandsInMap(first, screen, width, taper, lines.scale, lines.along)
-    return parts_of(strands, view_numbers(view), side, workers, scratch)
+    sketch = NO_SKETCH
+    if chances is not None and len(chances) >= FEWEST:
+        sketch = sketch_of(strands, seen, side, chances, over, scratch)
+    return parts_of(strands, seen, side, workers, scratch, sketch)
 
 
-def parts_of(strands: StrandsInMap, view: MapView, side: int, workers: int, scratch: Scratch) -> PartsInMap:
+def chances_of(ids: NDArray[np.int32] | None, strands: int) -> NDArray[np.float32]:
+    """Return (strands,) chances of `kernels.deep_strands`, even and independent of where strands are; ids: their
+    numbers in the order of emission, None: 0, 1, …"""
+    mixed = np.arange(strands, dtype=np.uint32) if ids is None else ids.astype(np.uint32)
+    for shift, factor in MIXERS:
+        mixed = (mixed ^ (mixed >> np.uint32(shift))) * np.uint32(factor)
+    return ((mixed ^ (mixed >> np.uint32(16))) >> np.uint32(8)).astype(np.float32) * np.float32(2.0**-24)
+
+
+def sketch_of(
+    strands: StrandsInMap, view: MapView, side: int, chances: NDArray[np.float32], over: float, scratch: Scratch
+) -> Sketch:
+    """Return by what most of projected strands are left out that lie deep in shadow; arguments as in `parts_in_map`."""
+    cells = -(-side // CELL)
+    nearest = scratch.borrow("sketch_nearest", cells * cells, np.float32)
+    before = scratch.borrow("sketch", cells * cells * (LEVELS + 1), np.float32)
+    deep = scratch.borrow("sketch_deep", (cells * cells, 2), np.float32)
+    sketch = Sketch(chances, nearest, before, deep, WEIGHTS, cells, np.float32(over))
+    part = sketches.draw(strands, view, np.float32(min(0.25, SKETCHED / len(chances))), sketch)
+    return sketch if part > WORTH else NO_SKETCH
+
+
+def parts_of(
+    strands: StrandsInMap, view: MapView, side: int, workers: int, scratch: Scratch, sketch: Sketch = NO_SKETCH
+) -> PartsInMap:
     """Return the parts of projected strands; arguments as in `parts_in_map`."""
     count = len(strands.first) - 1
-    room = len(strands.screen) + count * (PARTS - 1) + SEGMENTS + 1  # vectors look beyond the last part
+    parts = count * PARTS
+    room = len(strands.screen) + parts - count + SEGMENTS + 1  # vectors look beyond the last part
     kept = scratch.borrow("map_vertices", (room, 4), np.float32)
-    found, order = (scratch.borrow(name, (count * PARTS, 4), np.int32) for name in ("map_parts", "map_order"))
-    places = scratch.borrow("map_places", count * PARTS, np.uint16)
-    costs = scratch.borrow("map_costs", count * PARTS, np.float32)
+    found, order = (scratch.borrow(name, (parts, 4), np.int32) for name in ("map_parts", "map_order"))
+    places = scratch.borrow("map_places", parts, np.uint16)
+    costs = scratch.borrow("map_costs", parts, np.float32)
     begin, loads, borders = np.empty(4**BITS + 1, np.int64), np.empty(side), np.empty(workers + 1, np.int64)
-    map_parts.thin(strands, view, side, kept, found, places, costs)
+    map_parts.thin(strands, sketch, view, side, kept, found, places, costs)
     there = map_parts.sort(found, places, costs, begin, loads, order, borders)
     return PartsInMap(kept, order[:there], borders)
 

@@ -20,7 +20,7 @@ from .child_scratch import (
     WAY,
 )
 from .inputs import ONSET, ROUNDNESS
-from .keep_out import keep_lane_out, way_past_shapes
+from .keep_out import keep_lane_out, way_on
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -64,7 +64,7 @@ def write_strands(waves, solids, solid, scratch, first, out, b, k):
             way = load(own, WAY * W + k) - rest
             left = movemask(~(way > 0.0))
             if left != 0:
-                way = max(way, way_past_shapes(solids, px, py, pz, rest))
+                way = max(way, way_on(solids, px, py, pz, rest))
                 left = movemask(~(way > 0.0))
             store(own, WAY * W + k, way)
             if left != 0:

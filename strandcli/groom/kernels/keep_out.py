@@ -28,13 +28,22 @@ FREE = np.float32(0.98)
 FAR = np.float32(1e6)
 
 
-@device_if_built_in(lambda solids, x, y, z, rest: rest - rest)
-def way_past_shapes(solids, x, y, z, rest):
-    """Return how far strands may go on from particles before solids, all of the four shapes, can be met, metres; 0
-    where that is not known. Vectors of lanes."""
-    if other.count(solids) > 0:
+@device
+def way_on(solids, x, y, z, rest):
+    """Return how far strands may go on from particles before any solid can be met, metres; 0 where that is not known.
+    Vectors of lanes."""
+    none = broadcast(x, -FAR)
+    way = max(-FREE * deepest_in_shapes(solids, x, y, z, none) - CLEAR * rest, ZERO)
+    if other.count(solids) == 0:
+        return way
+    if not other.takes_vectors(solids):
         return rest - rest
-    deep = broadcast(x, -FAR)
+    return min(way, max(-SURE * (other.deepen(solids, x, y, z, none) + CLEAR * rest), ZERO))
+
+
+@device_if_built_in(lambda solids, x, y, z, deep: deep)
+def deepest_in_shapes(solids, x, y, z, deep):
+    """Return the greatest of depths and of those of points in solids of the four shapes, metres; vectors of lanes."""
     rows, size = pointer(solids.spheres), solids.spheres.shape[1]
     for m in range(0, solids.spheres.shape[0] * size, size):
         deep = max(deep, sphere.depth(rows, m, x, y, z))
@@ -47,7 +56,7 @@ def way_past_shapes(solids, x, y, z, rest):
     rows, size = pointer(solids.boxes), solids.boxes.shape[1]
     for m in range(0, solids.boxes.shape[0] * size, size):
         deep = max(deep, box.depth(rows, m, x, y, z)[0])
-    return max(-FREE * deep - CLEAR * rest, ZERO)
+    return deep
 
 
 @device
@@ -57,7 +66,7 @@ def keep_lane_out(rows, b, j, lane, rest, solids):
     x = rows[b, j, lane]
     y = rows[b, j, W + lane]
     z = rows[b, j, 2 * W + lane]
-    if built_in.count(solids) == 0:
+    if built_in.count(solids) == 0 and not other.takes_vectors(solids):
         way = SURE * (other.least_distance(solids, x, y, z) - CLEAR * rest)
         if way > ZERO:
             return way

@@ -2,7 +2,7 @@
 
 Both passes over an opacity map draw the same segments. What they need of these is found once: vertices less than
 `SHORT` behind the last are left out, but for the part's end; the segment over them covers as much as theirs do, in its
-own place.
+own place. So are most segments deep in shadow, of which the others cover more (`deep_strands`).
 
 Parts near each other on the map follow each other, along a Z-curve. They add to the same cells, which then are in the
 processor's cache. Sums are rounded otherwise in another order, so it is that of places on the map alone. Each thread
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ....jit import device, function, inlined, parallel, prange
 from ...view.kernels.project import perspective_widening
+from .deep_strands import weight_at
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -28,6 +29,8 @@ TINY = np.float32(1e-6)
 """Texels."""
 PARTS, PART = 4, 16
 """Most parts of a strand that are drawn apart, and segments of all but the last."""
+GROUP = 4
+"""Segments that are left out, or not, together."""
 SHORT = np.float32(0.5)
 """Texels."""
 BITS = 8
@@ -82,19 +85,19 @@ class PartsInMap(NamedTuple):
 
 
 @parallel
-def thin(strands, view, size, kept, found, places, costs):
+def thin(strands, sketch, view, size, kept, found, places, costs):
     """Find the vertices and places of all parts.
 
-    strands: `StrandsInMap`; view: `MapView`; size: texels along a side; kept: of `PartsInMap`, with room for all
-    vertices and those that two parts share; found (S * PARTS, 4) int32 out: the parts strand by strand, of which one
-    that is not there has no vertices; places (S * PARTS,) uint16 out: on the Z-curve; costs (S * PARTS,) out: of
-    drawing.
+    strands: `StrandsInMap`; sketch: `Sketch`, by which most strands deep in shadow are left out; view: `MapView`; size:
+    texels along a side; kept: of `PartsInMap`, with room for all vertices and those that two parts share; found
+    (S * PARTS, 4) int32 out: the parts strand by strand, of which one that is not there has no vertices; places (S *
+    PARTS,) uint16 out: on the Z-curve; costs (S * PARTS,) out: of drawing.
     """
     count = strands.first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
         for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, count)):
             for part in range(s * PARTS, (s + 1) * PARTS):
-                thin_part(strands, part, view, size, kept, found, costs, strands.along)
+                thin_part(strands, part, sketch, view, size, kept, found, costs, strands.along)
                 if found[part, COUNT] > 0:
                     places[part] = place_of(strands, part, size)
 
@@ -157,7 +160,16 @@ def width_of(width, scale, s):
 
 
 @device
-def thin_part(strands, part, view, size, kept, found, costs, along):
+def weight_of_vertex(sketch, screen, v, view, s):
+    """Return the weight of strand s at a vertex; 1 where that is behind a light."""
+    if not screen[v, 2] > ZERO:
+        return ONE
+    depth = depth_of(screen[v, 2], view.near, view.far)
+    return weight_at(sketch, screen[v, 0], screen[v, 1], depth, sketch.chances[s])
+
+
+@device
+def thin_part(strands, part, sketch, view, size, kept, found, costs, along):
     """Write the vertices of a part, what is found of it, and its cost; along: of the strands."""
     s = part // PARTS
     width = width_of(strands.width, strands.scale, s)
@@ -176,12 +188,18 @@ def thin_part(strands, part, view, size, kept, found, costs, along):
     d0 = depth_of(q0, near, far) if q0 > ZERO else ONE
     kept[n, X], kept[n, Y], kept[n, DEPTH], kept[n, WIDE] = x0, y0, d0, -ONE
     way = ZERO  # from the last vertex by way of those that are left out
+    weight, ends = ONE, begin if sketch.chances.shape[0] > 0 else last  # of the group of segments up to `ends`
     for v in range(begin + 1, last + 1):
+        if v > ends:
+            ends = min(v + GROUP - 1, last)
+            weight = weight_of_vertex(sketch, screen, min(v + GROUP // 2 - 1, last), view, s)
+        if weight == ZERO and v < ends:
+            continue
         x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
         d1 = depth_of(q1, near, far) if q1 > ZERO else ONE
-        there = q0 > ZERO and q1 > ZERO
+        there = q0 > ZERO and q1 > ZERO and weight > ZERO
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
-        if v < last and there and too_short((x0, y0, d0), (x1, y1, d1), scale):
+        if v < ends and there and too_short((x0, y0, d0), (x1, y1, d1), scale):
             way += distance(screen, v - 1, v)
             continue
         w = -ONE
@@ -190,12 +208,13 @@ def thin_part(strands, part, view, size, kept, found, costs, along):
                 w = width - thin * (HALF * np.float32(u + v - a - a))
             else:
                 w = width * (ONE - strands.taper * HALF * (along[u] + along[v]))
-            w *= scale * widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, view)
+            w *= weight * scale * widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, view)
             if way > ZERO:
                 w *= (way + distance(screen, v - 1, v)) / max(distance(screen, u, v), TINY)
             low, high = min(low, min(y0, y1)), max(high, max(y0, y1))
             cost += ONE + HALF * min(max(abs(x1 - x0), abs(y1 - y0)), np.float32(size))
-        n += 1
+        if there or kept[n, WIDE] >= ZERO:
+            n += 1
         kept[n, X], kept[n, Y], kept[n, DEPTH], kept[n, WIDE] = x1, y1, d1, w
         u, x0, y0, q0, d0, way = v, x1, y1, q1, d1, ZERO
     # splats of flat segments add to the row next to theirs

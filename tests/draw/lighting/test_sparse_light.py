@@ -1,0 +1,99 @@
+"""Light on solids at every second pixel of every second row: which pixels take it from there, and what that changes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from strandcli import load
+from strandcli.draw import canvas
+from strandcli.draw.common.kernels.keys import EMPTY, FIRST
+from strandcli.draw.lighting.kernels import lattice
+from strandcli.draw.solids.solids import NONE
+from strandcli.stages import FrameRenderer, RunOptions, SimulationStage
+
+WIDTH, HEIGHT = 23, 17
+
+
+@pytest.mark.parametrize(("down", "right"), [(0, 0), (1, 0), (0, 1), (1, 1)])
+@pytest.mark.parametrize("rows", [(0, HEIGHT), (5, 12)])
+def test_pixels_between_alike_ones_take_their_light(down, right, rows):
+    """Against a twin that looks at one pixel after the other."""
+    rng = np.random.default_rng(7)
+    solid = rng.integers(0, 12, (HEIGHT, WIDTH)) == 0
+    keys = np.where(rng.integers(0, 15, (HEIGHT, WIDTH)) == 0, EMPTY, FIRST + solid.astype(np.uint64))
+    hidden = (rng.integers(0, 4, (HEIGHT, WIDTH)) == 0).astype(np.uint8)
+    some = np.array([0.5, 0.5 + 0.9 * lattice.ALIKE, 0.9], np.float32)
+    values = rng.choice(some, (HEIGHT, WIDTH, 1, 3), p=[0.9, 0.08, 0.02])
+    values[rng.integers(0, 30, values.shape) == 0] = lattice.UNKNOWN
+    frame = lattice.Frame(*rows, WIDTH, down, right)
+    asked = np.full((HEIGHT, WIDTH), 9, np.uint8)
+    lattice.ask(keys.reshape(-1), hidden.reshape(-1), frame, asked.reshape(-1))
+    found = hidden.copy()
+    lattice.choose(
+        keys.reshape(-1), np.zeros(32, np.float32), NONE, asked.reshape(-1), values, frame, found.reshape(-1)
+    )
+    wanted, needed = hidden.copy(), set()
+    for y in range(*rows):
+        for x in range(WIDTH):
+            if hidden[y, x] or keys[y, x] == EMPTY:
+                continue
+            down_to, right_to = min(y + 2, HEIGHT), min(x + 2, WIDTH)
+            near = [(j, i) for j in range(max(y - 1, 0), down_to) for i in range(max(x - 1, 0), right_to)]
+            needed |= {(j, i) for j, i in near if on_lattice(j, i, frame) and keys[j, i] == keys[y, x]}
+            about = corners(y, x, frame)
+            if not (0 < x < WIDTH - 1) or any(not 0 <= j < HEIGHT or keys[j, i] != keys[y, x] for j, i in about):
+                continue
+            light = np.array([values[(j + down) // 2, (i + right) // 2, 0] for j, i in about])
+            if light.min() >= 0 and np.all(np.ptp(light, axis=0) <= lattice.ALIKE):
+                wanted[y, x] = lattice.BETWEEN
+    assert {(int(j), int(i)) for j, i in np.argwhere(asked == lattice.ASKED)} == needed
+    np.testing.assert_array_equal(found, wanted)
+    assert np.count_nonzero(found == lattice.BETWEEN) > 20
+
+
+def on_lattice(y, x, frame):
+    """Whether a pixel is one of the lattice."""
+    return (y + frame.down) % 2 == 0 and (x + frame.right) % 2 == 0
+
+
+def corners(y, x, frame):
+    """The pixels of the lattice about a pixel."""
+    j, i = (y + frame.down) % 2, (x + frame.right) % 2
+    return {(y + b, x + a) for b in (-j, j) for a in (-i, i)}
+
+
+@pytest.fixture(scope="module")
+def draw():
+    """Draws the first frame of `fur`, few strands, linear."""
+    settings = {"image.size": [160, 120], "time.preroll": 0, "children.count": 4}
+
+    def drawn(**more):
+        scene = load("fur", settings=settings | more)
+        moved = SimulationStage(scene, range(1, 2), None, RunOptions())
+        return FrameRenderer(moved)(moved.begin(1)).image.astype(float)
+
+    return drawn
+
+
+def test_picture_is_nearly_that_with_light_at_every_pixel(draw, monkeypatch):
+    sparse = draw()
+    monkeypatch.setattr(canvas, "is_costly", lambda lighting: False)
+    exact = draw()
+    error = np.sqrt(np.mean((sparse - exact) ** 2)) / exact.mean()
+    assert 0 < error < 0.003
+
+
+def test_lattice_is_where_it_is_in_the_whole_picture(draw, monkeypatch):
+    """A crop window at an odd place, whose pixels differ by rounding, differs no more than without a lattice."""
+
+    def count_different():
+        x, y, width, height = 61, 43, 50, 41
+        part, whole = draw(**{"image.crop": [x, y, width, height]}), draw()[y : y + height, x : x + width]
+        different = np.abs(part - whole).max(-1)[1:-1, 1:-1]  # at its border a picture's own edges are sampled
+        assert different.max() <= 2
+        return np.count_nonzero(different)
+
+    sparse = count_different()
+    monkeypatch.setattr(canvas, "is_costly", lambda lighting: False)
+    assert sparse < 1.1 * count_different()
