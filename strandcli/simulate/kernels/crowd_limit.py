@@ -80,8 +80,8 @@ def limit_row(row, back, box, grid, room, numbers, pressure):
 
 @device
 def greatest(at, next, first, axis, way, grid, room, numbers, pressure):
-    """The greatest pressure of a cell by that of a neighbour, its own if it is no more; ``first``: the one of both before
-    the face."""
+    """The greatest pressure of a cell by that of a neighbour, its own if it is no more; ``first``: the one of both
+    before the face."""
     if room.open[next] <= 0 or pressure[at] <= pressure[next]:
         return pressure[at]
     full = numbers[FULL]
