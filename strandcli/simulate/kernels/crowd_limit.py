@@ -80,11 +80,14 @@ def limit_row(row, back, box, grid, room, numbers, pressure):
 
 @device
 def greatest(at, next, first, axis, way, grid, room, numbers, pressure):
-    """The greatest pressure of a cell by that of a neighbour; ``first``: the one of both before the face."""
-    if room.open[next] <= 0:
+    """The greatest pressure of a cell by that of a neighbour, its own if it is no more; ``first``: the one of both
+    before the face."""
+    if room.open[next] <= 0 or pressure[at] <= pressure[next]:
         return pressure[at]
     full = numbers[FULL]
     m = moved(first, at + next - first, axis, grid, SLIVER * full) / full
+    if pressure[at] <= pressure[next] + m * FARTHEST:
+        return pressure[at]
     both = max(grid[at, MASS] + grid[next, MASS], SLIVER * full)
     against = (grid[at, MOMENTUM + axis] + grid[next, MOMENTUM + axis]) / both * -way / numbers[SPEED]
     held = max(room.held[at] - room.held[next], np.float32(0))
