@@ -80,8 +80,9 @@ def flatten(
 
     positions (blocks, n + 1, 3 W), metres; lengths (blocks, W): of the segments of each strand, or None if they differ
     within a strand: then each segment has the length of its chord, and tangents are those of the circle through three
-    particles. ``keep_off_screen``: keep strands off the screen, coarsely, because a shadow map needs them; otherwise
-    adaptive curves leave them out. ``fade`` (strands,): strands with 0 are always left out.
+    particles. ``keep_off_screen``: keep strands off the screen, coarsely, because a shadow map needs them, and those
+    off a crop window as the whole picture has them, so that their shadows are the same; otherwise adaptive curves
+    leave them out. ``fade`` (strands,): strands with 0 are always left out.
     """
     if curves.mode == "thinned":
         return _thinned(positions, strands, curves, view, scratch, fade)
@@ -97,7 +98,7 @@ def flatten(
         bound = scratch.borrow("curve_error", strands, np.float32)
         sizes = scratch.borrow("sizes", strands, np.int64)
         piece_counts.count(
-            positions, lengths, strands, view.pack(),
+            positions, lengths, strands, (view.whole if keep_off_screen else view).pack(),
             piece_counts.Splitting(
                 most, np.float32(curves.tolerance), int(keep_off_screen), ALL_DRAWN if fade is None else fade, printed
             ),
@@ -125,7 +126,7 @@ def _thinned(
     rows = scratch.borrow("chosen_rows", (strands, positions.shape[1] - 1), np.uint16)
     sizes, off = scratch.borrow("sizes", strands, np.int64), scratch.borrow("curve_error", strands, np.float32)
     left = ALL_DRAWN if fade is None else fade
-    thinning.choose(positions, strands, view.pack(), np.float32(curves.tolerance), left, rows, sizes, off)
+    thinning.choose(positions, strands, view.whole.pack(), np.float32(curves.tolerance), left, rows, sizes, off)
     first = scratch.borrow("first", strands + 1, np.int64)
     first[0] = 0
     np.cumsum(sizes, out=first[1:])

@@ -35,11 +35,24 @@ class View:
     height: float
     centre: tuple[float, float] | None = None
     """Pixel on the view's axis; None: the centre of the screen. It differs for crop windows and points of a lens."""
+    window: tuple[float, float, float, float] | None = None
+    """Of a part of a view: how far from the whole's upper left it begins, and the whole's width and height, pixels."""
 
     def cropped(self, x: float, y: float, width: float, height: float) -> View:
         """Return the part of this view that begins x and y pixels from the upper left."""
         cx, cy = self.middle
-        return replace(self, width=width, height=height, centre=(cx - x, cy - y))
+        left, top, *whole = self.window or (0.0, 0.0, self.width, self.height)
+        return replace(
+            self, width=width, height=height, centre=(cx - x, cy - y), window=(left + x, top + y, whole[0], whole[1])
+        )
+
+    @property
+    def whole(self) -> View:
+        """The view of which this one is a part, or this one."""
+        if self.window is None:
+            return self
+        (cx, cy), (left, top, width, height) = self.middle, self.window
+        return replace(self, width=width, height=height, centre=(cx + left, cy + top), window=None)
 
     def shifted(self, x: float, y: float) -> View:
         """Return this view with its picture moved by x and y pixels."""

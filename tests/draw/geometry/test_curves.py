@@ -228,6 +228,18 @@ def test_a_crop_window_aside_keeps_as_few_strands_as_one_in_the_middle(kind: str
         assert not kept[~near].any()
 
 
+def test_strands_that_shadow_a_crop_window_are_those_of_the_whole_picture() -> None:
+    """Also where they are off the window, for which fewer pieces would do: maps, and so the light, would differ."""
+    strands = Strands(300, 5, seed=3, scale=0.6)
+    view = camera_view(Camera(position=(0.0, 0.0, 4.0), fov=40.0), 0.0, 400, 300, BOX)
+    curves = Curves(mode="adaptive", level=4, tolerance=0.05)
+    whole = strands.flat(curves, view, keep_off_screen=True)
+    for window in (view.cropped(30, 200, 80, 50), view.cropped(10, 20, 300, 200).shifted(3, 2).cropped(99, 9, 40, 30)):
+        part = strands.flat(curves, window, keep_off_screen=True)
+        assert np.array_equal(part.first, whole.first)
+        assert np.array_equal(part.world, whole.world)
+
+
 def test_coincident_particles_and_single_segments_give_numbers() -> None:
     strands = Strands(10, 4)
     strands.p[:5] = strands.p[:5, :1]

@@ -84,16 +84,10 @@ def test_picture_is_nearly_that_with_light_at_every_pixel(draw, monkeypatch):
     assert 0 < error < 0.003
 
 
-def test_lattice_is_where_it_is_in_the_whole_picture(draw, monkeypatch):
-    """A crop window at an odd place, whose pixels differ by rounding, differs no more than without a lattice."""
-
-    def count_different():
-        x, y, width, height = 61, 43, 50, 41
-        part, whole = draw(**{"image.crop": [x, y, width, height]}), draw()[y : y + height, x : x + width]
-        different = np.abs(part - whole).max(-1)[1:-1, 1:-1]  # at its border a picture's own edges are sampled
-        assert different.max() <= 2
-        return np.count_nonzero(different)
-
-    sparse = count_different()
-    monkeypatch.setattr(canvas, "is_costly", lambda lighting: False)
-    assert sparse < 1.1 * count_different()
+def test_lattice_is_where_it_is_in_the_whole_picture(draw):
+    """A crop window at an odd place has the pixels of the whole picture, but where rounding tells."""
+    x, y, width, height = 61, 43, 50, 41
+    part, whole = draw(**{"image.crop": [x, y, width, height]}), draw()[y : y + height, x : x + width]
+    different = np.abs(part - whole).max(-1)[1:-1, 1:-1]  # at its border a picture's own edges are sampled
+    assert different.max() <= 1
+    assert np.count_nonzero(different) <= 3
