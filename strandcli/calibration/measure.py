@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from ..plan.libraries import keep, mapped_bytes
+from ..plan.libraries import keep_mapped, mapped_bytes
 from .profile import Profile, today
 
 PRESET = "minimal"
@@ -43,5 +43,5 @@ def measure(notify: Callable[[str], None] | None = None) -> Profile:
             seconds = draw(begun).report["seconds"]
             took.append(simulated + sum(value for stage, value in seconds.items() if stage != "simulate"))
             mapped = max(mapped, mapped_bytes())
-    keep(mapped)
+    keep_mapped(mapped)
     return Profile(min(took) / REFERENCE, today())

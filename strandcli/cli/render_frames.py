@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..calibration.learn import Watch, learn
-from ..plan.libraries import keep, mapped_bytes
+from ..plan.libraries import keep_mapped
 from . import dask
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def learn_speed(plan: Plan, scene: Scene, data: Mapping[str, Any], motion: Motio
     """Refine what is known of this machine's speed by a run that has drawn all itself, unless it compiled kernels; and
     of what libraries take, more of which compiling maps."""
     if motion.dask is None and not data.get("compile_seconds"):
-        keep(mapped_bytes())
+        keep_mapped()
     here = motion.dask is None and motion.positions is None
     if here and data.get("status") == "complete" and not data.get("compile_seconds"):
         learn(plan, scene, motion.watch)

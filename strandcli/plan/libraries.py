@@ -8,6 +8,7 @@ speed is measured, and kept for each environment.
 from __future__ import annotations
 
 import json
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -50,6 +51,20 @@ def look() -> None:
     """Have plans reckon with what was measured in this environment, if that was done; for commands, since it chooses
     the cache folder."""
     _Known.bytes = _kept().get(_environment(), USUAL)
+
+
+def keep_mapped(before: int = 0) -> None:
+    """Keep what is mapped into this process, or was ``before``, bytes, if it is strandcli's own: into others' more may
+    be, as by what they have imported besides."""
+    if _is_own():
+        keep(max(before, mapped_bytes()))
+
+
+def _is_own() -> bool:
+    program = sys.modules["__main__"]
+    spec, file = getattr(program, "__spec__", None), getattr(program, "__file__", None)
+    by_module = spec is not None and spec.name.partition(".")[0] == "strandcli"
+    return by_module or (file is not None and Path(file).stem == "strandcli")
 
 
 def keep(measured: int) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -44,3 +46,19 @@ def test_plans_reckon_with_what_was_kept(content: str, tmp_path: Path, monkeypat
     kept = (tmp_path / libraries.FILE).read_bytes()
     libraries.keep(libraries.USUAL + 7_500_000)  # no news
     assert (tmp_path / libraries.FILE).read_bytes() == kept
+
+
+def test_what_others_have_imported_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a process that is not strandcli's own, such as that of these tests."""
+    monkeypatch.setattr(cache, "_path", tmp_path)
+    monkeypatch.setattr(libraries, "mapped_bytes", lambda: libraries.USUAL)
+    libraries.keep_mapped()
+    assert not (tmp_path / libraries.FILE).exists()
+    for program in (
+        SimpleNamespace(__spec__=None, __file__="/usr/bin/strandcli"),
+        SimpleNamespace(__spec__=SimpleNamespace(name="strandcli.__main__"), __file__="/strandcli/__main__.py"),
+    ):
+        monkeypatch.setitem(sys.modules, "__main__", program)
+        libraries.keep_mapped()
+        assert libraries._kept() == {libraries._environment(): libraries.USUAL}
+        (tmp_path / libraries.FILE).unlink()
