@@ -53,7 +53,7 @@ def frames_of(
 def learn_speed(plan: Plan, scene: Scene, data: Mapping[str, Any], motion: Motion) -> None:
     """Refine what is known of this machine's speed by a run that has drawn all itself, unless it compiled kernels; and
     of what libraries take, more of which compiling maps."""
-    if motion.dask is None and not data.get("compile_seconds"):
+    if motion.dask is None and data.get("frames") and not data.get("compile_seconds"):
         keep_mapped()
     here = motion.dask is None and motion.positions is None
     if here and data.get("status") == "complete" and not data.get("compile_seconds"):

@@ -54,9 +54,9 @@ def look() -> None:
 
 
 def keep_mapped(before: int = 0) -> None:
-    """Keep what is mapped into this process, or was ``before``, bytes, if it is strandcli's own: into others' more may
-    be, as by what they have imported besides."""
-    if _is_own():
+    """Keep what is mapped into this process, or was ``before``, bytes, if it is strandcli's own and has run kernels:
+    into others' more may be, as by what they have imported besides, and LLVM's library is most of it."""
+    if _is_own() and "llvmlite.binding" in sys.modules:
         keep(max(before, mapped_bytes()))
 
 
@@ -68,11 +68,16 @@ def _is_own() -> bool:
 
 
 def keep(measured: int) -> None:
-    """Keep what was measured of this environment, if it can be believed and is news."""
+    """Keep what was measured of this environment, if it can be believed and is news. Less than what is kept counts for
+    a quarter: the system may have taken pages back that had counted before."""
     known, environment = _kept(), _environment()
-    if LEAST <= measured <= MOST and abs(known.get(environment, 0) - measured) > NEAR:
-        kept = {**{name: one for name, one in known.items() if name != environment}, environment: measured}
-        latest = dict(list(kept.items())[-ENVIRONMENTS:])
+    if not LEAST <= measured <= MOST:
+        return
+    last = known.pop(environment, None)
+    if last is not None and measured < last:
+        measured = last - (last - measured) // 4
+    if last is None or abs(measured - last) > NEAR:
+        latest = dict(list({**known, environment: measured}.items())[-ENVIRONMENTS:])
         cache.write(cache.path / FILE, json.dumps(latest, indent=1).encode())
 
 

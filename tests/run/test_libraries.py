@@ -43,9 +43,13 @@ def test_plans_reckon_with_what_was_kept(content: str, tmp_path: Path, monkeypat
     libraries.keep(libraries.USUAL + 7_000_000)
     libraries.look()
     assert make_plan(scene, [1]).memory_bytes == before + 7_000_000
-    kept = (tmp_path / libraries.FILE).read_bytes()
-    libraries.keep(libraries.USUAL + 7_500_000)  # no news
-    assert (tmp_path / libraries.FILE).read_bytes() == kept
+    for no_news in (libraries.USUAL + 7_500_000, libraries.USUAL):
+        libraries.keep(no_news)
+        assert libraries._kept() == {libraries._environment(): libraries.USUAL + 7_000_000}
+    libraries.keep(libraries.USUAL - 13_000_000)  # a quarter of the way, for pages may have been taken back
+    assert libraries._kept() == {libraries._environment(): libraries.USUAL + 2_000_000}
+    libraries.keep(libraries.USUAL + 9_000_000)
+    assert libraries._kept() == {libraries._environment(): libraries.USUAL + 9_000_000}
 
 
 def test_what_others_have_imported_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -70,7 +70,7 @@ class WindowRenderer(LinearRenderer):
         made, samples = super()._batches(strands, view, mapped), self.scene.image.supersample
         known = {one.name: getattr(made, one.name) for one in fields(StrandBatches)}
         margin = samples * MARGIN
-        wide = view.cropped(-margin, -margin, view.width + 2 * margin, view.height + 2 * margin)
+        wide = replace(view.cropped(-margin, -margin, view.width + 2 * margin, view.height + 2 * margin), window=None)
         return WindowBatches(**known, wide=wide)
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Any, workers: int) -> None:
@@ -83,7 +83,7 @@ class WindowRenderer(LinearRenderer):
         (cx, cy), (width, height) = view.middle, image.size
         whole = replace(
             view, width=samples * width, height=samples * height, focal=shrunk * view.focal,
-            centre=(shrunk * (cx + x), shrunk * (cy + y)),
+            centre=(shrunk * (cx + x), shrunk * (cy + y)), window=None,
         )  # fmt: skip
         super()._fill_maps(maps, replace(batches, view=whole, wide=whole, scratch=Scratch()), None, workers)
 
