@@ -40,6 +40,10 @@ LIT, SEEN, MOST_SEEN = 20 * NS, 110 * NS, 4.0
 lit."""
 LIGHTER = 0.25
 """Of that, what fibres without light from strand to strand take."""
+SOFT, SHARP = 75 * NS, 25 * NS
+"""Of a sample that shows a solid and a light, whose shadows have soft edges or not."""
+SHOWN = 0.25
+"""Of the samples, those that show solids, where none of them is a plane, which fills the picture."""
 FILMED, WRITTEN, OCCLUDED = 32 * NS, 12 * NS, 60 * NS
 """Of a sample, of a pixel, and of a cell of the sky's grid and a direction."""
 BEGIN, READ_MESH, EACH_STRAND, EACH_CHILD = 1.7, 0.6, 3e-6, 6e-6
@@ -114,7 +118,15 @@ def _exposure_seconds(plan: Plan, scene: Scene, sizes: Sizes) -> float:
     models = [model_of(light) for light in scene.lights if shades_vertices(light)]
     seen = min(shown, MOST_SEEN * vertices)
     traced = sum(seen * model.shown_seconds + vertices * model.listed_seconds for model in models)
-    return vertices * (curve + len(shining(scene)) * each) + found + traced + plan.samples * FILMED
+    drawn = found + traced + plan.samples * FILMED + _solid_seconds(plan, scene)
+    return vertices * (curve + len(shining(scene)) * each) + drawn
+
+
+def _solid_seconds(plan: Plan, scene: Scene) -> float:
+    """Return the seconds of shading solids."""
+    seen = {solid.kind for solid in scene.solids if solid.visible}
+    share = 1.0 if "plane" in seen else SHOWN if seen else 0.0
+    return plan.samples * share * sum(SOFT if light.size > 0 else SHARP for light in shining(scene))
 
 
 def scaled(seconds: float, threads: int) -> float:

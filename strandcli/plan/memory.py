@@ -197,7 +197,7 @@ def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
     if scene.camera.aperture > 0 or scene.camera.shutter > 0:
         total += plan.samples * 12
     if scene.image.aovs:
-        total += plan.pixels * 60 * 3  # three more pictures may wait to be written
+        total += plan.pixels * 60
     return total + plan.samples * 32 + plan.pixels * WAITING
 
 

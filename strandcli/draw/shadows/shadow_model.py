@@ -35,7 +35,7 @@ class ShadowModel:
     blurs = True
     """Whether shadows are averaged over several strand spacings instead of resolving single strands."""
 
-    shown_seconds, listed_seconds = 700e-9, 100e-9
+    shown_seconds, listed_seconds = 1100e-9, 160e-9
     """What `vertex_shadows` takes on one thread: of a fragment that is seen, and of a vertex of any strand."""
 
     def casts_map(self, counted: bool) -> bool:
