@@ -20,8 +20,8 @@ from ..groom.record import Groom
 from ..scene.touched import touched
 from ..solids import Solids
 from .crowd_samples import samples_of
-from .kernels import crowd_forces, crowd_grid, crowd_homes, crowd_pressure
-from .kernels.crowd_records import BOX, CELL, LANES, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Room
+from .kernels import crowd_excess, crowd_forces, crowd_grid, crowd_homes, crowd_pressure, crowd_shelter
+from .kernels.crowd_records import BOX, CELL, LANES, LOW, OFFSET, ROWS, SIZE, Lattice, Moving, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
 from .material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
@@ -34,8 +34,6 @@ FRICTION_TIME = 0.01
 EASE, MOST = 15.0, 0.5
 """Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
 other are led apart."""
-LEAST_ROOM = 0.5
-"""Share of a cell that counts as outside of solids at the least, where the greatest density is told."""
 MOST_CELLS = 4_000_000
 """Of the box about the strands: 64 MB, and as much again for pressure and targets."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
@@ -120,21 +118,21 @@ class Crowd:
         origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
         first, counts, *rest = self.samples
         weights, masses = (one.astype(kind) for one in rest)
-        steps = kind(dt), kind(dt / self._last_step if self._last_step else 1.0), kind(1 - crowd_pressure.HELD)
+        steps = kind(dt), kind(dt / self._last_step if self._last_step else 1.0), kind(1 - crowd_excess.HELD)
         lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, *steps)
         most = crowd_grid.deposit(
-            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.grid, self._most, self.near
+            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
+            self.near,
         )
         if moment.solids is not None:
-            self._find_room(whole, moment.solids)
-            most = (self.grid[:, MASS] / np.maximum(self.room.open, LEAST_ROOM)).max()
+            most = self._find_room(whole, moment.solids)
         self.found = float(most) / self.cell**3
         if self.density is None:
             self.density = self.found
         self.pressure *= self.near[:, :, None]
         room = self.room if any(moment.wind) else self.room._replace(left=self.room.left[:0])
         crowd_forces.act(
-            whole, self.grid, self.near, room, self._numbers(self.density, moment), *self._work,
+            whole, self.grid, self.near, room, self._numbers(self.density, moment), self._work,
             self.pressure.reshape(-1), self.targets,
         )  # fmt: skip
         if moment.solids is not None:
@@ -186,22 +184,24 @@ class Crowd:
         """Make arrays for the box of all."""
         wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
         count = wide * high * deep
-        needed = 2 * count + -(-6 * count // CELL)
+        before = LANES // CELL  # of the first cell kernels load the one before it
+        needed = before + 2 * count + -(-6 * count // CELL)
         if needed > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
-            self._cells = aligned((3 * count, CELL))
-        self.grid, self.targets, rest = self._cells[:count], self._cells[count : 2 * count], self._cells[2 * count :]
+            self._cells = aligned((before + 3 * count, CELL))
+        columns, self.targets, rest = np.split(self._cells[before:], [count, 2 * count])
+        self.grid = columns.reshape(CELL, count)
         self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
         self.shares, *of_room = rest.reshape(-1)[: 6 * count].reshape(6, count)
         self.room = Room(*of_room)
         self.room.open[:] = 1
         self.homes = np.empty(count if self._margin else 0, np.int8)
-        self._work = work_of(self.pressure)
+        self._work = *work_of(self.pressure), np.empty((4, crowd_shelter.layer_size(wide, high, deep)), np.float32)
         self._outside: tuple[list[bytes], Any] = [], ()
         """What ``shares`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
 
-    def _find_room(self, whole: NDArray[np.int64], met: Solids) -> None:
+    def _find_room(self, whole: NDArray[np.int64], met: Solids) -> float:
         """Find what solids ``met`` leave of the rows of cells that strands are near, kept for as long as neither
-        changes, and bring what lies in closed cells to their homes."""
+        changes, and bring what lies in closed cells to their homes. Returns the most metres in a cell."""
         parts: tuple[Any, ...] = self.near, *met
         rows, data = [one.tobytes() for one in parts[:6]], parts[6:]
         if rows != self._outside[0] or not all(map(is_, data, self._outside[1])):
@@ -210,9 +210,7 @@ class Crowd:
             along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
             crowd_pressure.find_room(whole, self.cell, met, along, self.near, self.shares)
         self.room.open[:] = self.shares
-        crowd_homes.find_homes(whole, self.grid, self.room.open, self.homes)
-        crowd_homes.find_far_homes(whole, self.grid, self.room.open, self.homes)
-        crowd_homes.bring_home(whole, self.homes, self.grid, self.room.open)
+        return float(crowd_homes.settle(whole, self.near, self.grid, self.room.open, self.homes))
 
     def _lay(self, positions: NDArray[Any]) -> bool:
         """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises

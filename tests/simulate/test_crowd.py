@@ -76,8 +76,8 @@ def test_segments_are_spread_over_the_cells_around_them(cell: float) -> None:
     twin = np.zeros((*box[SIZE : SIZE + 3], 4))
     for key, values in spread(solver).items():
         twin[tuple(np.array(key) - box[LOW : LOW + 3])] = values
-    np.testing.assert_allclose(grid[:, :4], twin.transpose(2, 1, 0, 3).reshape(-1, 4), atol=2e-6)
-    assert grid[:, MASS].sum() == pytest.approx(40 * 0.2, rel=1e-5)
+    np.testing.assert_allclose(grid[:4].T, twin.transpose(2, 1, 0, 3).reshape(-1, 4), atol=2e-6)
+    assert grid[MASS].sum() == pytest.approx(40 * 0.2, rel=1e-5)
 
 
 def test_what_lies_between_middles_is_counted_along_each_axis() -> None:
@@ -86,7 +86,7 @@ def test_what_lies_between_middles_is_counted_along_each_axis() -> None:
     prepare(solver)
     assert solver.crowd is not None
     box, grid = solver.crowd.boxes[-1], solver.crowd.grid
-    cells = grid.reshape(*box[SIZE : SIZE + 3][::-1], -1).astype(float)
+    cells = grid.T.reshape(*box[SIZE : SIZE + 3][::-1], -1).astype(float)
     for axis in range(3):
         between = cells[..., BETWEEN + axis]
         np.testing.assert_allclose(between.sum(2 - axis), cells[..., MASS].sum(2 - axis), atol=1e-6)

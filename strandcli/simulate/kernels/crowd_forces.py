@@ -13,116 +13,36 @@ import numpy as np
 
 from ...jit import device, parallel, prange
 from ...simd import half_width_pointer, lane, lane_count, load, pointer, store
+from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
-from .crowd_limit import BETWEEN_ONLY, SLIVER, WIDELY, limit, moved
-from .crowd_pressure import find_excess, find_faces, relax
-from .crowd_records import (
-    BETWEEN,
-    CELL,
-    CHANGE,
-    FIRST,
-    FULL,
-    LAST,
-    LOST,
-    MASS,
-    MOMENTUM,
-    PUSH,
-    RATE,
-    RESULT,
-    SHARE,
-    SIZE,
-    SPEED,
-    STOP,
-    TARGET,
-    VELOCITY,
-    WAY,
-)
+from .crowd_limit import limit
+from .crowd_pressure import relax
+from .crowd_records import CELL, FIRST, LAST, MASS, PUSH, RATE, RESULT, SHARE, SIZE, STOP, TARGET, VELOCITY, WAY
 from .crowd_shelter import shelter
+from .crowd_targets import find_targets
 from .rod_scratch import PACK
-
-EMPTY = np.float32(1e-30)
-"""Metres in a cell up to which it is empty."""
 
 
 @parallel
-def act(box, grid, near, room, numbers, work, busy, pressure, targets):
+def act(box, grid, near, room, numbers, work, pressure, targets):
     """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`).
 
-    ``near``, ``work``, ``busy``: as `crowd_pressure.relax` takes them; ``numbers`` (`NUMBERS`,) float32. Pressure and
-    shelter follow from their own neighbours, cell by cell: a thread finds one of them while another finds the other.
-    No strand is in rows that are not ``near``: what else those hold is neither set nor read.
+    ``near``: as `crowd_pressure.relax` takes it; ``work``: what that takes and, where there is wind, the layers that
+    `crowd_shelter.shelter` takes; ``numbers`` (`NUMBERS`,) float32. Pressure and shelter follow from their own
+    neighbours, cell by cell: a thread finds one of them while another finds the other. No strand is in rows that are
+    not ``near``: what else those hold is neither set nor read.
     """
+    margined, busy, layers = work
     for o in prange(box[SIZE + 2]):
-        find_faces(box, np.int64(o), near, room.open, room.faces)
         find_excess(box, np.int64(o), near, grid, room, pressure, numbers)
     for task in prange(2):
         if task == 0:
-            relax(box, room.excess, room.faces, near, work, busy, pressure)
-            limit(box, near, grid, room, numbers, pressure)
+            relax(box, room.excess, room.faces, near, margined, busy, pressure)
+            limit(box, busy[1], grid, room, numbers, pressure)
         elif len(room.left) > 0:
-            shelter(box, grid, numbers[WAY : WAY + 3], numbers[STOP], room.left)
+            shelter(box, grid[MASS], numbers[WAY : WAY + 3], numbers[STOP], room.left, layers)
     for o in prange(box[SIZE + 2]):
         find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets)
-
-
-@device
-def find_targets(box, o, near, grid, room, numbers, pressure, targets):
-    """Set the targets of layer o. A cell that no sample reaches has none."""
-    full, share, speed = numbers[FULL], numbers[LOST], numbers[SPEED]
-    push, least = speed * full, SLIVER * full
-    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    layer = wide * high
-    for n in range(high):
-        if not near[o, n]:
-            continue
-        row = o * layer + n * wide
-        for i in range(wide):
-            at = row + i
-            if is_empty(grid, at):
-                for c in range(CELL):
-                    targets[at, c] = 0
-                continue
-            m = grid[at, MASS]
-            rate = share * min(m / full, np.float32(1))
-            f = rate / max(m, EMPTY)
-            targets[at, RATE] = rate
-            x, before = push_between(at, 1, i, wide, 0, grid, pressure, room.open, least)
-            targets[at, TARGET] = f * grid[at, MOMENTUM] + push * WIDELY * (x + before)
-            targets[at, PUSH] = push * BETWEEN_ONLY * x
-            x, before = push_between(at, wide, n, high, 1, grid, pressure, room.open, least)
-            targets[at, TARGET + 1] = f * grid[at, MOMENTUM + 1] + push * WIDELY * (x + before)
-            targets[at, PUSH + 1] = push * BETWEEN_ONLY * x
-            x, before = push_between(at, layer, o, deep, 2, grid, pressure, room.open, least)
-            targets[at, TARGET + 2] = f * grid[at, MOMENTUM + 2] + push * WIDELY * (x + before)
-            targets[at, PUSH + 2] = push * BETWEEN_ONLY * x
-            targets[at, CELL - 1] = 0
-            if len(room.left) > 0:  # what sheltered strands do not take of the wind
-                for c in range(3):
-                    targets[at, TARGET + c] += (room.left[at] - np.float32(1)) * numbers[CHANGE + c]
-
-
-@device
-def is_empty(grid, at):
-    """Whether no sample counts for a cell."""
-    between = max(grid[at, BETWEEN], grid[at, BETWEEN + 1], grid[at, BETWEEN + 2])
-    return grid[at, MASS] == 0 and between == 0
-
-
-@device
-def push_between(at, stride, i, count, axis, grid, pressure, open, least):
-    """Change of velocity by the pressure on the faces to the next cell along an axis and to the one before, in cells a
-    step for each metre in a cell."""
-    next = pushed(at, stride, axis, grid, pressure, open, least) if i < count - 1 else np.float32(0)
-    return next, pushed(at - stride, stride, axis, grid, pressure, open, least) if i > 0 else np.float32(0)
-
-
-@device
-def pushed(at, stride, axis, grid, pressure, open, least):
-    """Change of velocity by the pressure on the face to the next cell, which lies a ``stride`` on."""
-    next = at + stride
-    if open[at] <= 0 or open[next] <= 0:
-        return np.float32(0)
-    return (pressure[at] - pressure[next]) / moved(at, next, axis, grid, least)
 
 
 @parallel

@@ -19,12 +19,14 @@ from ...simd import (
     any_lane,
     broadcast,
     floor,
+    gather4,
     half_width_pointer,
     lane_count,
     load,
     pointer,
     reduce_max,
     store,
+    store3,
     where,
     with_lane,
 )
@@ -38,11 +40,13 @@ from .crowd_records import (
     LAST,
     LOW,
     MASS,
+    MOMENTUM,
     OFFSET,
     SHARE,
     SIZE,
     VELOCITY,
 )
+from .crowd_rows import COUNTED
 from .rod_scratch import PACK
 
 ROW = 3 * W
@@ -127,13 +131,13 @@ def extent(positions, first, last, axis):
 
 
 @parallel
-def deposit(moving, lattice, parts, boxes, memory, scratch, grid, most, near):
-    """Set the cells of the box of all, ``grid`` (cells, `CELL`), the ``most`` metres in a cell of each row of them
+def deposit(moving, lattice, parts, boxes, memory, scratch, sums, grid, most, near):
+    """Set the cells of the box of all, ``grid`` (`CELL`, cells), the ``most`` metres in a cell of each row of them
     (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most of
     all.
 
     Each part has cells in a box of its own first: ``boxes`` (parts + 1, `BOX`) int64, of which the last is that of all;
-    ``memory`` (cells of all parts, `CELL`).
+    ``memory`` (cells of all parts, `CELL`). ``sums`` (cells, `CELL`): scratch.
     """
     for part in prange(len(parts)):
         box = boxes[part]
@@ -143,7 +147,7 @@ def deposit(moving, lattice, parts, boxes, memory, scratch, grid, most, near):
             deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), scratch[part])
     whole = boxes[len(parts)]
     for o in prange(whole[SIZE + 2]):
-        merge_layer(boxes, np.int64(o), memory.reshape(-1), grid, most)
+        merge_layer(boxes, np.int64(o), memory.reshape(-1), sums.reshape(-1), grid, most)
     return mark_near(most, near)
 
 
@@ -233,34 +237,56 @@ def locate(moving, lattice, pack, sample, box, origins, rows):
 
 
 @device
-def merge_layer(boxes, o, memory, grid, most):
+def merge_layer(boxes, o, memory, sums, grid, most):
     """Add the parts' cells of layer o of the box of all up, part by part, and set the ``most`` metres in a cell of each
     of its rows."""
-    last = len(boxes) - 1
-    whole = boxes[last]
-    wide, high = whole[SIZE], whole[SIZE + 1]
-    layer = grid[o * wide * high : (o + 1) * wide * high]
-    layer[...] = 0
-    for part in range(last):
-        add_layer(boxes[part], whole, o, half_width_pointer(memory), half_width_pointer(layer.reshape(-1)))
+    whole = boxes[len(boxes) - 1]
+    wide, high, cells = whole[SIZE], whole[SIZE + 1], grid.shape[1]
+    out, line = pointer(grid), sums[o * high * wide * CELL :]
     for n in range(high):
-        found = np.float32(0)
-        for i in range(wide):
-            found = max(found, layer[n * wide + i, MASS])
-        most[o, n] = found
+        row = (o * high + n) * wide
+        if add_rows(boxes, o, n, half_width_pointer(memory), half_width_pointer(line)):
+            found = broadcast(out, 0.0)
+            for i in range(0, wide, LANES):
+                found = max(found, part_columns(pointer(line), i * CELL, out, row + i, cells))
+            most[o, n] = reduce_max(found)
+        else:
+            most[o, n] = 0
+            for c in range(CELL - 1):
+                for i in range(0, wide, LANES):
+                    store(out, c * cells + row + i, 0.0)
 
 
 @device
-def add_layer(box, whole, o, memory, layer):
-    """Add a part's cells of layer o of the box of all to it."""
-    inner = o + whole[LOW + 2] - box[LOW + 2]
-    if inner < 0 or inner >= box[SIZE + 2]:
-        return
-    for n in range(box[SIZE + 1]):
-        at = (n + box[LOW + 1] - whole[LOW + 1]) * whole[SIZE] + box[LOW] - whole[LOW]
-        source = box[OFFSET] + (inner * box[SIZE + 1] + n) * box[SIZE]
+def part_columns(line, at, out, place, cells):
+    """Write a vector of cells, one after the other, to the planes of columns; return their metres."""
+    counted = load(pointer(COUNTED), 0)
+    m, u, v, w = gather4(line, at, counted, CELL, 0.0)
+    x, y, z, _ = gather4(line, at + BETWEEN, counted, CELL, 0.0)
+    store(out, MASS * cells + place, m)
+    store3(out, MOMENTUM * cells + place, cells, u, v, w)
+    store3(out, BETWEEN * cells + place, cells, x, y, z)
+    return m
+
+
+@device
+def add_rows(boxes, o, n, memory, line):
+    """Set the cells of row n of layer o of the box of all to the sums of the parts', and return whether any has some
+    there; else they stay as they are."""
+    whole, found = boxes[len(boxes) - 1], False
+    for part in range(len(boxes) - 1):
+        box = boxes[part]
+        inner, row = o + whole[LOW + 2] - box[LOW + 2], n + whole[LOW + 1] - box[LOW + 1]
+        if inner < 0 or inner >= box[SIZE + 2] or row < 0 or row >= box[SIZE + 1]:
+            continue
+        if not found:
+            for i in range(whole[SIZE]):
+                store(line, i * CELL, 0.0)
+        found = True
+        at, source = box[LOW] - whole[LOW], box[OFFSET] + (inner * box[SIZE + 1] + row) * box[SIZE]
         for i in range(box[SIZE]):
-            store(layer, (at + i) * CELL, load(layer, (at + i) * CELL) + load(memory, (source + i) * CELL))
+            store(line, (at + i) * CELL, load(line, (at + i) * CELL) + load(memory, (source + i) * CELL))
+    return found
 
 
 @device
