@@ -21,7 +21,7 @@ from ..scene.touched import touched
 from ..solids import Solids
 from .crowd_samples import samples_of
 from .kernels import crowd_excess, crowd_forces, crowd_grid, crowd_homes, crowd_pressure, crowd_shelter
-from .kernels.crowd_records import BOX, CELL, LANES, LOW, OFFSET, ROWS, SIZE, Lattice, Moving, Room
+from .kernels.crowd_records import BOX, CELL, FOUND, LANES, LOW, OFFSET, ROWS, SIZE, Lattice, Moving, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
 from .material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
@@ -77,6 +77,8 @@ class Crowd:
         self.parts = np.array([cuts[:-1], cuts[1:]]).T.copy()
         self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
         self.scratch = aligned((len(self.parts), ROWS, PACK), dtype)
+        self._found = aligned((len(self.parts), FOUND * PACK))
+        self._shares = np.empty(self.samples.weights.shape, dtype)
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty((0, CELL), np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
@@ -137,7 +139,9 @@ class Crowd:
         )  # fmt: skip
         if moment.solids is not None:
             crowd_homes.read_home(whole, self.homes, self.targets)
-        crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, state.crowd)
+        crowd_forces.accelerate(
+            moving, lattice, self.parts, whole, self.targets, self.scratch, self._found, self._shares, state.crowd
+        )
         self._last_step = dt
 
     def begin_anew(self) -> None:

@@ -12,12 +12,13 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, parallel, prange
-from ...simd import half_width_pointer, lane, lane_count, load, pointer, store
+from ...simd import gather4, half_width_pointer, lane_count, load, load3, pointer, store, store3
 from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
 from .crowd_limit import limit
 from .crowd_pressure import relax
-from .crowd_records import CELL, FIRST, LAST, MASS, PUSH, RATE, RESULT, SHARE, SIZE, STOP, TARGET, VELOCITY, WAY
+from .crowd_records import CELL, FIRST, FOUND, LAST, MASS, PUSH, RESULT, SHARE, SIZE, STOP, VELOCITY, WAY
+from .crowd_rows import COUNTED
 from .crowd_shelter import shelter
 from .crowd_targets import find_targets
 from .rod_scratch import PACK
@@ -46,48 +47,70 @@ def act(box, grid, near, room, numbers, work, pressure, targets):
 
 
 @parallel
-def accelerate(moving, lattice, parts, box, targets, scratch, crowd):
-    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and `Moving.others`."""
+def accelerate(moving, lattice, parts, box, targets, scratch, found, shares, crowd):
+    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and `Moving.others`. ``found`` (parts, `FOUND`
+    `PACK`) float32, scratch, as ``scratch`` and ``shares`` (samples, greatest count) are."""
+    for sample in range(len(lattice.first)):
+        m = lattice.mass[sample] / lattice.step
+        for i in range(max(1 - lattice.first[sample], 0), lattice.counts[sample]):
+            shares[sample, i] = m * lattice.weights[sample, i] / moving.mass[lattice.first[sample] + i - 1]
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
-            crowd[pack] = 0
-            accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), scratch[part], crowd)
+            work = scratch[part], found[part]
+            accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), work, shares, crowd)
             keep_others(moving, pack, lattice.seen * lattice.step, crowd)
 
 
 @device
-def accelerate_pack(moving, lattice, pack, box, targets, rows, crowd):
-    """Add the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
+def accelerate_pack(moving, lattice, pack, box, targets, work, shares, crowd):
+    """Set the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
     is a mean, by their shares. What goes to the root the emitter takes up."""
     wide = box[SIZE] * CELL
     layer = wide * box[SIZE + 1]
-    cells = half_width_pointer(targets)
+    cells, (rows, found), begun = half_width_pointer(targets), work, np.int64(0)
+    read = half_width_pointer(found)
     for sample in range(len(lattice.first)):
         locate(moving, lattice, pack, sample, box, lattice.origins[-1], rows)
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
             at = cell_of(rows, k, wide, layer)
-            found = blend(cells, at, np.uint64(wide), np.uint64(layer), a, c, d)
-            rows[RESULT, k] = lane(found, RATE)
-            for axis in range(3):
-                rows[RESULT + 1 + axis, k] = lane(found, TARGET + axis) + lane(found, PUSH + axis)
-        share_out(moving, lattice, pack, sample, rows, crowd)
+            store(read, k * CELL, blend(cells, at, np.uint64(wide), np.uint64(layer), a, c, d))
+        sort_columns(found, rows)
+        begun = share_out(lattice, pack, sample, rows, shares[sample], begun, crowd)
 
 
 @device
-def share_out(moving, lattice, pack, sample, rows, crowd):
-    """Add what a sample's velocity changes by to the accelerations of its particles."""
+def sort_columns(found, rows):
+    """Set the rows of what is found at a sample of each strand: the rate, and the rest with what lies between."""
+    records, counted = pointer(found), load(pointer(COUNTED), 0)
+    rate, u, v, w = gather4(records, 0, counted, CELL, 0.0)
+    x, y, z, _ = gather4(records, PUSH, counted, CELL, 0.0)
+    store(records, CELL * PACK, rate)
+    store3(records, (CELL + 1) * PACK, PACK, u + x, v + y, w + z)
+    for c in range(FOUND - CELL):
+        for k in range(PACK):
+            rows[RESULT + c, k] = found[(CELL + c) * PACK + k]
+
+
+@device
+def share_out(lattice, pack, sample, rows, shares, begun, crowd):
+    """Add what a sample's velocity changes by to the accelerations of its particles, of which so many have ``begun``,
+    and return how many have then."""
     read, out = pointer(rows), pointer(crowd)
-    n = crowd.shape[1]
-    first, m = lattice.first[sample], lattice.mass[sample] / lattice.step
+    n, first, count = crowd.shape[1], lattice.first[sample] - 1, lattice.counts[sample]
     for k in range(0, PACK, lane_count(read)):
         rate = load(read, RESULT * PACK + k)
-        for c in range(3):
-            change = load(read, (RESULT + 1 + c) * PACK + k) - rate * load(read, (VELOCITY + c) * PACK + k)
-            for i in range(max(1 - first, 0), lattice.counts[sample]):
-                j = first + i - 1
-                at = ((pack * n + j) * 3 + c) * PACK + k
-                store(out, at, load(out, at) + m * lattice.weights[sample, i] / moving.mass[j] * change)
+        x = load(read, (RESULT + 1) * PACK + k) - rate * load(read, VELOCITY * PACK + k)
+        y = load(read, (RESULT + 2) * PACK + k) - rate * load(read, (VELOCITY + 1) * PACK + k)
+        z = load(read, (RESULT + 3) * PACK + k) - rate * load(read, (VELOCITY + 2) * PACK + k)
+        for i in range(max(-first, 0), count):
+            at, share = (pack * n + first + i) * 3 * PACK + k, shares[i]
+            if first + i < begun:
+                u, v, w = load3(out, at, PACK)
+                store3(out, at, PACK, u + share * x, v + share * y, w + share * z)
+            else:
+                store3(out, at, PACK, share * x, share * y, share * z)
+    return first + count
 
 
 @device

@@ -23,6 +23,7 @@ from ...simd import (
     half_width_pointer,
     lane_count,
     load,
+    load3,
     pointer,
     reduce_max,
     store,
@@ -209,31 +210,39 @@ def cell_of(rows, k, wide, layer):
 @device
 def locate(moving, lattice, pack, sample, box, origins, rows):
     """Set the rows of scratch for a sample of a pack's strands. ``origins`` (3,): the middle of the box's first cell,
-    metres."""
+    metres. What is read of arrays is read once: LLVM does not know that scratch is none of them."""
     positions, velocity, others = pointer(moving.positions), pointer(moving.velocity), pointer(moving.others)
-    roots, out = pointer(moving.roots), pointer(rows)
-    n = moving.velocity.shape[1]
-    block = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W
-    first, count = lattice.first[sample], lattice.counts[sample]
+    out, n = pointer(rows), moving.velocity.shape[1]
+    first, count, again = lattice.first[sample], lattice.counts[sample], lattice.again
+    o, p, q = origins[0], origins[1], origins[2]
+    place = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W + first * ROW
+    begin = (pack * n + first - 1) * 3 * PACK
     for lane in range(0, PACK, lane_count(positions)):
-        for c in range(3):
-            x = broadcast(positions, 0.0)
-            u = x
-            for i in range(count):
-                j = first + i
-                weight = lattice.weights[sample, i]
-                x += weight * (load(positions, block + j * ROW + c * W + lane) - origins[c])
-                if j == 0:
-                    u += weight * load(roots, (pack * 3 + c) * PACK + lane)
-                else:
-                    at = ((pack * n + j - 1) * 3 + c) * PACK + lane
-                    v = load(velocity, at)
-                    u += weight * (v + (v - load(others, at)) * lattice.again)
-            x *= lattice.inverse
-            below = min(max(floor(x), 0.0), broadcast(x, box[SIZE + c] - 2))
-            store(out, (SHARE + c) * PACK + lane, x - below)
-            store(out, (BELOW + c) * PACK + lane, below)
-            store(out, (VELOCITY + c) * PACK + lane, u)
+        x = broadcast(positions, 0.0)
+        y, z, u, v, w = x, x, x, x, x
+        for i in range(count):
+            weight = lattice.weights[sample, i]
+            a, b, c = load3(positions, place + i * ROW + lane, W)
+            x, y, z = x + weight * (a - o), y + weight * (b - p), z + weight * (c - q)
+            if first + i > 0:
+                a, b, c = load3(velocity, begin + i * 3 * PACK + lane, PACK)
+                d, e, f = load3(others, begin + i * 3 * PACK + lane, PACK)
+                a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
+            else:
+                a, b, c = load3(pointer(moving.roots), pack * 3 * PACK + lane, PACK)
+            u, v, w = u + weight * a, v + weight * b, w + weight * c
+        store_place(out, lane, x * lattice.inverse, box[SIZE] - 2)
+        store_place(out, PACK + lane, y * lattice.inverse, box[SIZE + 1] - 2)
+        store_place(out, 2 * PACK + lane, z * lattice.inverse, box[SIZE + 2] - 2)
+        store3(out, VELOCITY * PACK + lane, PACK, u, v, w)
+
+
+@device
+def store_place(out, lane, x, last):
+    """Keep the numbers of the cells before places along an axis, the ``last`` at the most, and the ways from there."""
+    below = min(max(floor(x), 0.0), broadcast(x, last))
+    store(out, SHARE * PACK + lane, x - below)
+    store(out, BELOW * PACK + lane, below)
 
 
 @device

@@ -37,6 +37,8 @@ numbers (3) of the cells before it, and its velocity (3), m/s."""
 RESULT = 9
 """(`CELL`) Targets at the sample."""
 ROWS = 13
+FOUND = CELL + 4
+"""Numbers a strand of what is found in cells: all columns, and then the rate and the rest."""
 
 
 class Moving(NamedTuple):
