@@ -123,8 +123,8 @@ class Crowd:
         steps = kind(dt), kind(dt / self._last_step if self._last_step else 1.0), kind(1 - crowd_excess.HELD)
         lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, *steps)
         most = crowd_grid.deposit(
-            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
-            self.near,
+            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self._found, self.targets, self.grid,
+            self._most, self.near,
         )
         if moment.solids is not None:
             most = self._find_room(whole, moment.solids)

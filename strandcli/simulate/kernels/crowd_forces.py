@@ -65,16 +65,15 @@ def accelerate(moving, lattice, parts, box, targets, scratch, found, shares, cro
 def accelerate_pack(moving, lattice, pack, box, targets, work, shares, crowd):
     """Set the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
     is a mean, by their shares. What goes to the root the emitter takes up."""
-    wide = box[SIZE] * CELL
-    layer = wide * box[SIZE + 1]
+    wide = np.uint64(box[SIZE] * CELL)
+    layer = wide * np.uint64(box[SIZE + 1])
     cells, (rows, found), begun = half_width_pointer(targets), work, np.int64(0)
     read = half_width_pointer(found)
     for sample in range(len(lattice.first)):
         locate(moving, lattice, pack, sample, box, lattice.origins[-1], rows)
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
-            at = cell_of(rows, k, wide, layer)
-            store(read, k * CELL, blend(cells, at, np.uint64(wide), np.uint64(layer), a, c, d))
+            store(read, k * CELL, blend(cells, cell_of(rows, k), wide, layer, a, c, d))
         sort_columns(found, rows)
         begun = share_out(lattice, pack, sample, rows, shares[sample], begun, crowd)
 

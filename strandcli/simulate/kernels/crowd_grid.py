@@ -28,8 +28,7 @@ from ...simd import (
     reduce_max,
     store,
     store3,
-    where,
-    with_lane,
+    store_records,
 )
 from .crowd_records import (
     BELOW,
@@ -53,8 +52,9 @@ from .rod_scratch import PACK
 ROW = 3 * W
 """Numbers of a row of positions."""
 OWN = np.zeros((3, CELL), np.float32)
-"""1 in the column of what lies between middles along each axis."""
+"""1 in the column of what lies between middles along each axis, which counts wholly for the first of two cells."""
 OWN[np.arange(3), BETWEEN + np.arange(3)] = 1
+REST = 1 - OWN
 
 
 @parallel
@@ -132,20 +132,21 @@ def extent(positions, first, last, axis):
 
 
 @parallel
-def deposit(moving, lattice, parts, boxes, memory, scratch, sums, grid, most, near):
+def deposit(moving, lattice, parts, boxes, memory, scratch, found, sums, grid, most, near):
     """Set the cells of the box of all, ``grid`` (`CELL`, cells), the ``most`` metres in a cell of each row of them
     (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most of
     all.
 
     Each part has cells in a box of its own first: ``boxes`` (parts + 1, `BOX`) int64, of which the last is that of all;
-    ``memory`` (cells of all parts, `CELL`). ``sums`` (cells, `CELL`): scratch.
+    ``memory`` (cells of all parts, `CELL`). ``found`` (parts, `FOUND` `PACK`) and
+    ``sums`` (cells, `CELL`) float32: scratch.
     """
     for part in prange(len(parts)):
         box = boxes[part]
         own = memory[box[OFFSET] : box[OFFSET] + box[SIZE] * box[SIZE + 1] * box[SIZE + 2]]
         own[...] = 0
         for pack in range(parts[part, FIRST], parts[part, LAST]):
-            deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), scratch[part])
+            deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), (scratch[part], found[part]))
     whole = boxes[len(parts)]
     for o in prange(whole[SIZE + 2]):
         merge_layer(boxes, np.int64(o), memory.reshape(-1), sums.reshape(-1), grid, most)
@@ -153,37 +154,48 @@ def deposit(moving, lattice, parts, boxes, memory, scratch, sums, grid, most, ne
 
 
 @device
-def deposit_pack(moving, lattice, pack, box, origins, grid, rows):
+def deposit_pack(moving, lattice, pack, box, origins, grid, work):
     """Add the metres and the momentum of a pack of strands to the cells of a box, ``grid`` (cells `CELL`,)."""
-    wide = box[SIZE] * CELL
-    layer = wide * box[SIZE + 1]
-    metres, cells = moving.metres[pack], half_width_pointer(grid)
+    cells, (rows, found) = half_width_pointer(grid), work
+    each, wide = half_width_pointer(found), np.uint64(box[SIZE] * CELL)
+    layer = wide * np.uint64(box[SIZE + 1])
     for sample in range(len(lattice.first)):
-        share = np.float32(lattice.mass[sample])
         locate(moving, lattice, pack, sample, box, origins, rows)
+        weigh(moving.metres, pack, np.float32(lattice.mass[sample]), rows, found)
         for k in range(PACK):
-            u, v, w = three(rows, VELOCITY, k)
-            each = with_lane(with_lane(with_lane(broadcast(cells, 1.0), 1, u), 2, v), 3, w)
             a, c, d = three(rows, SHARE, k)
             x, x_next = weights_along(cells, 0, a)
             y, y_next = weights_along(cells, 1, c)
             z, z_next = weights_along(cells, 2, d)
-            m = metres[k] * share
-            x *= m * each
-            x_next *= m * each
-            at = cell_of(rows, k, wide, layer)
+            columns = load(each, k * CELL)
+            x *= columns
+            x_next *= columns
+            at = cell_of(rows, k)
             add_row(cells, at, x, x_next, y * z)
-            add_row(cells, at + np.uint64(wide), x, x_next, y_next * z)
-            add_row(cells, at + np.uint64(layer), x, x_next, y * z_next)
-            add_row(cells, at + np.uint64(layer + wide), x, x_next, y_next * z_next)
+            add_row(cells, at + wide, x, x_next, y_next * z)
+            add_row(cells, at + layer, x, x_next, y * z_next)
+            add_row(cells, at + layer + wide, x, x_next, y_next * z_next)
+
+
+@device
+def weigh(metres, pack, share, rows, found):
+    """Set the columns of a cell that each strand's sample would fill alone, strand by strand."""
+    records = pointer(found)
+    for c in range(3):
+        for k in range(PACK):
+            found[(CELL + c) * PACK + k] = rows[VELOCITY + c, k]
+    m = load(pointer(metres), pack * PACK) * share
+    u, v, w = load3(records, CELL * PACK, PACK)
+    store_records(records, 0, (m, m * u, m * v, m * w, m, m, m, m))
 
 
 @device
 def weights_along(cells, axis, a):
     """The factors along an axis of the weights with which a sample counts in each column of a cell, and of the next
     one, to whose middle it has gone the share ``a`` of the way. What lies between middles counts for the first."""
-    own = load(half_width_pointer(OWN), CELL * axis) > 0.0
-    return where(own, 1.0, broadcast(cells, np.float32(1) - a)), where(own, 0.0, broadcast(cells, a))
+    own, rest = load(half_width_pointer(OWN), CELL * axis), load(half_width_pointer(REST), CELL * axis)
+    share = broadcast(cells, a)
+    return max(1.0 - share, own), min(share, rest)
 
 
 @device
@@ -201,10 +213,9 @@ def three(rows, row, k):
 
 
 @device
-def cell_of(rows, k, wide, layer):
+def cell_of(rows, k):
     """Place of the cell before the sample of lane k."""
-    x, y, z = np.int32(rows[BELOW, k]), np.int32(rows[BELOW + 1, k]), np.int32(rows[BELOW + 2, k])
-    return np.uint64(x * CELL + y * wide + z * layer)
+    return np.uint64(np.int32(rows[BELOW, k])) * np.uint64(CELL)
 
 
 @device
@@ -231,18 +242,18 @@ def locate(moving, lattice, pack, sample, box, origins, rows):
             else:
                 a, b, c = load3(pointer(moving.roots), pack * 3 * PACK + lane, PACK)
             u, v, w = u + weight * a, v + weight * b, w + weight * c
-        store_place(out, lane, x * lattice.inverse, box[SIZE] - 2)
-        store_place(out, PACK + lane, y * lattice.inverse, box[SIZE + 1] - 2)
-        store_place(out, 2 * PACK + lane, z * lattice.inverse, box[SIZE + 2] - 2)
+        x, below = x * lattice.inverse, cell_before(x * lattice.inverse, box[SIZE])
+        y, above = y * lattice.inverse, cell_before(y * lattice.inverse, box[SIZE + 1])
+        z, behind = z * lattice.inverse, cell_before(z * lattice.inverse, box[SIZE + 2])
+        store3(out, SHARE * PACK + lane, PACK, x - below, y - above, z - behind)
+        store(out, BELOW * PACK + lane, below + above * box[SIZE] + behind * (box[SIZE] * box[SIZE + 1]))
         store3(out, VELOCITY * PACK + lane, PACK, u, v, w)
 
 
 @device
-def store_place(out, lane, x, last):
-    """Keep the numbers of the cells before places along an axis, the ``last`` at the most, and the ways from there."""
-    below = min(max(floor(x), 0.0), broadcast(x, last))
-    store(out, SHARE * PACK + lane, x - below)
-    store(out, BELOW * PACK + lane, below)
+def cell_before(x, count):
+    """Numbers of the cells before places along an axis, of so many."""
+    return min(max(floor(x), 0.0), broadcast(x, count - 2))
 
 
 @device
