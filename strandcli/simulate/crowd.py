@@ -20,7 +20,7 @@ from ..groom.record import Groom
 from ..scene.touched import touched
 from ..solids import Solids
 from .crowd_samples import samples_of
-from .kernels import crowd_excess, crowd_forces, crowd_grid, crowd_homes, crowd_pressure, crowd_shelter
+from .kernels import crowd_boxes, crowd_excess, crowd_forces, crowd_grid, crowd_homes, crowd_pressure, crowd_shelter
 from .kernels.crowd_records import BOX, CELL, FOUND, LANES, LOW, OFFSET, ROWS, SIZE, Lattice, Moving, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
@@ -76,8 +76,8 @@ class Crowd:
         cuts = [*range(0, packs, -(-packs // count)), packs]
         self.parts = np.array([cuts[:-1], cuts[1:]]).T.copy()
         self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
-        self.scratch = aligned((len(self.parts), ROWS, PACK), dtype)
-        self._found = aligned((len(self.parts), FOUND * PACK))
+        count = len(self.parts)
+        self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
         self._shares = np.empty(self.samples.weights.shape, dtype)
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty((0, CELL), np.float32)
@@ -123,9 +123,9 @@ class Crowd:
         steps = kind(dt), kind(dt / self._last_step if self._last_step else 1.0), kind(1 - crowd_excess.HELD)
         lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, *steps)
         most = crowd_grid.deposit(
-            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self._found, self.targets, self.grid,
-            self._most, self.near,
-        )
+            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
+            self.near,
+        )  # fmt: skip
         if moment.solids is not None:
             most = self._find_room(whole, moment.solids)
         self.found = float(most) / self.cell**3
@@ -140,7 +140,7 @@ class Crowd:
         if moment.solids is not None:
             crowd_homes.read_home(whole, self.homes, self.targets)
         crowd_forces.accelerate(
-            moving, lattice, self.parts, whole, self.targets, self.scratch, self._found, self._shares, state.crowd
+            moving, lattice, self.parts, whole, self.targets, self.scratch, self._shares, state.crowd
         )
         self._last_step = dt
 
@@ -220,7 +220,7 @@ class Crowd:
         """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
         `UsageError` where they take too many cells."""
         before = self.boxes[-1].copy()
-        cells = crowd_grid.find_boxes(
+        cells = crowd_boxes.find_boxes(
             positions, self.cell, self.parts, self._margin, float(MOST_CELLS), self._ends, self.boxes
         )
         if math.isnan(cells):

@@ -9,14 +9,11 @@ it.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...constants import W
 from ...jit import device, parallel, prange
 from ...simd import (
-    any_lane,
     broadcast,
     floor,
     gather4,
@@ -33,7 +30,6 @@ from ...simd import (
 from .crowd_records import (
     BELOW,
     BETWEEN,
-    BOX,
     CELL,
     FIRST,
     LANES,
@@ -58,95 +54,23 @@ REST = 1 - OWN
 
 
 @parallel
-def find_boxes(positions, cell, parts, margin, most, ends, boxes):
-    """Set the boxes about the strands of each part and of all, and return the cells of the last: NaN where a coordinate
-    is not finite. Where they are more than ``most``, boxes stay as they are.
-
-    positions (blocks, N + 2, 3 W); cell: side of a cell, metres; margin: cells that the box of all has beside strands;
-    ends (parts, 6) float64, scratch; boxes (parts + 1, `BOX`) int64."""
-    for part in prange(len(parts)):
-        for axis in range(3):
-            low, high = extent(positions, parts[part, FIRST] * PACK, parts[part, LAST] * PACK, axis)
-            ends[part, axis] = np.floor(low / cell - 0.5)
-            ends[part, 3 + axis] = np.floor(high / cell - 0.5) + 1
-    return cut_boxes(ends, margin, most, boxes)
-
-
-@device
-def cut_boxes(ends, margin, most, boxes):
-    """Set the boxes from the lowest and the highest cells of each part's strands, and return the cells of the last."""
-    last = len(ends)
-    cells = 1.0
-    for axis in range(3):
-        low, high = ends[0, axis], ends[0, 3 + axis]
-        for part in range(last):
-            if not (math.isfinite(ends[part, axis]) and math.isfinite(ends[part, 3 + axis])):
-                return math.nan
-            low, high = min(low, ends[part, axis]), max(high, ends[part, 3 + axis])
-        cells *= high - low + 1 + 2 * margin
-    if cells > most:
-        return cells
-    place = 0
-    for part in range(last):
-        size = 1
-        for axis in range(3):
-            low, high = np.int64(ends[part, axis]), np.int64(ends[part, 3 + axis])
-            widen(boxes[last], axis, low, high, part == 0)
-            boxes[part, LOW + axis], boxes[part, SIZE + axis] = low, high - low + 1
-            size *= high - low + 1
-        boxes[part, OFFSET] = place
-        place += size
-    for axis in range(3):
-        boxes[last, LOW + axis] -= margin
-        boxes[last, SIZE + axis] += 2 * margin
-    boxes[last, SIZE] = -(-boxes[last, SIZE] // LANES) * LANES
-    boxes[last, OFFSET] = 0
-    return cells
-
-
-@device
-def widen(box, axis, low, high, first):
-    """Extend a box along an axis to the cells from ``low`` to ``high``, or set it to them where they are the first."""
-    if not first:
-        low, high = min(low, box[LOW + axis]), max(high, box[LOW + axis] + box[SIZE + axis] - 1)
-    box[LOW + axis], box[SIZE + axis] = low, high - low + 1
-
-
-@device
-def extent(positions, first, last, axis):
-    """Least and greatest coordinate along an axis of the particles of strands; NaN where one is not finite."""
-    x = pointer(positions)
-    rows = positions.shape[1]
-    high = load(x, first // W * rows * ROW + ROW + axis * W + first % W)
-    low = -high
-    wrong = high - high
-    for strand in range(first, last, lane_count(x)):
-        at = strand // W * rows * ROW + axis * W + strand % W
-        for row in range(1, rows):
-            value = load(x, at + row * ROW)
-            high, low = max(high, value), max(low, -value)
-            wrong += value - value
-    if any_lane(wrong != 0.0):
-        return math.nan, math.nan
-    return -reduce_max(low), reduce_max(high)
-
-
-@parallel
-def deposit(moving, lattice, parts, boxes, memory, scratch, found, sums, grid, most, near):
+def deposit(moving, lattice, parts, boxes, memory, work, sums, grid, most, near):
     """Set the cells of the box of all, ``grid`` (`CELL`, cells), the ``most`` metres in a cell of each row of them
     (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most of
     all.
 
     Each part has cells in a box of its own first: ``boxes`` (parts + 1, `BOX`) int64, of which the last is that of all;
-    ``memory`` (cells of all parts, `CELL`). ``found`` (parts, `FOUND` `PACK`) and
-    ``sums`` (cells, `CELL`) float32: scratch.
+    ``memory`` (cells of all parts, `CELL`). ``work``: `ROWS` and `FOUND` numbers of scratch for
+    each strand of a pack, for each part; ``sums`` (cells, `CELL`) float32: scratch.
     """
+    scratch, found = work
     for part in prange(len(parts)):
         box = boxes[part]
         own = memory[box[OFFSET] : box[OFFSET] + box[SIZE] * box[SIZE + 1] * box[SIZE + 2]]
         own[...] = 0
         for pack in range(parts[part, FIRST], parts[part, LAST]):
-            deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), (scratch[part], found[part]))
+            rows = scratch[part], found[part]
+            deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), rows)
     whole = boxes[len(parts)]
     for o in prange(whole[SIZE + 2]):
         merge_layer(boxes, np.int64(o), memory.reshape(-1), sums.reshape(-1), grid, most)
@@ -321,6 +245,3 @@ def mark_near(most, near):
             if most[o, n] > 0:
                 near[max(o - 1, 0) : o + 2, max(n - 1, 0) : n + 2] = True
     return greatest
-
-
-assert OFFSET + 1 == BOX

@@ -24,8 +24,8 @@ LEAST_ROOM = np.float32(0.5)
 
 @function
 def settle(box, near, grid, open, homes):
-    """Set ``homes`` (cells,) int8 of closed cells with strands, and add what those have of ``grid``, metres and all, and
-    of ``open`` to that of their homes. Only rows of cells that are ``near`` (cells along z, along y) have strands.
+    """Set ``homes`` (cells,) int8 of closed cells with strands, and add what those have of ``grid``, metres and all,
+    and of ``open`` to that of their homes. Only rows of cells that are ``near`` (cells along z, along y) have strands.
     Returns the most metres in a cell by what is open of it, of which `LEAST_ROOM` counts as open at the least."""
     homes[:] = 0
     if find_homes(box, near, grid, open, homes, False) > 0:
