@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import accumulate, pairwise
 from operator import is_
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -80,7 +81,7 @@ class Crowd:
         self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
         self._shares = np.empty(self.samples.weights.shape, dtype)
         self.memory = np.empty((0, CELL), np.float32)
-        self._cells = np.empty((0, CELL), np.float32)
+        self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
         self._ends = np.empty((len(self.parts), 6))
         self._margin = 1 if touched(scene) else 0
@@ -188,18 +189,21 @@ class Crowd:
         """Make arrays for the box of all."""
         wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
         count = wide * high * deep
-        before = LANES // CELL  # of the first cell kernels load the one before it
-        needed = before + 2 * count + -(-6 * count // CELL)
-        if needed > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
-            self._cells = aligned((before + 3 * count, CELL))
-        columns, self.targets, rest = np.split(self._cells[before:], [count, 2 * count])
-        self.grid = columns.reshape(CELL, count)
+        margined, layers = (deep + 2, high + 1, wide + LANES), (4, crowd_shelter.layer_size(wide, high, deep))
+        # of the first cell kernels load the one before it
+        sizes = LANES, CELL * count, CELL * count, 6 * count, math.prod(margined), math.prod(layers)
+        if sum(sizes) > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
+            self._cells = aligned((int(1.2 * sum(sizes)),))
+        ends = list(accumulate(sizes))
+        grid, targets, room, work, of_layers = (self._cells[a:b] for a, b in pairwise(ends))
+        self.grid, self.targets = grid.reshape(CELL, count), targets.reshape(count, CELL)
         self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
-        self.shares, *of_room = rest.reshape(-1)[: 6 * count].reshape(6, count)
+        self.shares, *of_room = room.reshape(6, count)
         self.room = Room(*of_room)
         self.room.open[:] = 1
+        work[:] = 0
         self.homes = np.empty(count if self._margin else 0, np.int8)
-        self._work = *work_of(self.pressure), np.empty((4, crowd_shelter.layer_size(wide, high, deep)), np.float32)
+        self._work = work.reshape(margined), np.empty((2, deep + 2, high + 2), np.uint64), of_layers.reshape(layers)
         self._outside: tuple[list[bytes], Any] = [], ()
         """What ``shares`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
 
@@ -239,12 +243,6 @@ class Crowd:
             self.pressure = _moved(self.pressure, before, whole)
             self._empty_grid()
         return True
-
-
-def work_of(pressure: NDArray[Any]) -> tuple[NDArray[np.float32], NDArray[np.uint64]]:
-    """Return the arrays in which `crowd_pressure.relax` finds pressure (z, y, x)."""
-    deep, high, wide = pressure.shape
-    return aligned((deep + 2, high + 1, wide + LANES)), np.empty((2, deep + 2, high + 2), np.uint64)
 
 
 def extent_of(positions: NDArray[Any]) -> float:
