@@ -17,6 +17,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     gather(rows, o, x, stride, y)    a vector of the numbers at places o + stride * x + y; x and y are whole
     gather2(rows, o, x, stride, y), gather4(…)   two or four vectors: of those numbers and of the ones after them
     store(rows, o, x)
+    store_records(rows, o, eight)    eight vectors as records: the first number of each, the second of each, ...
     x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
     x, y, z = load_deinterleaved(rows, o)   vectors of every third number from places o, o + 1 and o + 2 on
     deinterleave(rows, o, count, work, to, stride)   the same of so many triples, into an array
@@ -77,7 +78,7 @@ from .memory import (
     vector_pointer,
     vector_pointer_at,
 )
-from .records import gather2, gather4
+from .records import gather2, gather4, store_records
 
 __all__ = [
     "any_lane",
@@ -107,6 +108,7 @@ __all__ = [
     "sqrt",
     "store",
     "store3",
+    "store_records",
     "triple_pointer",
     "vector_pointer",
     "vector_pointer_at",

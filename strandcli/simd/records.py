@@ -13,7 +13,9 @@ from llvmlite import ir
 from numba.core import types
 from numba.core.extending import intrinsic
 
+from ..jit import device
 from .kinds import PointerType, VectorType, vector_of, widened
+from .memory import lane_count, store
 
 INDEX = ir.IntType(32)
 
@@ -88,3 +90,32 @@ gather2: Any = intrinsic(_of_records(2))
 """Two vectors: of the numbers that `gather` gives, and of those after them."""
 gather4: Any = intrinsic(_of_records(4))
 """Four vectors: of the numbers that `gather` gives, and of those one, two and three places after them."""
+
+
+@intrinsic
+def interleaved(typingctx: Any, x: Any, y: Any) -> Any:
+    """Two vectors, one behind the other, in which numbers of two take turns."""
+    if not (isinstance(x, VectorType) and x == y):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        count = args[0].type.count
+        turns = [place for k in range(count) for place in (k, count + k)]
+        halves = [builder.shuffle_vector(*args, _mask(half)) for half in (turns[:count], turns[count:])]
+        return context.make_tuple(builder, sig.return_type, halves)
+
+    return types.UniTuple(x, 2)(x, y), emit
+
+
+@device
+def store_records(rows, o, numbers):
+    """Keep eight vectors as records from place o on: the first number of each, then the second, and so on."""
+    a, b, c, d, e, f, g, h = numbers
+    first, third, second, fourth = interleaved(a, e), interleaved(c, g), interleaved(b, f), interleaved(d, h)
+    for half in range(2):
+        odd, even = interleaved(first[half], third[half]), interleaved(second[half], fourth[half])
+        for quarter in range(2):
+            low, high = interleaved(odd[quarter], even[quarter])
+            store(rows, o, low)
+            store(rows, o + lane_count(rows), high)
+            o += 2 * lane_count(rows)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import accumulate, pairwise
 from operator import is_
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,8 +21,8 @@ from ..groom.record import Groom
 from ..scene.touched import touched
 from ..solids import Solids
 from .crowd_samples import samples_of
-from .kernels import crowd_forces, crowd_grid, crowd_homes, crowd_pressure
-from .kernels.crowd_records import BOX, CELL, LANES, LOW, MASS, OFFSET, ROWS, SIZE, Lattice, Moving, Room
+from .kernels import crowd_boxes, crowd_excess, crowd_forces, crowd_grid, crowd_homes, crowd_pressure, crowd_shelter
+from .kernels.crowd_records import BOX, CELL, FOUND, LANES, LOW, OFFSET, ROWS, SIZE, Lattice, Moving, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
 from .material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
@@ -34,8 +35,6 @@ FRICTION_TIME = 0.01
 EASE, MOST = 15.0, 0.5
 """Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
 other are led apart."""
-LEAST_ROOM = 0.5
-"""Share of a cell that counts as outside of solids at the least, where the greatest density is told."""
 MOST_CELLS = 4_000_000
 """Of the box about the strands: 64 MB, and as much again for pressure and targets."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
@@ -78,9 +77,11 @@ class Crowd:
         cuts = [*range(0, packs, -(-packs // count)), packs]
         self.parts = np.array([cuts[:-1], cuts[1:]]).T.copy()
         self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
-        self.scratch = aligned((len(self.parts), ROWS, PACK), dtype)
+        count = len(self.parts)
+        self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
+        self._shares = np.empty(self.samples.weights.shape, dtype)
         self.memory = np.empty((0, CELL), np.float32)
-        self._cells = np.empty((0, CELL), np.float32)
+        self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
         self._ends = np.empty((len(self.parts), 6))
         self._margin = 1 if touched(scene) else 0
@@ -120,26 +121,28 @@ class Crowd:
         origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
         first, counts, *rest = self.samples
         weights, masses = (one.astype(kind) for one in rest)
-        steps = kind(dt), kind(dt / self._last_step if self._last_step else 1.0), kind(1 - crowd_pressure.HELD)
+        steps = kind(dt), kind(dt / self._last_step if self._last_step else 1.0), kind(1 - crowd_excess.HELD)
         lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, *steps)
         most = crowd_grid.deposit(
-            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.grid, self._most, self.near
-        )
+            moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
+            self.near,
+        )  # fmt: skip
         if moment.solids is not None:
-            self._find_room(whole, moment.solids)
-            most = (self.grid[:, MASS] / np.maximum(self.room.open, LEAST_ROOM)).max()
+            most = self._find_room(whole, moment.solids)
         self.found = float(most) / self.cell**3
         if self.density is None:
             self.density = self.found
         self.pressure *= self.near[:, :, None]
         room = self.room if any(moment.wind) else self.room._replace(left=self.room.left[:0])
         crowd_forces.act(
-            whole, self.grid, self.near, room, self._numbers(self.density, moment), *self._work,
+            whole, self.grid, self.near, room, self._numbers(self.density, moment), self._work,
             self.pressure.reshape(-1), self.targets,
         )  # fmt: skip
         if moment.solids is not None:
             crowd_homes.read_home(whole, self.homes, self.targets)
-        crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, state.crowd)
+        crowd_forces.accelerate(
+            moving, lattice, self.parts, whole, self.targets, self.scratch, self._shares, state.crowd
+        )
         self._last_step = dt
 
     def begin_anew(self) -> None:
@@ -186,22 +189,27 @@ class Crowd:
         """Make arrays for the box of all."""
         wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
         count = wide * high * deep
-        needed = 2 * count + -(-6 * count // CELL)
-        if needed > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
-            self._cells = aligned((3 * count, CELL))
-        self.grid, self.targets, rest = self._cells[:count], self._cells[count : 2 * count], self._cells[2 * count :]
+        margined, layers = (deep + 2, high + 1, wide + LANES), (4, crowd_shelter.layer_size(wide, high, deep))
+        # of the first cell kernels load the one before it
+        sizes = LANES, CELL * count, CELL * count, 6 * count, math.prod(margined), math.prod(layers)
+        if sum(sizes) > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
+            self._cells = aligned((int(1.2 * sum(sizes)),))
+        ends = list(accumulate(sizes))
+        grid, targets, room, work, of_layers = (self._cells[a:b] for a, b in pairwise(ends))
+        self.grid, self.targets = grid.reshape(CELL, count), targets.reshape(count, CELL)
         self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
-        self.shares, *of_room = rest.reshape(-1)[: 6 * count].reshape(6, count)
+        self.shares, *of_room = room.reshape(6, count)
         self.room = Room(*of_room)
         self.room.open[:] = 1
+        work[:] = 0
         self.homes = np.empty(count if self._margin else 0, np.int8)
-        self._work = work_of(self.pressure)
+        self._work = work.reshape(margined), np.empty((2, deep + 2, high + 2), np.uint64), of_layers.reshape(layers)
         self._outside: tuple[list[bytes], Any] = [], ()
         """What ``shares`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
 
-    def _find_room(self, whole: NDArray[np.int64], met: Solids) -> None:
+    def _find_room(self, whole: NDArray[np.int64], met: Solids) -> float:
         """Find what solids ``met`` leave of the rows of cells that strands are near, kept for as long as neither
-        changes, and bring what lies in closed cells to their homes."""
+        changes, and bring what lies in closed cells to their homes. Returns the most metres in a cell."""
         parts: tuple[Any, ...] = self.near, *met
         rows, data = [one.tobytes() for one in parts[:6]], parts[6:]
         if rows != self._outside[0] or not all(map(is_, data, self._outside[1])):
@@ -210,15 +218,13 @@ class Crowd:
             along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
             crowd_pressure.find_room(whole, self.cell, met, along, self.near, self.shares)
         self.room.open[:] = self.shares
-        crowd_homes.find_homes(whole, self.grid, self.room.open, self.homes)
-        crowd_homes.find_far_homes(whole, self.grid, self.room.open, self.homes)
-        crowd_homes.bring_home(whole, self.homes, self.grid, self.room.open)
+        return float(crowd_homes.settle(whole, self.near, self.grid, self.room.open, self.homes))
 
     def _lay(self, positions: NDArray[Any]) -> bool:
         """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
         `UsageError` where they take too many cells."""
         before = self.boxes[-1].copy()
-        cells = crowd_grid.find_boxes(
+        cells = crowd_boxes.find_boxes(
             positions, self.cell, self.parts, self._margin, float(MOST_CELLS), self._ends, self.boxes
         )
         if math.isnan(cells):
@@ -237,12 +243,6 @@ class Crowd:
             self.pressure = _moved(self.pressure, before, whole)
             self._empty_grid()
         return True
-
-
-def work_of(pressure: NDArray[Any]) -> tuple[NDArray[np.float32], NDArray[np.uint64]]:
-    """Return the arrays in which `crowd_pressure.relax` finds pressure (z, y, x)."""
-    deep, high, wide = pressure.shape
-    return aligned((deep + 2, high + 1, wide + LANES)), np.empty((2, deep + 2, high + 2), np.uint64)
 
 
 def extent_of(positions: NDArray[Any]) -> float:

@@ -14,9 +14,9 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
-from strandcli.simulate.crowd import Moment, work_of
+from strandcli.simulate.crowd import Moment
 from strandcli.simulate.kernels import crowd_pressure
-from strandcli.simulate.kernels.crowd_records import BETWEEN, LOW, MASS, SIZE
+from strandcli.simulate.kernels.crowd_records import BETWEEN, LANES, LOW, MASS, SIZE
 from strandcli.simulate.kernels.rod_scratch import PACK
 from strandcli.simulate.rod import RodSolver
 
@@ -76,8 +76,8 @@ def test_segments_are_spread_over_the_cells_around_them(cell: float) -> None:
     twin = np.zeros((*box[SIZE : SIZE + 3], 4))
     for key, values in spread(solver).items():
         twin[tuple(np.array(key) - box[LOW : LOW + 3])] = values
-    np.testing.assert_allclose(grid[:, :4], twin.transpose(2, 1, 0, 3).reshape(-1, 4), atol=2e-6)
-    assert grid[:, MASS].sum() == pytest.approx(40 * 0.2, rel=1e-5)
+    np.testing.assert_allclose(grid[:4].T, twin.transpose(2, 1, 0, 3).reshape(-1, 4), atol=2e-6)
+    assert grid[MASS].sum() == pytest.approx(40 * 0.2, rel=1e-5)
 
 
 def test_what_lies_between_middles_is_counted_along_each_axis() -> None:
@@ -86,7 +86,7 @@ def test_what_lies_between_middles_is_counted_along_each_axis() -> None:
     prepare(solver)
     assert solver.crowd is not None
     box, grid = solver.crowd.boxes[-1], solver.crowd.grid
-    cells = grid.reshape(*box[SIZE : SIZE + 3][::-1], -1).astype(float)
+    cells = grid.T.reshape(*box[SIZE : SIZE + 3][::-1], -1).astype(float)
     for axis in range(3):
         between = cells[..., BETWEEN + axis]
         np.testing.assert_allclose(between.sum(2 - axis), cells[..., MASS].sum(2 - axis), atol=1e-6)
@@ -213,7 +213,7 @@ def test_pressure_solves_the_complementarity_problem() -> None:
     free = np.pad(open_.reshape(7, 9, 16), 1, constant_values=1) > 0
     around = sum(np.roll(free, shift, axis) for axis in range(3) for shift in (-1, 1)).astype(np.float32)
     faces = np.where(free & (around > 0), 1 / np.maximum(around, 1), 0)[1:-1, 1:-1, 1:-1].astype(np.float32).ravel()
-    work = work_of(pressure.reshape(7, 9, 16))
+    work = np.zeros((7 + 2, 9 + 1, 16 + LANES), np.float32), np.empty((2, 7 + 2, 9 + 2), np.uint64)
     for _ in range(20):
         crowd_pressure.relax(box, excess, faces, np.ones((7, 9), np.bool_), *work, pressure)
     p = np.pad(pressure.reshape(7, 9, 16), 1)

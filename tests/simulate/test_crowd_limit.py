@@ -12,16 +12,17 @@ from strandcli.simulate.kernels.crowd_records import BETWEEN, CELL, FALL, FULL, 
 WIDE, HIGH, DEEP = 16, 7, 6
 COUNT = WIDE * HIGH * DEEP
 BOX = np.array([0, 0, 0, WIDE, HIGH, DEEP, 0])
+LIVE = np.ones((DEEP + 2, HIGH + 2), np.uint64)
 
 
 def made() -> tuple[NDArray[np.float32], Room, NDArray[np.float32], NDArray[np.float32]]:
     """A grid with few strands at its sides, and far too much pressure within."""
     rng = np.random.default_rng(5)
-    grid = rng.random((COUNT, CELL)).astype(np.float32)
+    grid = rng.random((COUNT, CELL)).astype(np.float32).T.copy()
     z, y, x = np.meshgrid(*(np.arange(n) - (n - 1) / 2 for n in (DEEP, HIGH, WIDE)), indexing="ij")
     inner = np.exp(-(x**2 + y**2 + z**2) / 8).ravel().astype(np.float32)
-    grid *= (0.01 + inner)[:, None]
-    grid[:, MOMENTUM : MOMENTUM + 3] -= 0.5 * grid[:, [MASS]]
+    grid *= 0.01 + inner
+    grid[MOMENTUM : MOMENTUM + 3] -= 0.5 * grid[MASS]
     empty = np.zeros(COUNT, np.float32)
     room = Room(np.where(rng.random(COUNT) > 0.1, 1, -0.1).astype(np.float32), empty, empty, 0.2 * inner, empty)
     numbers = np.zeros(NUMBERS, np.float32)
@@ -32,9 +33,9 @@ def made() -> tuple[NDArray[np.float32], Room, NDArray[np.float32], NDArray[np.f
 def most(at: int, next: int, axis: int, grid: NDArray[np.float32], room: Room, numbers: NDArray[np.float32]) -> float:
     """By how much the pressure of a cell may be above that of a neighbour: plain numbers."""
     first, way = min(at, next), 1 if next > at else -1
-    both = float(grid[at, MASS] + grid[next, MASS])
-    m = float(WIDELY) * both + float(BETWEEN_ONLY) * float(grid[first, BETWEEN + axis])
-    speed = way * float(grid[at, MOMENTUM + axis] + grid[next, MOMENTUM + axis]) / both / float(numbers[SPEED])
+    both = float(grid[MASS, at] + grid[MASS, next])
+    m = float(WIDELY) * both + float(BETWEEN_ONLY) * float(grid[BETWEEN + axis, first])
+    speed = way * float(grid[MOMENTUM + axis, at] + grid[MOMENTUM + axis, next]) / both / float(numbers[SPEED])
     led = float(FARTHEST) + max(-speed, 0) + max(-way * float(numbers[FALL + axis]), 0)
     return m / float(numbers[FULL]) * led + max(float(room.held[at] - room.held[next]), 0)
 
@@ -42,8 +43,8 @@ def most(at: int, next: int, axis: int, grid: NDArray[np.float32], room: Room, n
 def test_pressure_is_the_greatest_that_no_face_throws_strands_with() -> None:
     """Against the least sums along all ways between cells."""
     grid, room, numbers, found = made()
-    pressure, near = found.copy(), np.ones((DEEP, HIGH), np.bool_)
-    limit(BOX, near, grid, room, numbers, pressure)
+    pressure = found.copy()
+    limit(BOX, LIVE, grid, room, numbers, pressure)
     wanted = found.astype(float)
     for _ in range(COUNT):
         before = wanted.copy()
@@ -65,6 +66,6 @@ def test_pressure_that_throws_none_stays_as_it_is() -> None:
     grid, room, numbers, found = made()
     pressure = (0.001 * found).astype(np.float32)
     before = pressure.copy()
-    limit(BOX, np.ones((DEEP, HIGH), np.bool_), grid, room, numbers, pressure)
+    limit(BOX, LIVE, grid, room, numbers, pressure)
     np.testing.assert_array_equal(pressure, before)
     assert before.max() == pytest.approx(0.03, rel=0.1)

@@ -73,21 +73,19 @@ def test_strands_read_of_closed_cells_what_they_leave_in_them() -> None:
     box = np.array([0, 0, 0, 16, 6, 5, 0])
     count = 16 * 6 * 5
     open_ = np.where(rng.random(count) > 0.5, rng.random(count), -0.1 * rng.random(count)).astype(np.float32)
-    grid = rng.random((count, CELL)).astype(np.float32)
+    grid = rng.random((CELL, count)).astype(np.float32)
     targets = rng.normal(size=(count, CELL)).astype(np.float32)
     homes = np.empty(count, np.int8)
-    crowd_homes.find_homes(box, grid, open_, homes)
-    crowd_homes.find_far_homes(box, grid, open_, homes)
+    left, room, read = grid.copy(), open_.copy(), targets.copy()
+    crowd_homes.settle(box, np.ones((5, 6), np.bool_), left, room, homes)
+    crowd_homes.read_home(box, homes, read)
     assert (homes[open_ > 0] == 0).all()
     assert (homes > 0).sum() > 200 < (homes <= crowd_homes.WAYS).sum()
     assert (homes > crowd_homes.WAYS).any()
-    left, room, read = grid.copy(), open_.copy(), targets.copy()
-    crowd_homes.bring_home(box, homes, left, room)
-    crowd_homes.read_home(box, homes, read)
     for column, target in [(MASS + i, RATE + i) for i in range(4)] + [(BETWEEN + i, PUSH + i) for i in range(3)]:
-        brought = left[:, column].astype(float) @ targets[:, target]
-        assert brought == pytest.approx(grid[:, column].astype(float) @ read[:, target], abs=1e-3)
-    assert (left[homes > 0, MASS] == 0).all()
+        brought = left[column].astype(float) @ targets[:, target]
+        assert brought == pytest.approx(grid[column].astype(float) @ read[:, target], abs=1e-3)
+    assert (left[MASS, homes > 0] == 0).all()
     assert room[open_ > 0].sum() == pytest.approx(np.abs(open_[(open_ > 0) | (homes > 0)]).sum(), rel=1e-5)
 
 
@@ -97,5 +95,5 @@ def test_a_box_that_grows_finds_room_in_the_memory_of_the_last_one() -> None:
     for wide in range(16, 16 * 200, 16):
         crowd.boxes[-1, SIZE : SIZE + 3] = wide, 3, 5
         crowd._empty_grid()
-        for one in (crowd.grid, crowd.targets, crowd.shares, *crowd.room):
+        for one in (crowd.grid.T, crowd.targets, crowd.shares, *crowd.room):
             assert len(one) == wide * 15

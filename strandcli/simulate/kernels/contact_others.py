@@ -24,20 +24,23 @@ TINY = 1e-20
 
 
 @inlined
-def depth(shape, m, x, y, z):
-    """Return the depth of points in the solid whose row begins at m, and its normal there."""
+def depth(shape, m, x, y, z, most):
+    """Return the depth of points in the solid whose row begins at m and, in lanes that are deeper than ``most``, its
+    normal there: what others have is not read, and takes longer to find than the depth."""
     others, distance, normal = shape[:3]
     under = broadcast(x, -1.0 / TINY)
     nx = broadcast(x, 0.0)
     ny = broadcast(x, 1.0)
     nz = nx
     for k in range(lane_count(others.rows)):
-        a, b, c = lane(x, k), lane(y, k), lane(z, k)
-        under = with_lane(under, k, -1.0 * distance(others, m, a, b, c))
-        u, v, w = normal(others, m, a, b, c)
-        nx = with_lane(nx, k, u)
-        ny = with_lane(ny, k, v)
-        nz = with_lane(nz, k, w)
+        under = with_lane(under, k, -1.0 * distance(others, m, lane(x, k), lane(y, k), lane(z, k)))
+    if any_lane(under > most):
+        for k in range(lane_count(others.rows)):
+            if lane(under, k) > lane(most, k):
+                u, v, w = normal(others, m, lane(x, k), lane(y, k), lane(z, k))
+                nx = with_lane(nx, k, u)
+                ny = with_lane(ny, k, v)
+                nz = with_lane(nz, k, w)
     return under, nx, ny, nz
 
 
@@ -51,24 +54,24 @@ def in_reach(others, m, x, y, z, far):
 
 
 @inlined
-def deepest(shape, m, point, edges, lever):
+def deepest(shape, m, point, edges, lever, most):
     """Return `depth` of a particle, or of the deepest point of its two edges within ``lever`` of it."""
     x, y, z = point
     edge, next = edges
-    under, nx, ny, nz = depth(shape, m, x, y, z)
+    under, nx, ny, nz = depth(shape, m, x, y, z, most)
     if not any_lane(lever > 0.0):
         return under, nx, ny, nz
     others, normal, place = shape[0], shape[2], shape[3]
     for k in range(lane_count(others.rows)):
         begin = lane(x, k), lane(y, k), lane(z, k)
-        most = max(lane(under, k), 0.0)
+        least = max(lane(under, k), 0.0)
         for side in range(2):
             way = next if side == 1 else edge
             far = lane(lever, k) * (1.0 if side == 1 else -1.0)
             ex, ey, ez = far * lane(way[0], k), far * lane(way[1], k), far * lane(way[2], k)
             share, d = place(others, m, begin, (ex, ey, ez))
-            if d > most:
-                most = d
+            if d > least:
+                least = d
                 u, v, w = normal(others, m, begin[0] + share * ex, begin[1] + share * ey, begin[2] + share * ez)
                 under = with_lane(under, k, d)
                 nx = with_lane(nx, k, u)
@@ -85,13 +88,14 @@ def nearest(s, places, most, point, edges, lever, at, others, shape):
     x, y, z = point
     for m in range(0, last, columns):
         if in_reach(all_of, m, x, y, z, lever - most):
-            d, ox, oy, oz = deepest(shape, m, point, edges, lever)
-            level = d + x * ox + y * oy + z * oz
-            found, other = write_slot(
-                s, found, other, d > most, 0.0, (ox, oy, oz), level, all_of.rows, m + columns - MOTION, at
-            )
-            carry(s, found, point, m, d > most, at, shape)
-            most = max(most, d)
+            d, ox, oy, oz = deepest(shape, m, point, edges, lever, most)
+            if any_lane(d > most):
+                level = d + x * ox + y * oy + z * oz
+                found, other = write_slot(
+                    s, found, other, d > most, 0.0, (ox, oy, oz), level, all_of.rows, m + columns - MOTION, at
+                )
+                carry(s, found, point, m, d > most, at, shape)
+                most = max(most, d)
     return most, found
 
 

@@ -12,162 +12,105 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, parallel, prange
-from ...simd import half_width_pointer, lane, lane_count, load, pointer, store
+from ...simd import gather4, half_width_pointer, lane_count, load, load3, pointer, store, store3
+from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
-from .crowd_limit import BETWEEN_ONLY, SLIVER, WIDELY, limit, moved
-from .crowd_pressure import find_excess, find_faces, relax
-from .crowd_records import (
-    BETWEEN,
-    CELL,
-    CHANGE,
-    FIRST,
-    FULL,
-    LAST,
-    LOST,
-    MASS,
-    MOMENTUM,
-    PUSH,
-    RATE,
-    RESULT,
-    SHARE,
-    SIZE,
-    SPEED,
-    STOP,
-    TARGET,
-    VELOCITY,
-    WAY,
-)
+from .crowd_limit import limit
+from .crowd_pressure import relax
+from .crowd_records import CELL, FIRST, FOUND, LAST, MASS, PUSH, RESULT, SHARE, SIZE, STOP, VELOCITY, WAY
+from .crowd_rows import COUNTED
 from .crowd_shelter import shelter
+from .crowd_targets import find_targets
 from .rod_scratch import PACK
-
-EMPTY = np.float32(1e-30)
-"""Metres in a cell up to which it is empty."""
 
 
 @parallel
-def act(box, grid, near, room, numbers, work, busy, pressure, targets):
+def act(box, grid, near, room, numbers, work, pressure, targets):
     """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`).
 
-    ``near``, ``work``, ``busy``: as `crowd_pressure.relax` takes them; ``numbers`` (`NUMBERS`,) float32. Pressure and
-    shelter follow from their own neighbours, cell by cell: a thread finds one of them while another finds the other.
-    No strand is in rows that are not ``near``: what else those hold is neither set nor read.
+    ``near``: as `crowd_pressure.relax` takes it; ``work``: what that takes and, where there is wind, the layers that
+    `crowd_shelter.shelter` takes; ``numbers`` (`NUMBERS`,) float32. Pressure and shelter follow from their own
+    neighbours, cell by cell: a thread finds one of them while another finds the other. No strand is in rows that are
+    not ``near``: what else those hold is neither set nor read.
     """
+    margined, busy, layers = work
     for o in prange(box[SIZE + 2]):
-        find_faces(box, np.int64(o), near, room.open, room.faces)
         find_excess(box, np.int64(o), near, grid, room, pressure, numbers)
     for task in prange(2):
         if task == 0:
-            relax(box, room.excess, room.faces, near, work, busy, pressure)
-            limit(box, near, grid, room, numbers, pressure)
+            relax(box, room.excess, room.faces, near, margined, busy, pressure)
+            limit(box, busy[1], grid, room, numbers, pressure)
         elif len(room.left) > 0:
-            shelter(box, grid, numbers[WAY : WAY + 3], numbers[STOP], room.left)
+            shelter(box, grid[MASS], numbers[WAY : WAY + 3], numbers[STOP], room.left, layers)
     for o in prange(box[SIZE + 2]):
         find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets)
 
 
-@device
-def find_targets(box, o, near, grid, room, numbers, pressure, targets):
-    """Set the targets of layer o. A cell that no sample reaches has none."""
-    full, share, speed = numbers[FULL], numbers[LOST], numbers[SPEED]
-    push, least = speed * full, SLIVER * full
-    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    layer = wide * high
-    for n in range(high):
-        if not near[o, n]:
-            continue
-        row = o * layer + n * wide
-        for i in range(wide):
-            at = row + i
-            if is_empty(grid, at):
-                for c in range(CELL):
-                    targets[at, c] = 0
-                continue
-            m = grid[at, MASS]
-            rate = share * min(m / full, np.float32(1))
-            f = rate / max(m, EMPTY)
-            targets[at, RATE] = rate
-            x, before = push_between(at, 1, i, wide, 0, grid, pressure, room.open, least)
-            targets[at, TARGET] = f * grid[at, MOMENTUM] + push * WIDELY * (x + before)
-            targets[at, PUSH] = push * BETWEEN_ONLY * x
-            x, before = push_between(at, wide, n, high, 1, grid, pressure, room.open, least)
-            targets[at, TARGET + 1] = f * grid[at, MOMENTUM + 1] + push * WIDELY * (x + before)
-            targets[at, PUSH + 1] = push * BETWEEN_ONLY * x
-            x, before = push_between(at, layer, o, deep, 2, grid, pressure, room.open, least)
-            targets[at, TARGET + 2] = f * grid[at, MOMENTUM + 2] + push * WIDELY * (x + before)
-            targets[at, PUSH + 2] = push * BETWEEN_ONLY * x
-            targets[at, CELL - 1] = 0
-            if len(room.left) > 0:  # what sheltered strands do not take of the wind
-                for c in range(3):
-                    targets[at, TARGET + c] += (room.left[at] - np.float32(1)) * numbers[CHANGE + c]
-
-
-@device
-def is_empty(grid, at):
-    """Whether no sample counts for a cell."""
-    between = max(grid[at, BETWEEN], grid[at, BETWEEN + 1], grid[at, BETWEEN + 2])
-    return grid[at, MASS] == 0 and between == 0
-
-
-@device
-def push_between(at, stride, i, count, axis, grid, pressure, open, least):
-    """Change of velocity by the pressure on the faces to the next cell along an axis and to the one before, in cells a
-    step for each metre in a cell."""
-    next = pushed(at, stride, axis, grid, pressure, open, least) if i < count - 1 else np.float32(0)
-    return next, pushed(at - stride, stride, axis, grid, pressure, open, least) if i > 0 else np.float32(0)
-
-
-@device
-def pushed(at, stride, axis, grid, pressure, open, least):
-    """Change of velocity by the pressure on the face to the next cell, which lies a ``stride`` on."""
-    next = at + stride
-    if open[at] <= 0 or open[next] <= 0:
-        return np.float32(0)
-    return (pressure[at] - pressure[next]) / moved(at, next, axis, grid, least)
-
-
 @parallel
-def accelerate(moving, lattice, parts, box, targets, scratch, crowd):
-    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and `Moving.others`."""
+def accelerate(moving, lattice, parts, box, targets, work, shares, crowd):
+    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and `Moving.others`. ``work``: scratch, as
+    `crowd_grid.deposit` takes it; ``shares`` (samples, greatest count): scratch."""
+    scratch, found = work
+    for sample in range(len(lattice.first)):
+        m = lattice.mass[sample] / lattice.step
+        for i in range(max(1 - lattice.first[sample], 0), lattice.counts[sample]):
+            shares[sample, i] = m * lattice.weights[sample, i] / moving.mass[lattice.first[sample] + i - 1]
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
-            crowd[pack] = 0
-            accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), scratch[part], crowd)
+            rows = scratch[part], found[part]
+            accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), rows, shares, crowd)
             keep_others(moving, pack, lattice.seen * lattice.step, crowd)
 
 
 @device
-def accelerate_pack(moving, lattice, pack, box, targets, rows, crowd):
-    """Add the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
+def accelerate_pack(moving, lattice, pack, box, targets, work, shares, crowd):
+    """Set the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
     is a mean, by their shares. What goes to the root the emitter takes up."""
-    wide = box[SIZE] * CELL
-    layer = wide * box[SIZE + 1]
-    cells = half_width_pointer(targets)
+    wide = np.uint64(box[SIZE] * CELL)
+    layer = wide * np.uint64(box[SIZE + 1])
+    cells, (rows, found), begun = half_width_pointer(targets), work, np.int64(0)
+    read = half_width_pointer(found)
     for sample in range(len(lattice.first)):
         locate(moving, lattice, pack, sample, box, lattice.origins[-1], rows)
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
-            at = cell_of(rows, k, wide, layer)
-            found = blend(cells, at, np.uint64(wide), np.uint64(layer), a, c, d)
-            rows[RESULT, k] = lane(found, RATE)
-            for axis in range(3):
-                rows[RESULT + 1 + axis, k] = lane(found, TARGET + axis) + lane(found, PUSH + axis)
-        share_out(moving, lattice, pack, sample, rows, crowd)
+            store(read, k * CELL, blend(cells, cell_of(rows, k), wide, layer, a, c, d))
+        sort_columns(found, rows)
+        begun = share_out(lattice, pack, sample, rows, shares[sample], begun, crowd)
 
 
 @device
-def share_out(moving, lattice, pack, sample, rows, crowd):
-    """Add what a sample's velocity changes by to the accelerations of its particles."""
+def sort_columns(found, rows):
+    """Set the rows of what is found at a sample of each strand: the rate, and the rest with what lies between."""
+    records, counted = pointer(found), load(pointer(COUNTED), 0)
+    rate, u, v, w = gather4(records, 0, counted, CELL, 0.0)
+    x, y, z, _ = gather4(records, PUSH, counted, CELL, 0.0)
+    store(records, CELL * PACK, rate)
+    store3(records, (CELL + 1) * PACK, PACK, u + x, v + y, w + z)
+    for c in range(FOUND - CELL):
+        for k in range(PACK):
+            rows[RESULT + c, k] = found[(CELL + c) * PACK + k]
+
+
+@device
+def share_out(lattice, pack, sample, rows, shares, begun, crowd):
+    """Add what a sample's velocity changes by to the accelerations of its particles, of which so many have ``begun``,
+    and return how many have then."""
     read, out = pointer(rows), pointer(crowd)
-    n = crowd.shape[1]
-    first, m = lattice.first[sample], lattice.mass[sample] / lattice.step
+    n, first, count = crowd.shape[1], lattice.first[sample] - 1, lattice.counts[sample]
     for k in range(0, PACK, lane_count(read)):
         rate = load(read, RESULT * PACK + k)
-        for c in range(3):
-            change = load(read, (RESULT + 1 + c) * PACK + k) - rate * load(read, (VELOCITY + c) * PACK + k)
-            for i in range(max(1 - first, 0), lattice.counts[sample]):
-                j = first + i - 1
-                at = ((pack * n + j) * 3 + c) * PACK + k
-                store(out, at, load(out, at) + m * lattice.weights[sample, i] / moving.mass[j] * change)
+        x = load(read, (RESULT + 1) * PACK + k) - rate * load(read, VELOCITY * PACK + k)
+        y = load(read, (RESULT + 2) * PACK + k) - rate * load(read, (VELOCITY + 1) * PACK + k)
+        z = load(read, (RESULT + 3) * PACK + k) - rate * load(read, (VELOCITY + 2) * PACK + k)
+        for i in range(max(-first, 0), count):
+            at, share = (pack * n + first + i) * 3 * PACK + k, shares[i]
+            if first + i < begun:
+                u, v, w = load3(out, at, PACK)
+                store3(out, at, PACK, u + share * x, v + share * y, w + share * z)
+            else:
+                store3(out, at, PACK, share * x, share * y, share * z)
+    return first + count
 
 
 @device

@@ -9,176 +9,117 @@ it.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...constants import W
 from ...jit import device, parallel, prange
 from ...simd import (
-    any_lane,
     broadcast,
     floor,
+    gather4,
     half_width_pointer,
     lane_count,
     load,
+    load3,
     pointer,
     reduce_max,
     store,
-    where,
-    with_lane,
+    store3,
+    store_records,
 )
 from .crowd_records import (
     BELOW,
     BETWEEN,
-    BOX,
     CELL,
     FIRST,
     LANES,
     LAST,
     LOW,
     MASS,
+    MOMENTUM,
     OFFSET,
     SHARE,
     SIZE,
     VELOCITY,
 )
+from .crowd_rows import COUNTED
 from .rod_scratch import PACK
 
 ROW = 3 * W
 """Numbers of a row of positions."""
 OWN = np.zeros((3, CELL), np.float32)
-"""1 in the column of what lies between middles along each axis."""
+"""1 in the column of what lies between middles along each axis, which counts wholly for the first of two cells."""
 OWN[np.arange(3), BETWEEN + np.arange(3)] = 1
+REST = 1 - OWN
 
 
 @parallel
-def find_boxes(positions, cell, parts, margin, most, ends, boxes):
-    """Set the boxes about the strands of each part and of all, and return the cells of the last: NaN where a coordinate
-    is not finite. Where they are more than ``most``, boxes stay as they are.
-
-    positions (blocks, N + 2, 3 W); cell: side of a cell, metres; margin: cells that the box of all has beside strands;
-    ends (parts, 6) float64, scratch; boxes (parts + 1, `BOX`) int64."""
-    for part in prange(len(parts)):
-        for axis in range(3):
-            low, high = extent(positions, parts[part, FIRST] * PACK, parts[part, LAST] * PACK, axis)
-            ends[part, axis] = np.floor(low / cell - 0.5)
-            ends[part, 3 + axis] = np.floor(high / cell - 0.5) + 1
-    return cut_boxes(ends, margin, most, boxes)
-
-
-@device
-def cut_boxes(ends, margin, most, boxes):
-    """Set the boxes from the lowest and the highest cells of each part's strands, and return the cells of the last."""
-    last = len(ends)
-    cells = 1.0
-    for axis in range(3):
-        low, high = ends[0, axis], ends[0, 3 + axis]
-        for part in range(last):
-            if not (math.isfinite(ends[part, axis]) and math.isfinite(ends[part, 3 + axis])):
-                return math.nan
-            low, high = min(low, ends[part, axis]), max(high, ends[part, 3 + axis])
-        cells *= high - low + 1 + 2 * margin
-    if cells > most:
-        return cells
-    place = 0
-    for part in range(last):
-        size = 1
-        for axis in range(3):
-            low, high = np.int64(ends[part, axis]), np.int64(ends[part, 3 + axis])
-            widen(boxes[last], axis, low, high, part == 0)
-            boxes[part, LOW + axis], boxes[part, SIZE + axis] = low, high - low + 1
-            size *= high - low + 1
-        boxes[part, OFFSET] = place
-        place += size
-    for axis in range(3):
-        boxes[last, LOW + axis] -= margin
-        boxes[last, SIZE + axis] += 2 * margin
-    boxes[last, SIZE] = -(-boxes[last, SIZE] // LANES) * LANES
-    boxes[last, OFFSET] = 0
-    return cells
-
-
-@device
-def widen(box, axis, low, high, first):
-    """Extend a box along an axis to the cells from ``low`` to ``high``, or set it to them where they are the first."""
-    if not first:
-        low, high = min(low, box[LOW + axis]), max(high, box[LOW + axis] + box[SIZE + axis] - 1)
-    box[LOW + axis], box[SIZE + axis] = low, high - low + 1
-
-
-@device
-def extent(positions, first, last, axis):
-    """Least and greatest coordinate along an axis of the particles of strands; NaN where one is not finite."""
-    x = pointer(positions)
-    rows = positions.shape[1]
-    high = load(x, first // W * rows * ROW + ROW + axis * W + first % W)
-    low = -high
-    wrong = high - high
-    for strand in range(first, last, lane_count(x)):
-        at = strand // W * rows * ROW + axis * W + strand % W
-        for row in range(1, rows):
-            value = load(x, at + row * ROW)
-            high, low = max(high, value), max(low, -value)
-            wrong += value - value
-    if any_lane(wrong != 0.0):
-        return math.nan, math.nan
-    return -reduce_max(low), reduce_max(high)
-
-
-@parallel
-def deposit(moving, lattice, parts, boxes, memory, scratch, grid, most, near):
-    """Set the cells of the box of all, ``grid`` (cells, `CELL`), the ``most`` metres in a cell of each row of them
+def deposit(moving, lattice, parts, boxes, memory, work, sums, grid, most, near):
+    """Set the cells of the box of all, ``grid`` (`CELL`, cells), the ``most`` metres in a cell of each row of them
     (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most of
     all.
 
     Each part has cells in a box of its own first: ``boxes`` (parts + 1, `BOX`) int64, of which the last is that of all;
-    ``memory`` (cells of all parts, `CELL`).
+    ``memory`` (cells of all parts, `CELL`). ``work``: `ROWS` and `FOUND` numbers of scratch for
+    each strand of a pack, for each part; ``sums`` (cells, `CELL`) float32: scratch.
     """
+    scratch, found = work
     for part in prange(len(parts)):
         box = boxes[part]
         own = memory[box[OFFSET] : box[OFFSET] + box[SIZE] * box[SIZE + 1] * box[SIZE + 2]]
         own[...] = 0
         for pack in range(parts[part, FIRST], parts[part, LAST]):
-            deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), scratch[part])
+            rows = scratch[part], found[part]
+            deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), rows)
     whole = boxes[len(parts)]
     for o in prange(whole[SIZE + 2]):
-        merge_layer(boxes, np.int64(o), memory.reshape(-1), grid, most)
+        merge_layer(boxes, np.int64(o), memory.reshape(-1), sums.reshape(-1), grid, most)
     return mark_near(most, near)
 
 
 @device
-def deposit_pack(moving, lattice, pack, box, origins, grid, rows):
+def deposit_pack(moving, lattice, pack, box, origins, grid, work):
     """Add the metres and the momentum of a pack of strands to the cells of a box, ``grid`` (cells `CELL`,)."""
-    wide = box[SIZE] * CELL
-    layer = wide * box[SIZE + 1]
-    metres, cells = moving.metres[pack], half_width_pointer(grid)
+    cells, (rows, found) = half_width_pointer(grid), work
+    each, wide = half_width_pointer(found), np.uint64(box[SIZE] * CELL)
+    layer = wide * np.uint64(box[SIZE + 1])
     for sample in range(len(lattice.first)):
-        share = np.float32(lattice.mass[sample])
         locate(moving, lattice, pack, sample, box, origins, rows)
+        weigh(moving.metres, pack, np.float32(lattice.mass[sample]), rows, found)
         for k in range(PACK):
-            u, v, w = three(rows, VELOCITY, k)
-            each = with_lane(with_lane(with_lane(broadcast(cells, 1.0), 1, u), 2, v), 3, w)
             a, c, d = three(rows, SHARE, k)
             x, x_next = weights_along(cells, 0, a)
             y, y_next = weights_along(cells, 1, c)
             z, z_next = weights_along(cells, 2, d)
-            m = metres[k] * share
-            x *= m * each
-            x_next *= m * each
-            at = cell_of(rows, k, wide, layer)
+            columns = load(each, k * CELL)
+            x *= columns
+            x_next *= columns
+            at = cell_of(rows, k)
             add_row(cells, at, x, x_next, y * z)
-            add_row(cells, at + np.uint64(wide), x, x_next, y_next * z)
-            add_row(cells, at + np.uint64(layer), x, x_next, y * z_next)
-            add_row(cells, at + np.uint64(layer + wide), x, x_next, y_next * z_next)
+            add_row(cells, at + wide, x, x_next, y_next * z)
+            add_row(cells, at + layer, x, x_next, y * z_next)
+            add_row(cells, at + layer + wide, x, x_next, y_next * z_next)
+
+
+@device
+def weigh(metres, pack, share, rows, found):
+    """Set the columns of a cell that each strand's sample would fill alone, strand by strand."""
+    records = pointer(found)
+    for c in range(3):
+        for k in range(PACK):
+            found[(CELL + c) * PACK + k] = rows[VELOCITY + c, k]
+    m = load(pointer(metres), pack * PACK) * share
+    u, v, w = load3(records, CELL * PACK, PACK)
+    store_records(records, 0, (m, m * u, m * v, m * w, m, m, m, m))
 
 
 @device
 def weights_along(cells, axis, a):
     """The factors along an axis of the weights with which a sample counts in each column of a cell, and of the next
     one, to whose middle it has gone the share ``a`` of the way. What lies between middles counts for the first."""
-    own = load(half_width_pointer(OWN), CELL * axis) > 0.0
-    return where(own, 1.0, broadcast(cells, np.float32(1) - a)), where(own, 0.0, broadcast(cells, a))
+    own, rest = load(half_width_pointer(OWN), CELL * axis), load(half_width_pointer(REST), CELL * axis)
+    share = broadcast(cells, a)
+    return max(1.0 - share, own), min(share, rest)
 
 
 @device
@@ -196,71 +137,100 @@ def three(rows, row, k):
 
 
 @device
-def cell_of(rows, k, wide, layer):
+def cell_of(rows, k):
     """Place of the cell before the sample of lane k."""
-    x, y, z = np.int32(rows[BELOW, k]), np.int32(rows[BELOW + 1, k]), np.int32(rows[BELOW + 2, k])
-    return np.uint64(x * CELL + y * wide + z * layer)
+    return np.uint64(np.int32(rows[BELOW, k])) * np.uint64(CELL)
 
 
 @device
 def locate(moving, lattice, pack, sample, box, origins, rows):
     """Set the rows of scratch for a sample of a pack's strands. ``origins`` (3,): the middle of the box's first cell,
-    metres."""
+    metres. What is read of arrays is read once: LLVM does not know that scratch is none of them."""
     positions, velocity, others = pointer(moving.positions), pointer(moving.velocity), pointer(moving.others)
-    roots, out = pointer(moving.roots), pointer(rows)
-    n = moving.velocity.shape[1]
-    block = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W
-    first, count = lattice.first[sample], lattice.counts[sample]
+    out, n = pointer(rows), moving.velocity.shape[1]
+    first, count, again = lattice.first[sample], lattice.counts[sample], lattice.again
+    o, p, q = origins[0], origins[1], origins[2]
+    place = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W + first * ROW
+    begin = (pack * n + first - 1) * 3 * PACK
     for lane in range(0, PACK, lane_count(positions)):
-        for c in range(3):
-            x = broadcast(positions, 0.0)
-            u = x
-            for i in range(count):
-                j = first + i
-                weight = lattice.weights[sample, i]
-                x += weight * (load(positions, block + j * ROW + c * W + lane) - origins[c])
-                if j == 0:
-                    u += weight * load(roots, (pack * 3 + c) * PACK + lane)
-                else:
-                    at = ((pack * n + j - 1) * 3 + c) * PACK + lane
-                    v = load(velocity, at)
-                    u += weight * (v + (v - load(others, at)) * lattice.again)
-            x *= lattice.inverse
-            below = min(max(floor(x), 0.0), broadcast(x, box[SIZE + c] - 2))
-            store(out, (SHARE + c) * PACK + lane, x - below)
-            store(out, (BELOW + c) * PACK + lane, below)
-            store(out, (VELOCITY + c) * PACK + lane, u)
+        x = broadcast(positions, 0.0)
+        y, z, u, v, w = x, x, x, x, x
+        for i in range(count):
+            weight = lattice.weights[sample, i]
+            a, b, c = load3(positions, place + i * ROW + lane, W)
+            x, y, z = x + weight * (a - o), y + weight * (b - p), z + weight * (c - q)
+            if first + i > 0:
+                a, b, c = load3(velocity, begin + i * 3 * PACK + lane, PACK)
+                d, e, f = load3(others, begin + i * 3 * PACK + lane, PACK)
+                a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
+            else:
+                a, b, c = load3(pointer(moving.roots), pack * 3 * PACK + lane, PACK)
+            u, v, w = u + weight * a, v + weight * b, w + weight * c
+        x, below = x * lattice.inverse, cell_before(x * lattice.inverse, box[SIZE])
+        y, above = y * lattice.inverse, cell_before(y * lattice.inverse, box[SIZE + 1])
+        z, behind = z * lattice.inverse, cell_before(z * lattice.inverse, box[SIZE + 2])
+        store3(out, SHARE * PACK + lane, PACK, x - below, y - above, z - behind)
+        store(out, BELOW * PACK + lane, below + above * box[SIZE] + behind * (box[SIZE] * box[SIZE + 1]))
+        store3(out, VELOCITY * PACK + lane, PACK, u, v, w)
 
 
 @device
-def merge_layer(boxes, o, memory, grid, most):
+def cell_before(x, count):
+    """Numbers of the cells before places along an axis, of so many."""
+    return min(max(floor(x), 0.0), broadcast(x, count - 2))
+
+
+@device
+def merge_layer(boxes, o, memory, sums, grid, most):
     """Add the parts' cells of layer o of the box of all up, part by part, and set the ``most`` metres in a cell of each
     of its rows."""
-    last = len(boxes) - 1
-    whole = boxes[last]
-    wide, high = whole[SIZE], whole[SIZE + 1]
-    layer = grid[o * wide * high : (o + 1) * wide * high]
-    layer[...] = 0
-    for part in range(last):
-        add_layer(boxes[part], whole, o, half_width_pointer(memory), half_width_pointer(layer.reshape(-1)))
+    whole = boxes[len(boxes) - 1]
+    wide, high, cells = whole[SIZE], whole[SIZE + 1], grid.shape[1]
+    out, line = pointer(grid), sums[o * high * wide * CELL :]
     for n in range(high):
-        found = np.float32(0)
-        for i in range(wide):
-            found = max(found, layer[n * wide + i, MASS])
-        most[o, n] = found
+        row = (o * high + n) * wide
+        if add_rows(boxes, o, n, half_width_pointer(memory), half_width_pointer(line)):
+            found = broadcast(out, 0.0)
+            for i in range(0, wide, LANES):
+                found = max(found, part_columns(pointer(line), i * CELL, out, row + i, cells))
+            most[o, n] = reduce_max(found)
+        else:
+            most[o, n] = 0
+            for c in range(CELL - 1):
+                for i in range(0, wide, LANES):
+                    store(out, c * cells + row + i, 0.0)
 
 
 @device
-def add_layer(box, whole, o, memory, layer):
-    """Add a part's cells of layer o of the box of all to it."""
-    inner = o + whole[LOW + 2] - box[LOW + 2]
-    if inner < 0 or inner >= box[SIZE + 2]:
-        return
-    for n in range(box[SIZE + 1]):
-        at = (n + box[LOW + 1] - whole[LOW + 1]) * whole[SIZE] + box[LOW] - whole[LOW]
-        source = box[OFFSET] + (inner * box[SIZE + 1] + n) * box[SIZE]
+def part_columns(line, at, out, place, cells):
+    """Write a vector of cells, one after the other, to the planes of columns; return their metres."""
+    counted = load(pointer(COUNTED), 0)
+    m, u, v, w = gather4(line, at, counted, CELL, 0.0)
+    x, y, z, _ = gather4(line, at + BETWEEN, counted, CELL, 0.0)
+    store(out, MASS * cells + place, m)
+    store3(out, MOMENTUM * cells + place, cells, u, v, w)
+    store3(out, BETWEEN * cells + place, cells, x, y, z)
+    return m
+
+
+@device
+def add_rows(boxes, o, n, memory, line):
+    """Set the cells of row n of layer o of the box of all to the sums of the parts', and return whether any has some
+    there; else they stay as they are."""
+    whole, found = boxes[len(boxes) - 1], False
+    for part in range(len(boxes) - 1):
+        box = boxes[part]
+        inner, row = o + whole[LOW + 2] - box[LOW + 2], n + whole[LOW + 1] - box[LOW + 1]
+        if inner < 0 or inner >= box[SIZE + 2] or row < 0 or row >= box[SIZE + 1]:
+            continue
+        if not found:
+            for i in range(whole[SIZE]):
+                store(line, i * CELL, 0.0)
+        found = True
+        at, source = box[LOW] - whole[LOW], box[OFFSET] + (inner * box[SIZE + 1] + row) * box[SIZE]
         for i in range(box[SIZE]):
-            store(layer, (at + i) * CELL, load(layer, (at + i) * CELL) + load(memory, (source + i) * CELL))
+            store(line, (at + i) * CELL, load(line, (at + i) * CELL) + load(memory, (source + i) * CELL))
+    return found
 
 
 @device
@@ -275,6 +245,3 @@ def mark_near(most, near):
             if most[o, n] > 0:
                 near[max(o - 1, 0) : o + 2, max(n - 1, 0) : n + 2] = True
     return greatest
-
-
-assert OFFSET + 1 == BOX

@@ -11,25 +11,60 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...jit import device, function, parallel, prange
-from .crowd_records import BETWEEN, CELL, MASS, MOMENTUM, PUSH, RATE, SIZE, TARGET
+from ...jit import device, function
+from ...simd import any_lane, broadcast, load, pointer, reduce_max
+from .crowd_records import BETWEEN, CELL, LANES, MASS, MOMENTUM, PUSH, RATE, SIZE, TARGET
 
 WAYS = 6
 """Neighbours of a cell: along x, y and z the one before and the one after. Homes are their numbers and 1, 0 where there
 is none, and `WAYS` more where the neighbour is closed and has a home."""
+LEAST_ROOM = np.float32(0.5)
+"""Share of a cell that counts as outside of solids at the least, where the greatest density is told."""
 
 
-@parallel
-def find_homes(box, grid, open, homes):
-    """Set ``homes`` (cells,) int8 of closed cells with strands: where an open neighbour is, the most open one."""
-    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    for o in prange(deep):
-        for n in range(high):
-            for i in range(wide):
-                at = np.int64((o * high + n) * wide + i)
-                homes[at] = 0
-                if open[at] <= 0 and grid[at, MASS] > 0:
-                    homes[at] = home_of(at, box, open)
+@function
+def settle(box, near, grid, open, homes):
+    """Set ``homes`` (cells,) int8 of closed cells with strands, and add what those have of ``grid``, metres and all,
+    and of ``open`` to that of their homes. Only rows of cells that are ``near`` (cells along z, along y) have strands.
+    Returns the most metres in a cell by what is open of it, of which `LEAST_ROOM` counts as open at the least."""
+    homes[:] = 0
+    if find_homes(box, near, grid, open, homes, False) > 0:
+        find_homes(box, near, grid, open, homes, True)
+    bring_home(box, homes, grid, open)
+    return greatest(box, near, grid, open)
+
+
+@device
+def find_homes(box, near, grid, open, homes, far):
+    """Set the homes of closed cells with strands: where an open neighbour is, the most open one. With ``far`` those of
+    closed cells without an open neighbour, as in corners: the first closed one that has a home. Returns how many have
+    none."""
+    wide, high = box[SIZE], box[SIZE + 1]
+    metres, free = pointer(grid), pointer(open)
+    left = 0
+    for row in range(high * box[SIZE + 2]):
+        if not near[row // high, row % high]:
+            continue
+        for first in range(row * wide, (row + 1) * wide, LANES):
+            if any_lane((load(metres, MASS * grid.shape[1] + first) > 0.0) & (load(free, first) <= 0.0)):
+                for at in range(first, first + LANES):
+                    if homes[at] == 0 and open[at] <= 0 and grid[MASS, at] > 0:
+                        homes[at] = far_home_of(at, box, homes) if far else home_of(at, box, open)
+                        left += homes[at] == 0
+    return left
+
+
+@device
+def greatest(box, near, grid, open):
+    """The most metres in a cell by what is open of it."""
+    wide, high = box[SIZE], box[SIZE + 1]
+    metres, free = pointer(grid), pointer(open)
+    most = broadcast(metres, 0.0)
+    for row in range(high * box[SIZE + 2]):
+        if near[row // high, row % high]:
+            for at in range(row * wide, (row + 1) * wide, LANES):
+                most = max(most, load(metres, MASS * grid.shape[1] + at) / max(load(free, at), LEAST_ROOM))
+    return reduce_max(most)
 
 
 @device
@@ -45,18 +80,6 @@ def home_of(at, box, open):
             found, most = 2 * axis + 2, open[at + stride]
         stride *= box[SIZE + axis]
     return found
-
-
-@parallel
-def find_far_homes(box, grid, open, homes):
-    """Set ``homes`` of closed cells without an open neighbour, as in corners: the first closed one that has a home."""
-    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    for o in prange(deep):
-        for n in range(high):
-            for i in range(wide):
-                at = np.int64((o * high + n) * wide + i)
-                if homes[at] == 0 and open[at] <= 0 and grid[at, MASS] > 0:
-                    homes[at] = far_home_of(at, box, homes)
 
 
 @device
@@ -86,49 +109,71 @@ def home_at(at, home, box):
     return at + stride if after else at - stride, axis, after
 
 
-@function
+@device
 def bring_home(box, homes, grid, open):
     """Add closed cells' columns of ``grid`` and shares of ``open`` to those of their homes, far ones first."""
+    eight = homes.view(np.int64)  # at once, of which most have none
     for far in range(1, -1, -1):
-        for at in range(len(homes)):
-            if homes[at] > 0 and (homes[at] > WAYS) == (far == 1):
-                home, axis, after = home_at(at, homes[at], box)
-                for c in range(BETWEEN):
-                    grid[home, c] += grid[at, c]
-                    grid[at, c] = 0
-                open[home] += open[at] if far == 1 else -open[at]
-                open[at] = 0
-                for other in range(3):
-                    if other != axis or after:
-                        grid[home, BETWEEN + other] += grid[at, BETWEEN + other]
-                        grid[at, BETWEEN + other] = 0
-    for at in range(len(homes)):
-        if 0 < homes[at] <= WAYS:
-            home, axis, after = home_at(at, homes[at], box)
-            stride = at - home
-            if not after and home >= stride:
-                grid[home - stride, BETWEEN + axis] += grid[home, BETWEEN + axis]
-                grid[home, BETWEEN + axis] = 0
+        for word in range(len(eight)):
+            if eight[word] != 0:
+                for at in range(8 * word, 8 * word + 8):
+                    if homes[at] > 0 and (homes[at] > WAYS) == (far == 1):
+                        bring_cell(at, homes[at], box, grid, open)
+    for word in range(len(eight)):
+        if eight[word] != 0:
+            for at in range(8 * word, 8 * word + 8):
+                if 0 < homes[at] <= WAYS:
+                    home, axis, after = home_at(at, homes[at], box)
+                    stride = at - home
+                    if not after and home >= stride:
+                        grid[BETWEEN + axis, home - stride] += grid[BETWEEN + axis, home]
+                        grid[BETWEEN + axis, home] = 0
+
+
+@device
+def bring_cell(at, number, box, grid, open):
+    """Add a closed cell's columns and share to its home's."""
+    home, axis, after = home_at(at, number, box)
+    for c in range(BETWEEN):
+        grid[c, home] += grid[c, at]
+        grid[c, at] = 0
+    open[home] += open[at] if number > WAYS else -open[at]
+    open[at] = 0
+    for other in range(3):
+        if other != axis or after:
+            grid[BETWEEN + other, home] += grid[BETWEEN + other, at]
+            grid[BETWEEN + other, at] = 0
 
 
 @function
 def read_home(box, homes, targets):
     """Set closed cells' columns of ``targets`` to those of their homes, far ones last."""
-    for at in range(len(homes)):
-        if 0 < homes[at] <= WAYS:
-            home, axis, after = home_at(at, homes[at], box)
-            stride = at - home
-            if not after and home >= stride:
-                targets[home, PUSH + axis] = targets[home - stride, PUSH + axis]
+    eight = homes.view(np.int64)
+    for word in range(len(eight)):
+        if eight[word] != 0:
+            for at in range(8 * word, 8 * word + 8):
+                if 0 < homes[at] <= WAYS:
+                    home, axis, after = home_at(at, homes[at], box)
+                    stride = at - home
+                    if not after and home >= stride:
+                        targets[home, PUSH + axis] = targets[home - stride, PUSH + axis]
     for far in range(2):
-        for at in range(len(homes)):
-            if homes[at] > 0 and (homes[at] > WAYS) == (far == 1):
-                home, axis, after = home_at(at, homes[at], box)
-                for c in range(RATE, PUSH):
-                    targets[at, c] = targets[home, c]
-                for other in range(3):
-                    if other != axis or after:
-                        targets[at, PUSH + other] = targets[home, PUSH + other]
+        for word in range(len(eight)):
+            if eight[word] != 0:
+                for at in range(8 * word, 8 * word + 8):
+                    if homes[at] > 0 and (homes[at] > WAYS) == (far == 1):
+                        read_cell(at, homes[at], box, targets)
+
+
+@device
+def read_cell(at, number, box, targets):
+    """Set a closed cell's columns to its home's."""
+    home, axis, after = home_at(at, number, box)
+    for c in range(RATE, PUSH):
+        targets[at, c] = targets[home, c]
+    for other in range(3):
+        if other != axis or after:
+            targets[at, PUSH + other] = targets[home, PUSH + other]
 
 
 assert (MASS, MOMENTUM, RATE, TARGET, PUSH + 4) == (0, 1, 0, 1, CELL)

@@ -17,7 +17,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, function
-from .crowd_records import BETWEEN, FALL, FULL, MASS, MOMENTUM, SIZE, SPEED
+from ...simd import any_lane, load, pointer
+from .crowd_records import BETWEEN, FALL, FULL, LANES, MASS, MOMENTUM, SIZE, SPEED
 
 FARTHEST = np.float32(0.5)
 """Cells that pressure leads strands apart by in a step, at the most."""
@@ -37,18 +38,20 @@ one sum, and not in another, would be thrown."""
 @device
 def moved(at, next, axis, grid, least):
     """Metres that the impulse on the face of two cells moves, at least so many."""
-    m = WIDELY * (grid[at, MASS] + grid[next, MASS]) + BETWEEN_ONLY * grid[at, BETWEEN + axis]
+    m = WIDELY * (grid[MASS, at] + grid[MASS, next]) + BETWEEN_ONLY * grid[BETWEEN + axis, at]
     return max(m, least)
 
 
 @function
-def limit(box, near, grid, room, numbers, pressure):
-    """Lower the ``pressure`` (cells,) where it is more than it may be."""
+def limit(box, live, grid, room, numbers, pressure):
+    """Lower the ``pressure`` (cells,) where it is more than it may be. live (cells along z + 2, along y + 2): 0 for
+    rows of cells without any, as `crowd_pressure.relax` leaves it."""
+    high, rows = box[SIZE + 1], box[SIZE + 1] * box[SIZE + 2]
     for sweep in range(2 * SWEEPS):
         lowered = False
-        for k in range(box[SIZE + 1] * box[SIZE + 2]):
-            row = box[SIZE + 1] * box[SIZE + 2] - 1 - k if sweep % 2 else k
-            if near[row // box[SIZE + 1], row % box[SIZE + 1]]:
+        for k in range(rows):
+            row = rows - 1 - k if sweep % 2 else k
+            if live[row // high + 1, row % high + 1] != 0:
                 lowered |= limit_row(row, sweep % 2 == 1, box, grid, room, numbers, pressure)
         if not lowered:
             break
@@ -57,24 +60,30 @@ def limit(box, near, grid, room, numbers, pressure):
 @device
 def limit_row(row, back, box, grid, room, numbers, pressure):
     """Lower the pressure of a row's cells one after the other, and return whether any was."""
-    wide, lowered = box[SIZE], False
-    for k in range(wide):
-        i = wide - 1 - k if back else k
-        at = row * wide + i
-        own = pressure[at]
-        if own <= 0:
-            continue
-        stride, most = 1, own
-        for axis in range(3):
-            place = at // stride % box[SIZE + axis]
-            if place > 0:
-                most = min(most, greatest(at, at - stride, at - stride, axis, -1, grid, room, numbers, pressure))
-            if place < box[SIZE + axis] - 1:
-                most = min(most, greatest(at, at + stride, at, axis, 1, grid, room, numbers, pressure))
-            stride *= box[SIZE + axis]
-        if most < own:
-            pressure[at] = most
-            lowered = True
+    wide, lowered, p = box[SIZE], False, pointer(pressure)
+    for k in range(0, wide, LANES):
+        first = row * wide + (wide - LANES - k if back else k)
+        if any_lane(load(p, first) > 0.0):
+            for lane in range(LANES):
+                at = first + (LANES - 1 - lane if back else lane)
+                if pressure[at] > 0:
+                    lowered |= limit_cell(at, box, grid, room, numbers, pressure)
+    return lowered
+
+
+@device
+def limit_cell(at, box, grid, room, numbers, pressure):
+    """Lower the pressure of a cell, and return whether it was."""
+    stride, most = 1, pressure[at]
+    for axis in range(3):
+        place = at // stride % box[SIZE + axis]
+        if place > 0:
+            most = min(most, greatest(at, at - stride, at - stride, axis, -1, grid, room, numbers, pressure))
+        if place < box[SIZE + axis] - 1:
+            most = min(most, greatest(at, at + stride, at, axis, 1, grid, room, numbers, pressure))
+        stride *= box[SIZE + axis]
+    lowered = most < pressure[at]
+    pressure[at] = most
     return lowered
 
 
@@ -88,8 +97,8 @@ def greatest(at, next, first, axis, way, grid, room, numbers, pressure):
     m = moved(first, at + next - first, axis, grid, SLIVER * full) / full
     if pressure[at] <= pressure[next] + m * FARTHEST:
         return pressure[at]
-    both = max(grid[at, MASS] + grid[next, MASS], SLIVER * full)
-    against = (grid[at, MOMENTUM + axis] + grid[next, MOMENTUM + axis]) / both * -way / numbers[SPEED]
+    both = max(grid[MASS, at] + grid[MASS, next], SLIVER * full)
+    against = (grid[MOMENTUM + axis, at] + grid[MOMENTUM + axis, next]) / both * -way / numbers[SPEED]
     held = max(room.held[at] - room.held[next], np.float32(0))
     fall = -way * numbers[FALL + axis]
     return pressure[next] + held + m * (FARTHEST + max(against, np.float32(0)) + max(fall, np.float32(0)))

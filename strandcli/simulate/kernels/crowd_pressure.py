@@ -28,96 +28,15 @@ import numpy as np
 from ...jit import device, function, parallel, prange
 from ...simd import any_lane, broadcast, lane_count, load, pointer, store, where
 from ...solids.kernels.any_depth import any_depth
-from .crowd_records import FULL, LANES, LOW, MASS, MOMENTUM, MOST, RATIO, SIZE
+from .crowd_records import LANES, LOW, SIZE
 
 RELAXATION = np.float32(1.5)
 EVEN = np.array([1, 0] * LANES, np.float32)
 """1 in lanes of even numbers."""
-HELD = np.float32(0.5)
-"""Share of the pressure of the step before that is taken to be held by other forces wholly, whatever the grid sees of
-them. With all of it pressure swings; with none, what the grid does not see has to be made up for by density."""
-HASTE = np.float32(2)
-"""Share of what there is too much of that pressure makes up for in a step, over the share of the density that it does
-at the most: were it all, short steps would throw strands apart, which would go on until drag stops them."""
-DENSEST = np.float32(4)
-"""Densities, of those allowed, up to which that is a share of them: what is denser is led apart no faster."""
 GROUPS = 64
 """Of cells of a row at the most: bits of a word."""
 ROUNDS = 12
 """Sweeps of a step: the pressure of the step before is nearly right already."""
-
-
-@device
-def find_excess(box, o, near, grid, room, pressure, numbers):
-    """Set e, `Room.excess`, and `Room.held` of layer o's rows that are ``near``, the latter to 0 in others.
-    ``pressure`` (cells,): of the step before; ``numbers`` (`NUMBERS`,)."""
-    open, excess = room.open, room.excess
-    full, ratio, most = numbers[FULL], numbers[RATIO], numbers[MOST]
-    haste = min(HASTE * most, np.float32(1))
-    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    layer = wide * high
-    for n in range(high):
-        row = o * layer + n * wide
-        if not near[o, n]:
-            room.held[row : row + wide] = 0
-            continue
-        for i in range(wide):
-            at = row + i
-            flow = inflow(at, 1, i, wide, grid, MOMENTUM, open)
-            flow += inflow(at, wide, n, high, grid, MOMENTUM + 1, open)
-            flow += inflow(at, layer, o, deep, grid, MOMENTUM + 2, open)
-            dense = grid[at, MASS] / full
-            held = difference(at, 1, i, wide, pressure, open)
-            held += difference(at, wide, n, high, pressure, open)
-            held += difference(at, layer, o, deep, pressure, open)
-            more = dense - open[at]
-            room.held[at] = HELD * pressure[at]
-            if more > 0:
-                more = min(more * haste, most * min(max(dense, np.float32(1)), DENSEST))
-            excess[at] = more + ratio * flow / full + HELD * held
-
-
-@device
-def difference(at, stride, i, count, pressure, open):
-    """What pressure is more than in the neighbours along an axis from which no solid closes the cell."""
-    own, found = pressure[at], np.float32(0)
-    if i == 0:
-        found += own
-    elif open[at - stride] > 0:
-        found += own - pressure[at - stride]
-    if i == count - 1:
-        found += own
-    elif open[at + stride] > 0:
-        found += own - pressure[at + stride]
-    return found
-
-
-@device
-def inflow(at, stride, i, count, grid, column, open):
-    """Twice the momentum that comes in through the faces of a cell along an axis, where no solid closes them."""
-    own = grid[at, column]
-    flow = own - own
-    if i == 0:
-        flow += own
-    elif open[at - stride] > 0:
-        flow += through(at - stride, stride, i - 1, count, grid, column, open)
-    if i == count - 1:
-        flow -= own
-    elif open[at + stride] > 0:
-        flow -= through(at, stride, i, count, grid, column, open)
-    return flow
-
-
-@device
-def through(at, stride, i, count, grid, column, open):
-    """Twice the momentum through the face to the next cell, a ``stride`` on: the mean of both cells' and, where the
-    face opposite is closed, the other half of theirs."""
-    flow = grid[at, column] + grid[at + stride, column]
-    if i > 0 and open[at - stride] <= 0:
-        flow += grid[at, column]
-    if i < count - 2 and open[at + 2 * stride] <= 0:
-        flow += grid[at + stride, column]
-    return flow
 
 
 @function
@@ -226,31 +145,3 @@ def find_room_of_row(wide, y, z, solids, inverse, along, open):
         beyond = max(1.0 - abs(s), 0.0)
         beyond = 0.5 * beyond * beyond
         store(out, i, where(s > 0.0, 1.0 - beyond, where(s > -0.5, beyond, -beyond)))
-
-
-@device
-def find_faces(box, o, near, open, faces):
-    """Set ``faces`` (cells,) of layer o's rows that are ``near`` as `relax` takes them."""
-    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    layer = wide * high
-    for n in range(high):
-        if not near[o, n]:
-            continue
-        for i in range(wide):
-            at = o * layer + n * wide + i
-            count = np.float32(6)
-            count -= closed(at, 1, i, wide, open)
-            count -= closed(at, wide, n, high, open)
-            count -= closed(at, layer, o, deep, open)
-            faces[at] = 1 / count if open[at] > 0 and count > 0 else np.float32(0)
-
-
-@device
-def closed(at, stride, i, count, open):
-    """The number of a cell's faces along an axis that solids close."""
-    found = np.float32(0)
-    if i > 0 and open[at - stride] <= 0:
-        found += np.float32(1)
-    if i < count - 1 and open[at + stride] <= 0:
-        found += np.float32(1)
-    return found

@@ -31,12 +31,14 @@ strand, for a way as long as a cell's side, its unit direction (3), and by how m
 NUMBERS = 15
 
 
-SHARE, BELOW, VELOCITY = 0, 3, 6
-"""Rows of scratch, one lane a strand of the pack: of a sample, shares (3) of the cells beyond it along x, y and z,
-numbers (3) of the cells before it, and its velocity (3), m/s."""
-RESULT = 9
-"""(`CELL`) Targets at the sample."""
-ROWS = 13
+SHARE, BELOW, VELOCITY = 0, 3, 4
+"""Rows of scratch, one lane a strand of the pack: of a sample, shares (3) of the cells beyond it along x, y and z, the
+number of the cell before it, and its velocity (3), m/s. A box has no more cells than single precision can count."""
+RESULT = 7
+"""(4) Targets at the sample: the rate, and the rest with what lies between middles."""
+ROWS = 11
+FOUND = CELL + 4
+"""Numbers a strand of what is found in cells, or left in them: all columns of each strand, and then rows of them."""
 
 
 class Moving(NamedTuple):

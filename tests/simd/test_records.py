@@ -1,0 +1,30 @@
+"""Vectors that are kept as records."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import njit
+
+from strandcli.constants import VECTOR
+from strandcli.simd import lane_count, load, pointer, store_records
+
+
+@njit
+def recorded(given, out):
+    """Eight vectors as records."""
+    rows = pointer(given)
+    n = lane_count(rows)
+    a, b, c, d = load(rows, 0), load(rows, n), load(rows, 2 * n), load(rows, 3 * n)
+    e, f, g, h = load(rows, 4 * n), load(rows, 5 * n), load(rows, 6 * n), load(rows, 7 * n)
+    store_records(pointer(out), 0, (a, b, c, d, e, f, g, h))
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_the_first_number_of_a_record_is_of_the_first_vector(dtype: Any) -> None:
+    given = np.arange(8 * VECTOR // np.dtype(dtype).itemsize).astype(dtype)
+    out = np.zeros_like(given)
+    recorded(given, out)
+    np.testing.assert_array_equal(out.reshape(-1, 8), given.reshape(8, -1).T)
