@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels.records import DRAG, FRICTION, ROOT_MASS, VELOCITY_STEP, Forcing, Material
+from .kernels.records import DRAG, FRICTION, LED, ROOT_MASS, TORSION, VELOCITY_STEP, Flags, Forcing, Material
+from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
+from .material import LED_MOST, stretch_rates
 from .rod_pinned import HEAVY
 
 if TYPE_CHECKING:
@@ -18,19 +20,37 @@ ROOT_SHARE = 0.5
 """Relative mass of a free root."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
+LEAST_DAMPING = (0.25, 0.5, 0.75)
+"""Share of a step that inner damping of grooms with coils is at least: by Euler's method, by BDF2, and where it
+extrapolates rest shapes. The reaction to these on the edges that carry them is that before the step, which rocks tight
+curls without it."""
+
+
+def longest_led(rod: Rod, flags: Flags, material: Material, forcing: Forcing) -> float:
+    """The longest steps by BDF2, in seconds, in which rest shapes are extrapolated: where coils would not bear it, or
+    what they are at rest or held by does not go on as it did, a step follows them instead."""
+    if not flags.second or not flags.curled or flags.oval or flags.held or flags.deforming or rod.yield_strain:
+        return 0.0
+    packs, rows, _ = material.bends.shape
+    bends = material.bends[:, 2:].reshape(packs, rows - 2, 3, PACK)
+    square = np.einsum("pncs,pncs->ps", bends, bends) / max(rows - 2, 1)
+    rates = stretch_rates(float(forcing.numbers[TORSION]), material.stiffness, square, rows - 1)
+    return LED_MOST / max(float(rates.max()), 1e-9)
 
 
 class StepNumbers:
     """Writes the numbers of steps, and nothing where they are those of the step before. ``mass`` (N,) is that of
-    particles without what drag adds; ``least_damping``: the least share of a step that inner damping has."""
+    particles without what drag adds; ``coiled``: whether some strand is a coil; ``longest_led``: the longest steps by
+    BDF2, in seconds, whose rest shapes are extrapolated."""
 
     def __init__(
         self, rod: Rod, material: Material, forcing: Forcing, mass: NDArray[Any], gravity: tuple[float, ...],
-        least_damping: float,
+        second: bool, coiled: bool, longest_led: float,
     ) -> None:  # fmt: skip
         self._mass = mass
         self._rod, self._material, self._forcing = rod, material, forcing
-        self._gravity, self._least_damping = gravity, least_damping
+        self._gravity = gravity
+        self._second, self._coiled, self._longest_led = second, coiled, longest_led
         self._last: tuple[float, bool, bool] | None = None
         self._dragged: float | None = None
 
@@ -40,10 +60,17 @@ class StepNumbers:
             return
         rod = self._rod
         h, velocity_step = (2 * dt / 3, dt / VELOCITY_RATE) if bdf2 else (dt, dt)
-        damping = max(rod.damping, self._least_damping * dt) * (h / dt)
+        led = dt <= self._longest_led
+        damping = max(rod.damping, self._least_damping(led) * dt) * (h / dt)
         share = 1 / 3 if bdf2 else 0.0
         self._write(velocity_step, pinned, h, *self._gravity, 0.0, 0.0, 0.0, rod.drag, damping, share, rod.friction)
+        self._forcing.numbers[LED] = bdf2 and led
         self._last = dt, bdf2, pinned
+
+    def _least_damping(self, led: bool) -> float:
+        if not self._coiled:
+            return 0.0
+        return LEAST_DAMPING[1 + led if self._second else 0]
 
     def set_moment(self, pinned: bool) -> None:
         """Write those of `MOMENT`, without any load."""
