@@ -31,9 +31,10 @@ COIL_STEP = 0.25
 """Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion:
 the reaction to rest shapes is that before the step, or after a first solution of it, which is stable up to 0.3."""
 LED_STEP = 0.2
-"""The same where BDF2 extrapolates the reaction, which turns of 80° and of .9 radians a joint bear up to .22."""
-LED_MOST = 0.3
-"""Up to which step over that, by the torsion that they get without one of their own, curled strands bear it."""
+"""The same where BDF2 extrapolates the reaction."""
+LED_MOST, LED_FLAT = 0.3, 14.0
+"""Up to which step over that curled strands bear it, and the same times the radians by which all joints turn, of coils
+as long as their wire: flat coils of many turns bear less."""
 MOST_INNER = 20
 """Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
 times a second at the usual steps, and gives way to its weight by less than a millimetre: it is made softer."""

@@ -103,7 +103,7 @@ class RodSolver(Solver):
         self._gravity = tuple(self.surroundings.gravity.tolist())
         arrays = self.state, self.material, self.forcing
         self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
-        led = longest_led(rod, flags, *arrays[1:])
+        led = longest_led(rod, flags, *arrays[1:], shape.edges)
         self._inner = LED_STEP if led else COIL_STEP
         self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, flags.second, shape.coiled, led)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)

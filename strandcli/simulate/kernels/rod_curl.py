@@ -12,10 +12,10 @@ edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j 
 
 Without that reaction the force is no gradient, and strands of many curls gain energy from nothing. It enters through
 c̄, so that the matrix of the step stays as it is: by Euler's method that of the edges before the step. BDF2, which such
-a delay would drive, extrapolates it, with all rest shapes, from that of the edges before this step and before the last.
-What grows of that a step is a fourth of (ω h)⁴, and inner damping takes a multiple of (ω h)²: coils bear it in steps that
-are short against the time in which they stretch. In others, iterations begin with the reaction which the step before
-ended with, and go on with that of the edges where the first of them has led to.
+a delay would drive, extrapolates it, with all rest shapes, from that of the edges before this step and of those before
+the last. What an oscillation grows by that a step is (ω h)⁴ / 4, and damping takes a multiple of (ω h)²: strands bear
+it in steps that are short against the time in which they stretch. In others, iterations begin with the reaction that
+the step before ended with, and go on with that of the edges where the first of them has led to.
 
 Oval sections bend less easily along their wide axis n, from which ψ is measured, than along the thin one, n', where the
 rigidity is (1 − σ) κ: the energy is less by σ κ (n'·e_j − n'·m_j)² / 2. Its force is that of the rest vector
