@@ -30,6 +30,11 @@ FINE_TURN = 0.5
 COIL_STEP = 0.25
 """Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion:
 the reaction to rest shapes is that before the step, or after a first solution of it, which is stable up to 0.3."""
+LED_STEP = 0.2
+"""The same where BDF2 extrapolates the reaction."""
+LED_MOST, LED_FLAT = 0.3, 14.0
+"""Up to which step over that curled strands bear it, and the same times the radians by which all joints turn, of coils
+as long as their wire: flat coils of many turns bear less."""
 MOST_INNER = 20
 """Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
 times a second at the usual steps, and gives way to its weight by less than a millimetre: it is made softer."""
@@ -143,8 +148,15 @@ def coil_rates(rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float
     if rod.torsion is None or len(edges) < 2:
         return np.zeros(len(stiffness))
     square = (np.diff(edges, axis=0) ** 2).sum(-1).mean(0)
+    return stretch_rates(torsion(rod, True), stiffness, square, len(edges))
+
+
+def stretch_rates(
+    torsion: float, stiffness: NDArray[np.floating], square: NDArray[np.float64], n: int
+) -> NDArray[np.float64]:
+    """Return `coil_rates` by the mean ``square`` θ² of what each of ``n`` joints turns by."""
     coarse = np.maximum(1.0, np.sqrt(square) / FINE_TURN)
-    return np.asarray(coarse * np.sqrt(3 * torsion(rod, True) * stiffness * square) / len(edges))
+    return np.asarray(coarse * np.sqrt(3 * torsion * stiffness * square) / n)
 
 
 def softened(rates: NDArray[np.float64], step: float) -> NDArray[np.float64]:

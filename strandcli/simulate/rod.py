@@ -25,11 +25,11 @@ from .crowd import Crowd, Moment
 from .health import RESIDUAL_MOST
 from .kernels.records import AIR, TOLERANCE
 from .kernels.rod_scratch import PACK
-from .material import COIL_STEP, MOST_INNER
+from .material import COIL_STEP, LED_STEP, MOST_INNER
 from .rod_clamped import pins_of
 from .rod_kernel import StepKernel
 from .rod_motion import Motion, change_of
-from .rod_numbers import StepNumbers
+from .rod_numbers import StepNumbers, longest_led
 from .rod_pinned import TOLERANCE as PINNED_TOLERANCE
 from .rod_pinned import Pins
 from .rod_setup import (
@@ -59,9 +59,6 @@ FEWEST_BY_EDGES = 12
 TOLERANCES = {(False, False): 1.8e-3, (True, False): 1.8e-3, (False, True): 1e-10, (True, True): 1e-12}
 """Error of |e|² at which iterations stop, as `kernels.rod_newton` measures it, for (BDF2, double precision asked for).
 Of most strands the error is far less than of the worst."""
-LEAST_DAMPING = {False: 0.25, True: 0.5}
-"""Share of a step that inner damping of grooms with coils is at least, with BDF2 where True. The reaction to rest
-shapes on the edges that carry them is that before the step, which rocks tight curls without it."""
 APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "contact", "collision")
 REPLACED = ("elasticity", "stiffness")
 """Rules that the solver applies, and those that it has its own form of."""
@@ -104,10 +101,11 @@ class RodSolver(Solver):
         self.forcing.numbers[TOLERANCE] = TOLERANCES[flags.second, rod.precision == "double"]
         self.mass = self.material.mass.copy()
         self._gravity = tuple(self.surroundings.gravity.tolist())
-        least_damping = LEAST_DAMPING[flags.second] if shape.coiled else 0.0
         arrays = self.state, self.material, self.forcing
         self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
-        self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, least_damping)
+        led = longest_led(rod, flags, *arrays[1:], shape.edges)
+        self._inner = LED_STEP if led else COIL_STEP
+        self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, flags.second, shape.coiled, led)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)
         self._sudden = self.pins is not None and self.yielding is not None
@@ -171,7 +169,8 @@ class RodSolver(Solver):
         if self._steady:
             self._step(time, dt)
             return
-        count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
+        most = round(MOST_INNER * COIL_STEP / self._inner)
+        count = min(max(1, math.ceil(self._coil_rate * dt / self._inner)), most)
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count
             if self.contact is None and not self._sudden:

@@ -10,14 +10,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
-VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, ROUNDS = 14, 15, 16, 17, 18, 19
-NUMBERS = 20
+VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, ROUNDS, LED = 14, 15, 16, 17, 18, 19, 20
+NUMBERS = 21
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
 bending rigidity, h of velocities in s, angle in radians by which clamped tips are turned, relative rigidity of their
 joint, relative mass of free roots times 1 + drag h, of oval sections the share by which the softer direction's rigidity
-is less, and how many iterations set their rest anew."""
+is less, how many iterations set their rest anew, and above 0 where rest shapes are extrapolated (`Scheme.led`)."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
@@ -176,6 +176,8 @@ class Scheme(NamedTuple):
     """Of the step, seconds."""
     ahead: Any
     """Whether rest shapes begin with those of the step before, and are set where the first change of edges leads to."""
+    led: Any
+    """Whether rest shapes are extrapolated from those before this step and before the last; None without BDF2."""
     curled: Any
     """Whether rest shapes are curved."""
     ends: Any

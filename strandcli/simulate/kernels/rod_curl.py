@@ -11,9 +11,11 @@ edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j 
     T_j − T_{j+1} + q_j e_{j−1} / (1 + e_{j−1}·e_j) − q_{j+1} e_{j+1} / (1 + e_j·e_{j+1}).
 
 Without that reaction the force is no gradient, and strands of many curls gain energy from nothing. It enters through
-c̄, so that the matrix of the step stays as it is: by Euler's method that of the edges before the step; by BDF2, which
-such a delay would drive, iterations begin with that which the step before ended with, and go on with that of the edges
-where the first of them has led to.
+c̄, so that the matrix of the step stays as it is: by Euler's method that of the edges before the step. BDF2, which such
+a delay would drive, extrapolates it, with all rest shapes, from that of the edges before this step and of those before
+the last. What an oscillation grows by that a step is (ω h)⁴ / 4, and damping takes a multiple of (ω h)²: strands bear
+it in steps that are short against the time in which they stretch. In others, iterations begin with the reaction that
+the step before ended with, and go on with that of the edges where the first of them has led to.
 
 Oval sections bend less easily along their wide axis n, from which ψ is measured, than along the thin one, n', where the
 rigidity is (1 − σ) κ: the energy is less by σ κ (n'·e_j − n'·m_j)² / 2. Its force is that of the rest vector
@@ -28,11 +30,11 @@ from __future__ import annotations
 
 from ...constants import FOLD
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from ...simd import broadcast, load, load3, store, store3
 from . import rod_held
-from .records import DAMPING, ROTATION, SOFT, STEP, TIP_JOINT, TORSION
-from .rod import TINY
-from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT
+from .records import DAMPING, SOFT, STEP, TIP_JOINT, TORSION
+from .rod_frames import CLAMP, carried, cross, first_normal, rotated_before, unit_edge
+from .rod_scratch import AXES, FIRST_SEGMENT, INNOVATION, LOAD, MOVED_SHARE, PACK, REST_BEND, SEGMENT
 from .rod_tension import particle_gain
 from .turning import cosine_sine, cosine_sine_of_small
 
@@ -40,8 +42,6 @@ GREATEST_TWIST_CHANGE = 1.0
 """Radians that ψ changes by in a step at the most."""
 LEAST_FOLD = 1e-6
 """1 + e·e' of two edges below which parallel transport from one to the other has no direction."""
-NEARLY = 0.01
-"""Error of |a|² of a transported normal up to which the first term brings it to unit length."""
 
 # between the iterations, these vectors of a segment are free
 TARGET = LOAD
@@ -57,9 +57,15 @@ def set_rest(s, at, state, material, forcing, scheme, kept):
     """Add the rest shape to c̄, and update the twist. ``kept``: whether it is kept for the next step, and whether c̄
     has what was kept before, which is replaced."""
     numbers, held, soft = forcing.numbers, scheme.ends.held, softness(forcing.numbers, scheme.oval)
-    transport_frames(s, at, state, material, forcing, held, soft)
+    x, y, z = load3(s, CLAMP, 1)
+    if scheme.led:
+        u, v, w = load3(forcing.directions, at.strand // PACK * AXES + at.strand % PACK, PACK)
+        u, v, w = rotated_before(forcing.pose, u, v, w)
+        store3(s, CLAMP, 1, u, v, w)
+    transport_frames(s, at, state, material, forcing, scheme.led, held, soft)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
-    add_reactions(s, at, state, material, (numbers[TORSION], soft), share, held, kept)
+    add_reactions(s, at, state, material, (numbers[TORSION], soft), share, held, (*kept, scheme.led))
+    store3(s, CLAMP, 1, x, y, z)
 
 
 @device
@@ -70,51 +76,14 @@ def softness(numbers, oval):
     return numbers[SOFT]
 
 
-@inlined
-def unit_edge(s, o):
-    """The edge at place o, brought to unit length to first order; one of wild length becomes 0."""
-    x, y, z = load3(s, o + EDGE, 1)
-    q = x * x + y * y + z * z
-    f = 1.5 - 0.5 * q
-    good = q < 3.0
-    return where(good, f * x, 0.0), where(good, f * y, 0.0), where(good, f * z, 0.0)
-
-
-@inlined
-def first_normal(pose, bends, bend):
-    """The normal that frames begin with at the clamp, in the world."""
-    x, y, z = load3(bends, bend, PACK)
-    return (
-        pose[ROTATION] * x + pose[ROTATION + 1] * y + pose[ROTATION + 2] * z,
-        pose[ROTATION + 3] * x + pose[ROTATION + 4] * y + pose[ROTATION + 5] * z,
-        pose[ROTATION + 6] * x + pose[ROTATION + 7] * y + pose[ROTATION + 8] * z,
-    )
-
-
-@inlined
-def carried(ax, ay, az, way, edge):
-    """A normal in parallel transport from an edge t to the next one e: the rotation that takes t to e takes a to
-    a − (a·e) (t + e) / (1 + t·e). ``way``: (t + e) / (1 + t·e)."""
-    f = ax * edge[0] + ay * edge[1] + az * edge[2]
-    ax -= f * way[0]
-    ay -= f * way[1]
-    az -= f * way[2]
-    q = ax * ax + ay * ay + az * az
-    f = 1.5 - 0.5 * q  # 1 / √q: what is carried keeps its length, but for rounding and folds
-    folded = abs(q - 1.0) > NEARLY
-    if any_lane(folded):
-        f = where(folded, 1.0 / sqrt(max(q, TINY)), f)
-    return ax * f, ay * f, az * f
-
-
 @device
-def transport_frames(s, at, state, material, forcing, held, soft):
+def transport_frames(s, at, state, material, forcing, led, held, soft):
     """Transport frames from the root to the tip: set `TARGET` by the ψ before the step, and eliminate the torques about
-    edges, linearised in ψ. ``soft``: `softness`."""
+    edges, linearised in ψ. ``led``: as in `Scheme`; ``soft``: `softness`."""
     torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
-    tx, ty, tz = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
-    ax, ay, az = first_normal(forcing.pose, bends, bend)
+    tx, ty, tz = load3(s, CLAMP, 1)
+    ax, ay, az = first_normal(forcing.pose, bends, bend, led)
     zero = broadcast(s, 0.0)
     angle = zero
     a = zero
@@ -251,18 +220,17 @@ def set_rest_bend(s, o, row, state, share, kept, rest):
     perhaps in place of what has been kept."""
     x, y, z = load3(s, o + REST_BEND, 1)
     u, v, w = rest
-    keep, before = kept
+    keep, before, led = kept
     if keep:
+        px, py, pz = load3(state.rest, row, PACK)
+        store3(state.rest, row, PACK, u, v, w)
         if before:
-            px, py, pz = load3(state.rest, row, PACK)
             x -= share * px
             y -= share * py
             z -= share * pz
-        store3(state.rest, row, PACK, u, v, w)
+        if led:
+            f = 3.0 * load(s, MOVED_SHARE)  # 1, or 0 in lanes that go by Euler's method
+            u += f * (u - px)
+            v += f * (v - py)
+            w += f * (w - pz)
     store3(s, o + REST_BEND, 1, x + share * u, y + share * v, z + share * w)
-
-
-@inlined
-def cross(ax, ay, az, bx, by, bz):
-    """Vector product."""
-    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3, where
 from . import rod_held, rod_loose
-from .records import AIR, DAMPING, DRAG, GRAVITY, STEP, VELOCITY_STEP
+from .records import AIR, DAMPING, DRAG, GRAVITY, LED, MOVED, STEP, VELOCITY_STEP
 from .rod_scratch import (
     ACCELERATION_SCALE,
     ADDED_VELOCITY,
@@ -37,6 +37,15 @@ OLD_GAIN = BLEND / 3 / VELOCITY_RATE
 """Shares of the last change of velocity that v̂ goes on by, and of the one before it that it stays behind by."""
 FARTHEST = 1e10
 """Segments that a free particle moves in a step at the most."""
+
+
+@device
+def follow_of(second, curled, numbers):
+    """`Scheme.ahead` and `Scheme.led`; None without BDF2."""
+    if second is None:
+        return None, None
+    turns = second and curled and numbers[MOVED] > 0
+    return turns and numbers[LED] <= 0, turns and numbers[LED] > 0
 
 
 @device

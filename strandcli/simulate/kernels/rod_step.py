@@ -135,14 +135,6 @@ def second_of(descriptor, second):
 
 
 @device
-def ahead_of(second, curled, moved):
-    """`Scheme.ahead`; None without BDF2."""
-    if second is None:
-        return None
-    return second and curled and moved > 0
-
-
-@device
 def flags_of(descriptor, second, crowded, held, loose, oval):
     """`Flags` as booleans but for those that are as they are given, and ``second``, which may be None."""
     return Flags(
@@ -249,9 +241,10 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         if flags.loose is None:
             place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
+        ahead, led = rod_start.follow_of(flags.second, flags.curled, numbers)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
-            ahead_of(flags.second, flags.curled, numbers[MOVED]), flags.curled,
+            ahead, led, flags.curled,
             Ends(flags.held, flags.loose), flags.oval,
         )  # fmt: skip
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
