@@ -254,7 +254,7 @@ def _report(
         previous = read_report(writer.directory)
         if machine is None and previous is not None:
             machine = previous.get("machine")
-        others = of_others(writer.directory, writer.scene, previous)
+        others = of_others(writer.directory, writer.scene, previous, writer.written)
         data = finite(report.as_dict(status, writer.written, machine, compile_seconds, previous, others))
         write_report(writer.directory, data)
     except StrandError:

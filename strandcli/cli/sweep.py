@@ -7,7 +7,6 @@ import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 import click
@@ -93,6 +92,8 @@ def _as_given(fault: Fault, point: Point) -> Fault:
 def _entry(point: Point, folder: Path) -> dict[str, Any]:
     """What the report of a point says, for the table."""
     from ..output.report import read_report
+
+    from statistics import median
 
     data = read_report(folder / point.name) or {}
     frames = [one for one in data.get("frames", []) if isinstance(one, dict)]

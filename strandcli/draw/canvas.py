@@ -226,4 +226,5 @@ def mark(keys: NDArray[np.uint64], lines: Polylines, base: int, scratch: Scratch
     strands; base: number of their first vertex in the keys."""
     marks = scratch.borrow("marks", len(lines.world), np.uint8)
     marks.fill(0)
-    return marks, film.mark(keys, base, len(lines.world), lines.per, lines.stride, marks)
+    listed = scratch.borrow("listed", (3, film.PART), np.int32)
+    return marks, film.mark(keys, base, len(lines.world), lines.per, lines.stride, listed, marks)

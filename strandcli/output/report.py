@@ -14,7 +14,7 @@ import os
 import stat
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -232,15 +232,19 @@ def read_report(directory: Path) -> dict[str, Any] | None:
         return None
 
 
-def of_others(directory: Path, scene: str, previous: Mapping[str, Any] | None) -> dict[int, dict[str, Any]]:
+def of_others(
+    directory: Path, scene: str, previous: Mapping[str, Any] | None, own: Collection[int] = ()
+) -> dict[int, dict[str, Any]]:
     """What a ``previous`` report of the scene with this `fingerprint` says of frames whose files are in ``directory``
-    and are of that scene: by number, marked as kept."""
+    and are of that scene, but not of the run's ``own``: by number, marked as kept."""
     if previous is None or not scene or previous.get("scene") != scene:
         return {}
     found: dict[int, dict[str, Any]] = {}
     for entry in previous.get("frames", []):
         number = entry.get("frame") if isinstance(entry, dict) else None
-        if isinstance(number, int) and png.keyword(directory / frame_file(number), SCENE_KEYWORD) == scene:
+        if not isinstance(number, int) or number in own:
+            continue
+        if png.keyword(directory / frame_file(number), SCENE_KEYWORD) == scene:
             found[number] = {**entry, "kept": True}
     return found
 

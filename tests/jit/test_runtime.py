@@ -13,7 +13,7 @@ import pytest
 
 from cli_runs import TINY, environment
 from strandcli import __version__, runtime
-from strandcli.draw.zbuffer.kernels import raster
+from strandcli.draw.zbuffer.kernels import lines, raster
 from strandcli.errors import UsageError
 
 RUN = """
@@ -118,7 +118,7 @@ def test_settings_of_numba_with_which_nothing_works_are_refused_in_one_line(
 
 def test_kernels_are_compiled_without_shortcuts_in_arithmetic() -> None:
     """Fast maths would let pictures depend on the machine and on the number of threads."""
-    for kernel in (raster.draw_line, raster.draw_strands):
+    for kernel in (lines.draw_line, raster.draw_strands):
         options = kernel.targetoptions
         assert not options.get("fastmath", False)
         assert options["error_model"] == "numpy"

@@ -32,7 +32,7 @@ from strandcli.draw.solids.kernels import rays, sphere_tracing
 from strandcli.draw.view.kernels import project
 from strandcli.draw.view.kernels.depth_slope import DepthSlope
 from strandcli.draw.view.kernels.project import to_view
-from strandcli.draw.zbuffer.kernels import raster
+from strandcli.draw.zbuffer.kernels import lines, raster
 from strandcli.jit import function
 from strandcli.simulate.rules import Moment
 from strandcli.solids import Solids
@@ -54,6 +54,8 @@ SLOPE = DepthSlope(*4 * (ONE,))
 RIBBON = ribbon.Ribbon(True, *16 * (ONE,))
 NUMBERS = np.zeros(64, np.int32)
 TILE = cells.Target(0, 8, 0, 8, 4, ROW, NUMBERS, NUMBERS, ONE, NUMBERS, ROW, NUMBERS, ROW)
+STEPS = lines.Steps(*4 * (NUMBERS,), *2 * (np.zeros(64, np.int64),), *2 * (ROW,))
+TEXEL_STEPS = minmax.Steps(NUMBERS, *4 * (np.zeros(64, np.int64),), *2 * (ROW,))
 STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1)
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "tangents": (tangents.find_tangents, (BLOCKS, 0, None, True, ROW)),
@@ -68,9 +70,10 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "cross_near_plane": (project.cross_near_plane, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
     "to_screen": (project.to_screen, (WORK, 8, ROW)),
     "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE, None)),
-    "line": (raster.draw_line, (*[ONE] * 6, raster.Window(0, 8, 8), np.uint64(1), KEYS)),
+    "line": (lines.draw_line, (1, STEPS, lines.Window(0, 8, 8), np.uint64(1), KEYS)),
     "mitre": (joints.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
-    "ribbon": (raster.draw_ribbon, (TABLE, 1, 0, 4, ONE, ONE, SLOPE, raster.Window(0, 8, 8), np.uint64(1), KEYS)),
+    "lines": (lines.prepare, (TABLE, 0, 1, lines.Window(0, 8, 8), STEPS)),
+    "ribbon": (raster.draw_ribbon, (TABLE, 1, 0, 4, ONE, ONE, SLOPE, lines.Window(0, 8, 8), np.uint64(1), KEYS)),
     "measure ribbon": (ribbon.measure_ribbon, (TABLE, 1, 0, 4, ONE, ONE, True)),
     "cross section": (ribbon.cross_section, (RIBBON, *3 * (ONE,))),
     "offsets across": (ribbon.offsets_across, (RIBBON, *4 * (ONE,), SLOPE)),
@@ -97,8 +100,9 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "area": (column_light.area, (ONE, ONE, ONE)),
     "move end": (silhouette.move_end, (TABLE, 1, 1, 2, ROW, ONE, TABLE)),
-    "deposit": (raster.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
-    "shadow line": (minmax.line, (*[ONE] * 6, 0, 8, 8, np.ones((64, 2), np.float32))),
+    "deposit": (lines.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
+    "shadow lines": (minmax.prepare, (TABLE, 0, 1, 0, 8, 8, ONE, ONE, TEXEL_STEPS)),
+    "shadow line": (minmax.line, (1, TEXEL_STEPS, 0, 8, 8, np.ones((64, 2), np.float32))),
     "falloff": (minmax.falloff, (ONE, ONE, ONE)),
     "transmittance": (
         minmax.transmittance, (ONE, ONE, ONE, TABLE, 1, np.ones((64, 2), np.float32), PLACES, PLACES + 4, TABLE),
@@ -114,7 +118,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "splats in an opacity map": (
         splats.add,
-        (np.ones(splats.ROOM, np.float32), 3, raster.Window(0, 8, 8),
+        (np.ones(splats.ROOM, np.float32), 3, lines.Window(0, 8, 8),
          splats.OpacityMap(np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32))),
     ),
     "widen extents": (

@@ -5,36 +5,70 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, function, parallel, prange
-from ....simd import pointer
-from ...common.kernels.keys import EMPTY, LOW
+from ....simd import pointer, prefetch
+from ...common.kernels.keys import LOW
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 LAST = np.float32(65535.0)
 MOST = np.float32(1e30)
-THREE = np.uint64(3)
+ONE_ON, THREE, FOUR, FIVE = np.uint64(1), np.uint64(3), np.uint64(4), np.uint64(5)
+PART = 1024
+"""Pixels that are listed at once."""
+AHEAD = 24
+"""Pixels whose vertices are fetched before their turn: they lie wherever their strands do."""
 
 
 @function
-def mark(keys, base, count, per, stride, marks):
+def mark(keys, base, count, per, stride, listed, marks):
     """Mark the vertices to shade: the ends of all visible segments. Return the number of pixels that show one.
 
     keys (P,) uint64; base: number of vertex 0 in the keys; count: number of vertices; per: vertices a strand if all
-    strands have the same number, else 0; stride: every stride-th vertex of a strand is shaded, 1 if per is 0; marks
-    (count,) uint8: initially zero.
+    strands have the same number, else 0; stride: every stride-th vertex of a strand is shaded, 1 if per is 0; listed
+    (3, `PART`) int32: to work in; marks (count,) uint8: initially zero.
     """
-    seen = 0
-    for p in range(keys.shape[0]):
-        if keys[p] != EMPTY:
-            v = np.int64(keys[p] & LOW) - base
-            if 0 <= v < count - 1:
-                if stride > 1:
-                    v -= np.int64((np.uint32(v) % np.uint32(per)) % np.uint32(stride))
-                marks[v] = 1
-                marks[v + stride] = 1
-                seen += 1
+    columns, vertices, past = listed[0], listed[1], listed[2]
+    seen = np.int64(0)
+    for begin in range(0, keys.shape[0], PART):
+        end = min(begin + PART, keys.shape[0])
+        n = find_strands(keys, np.uint64(begin), np.uint64(end - begin), base, count, columns, vertices)
+        find_past(vertices, n, per, stride, past)
+        for k in range(n):
+            v = np.uint64(vertices[k] - past[k] if stride > 1 else vertices[k])
+            marks[v] = 1
+            marks[v + np.uint64(stride)] = 1
+        seen += np.int64(n)
     return seen
+
+
+@device
+def find_strands(keys, first, width, base, count, columns, vertices):
+    """List which of the keys first … first + width − 1 show one of `count` vertices, and its number; return how many.
+
+    Without branches, so that memory accesses of one pixel overlap with the arithmetic of others.
+    """
+    last = np.uint64(max(count - 1, 0))  # 0 without vertices, which excludes every pixel
+    shown = pointer(keys)
+    n = np.uint64(0)
+    for x in range(width):
+        v = (shown[first + x] & LOW) - np.uint64(base)
+        columns[n] = x
+        vertices[n] = np.int32(v)
+        n += np.uint64(v < last)
+    return n
+
+
+@device
+def find_past(vertices, n, per, stride, past):
+    """Write how far each of n vertices is past a shaded one. Quotients of halves cannot come near a whole number, so
+    that those in double precision are exact; they take vectors, which whole numbers do not."""
+    if stride > 1:
+        strand, part = 1.0 / np.float64(per), 1.0 / np.float64(stride)
+        for k in range(n):
+            v = vertices[k]
+            v -= np.int32((np.float64(v) + 0.5) * strand) * np.int32(per)
+            past[k] = v - np.int32((np.float64(v) + 0.5) * part) * np.int32(stride)
 
 
 @parallel
@@ -45,36 +79,36 @@ def colours(keys, base, screen, per, stride, vertex, image):
     radiance at shaded vertices.
     """
     height, width, _ = image.shape
-    last = np.uint64(max(screen.shape[0] - 1, 0))  # 0 without vertices, which excludes every pixel
     share = ONE / np.float32(stride)
+    up = THREE * np.uint64(stride)
+    points, radiance, picture = pointer(screen), pointer(vertex), image.reshape(-1)
     for y in prange(height):
-        # list the pixels first: without branches, memory accesses of one pixel overlap with the arithmetic of others
-        columns = np.empty(width, np.int64)
-        vertices = np.empty(width, np.int64)
-        n = 0
-        for x in range(width):
-            v = (keys[y * width + x] & LOW) - np.uint64(base)
-            columns[n] = x
-            vertices[n] = np.int64(v)
-            n += np.int64(v < last)
+        first = np.uint64(y * width)
+        columns, past = np.empty(width, np.int32), np.empty(width, np.int32)
+        vertices = np.zeros(width + AHEAD, np.int32)  # those ahead of the last are some vertex
+        n = find_strands(keys, first, np.uint64(width), base, screen.shape[0], columns, vertices)
+        find_past(vertices, n, per, stride, past)
         across = np.float32(y) + HALF
         for k in range(n):
-            x = columns[k]
-            v = vertices[k]
-            x0 = screen[v, 0]
-            y0 = screen[v, 1]
-            dx = screen[v + 1, 0] - x0
-            dy = screen[v + 1, 1] - y0
+            soon = THREE * np.uint64(vertices[k + np.uint64(AHEAD)])
+            prefetch(points, soon)
+            prefetch(points, soon + FOUR)
+            prefetch(radiance, soon - THREE)
+            prefetch(radiance, soon + FIVE)
+            x, v = columns[k], THREE * np.uint64(vertices[k])
+            x0, y0 = points[v], points[v + ONE_ON]
+            dx = points[v + THREE] - x0
+            dy = points[v + FOUR] - y0
             flat = abs(dx) >= abs(dy)
             way = dx if flat else dy
             t = (np.float32(x) + HALF - x0 if flat else across - y0) / (way if way != ZERO else ONE)
             t = min(max(t, ZERO), ONE)
             if stride > 1:
-                past = np.int64((np.uint32(v) % np.uint32(per)) % np.uint32(stride))
-                v -= past
-                t = (np.float32(past) + t) * share
-            for c in range(3):
-                image[y, x, c] = vertex[v, c] + t * (vertex[v + stride, c] - vertex[v, c])
+                v -= THREE * np.uint64(past[k])
+                t = (np.float32(past[k]) + t) * share
+            at = THREE * (first + np.uint64(x))
+            for c in range(THREE):
+                picture[at + c] = radiance[v + c] + t * (radiance[v + up + c] - radiance[v + c])
 
 
 @parallel

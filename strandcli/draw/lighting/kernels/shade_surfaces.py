@@ -32,7 +32,7 @@ from ...common.kernels.surface_batch import (
 )
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...solids.kernels import appearance, blended, coat, rays
-from ...solids.kernels.surface_pixels import average, composite, fill_batch, places_in
+from ...solids.kernels.surface_pixels import average, composite, fill_batch, find_pixels, places_in
 from . import mirror, occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z, READ, WRITTEN, Coating
 from .light import SURFACE, around
@@ -60,16 +60,18 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
     last = places_in(screen, width)
     tasks = np.int64((last + PIXELS - 1) // PIXELS)
     for turn in prange(places(tasks)):
-        p = task_at(np.int64(turn), tasks) * PIXELS
-        end = min(p + PIXELS, last)
+        first = task_at(np.int64(turn), tasks) * PIXELS
+        found = np.empty(PIXELS, np.int64)
+        end = find_pixels(screen, first, min(first + PIXELS, last), width, found)
         work = np.empty(ROWS * W, np.float32)
         which = np.empty(W, np.int64)
         way = mirror.Rays(
             work, np.empty(mirror.room(coating.mirrors, mirror.RAYS * W), np.float32), np.empty(W, np.int64),
             np.empty(W, np.int64), np.empty(mirror.room(coating.mirrors, ROWS * W), np.float32),
         )  # fmt: skip
-        while p < end:
-            p, n, solid, fine = fill_batch(screen, p, end, width, solids, work, which)
+        i = np.int64(0)
+        while i < end:
+            i, n, solid, fine = fill_batch(screen, found, i, end, width, solids, work, which)
             if n == 0:
                 continue
             look(work, n, screen.camera)

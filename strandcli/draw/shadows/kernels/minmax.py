@@ -7,25 +7,45 @@ depth along the light's view in metres.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device, function, parallel, prange
+from ....simd import pointer
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, NEAR_PLANE, PERSPECTIVE
 from ...view.kernels.project import to_view_number
-from ...zbuffer.kernels.raster import FIXED, POINT
+from ...zbuffer.kernels.lines import FIXED, PART, POINT
 
 HALF = np.float32(0.5)
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
-NEXT = np.uint64(1)
+NEXT, THREE = np.uint64(1), np.uint64(3)
 SMALL = np.float32(1e-20)
 NEAREST, FARTHEST = 0, 1
 """Columns of a texel: depths of the nearest and the farthest strand, metres."""
 # 1 − (√e p(h) − 1) / (e − 1) as LIT − STEEP p(h)
 LIT = np.float32(1 + 1 / (math.e - 1))
 STEEP = np.float32(math.sqrt(math.e) / (math.e - 1))
+
+
+class Steps(NamedTuple):
+    """How each of `PART` segments goes from sample to sample."""
+
+    count: NDArray[np.int32]
+    """Samples; 0 for a segment that is not in the rows."""
+    x: NDArray[np.int64]
+    y: NDArray[np.int64]
+    """Position of the first sample, texels in fixed point."""
+    step_x: NDArray[np.int64]
+    step_y: NDArray[np.int64]
+    """Its change from sample to sample."""
+    depth: NDArray[np.float32]
+    """Depth of the first sample, metres."""
+    rise: NDArray[np.float32]
+    """Its change from sample to sample."""
 
 
 @parallel
@@ -37,50 +57,66 @@ def fill(first, screen, members, begin, size, rows, workers, far, near, texels):
     texels (size * size, 2) float32: nearest and farthest depth, metres; (inf, −inf) where there is no strand.
     """
     for task in prange(workers):
+        steps = Steps(
+            np.empty(PART, np.int32), np.empty(PART, np.int64), np.empty(PART, np.int64), np.empty(PART, np.int64),
+            np.empty(PART, np.int64), np.empty(PART, np.float32), np.empty(PART, np.float32),
+        )  # fmt: skip
         for b in range(task, begin.shape[0] - 1, workers):
-            band(first, screen, members, begin, b, size, rows, far, near, texels)
+            top = b * rows
+            among = members[begin[b] : begin[b + 1]]
+            band(first, screen, among, top, min(top + rows, size), size, far, near, steps, texels)
 
 
 @device
-def band(first, screen, members, begin, b, size, rows, far, near, texels):
-    """Draw the strands of band number `b`; arguments as in `fill`."""
-    top = b * rows
-    bottom = min(top + rows, size)
-    for m in range(begin[b], begin[b + 1]):
-        s = members[m]
-        a = first[s]
-        x1 = screen[a, 0]
-        y1 = screen[a, 1]
-        q1 = screen[a, 2]
-        for v in range(a + 1, first[s + 1]):
-            x0 = x1
-            y0 = y1
-            q0 = q1
-            x1 = screen[v, 0]
-            y1 = screen[v, 1]
-            q1 = screen[v, 2]
-            if max(y0, y1) < np.float32(top) or min(y0, y1) >= np.float32(bottom) or q0 <= ZERO or q1 <= ZERO:
-                continue
-            d0 = near + (ONE - q0) * far if far > ZERO else ONE / q0
-            d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
-            line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels)
+def band(first, screen, members, top, bottom, size, far, near, steps, texels):
+    """Draw the strands ``members`` in the rows top … bottom − 1; steps: `Steps` to work in; other arguments as in
+    `fill`."""
+    for s in members:
+        v = first[s]
+        end = first[s + 1] - 1
+        while v < end:
+            n = min(end - v, np.int64(PART))
+            prepare(screen, v, n, top, bottom, size, far, near, steps)
+            for k in range(n):
+                if steps.count[k] > 0:
+                    line(k, steps, top, bottom, size, texels)
+            v += n
 
 
-@function
-def line(x0, y0, d0, x1, y1, d1, top, bottom, size, texels):
-    """Draw one segment: a sample for each texel along its longer axis, and at least one."""
-    length = np.ceil(max(abs(x1 - x0), abs(y1 - y0)))
-    if length > np.float32(4 * size):  # the light is so near that a segment is longer than its map
-        return
-    steps = max(length, ONE)
-    per = ONE / steps
-    rise = (d1 - d0) * per
-    d = d0 + rise * HALF
-    x = np.int64((x0 + (x1 - x0) * per * HALF) * FIXED)
-    y = np.int64((y0 + (y1 - y0) * per * HALF) * FIXED)
-    step_x = np.int64((x1 - x0) * per * FIXED)
-    step_y = np.int64((y1 - y0) * per * FIXED)
-    for _ in range(np.int64(steps)):
+@device
+def prepare(screen, begin, n, top, bottom, size, far, near, steps):
+    """Write the steps of the n segments from vertex `begin` on, side by side without branches, which LLVM vectorises:
+    a sample for each texel along the longer axis, and at least one."""
+    points = pointer(screen)
+    above, below, most = np.float32(top), np.float32(bottom), np.float32(4 * size)
+    for k in range(n):
+        o = THREE * np.uint64(begin + k)
+        x0, y0, q0 = points[o], points[o + np.uint64(1)], points[o + np.uint64(2)]
+        x1, y1, q1 = points[o + np.uint64(3)], points[o + np.uint64(4)], points[o + np.uint64(5)]
+        length = np.ceil(max(abs(x1 - x0), abs(y1 - y0)))
+        inside = (max(y0, y1) >= above) & (min(y0, y1) < below)
+        # where the light is so near that a segment is longer than its map, it is left out
+        some = (q0 > ZERO) & (q1 > ZERO) & inside & (length <= most)
+        d0 = near + (ONE - q0) * far if far > ZERO else ONE / q0
+        d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
+        count = max(length, ONE)
+        per = ONE / count
+        rise = (d1 - d0) * per
+        steps.count[k] = np.int32(count if some else ZERO)
+        steps.x[k] = np.int64((x0 + (x1 - x0) * per * HALF) * FIXED if some else ZERO)
+        steps.y[k] = np.int64((y0 + (y1 - y0) * per * HALF) * FIXED if some else ZERO)
+        steps.step_x[k] = np.int64((x1 - x0) * per * FIXED if some else ZERO)
+        steps.step_y[k] = np.int64((y1 - y0) * per * FIXED if some else ZERO)
+        steps.depth[k] = d0 + rise * HALF
+        steps.rise[k] = rise
+
+
+@device
+def line(k, steps, top, bottom, size, texels):
+    """Draw the samples of segment number k."""
+    d, rise = steps.depth[k], steps.rise[k]
+    x, y, step_x, step_y = steps.x[k], steps.y[k], steps.step_x[k], steps.step_y[k]
+    for _ in range(np.int64(steps.count[k])):
         row = y >> POINT
         column = x >> POINT
         if row >= top and row < bottom and column >= 0 and column < size:

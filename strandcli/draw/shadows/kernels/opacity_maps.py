@@ -6,7 +6,7 @@ import numpy as np
 
 from ....jit import device, function, inlined, parallel, prange
 from ....simd import pointer, prefetch
-from ...zbuffer.kernels.raster import Window
+from ...zbuffer.kernels.lines import Window
 from . import cell_extents, map_segments, splats
 from .map_parts import AT, BOTTOM, COUNT, TOP
 from .minmax import FARTHEST, NEAREST

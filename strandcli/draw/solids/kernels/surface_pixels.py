@@ -27,38 +27,67 @@ FINE = 4
 
 
 @device
-def fill_batch(screen, p, end, width, solids, work, which):
-    """Fill a batch with pixels of one solid, from place p on in the order of `pixel_at`, or with the rays of a single
-    pixel in which the solid has an edge in front of itself.
+def find_pixels(screen, p, end, width, found):
+    """Write to found (places,) int64 the pixels to shade among the places p … end − 1 of `pixel_at`, in their order;
+    return how many they are. Squares without any are passed over by loops without branches."""
+    keys, hidden = screen.keys, screen.hidden
+    n = np.int64(0)
+    while p < end:
+        stop = min(p + SIDE * SIDE, end)
+        if screen.spots.shape[0] > 0 or shows_solids(screen, p, width):
+            for place in range(p, stop):
+                at = pixel_at(place, screen, width)
+                key = keys[max(at, np.int64(0))]
+                shown = (at >= 0) & (key != EMPTY) & ((key & LOW) >= FIRST)
+                if hidden.shape[0] > 0:
+                    shown &= hidden[max(at, np.int64(0))] == screen.wanted
+                found[n] = at
+                n += np.int64(shown)
+        p = stop
+    return n
 
-    Returns the next place, the number of points, the number of the solid, and whether they are rays of one pixel.
-    screen: `inputs.Screen`; end: first place beyond the task; which (W,) int64 out: pixel of each point.
+
+@device
+def shows_solids(screen, p, width):
+    """Return whether a pixel of the square that begins at place p shows a solid."""
+    column, row = square_at(p, screen, width)
+    any_shown = False
+    for y in range(row, min(row + SIDE, np.int64(screen.end))):
+        for at in range(y * width + column, y * width + min(column + SIDE, np.int64(width))):
+            key = screen.keys[np.uint64(at)]
+            any_shown |= (key != EMPTY) & ((key & LOW) >= FIRST)
+    return any_shown
+
+
+@device
+def fill_batch(screen, found, i, end, width, solids, work, which):
+    """Fill a batch with pixels of one solid, from number i of `found` on, or with the rays of a single pixel in which
+    the solid has an edge in front of itself.
+
+    Returns the next number, how many points, the number of the solid, and whether they are rays of one pixel.
+    screen: `inputs.Screen`; found, end: from `find_pixels`; which (W,) int64 out: pixel of each point.
     """
-    keys, view, spots, hidden = screen.keys, screen.camera, screen.spots, screen.hidden
+    keys, view, spots = screen.keys, screen.camera, screen.spots
     n = np.int64(0)
     solid = np.int64(-1)
     blends = False
-    for place in range(p, end):
-        at, column, row = pixel_at(place, screen, width)
-        if at < 0:
-            continue
+    for number in range(i, end):
+        at = found[number]
         key = keys[at]
-        if key == EMPTY or (key & LOW) < FIRST:
-            continue
-        if hidden.shape[0] > 0 and hidden[at] != screen.wanted:
-            continue
         own = np.int64((key & LOW) - FIRST)
         if n > 0 and (own != solid or n == W):
-            return place, n, solid, False
+            return number, n, solid, False
         if own != solid:
             solid = own
             blends = blended.blends(solids, own) or appearance.folds(solids, own)
             blends = spots.shape[0] == 0 and blends
+        row = np.int64(np.uint32(at) // np.uint32(width))
+        column = at - row * width
         if blends and folded(keys, at, column, width, view):
             if n > 0:
-                return place, n, solid, False
+                return number, n, solid, False
             which[0] = at
-            return place + 1, fine_rays(work, column, row, view, solids, own), solid, True
+            return number + 1, fine_rays(work, column, row, view, solids, own), solid, True
         which[n] = at
         work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
         work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
@@ -80,19 +109,27 @@ def places_in(screen, width):
 
 
 @inlined
-def pixel_at(place, screen, width):
-    """Return number, column and row of the pixel at a place of an order in which sixteen pixels one after the other are
-    a square of 4 × 4, and of every second pixel of every second row a square, too: they read the same texels. −1 where
-    no pixel is. Pixels with positions of their own are in their own order."""
-    if screen.spots.shape[0] > 0:
-        return screen.begin * width + place, np.int64(0), np.int64(0)
+def square_at(place, screen, width):
+    """Return column and row of the first pixel of the square that a place is in."""
     across = (np.int64(width) + SIDE - 1) >> SIDE_BITS
-    square, within = place >> (2 * SIDE_BITS), place & (SIDE * SIDE - 1)
+    square = place >> (2 * SIDE_BITS)
     down = square // across
-    column = (square - down * across) * SIDE + (within & 1) + ((within >> 1) & 2) + ((within >> 2) & 4)
-    row = screen.begin + down * SIDE + ((within >> 1) & 1) + ((within >> 2) & 2) + ((within >> 3) & 4)
+    return (square - down * across) * SIDE, screen.begin + down * SIDE
+
+
+@inlined
+def pixel_at(place, screen, width):
+    """Return the number of the pixel at a place of an order in which sixteen pixels one after the other are a square of
+    4 × 4, and of every second pixel of every second row a square, too: they read the same texels. −1 where no pixel is.
+    Pixels with positions of their own are in their own order."""
+    if screen.spots.shape[0] > 0:
+        return screen.begin * width + place
+    column, row = square_at(place, screen, width)
+    within = place & (SIDE * SIDE - 1)
+    column += (within & 1) + ((within >> 1) & 2) + ((within >> 2) & 4)
+    row += ((within >> 1) & 1) + ((within >> 2) & 2) + ((within >> 3) & 4)
     inside = (column < width) & (row < screen.end)
-    return row * width + column if inside else np.int64(-1), column, row
+    return row * width + column if inside else np.int64(-1)
 
 
 @device

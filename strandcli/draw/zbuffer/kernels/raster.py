@@ -3,12 +3,6 @@
 A pixel holds one 64-bit key: the depth number, complemented so that nearer is smaller, above the index of the
 segment's first vertex. The smallest key wins, and equal depths go to the lower index, so neither the order of drawing
 nor the number of threads can change a picture. Colours are computed afterwards, for visible segments alone.
-
-A line draws one sample a pixel along its longer axis, where that axis crosses the pixel's centre:
-
-        .   .   .   .            a polyline's joints are drawn once,
-      x---o . | .   .            because each segment covers the half-
-        .   o---o---x            open range of centres between its ends
 """
 
 from __future__ import annotations
@@ -18,26 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ....jit import device, inlined, parallel, prange
-from ...common.kernels.keys import LOW, SHIFT
 from ...geometry.kernels.ribbon import cross_section, direction, measure_ribbon, offsets_across, round_depth
+from .lines import PART, Steps, Window, deposit, draw_lines
 
 HALF = np.float32(0.5)
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-6)
 """Pixels. A shorter segment draws nothing."""
-POINT = 24
-"""Bits after the point of fixed-point positions."""
-FIXED = np.float32(2.0**POINT)
-
-
-class Window(NamedTuple):
-    """The rows top <= y < bottom of a picture."""
-
-    top: int
-    bottom: int
-    width: int
-    """Of the picture, pixels."""
 
 
 class Sides(NamedTuple):
@@ -66,90 +48,44 @@ def draw_strands(lines, depth_slope, bands_, width, height, base, keys):
     that crowded bands, which are neighbours, go to different workers.
     """
     for task in prange(bands_.workers):
+        steps = Steps(
+            np.empty(PART, np.int32), np.empty(PART, np.int32), np.empty(PART, np.int32), np.empty(PART, np.int32),
+            np.empty(PART, np.int64), np.empty(PART, np.int64), np.empty(PART, np.float32), np.empty(PART, np.float32),
+        )  # fmt: skip
         for b in range(task, bands_.begin.shape[0] - 1, bands_.workers):
             top = b * bands_.rows
             window = Window(top, min(top + bands_.rows, height), width)
-            draw_band(lines, lines.widths, depth_slope, bands_, b, window, base, keys)
+            draw_band(lines, lines.widths, depth_slope, bands_, b, window, base, steps, keys)
 
 
 @device
-def draw_band(lines, widths, depth_slope, bands_, b, window, base, keys):
-    """Draw the strands of band number `b`, whose rows are the window; widths: of the lines; else as `draw_strands`."""
-    first, screen = lines.first, lines.screen
-    members, begin = bands_.members, bands_.begin
+def draw_band(lines, widths, depth_slope, bands_, b, window, base, steps, keys):
+    """Draw the strands of band number `b`, whose rows are the window; widths: of the lines; steps: `Steps` to work in;
+    else as `draw_strands`."""
+    for m in range(bands_.begin[b], bands_.begin[b + 1]):
+        s = bands_.members[m]
+        begin, end = lines.first[s], lines.first[s + 1]
+        if widths is None:
+            draw_lines(lines.screen, begin, end, window, base, steps, keys)
+        else:
+            draw_ribbons(lines.screen, widths, begin, end, depth_slope, window, base, keys)
+
+
+@device
+def draw_ribbons(screen, widths, begin, end, depth_slope, window, base, keys):
+    """Draw the segments of the strand begin … end − 1 into the rows of a `Window`."""
     above = np.float32(window.top)
     below = np.float32(window.bottom)
-    for m in range(begin[b], begin[b + 1]):
-        s = members[m]
-        a = first[s]
-        x1 = screen[a, 0]
-        y1 = screen[a, 1]
-        q1 = screen[a, 2]
-        for v in range(a + 1, first[s + 1]):
-            x0 = x1
-            y0 = y1
-            q0 = q1
-            x1 = screen[v, 0]
-            y1 = screen[v, 1]
-            q1 = screen[v, 2]
-            if q0 <= ZERO or q1 <= ZERO:
-                continue
-            if widths is None:
-                if max(y0, y1) < above or min(y0, y1) >= below:
-                    continue
-                draw_line(x0, y0, q0, x1, y1, q1, window, np.uint64(base + v - 1), keys)
-            else:
-                w0 = max(widths[v - 1], ONE)
-                w1 = max(widths[v], ONE)
-                w = max(w0, w1)
-                if max(y0, y1) + w < above or min(y0, y1) - w >= below:
-                    continue
-                draw_ribbon(screen, v, a, first[s + 1], w0, w1, depth_slope, window, np.uint64(base + v - 1), keys)
-
-
-@device
-def draw_line(x0, y0, q0, x1, y1, q1, window, identity, keys):
-    """Draw one segment into the rows of a `Window`.
-
-    x, y: pixels; q: depth number; identity: low half of the key. The longer axis, and the end that comes first along
-    it, are chosen without branches, which could not be predicted. Positions across the longer axis are in fixed point
-    and step from the first centre on the screen, so that they do not depend on the band.
-    """
-    top, bottom, width = window
-    wide = abs(x1 - x0) >= abs(y1 - y0)
-    a0 = x0 if wide else y0
-    b0 = y0 if wide else x0
-    a1 = x1 if wide else y1
-    b1 = y1 if wide else x1
-    back = a1 < a0
-    first = a1 if back else a0
-    last = a0 if back else a1
-    across = b1 if back else b0
-    q = q1 if back else q0
-    begin = max(np.ceil(first - HALF), ZERO)
-    high = np.int64(min(np.ceil(last - HALF), np.float32(width if wide else bottom)))
-    low = max(np.int64(begin), 0 if wide else top)
-    if low >= high:
-        return
-    per = ONE / (a1 - a0)
-    slope = (b1 - b0) * per
-    rise = (q1 - q0) * per
-    at = begin + HALF - first
-    past = low - np.int64(begin)
-    step = np.int64(slope * FIXED)
-    b = np.int64((across + slope * at) * FIXED) + past * step
-    q += rise * at
-    along = 1 if wide else width
-    over = width if wide else 1
-    least = top if wide else 0
-    most = (bottom if wide else width) - least
-    at_a = low * along
-    for k in range(past, past + high - low):
-        row = b >> POINT
-        if np.uint64(row - least) < np.uint64(most):
-            deposit(q + rise * np.float32(k), identity, np.uint64(at_a + row * over), keys)
-        at_a += along
-        b += step
+    for v in range(begin + 1, end):
+        if screen[v - 1, 2] <= ZERO or screen[v, 2] <= ZERO:
+            continue
+        w0 = max(widths[v - 1], ONE)
+        w1 = max(widths[v], ONE)
+        w = max(w0, w1)
+        y0, y1 = screen[v - 1, 1], screen[v, 1]
+        if max(y0, y1) + w < above or min(y0, y1) - w >= below:
+            continue
+        draw_ribbon(screen, v, begin, end, w0, w1, depth_slope, window, np.uint64(base + v - 1), keys)
 
 
 @device
@@ -220,11 +156,3 @@ def reach(width, ma, mb, da, db, is_round):
 def in_cap(x, y, wide):
     """Return whether (x, y), relative to a segment's end, is in its round cap."""
     return x * x + y * y <= HALF * HALF * wide * wide
-
-
-@device
-def deposit(q, identity, pixel, keys):
-    """Keep the nearer of a pixel's key and this one."""
-    # rounding may make q negative, whose bits would count as near
-    key = ((LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))) << SHIFT) | identity
-    keys[pixel] = min(key, keys[pixel])  # an unconditional store, since a branch could not be predicted
