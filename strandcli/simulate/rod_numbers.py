@@ -61,7 +61,7 @@ class StepNumbers:
         self._mass = mass
         self._rod, self._material, self._forcing = rod, material, forcing
         self._gravity = gravity
-        self._second, self._coiled, self._longest_led = second, coiled, longest_led
+        self._second, self._coiled, self.longest_led = second, coiled, longest_led
         self._last: tuple[float, bool, bool] | None = None
         self._dragged: float | None = None
 
@@ -71,7 +71,7 @@ class StepNumbers:
             return
         rod = self._rod
         h, velocity_step = (2 * dt / 3, dt / VELOCITY_RATE) if bdf2 else (dt, dt)
-        led = dt <= self._longest_led
+        led = dt <= self.longest_led
         damping = max(rod.damping, self._least_damping(dt) * dt) * (h / dt)
         share = 1 / 3 if bdf2 else 0.0
         self._write(velocity_step, pinned, h, *self._gravity, 0.0, 0.0, 0.0, rod.drag, damping, share, rod.friction)
@@ -81,9 +81,9 @@ class StepNumbers:
     def _least_damping(self, dt: float) -> float:
         if not self._coiled:
             return 0.0
-        if dt > self._longest_led:
+        if dt > self.longest_led:
             return LEAST_DAMPING[self._second]
-        return min(1.0, dt / (LED_DAMPED * self._longest_led)) * LED_DAMPING
+        return min(1.0, dt / (LED_DAMPED * self.longest_led)) * LED_DAMPING
 
     def set_moment(self, pinned: bool) -> None:
         """Write those of `MOMENT`, without any load."""

@@ -100,6 +100,19 @@ def test_a_ringlet_bounces_and_comes_to_rest_in_one_place_at_every_step() -> Non
     assert np.ptp(coarse[-6:]) < 1e-3 * coarse[-1]
 
 
+def test_flat_coils_of_many_turns_are_followed_from_shorter_steps_on() -> None:
+    """Steps over the frequency at which they stretch; with extrapolated rest shapes those of 80° fold at .07."""
+    found = []
+    for angle, turns in ((50, 3), (60, 5), (80, 8)):
+        scene = scene_of(
+            "solver: rod\nrod: {rest: shape, torsion: 0.7}\nemitter: {strands: 3, particles: 100, "
+            f"curl_turns: {turns}, curl_angle: {angle}}}\nrules: [gravity]\n"
+        )
+        solver = RodSolver(scene, emit(scene.emitter, scene.seed))
+        found.append(solver.numbers.longest_led * solver._coil_rate)
+    assert found == pytest.approx([0.3, 14 / 27.2 * 0.5, 14 / 49.5 * math.cos(math.radians(80))], rel=0.05)
+
+
 def test_steps_are_cut_only_where_coils_ask_for_it() -> None:
     assert ringlet(24)._coil_rate > 24 * COIL_STEP
     assert ringlet(24, "material: hair")._coil_rate == 0
