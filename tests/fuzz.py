@@ -12,6 +12,7 @@ printed with the number that makes it again; each line ends with the longest tim
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import json
 import resource
 import signal
@@ -156,6 +157,12 @@ def forget_peak() -> None:
         Path("/proc/self/clear_refs").write_text("5")
 
 
+def release() -> None:
+    """Give back to the system what lies free between what is in use: the peak is that of a file, not of thousands."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).malloc_trim(0)
+
+
 def main() -> int:
     """Fuzz all formats, or one. Exit code 1 where something is wrong."""
     begun, _, end = (sys.argv[1] if len(sys.argv) > 1 else "1000").rpartition("-")
@@ -178,6 +185,7 @@ def main() -> int:
             signal.alarm(PATIENCE)
             signal.setitimer(signal.ITIMER_PROF, LONGEST)
             total += fuzz(suffix, range(first, min(first + 100, count)), print)
+            release()
             if first % 10_000 == 9_900:
                 print(f"{suffix}: {first + 100:,} files, {dict(total)}", file=sys.stderr, flush=True)
         signal.alarm(0)

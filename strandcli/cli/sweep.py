@@ -91,9 +91,9 @@ def _as_given(fault: Fault, point: Point) -> Fault:
 
 def _entry(point: Point, folder: Path) -> dict[str, Any]:
     """What the report of a point says, for the table."""
-    from ..output.report import read_report
-
     from statistics import median
+
+    from ..output.report import read_report
 
     data = read_report(folder / point.name) or {}
     frames = [one for one in data.get("frames", []) if isinstance(one, dict)]

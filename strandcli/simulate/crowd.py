@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from itertools import accumulate, pairwise
 from operator import is_
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,7 +23,17 @@ from ..groom.record import Groom
 from ..scene.touched import touched
 from ..solids import Solids
 from .crowd_samples import samples_of
-from .kernels import crowd_boxes, crowd_excess, crowd_forces, crowd_grid, crowd_homes, crowd_pressure, crowd_shelter
+from .kernels import (
+    crowd_boxes,
+    crowd_excess,
+    crowd_forces,
+    crowd_grid,
+    crowd_homes,
+    crowd_pack,
+    crowd_pressure,
+    crowd_shelter,
+    work_queue,
+)
 from .kernels.crowd_records import BOX, CELL, FOUND, LANES, LOW, OFFSET, ROWS, SIZE, Lattice, Moving, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
@@ -77,9 +89,9 @@ class Crowd:
         cuts = [*range(0, packs, -(-packs // count)), packs]
         self.parts = np.array([cuts[:-1], cuts[1:]]).T.copy()
         self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
-        count = len(self.parts)
+        count = max(len(self.parts), numba.get_num_threads())
         self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
-        self._shares = np.empty(self.samples.weights.shape, dtype)
+        self._numbers_of_pack = np.empty(crowd_pack.ORIGIN + 3, dtype)
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
@@ -106,9 +118,12 @@ class Crowd:
             )
         return float(given)
 
-    def prepare(self, state: State, mass: NDArray[Any], roots: NDArray[Any], moment: Moment) -> None:
-        """Set `State.crowd` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
-        Where a coordinate is not finite there is no grid, and it is set to zero."""
+    def prepare(
+        self, state: State, mass: NDArray[Any], roots: NDArray[Any], moment: Moment, later: bool = False
+    ) -> tuple[int, int]:
+        """Set `State.crowd` for a step; ``later``: or return what sets it, as `StepKernel.run` takes it. ``roots``
+        (P, 3 S): velocity of the roots in it, m/s. Where a coordinate is not finite there is no grid, and it is set to
+        zero."""
         dt, kind = moment.step, state.velocity.dtype.type
         if self._last_step == 0:
             self.others[...] = state.velocity
@@ -116,7 +131,7 @@ class Crowd:
         if not self._lay(state.positions):
             state.crowd[...] = 0
             self._last_step = 0.0
-            return
+            return 0, 0
         whole = self.boxes[-1]
         origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
         first, counts, *rest = self.samples
@@ -140,10 +155,15 @@ class Crowd:
         )  # fmt: skip
         if moment.solids is not None:
             crowd_homes.read_home(whole, self.homes, self.targets)
-        crowd_forces.accelerate(
-            moving, lattice, self.parts, whole, self.targets, self.scratch, self._shares, state.crowd
-        )
         self._last_step = dt
+        shares = shares_of(lattice, mass)
+        if later:
+            given = whole, self.targets, self.scratch, shares, self._numbers_of_pack, state.crowd
+            descriptor = crowd_pack.descriptor_of(moving, lattice, *given)
+            self._later = descriptor, moving, lattice, *given  # which must outlive the step
+            return code_for(state.velocity.dtype.name), descriptor.ctypes.data
+        crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, shares, state.crowd)
+        return 0, 0
 
     def begin_anew(self) -> None:
         """Forget what moved strands in the last step, for they have been stopped or put elsewhere."""
@@ -243,6 +263,18 @@ class Crowd:
             self.pressure = _moved(self.pressure, before, whole)
             self._empty_grid()
         return True
+
+
+def shares_of(lattice: Lattice, mass: NDArray[Any]) -> NDArray[Any]:
+    """Return (samples, greatest count) the shares of a sample's change that its particles have, 1/s."""
+    particles = lattice.first[:, None] + np.arange(-1, lattice.weights.shape[1] - 1)
+    return (lattice.mass / lattice.step)[:, None] * lattice.weights / mass[np.clip(particles, 0, len(mass) - 1)]
+
+
+@cache
+def code_for(kind: str) -> int:
+    """Address of the code that sets accelerations of a pack, of strands in single or double precision."""
+    return work_queue.address(crowd_pack.double if kind == "float64" else crowd_pack.single, 2)
 
 
 def extent_of(positions: NDArray[Any]) -> float:

@@ -42,8 +42,10 @@ class StepKernel:
         self._kind, self._flags = edges.dtype.name, flags
         self._code: int | None = None
 
-    def run(self) -> None:
-        """Move all strands by one step, as `Forcing` says."""
+    def run(self, before: tuple[int, int] = (0, 0)) -> None:
+        """Move all strands by one step, as `Forcing` says. ``before``: code that is run for each pack, as
+        `work_queue.call_for` takes it, and the address of its descriptor; strands that interact have such."""
+        self._descriptor[rod_step.BEFORE : rod_step.BEFORE_OF + 1] = before
         if self._code is None:  # compiled no sooner than anything moves, which need not be
             self._code = self._compiled()
         if self._data is not self._surroundings.data:

@@ -49,12 +49,9 @@ def act(box, grid, near, room, numbers, work, pressure, targets):
 @parallel
 def accelerate(moving, lattice, parts, box, targets, work, shares, crowd):
     """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and `Moving.others`. ``work``: scratch, as
-    `crowd_grid.deposit` takes it; ``shares`` (samples, greatest count): scratch."""
+    `crowd_grid.deposit` takes it; ``shares`` (samples, greatest count): of a sample's
+    change that its particles have, 1/s."""
     scratch, found = work
-    for sample in range(len(lattice.first)):
-        m = lattice.mass[sample] / lattice.step
-        for i in range(max(1 - lattice.first[sample], 0), lattice.counts[sample]):
-            shares[sample, i] = m * lattice.weights[sample, i] / moving.mass[lattice.first[sample] + i - 1]
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             rows = scratch[part], found[part]

@@ -49,15 +49,15 @@ from .records import (
 )
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, PACK, ROOT_SHIFT, SEGMENT
 from .rod_sweep import ROW
-from .work_queue import TASKS, take
+from .work_queue import TASKS, call_before, take
 
-# columns of a descriptor after those of the work queue: numbers, an address for each array, and solids: addresses of
-# the four kinds, their sizes, and where there are any, address, size and columns of solids without kernels of their
-# own, and the address and shape of each array of their data
+# columns of a descriptor after those of the work queue: numbers, what `call_before` takes, an address for each array,
+# and solids: addresses of the four kinds, their sizes, and where there are any, address, size and columns of solids
+# without kernels of their own, and the address and shape of each array of their data
 SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
 SETTLED = 5
 """Flags that are tested at run time."""
-SCRATCH, SCRATCH_BYTES, STATE = range(9, 12)
+SCRATCH, SCRATCH_BYTES, BEFORE, BEFORE_OF, STATE = range(9, 14)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
 SOLIDS = FORCING + len(Forcing._fields)
@@ -77,7 +77,8 @@ def descriptor_of(
     """
     flat = [one for part in arrays for one in part]
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *flat, *solids))
-    numbers = [0, -(-strands // PACK), segments, iterations, *flags[:SETTLED], scratch.ctypes.data, scratch.strides[0]]
+    head = [0, -(-strands // PACK), segments, iterations, *flags[:SETTLED]]
+    numbers = [*head, scratch.ctypes.data, scratch.strides[0], 0, 0]
     addresses = [one.ctypes.data for one in (*flat, *solids[:4])]
     others = [number for one in solids[4:] for number in (one.ctypes.data, one.size, one.shape[1])]
     others += data_numbers(data)
@@ -211,6 +212,8 @@ def work(kind, descriptor, worker, solids_of, second, crowded, held, loose, oval
     pack, segments = take(descriptor), descriptor[SEGMENTS]
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
+        if crowded is not None:
+            call_before(descriptor[BEFORE], descriptor[BEFORE_OF], pack, worker)
         run(scratch, state, material, forcing, flags, solids, descriptor[ITERATIONS], pack, next_pack, segments)
         if pack == descriptor[TASKS] - 1:
             rod_sweep.fill_block(scratch, state.positions, pack, segments)

@@ -14,7 +14,8 @@ from numba.core import types
 from numba.core.extending import intrinsic
 from numpy.typing import NDArray
 
-from ...jit import function, parallel, prange
+from ...jit import device, function, parallel, prange
+from ...simd import array_at
 
 DESCRIPTOR = types.Array(types.int64, 1, "C")
 NEXT, TASKS = 0, 1
@@ -34,9 +35,8 @@ def take(typingctx: Any, descriptor: Any) -> Any:
     return types.int64(descriptor), emit
 
 
-@intrinsic
-def call(typingctx: Any, code: Any, descriptor: Any, worker: Any) -> Any:
-    """Call the code at an address from `address`."""
+def _calling(count: int) -> Any:
+    """Code at an address from `address`, called with a descriptor and so many numbers."""
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         kind = context.call_conv.get_function_type(types.none, sig.args[1:])
@@ -44,7 +44,26 @@ def call(typingctx: Any, code: Any, descriptor: Any, worker: Any) -> Any:
         context.call_conv.call_function(builder, there, types.none, sig.args[1:], args[1:])
         return context.get_dummy_value()
 
-    return types.none(types.int64, DESCRIPTOR, types.int64), emit
+    return types.none(types.int64, DESCRIPTOR, *[types.int64] * count), emit
+
+
+@intrinsic
+def call(typingctx: Any, code: Any, descriptor: Any, worker: Any) -> Any:
+    """Call the code at an address from `address`."""
+    return _calling(1)
+
+
+@intrinsic
+def call_for(typingctx: Any, code: Any, descriptor: Any, task: Any, worker: Any) -> Any:
+    """The same of code that takes a task's number and a worker's."""
+    return _calling(2)
+
+
+@device
+def call_before(code, descriptor, task, worker):
+    """Run what is to be run before a task: code at an address, with the descriptor at one; nothing where it is 0."""
+    if code != 0:
+        call_for(code, array_at(np.int64, descriptor, (1,)), task, worker)
 
 
 def run_workers(code: int, descriptor: NDArray[np.int64], workers: int) -> None:
@@ -71,9 +90,10 @@ def on_this(code, descriptor):
     call(code, descriptor, 0)
 
 
-def address(function: Any) -> int:
-    """Compile a function of a descriptor and a worker's number; return the address of its machine code."""
-    signature = DESCRIPTOR, types.int64
+def address(function: Any, numbers: int = 1) -> int:
+    """Compile a function of a descriptor and a worker's number, or of so many; return the address of its machine
+    code."""
+    signature = DESCRIPTOR, *[types.int64] * numbers
     function.compile(signature)
     made = function.overloads[signature]
     return int(made.library.get_pointer_to_function(made.fndesc.llvm_func_name))

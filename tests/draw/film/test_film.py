@@ -139,3 +139,14 @@ def test_a_dithered_gradient_has_its_light_on_average_and_no_bands(tone: str, ex
     assert out.mean(1) == pytest.approx(exact[:, 0], abs=0.06)
     assert np.abs(out - exact).max() < 1.05
     assert (out.std((1, 2)) > 0.1).mean() > 0.8
+
+
+def test_quotients_in_double_precision_are_exact() -> None:
+    """Where a strand's vertices begin and end, and at the greatest numbers of vertices there are."""
+    rng = np.random.default_rng(0)
+    for per, stride in ((2, 2), (37, 2), (257, 4), (1_000_003, 8), (3, 5)):
+        strands = np.concatenate([[0, 1], rng.integers(0, 0xFFF00000 // 2 // per, 20), [0x7FFFFFFF // per - 1]])
+        ends = (strands[:, None] * per + [0, 1, per // 2, per - 1]).ravel().astype(np.int32)
+        past = np.zeros(len(ends), np.int32)
+        film.find_past.py_func(ends, len(ends), per, stride, past)
+        np.testing.assert_array_equal(past, ends % per % stride)

@@ -34,7 +34,7 @@ STEEP = np.float32(math.sqrt(math.e) / (math.e - 1))
 class Steps(NamedTuple):
     """How each of `PART` segments goes from sample to sample."""
 
-    count: NDArray[np.int32]
+    samples: NDArray[np.int32]
     """Samples; 0 for a segment that is not in the rows."""
     x: NDArray[np.int64]
     y: NDArray[np.int64]
@@ -78,7 +78,7 @@ def band(first, screen, members, top, bottom, size, far, near, steps, texels):
             n = min(end - v, np.int64(PART))
             prepare(screen, v, n, top, bottom, size, far, near, steps)
             for k in range(n):
-                if steps.count[k] > 0:
+                if steps.samples[k] > 0:
                     line(k, steps, top, bottom, size, texels)
             v += n
 
@@ -102,7 +102,7 @@ def prepare(screen, begin, n, top, bottom, size, far, near, steps):
         count = max(length, ONE)
         per = ONE / count
         rise = (d1 - d0) * per
-        steps.count[k] = np.int32(count if some else ZERO)
+        steps.samples[k] = np.int32(count if some else ZERO)
         steps.x[k] = np.int64((x0 + (x1 - x0) * per * HALF) * FIXED if some else ZERO)
         steps.y[k] = np.int64((y0 + (y1 - y0) * per * HALF) * FIXED if some else ZERO)
         steps.step_x[k] = np.int64((x1 - x0) * per * FIXED if some else ZERO)
@@ -116,7 +116,7 @@ def line(k, steps, top, bottom, size, texels):
     """Draw the samples of segment number k."""
     d, rise = steps.depth[k], steps.rise[k]
     x, y, step_x, step_y = steps.x[k], steps.y[k], steps.step_x[k], steps.step_y[k]
-    for _ in range(np.int64(steps.count[k])):
+    for _ in range(np.int64(steps.samples[k])):
         row = y >> POINT
         column = x >> POINT
         if row >= top and row < bottom and column >= 0 and column < size:

@@ -46,7 +46,7 @@ class Steps(NamedTuple):
 
     low: NDArray[np.int32]
     """First column in the window, or first row of a steep segment."""
-    count: NDArray[np.int32]
+    samples: NDArray[np.int32]
     """Samples in the window along that axis."""
     past: NDArray[np.int32]
     """Samples before the first that are on the screen."""
@@ -71,7 +71,7 @@ def draw_lines(screen, begin, end, window, base, steps, keys):
         n = min(end - 1 - v, np.int64(PART))
         prepare(screen, v, n, window, steps)
         for k in range(n):
-            if steps.count[k] > 0:
+            if steps.samples[k] > 0:
                 draw_line(k, steps, window, np.uint64(base + v + k), keys)
         v += n
 
@@ -108,7 +108,7 @@ def prepare(screen, begin, n, window, steps):
         rise = (q1 - q0) * per
         at = start + HALF - first
         steps.low[k] = np.int32(low if some else ZERO)
-        steps.count[k] = np.int32(high - low if some else ZERO)
+        steps.samples[k] = np.int32(high - low if some else ZERO)
         steps.past[k] = np.int32(low - start if some else ZERO)
         steps.wide[k] = np.int32(wide)
         steps.place[k] = np.int64((across + slope * at) * FIXED if some else ZERO)
@@ -130,7 +130,7 @@ def draw_line(k, steps, window, identity, keys):
     least = top if wide else 0
     most = (bottom if wide else width) - least
     at_a = np.int64(steps.low[k]) * along
-    for i in range(past, past + np.int64(steps.count[k])):
+    for i in range(past, past + np.int64(steps.samples[k])):
         row = b >> POINT
         if np.uint64(row - least) < np.uint64(most):
             deposit(q + rise * np.float32(i), identity, np.uint64(at_a + row * over), keys)

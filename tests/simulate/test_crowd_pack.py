@@ -1,0 +1,31 @@
+"""Accelerations by interaction that the rods' own step computes, pack by pack."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from strandcli.simulate.crowd import Crowd
+from tests.simulate.test_crowd import BALL, solver_of
+
+
+@pytest.mark.parametrize("precision", ["single", pytest.param("double", marks=pytest.mark.long)])
+def test_they_are_those_of_all_packs_at_once(precision: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (
+        f"emitter: {{{BALL}, strands: 900}}\nrod: {{precision: {precision}}}\nsolids: [{{kind: sphere, radius: 0.1}}]\n"
+        "rules: [gravity, wind: {strength: 1}, collision, interaction: {friction: 0.3, cell: 0.03, density: 3000}]"
+    )
+    packs, at_once = solver_of(text), solver_of(text)
+    assert at_once.crowd is not None
+    packs.advance(4)
+    monkeypatch.setattr(at_once.crowd, "prepare", partial(without_later, at_once.crowd))
+    at_once.advance(4)
+    assert np.abs(packs.state.crowd).max() > 0
+    for name, one in at_once.state_arrays().items():
+        np.testing.assert_array_equal(packs.state_arrays()[name], one, name)
+
+
+def without_later(crowd: Crowd, *args: object) -> tuple[int, int]:
+    return Crowd.prepare(crowd, *args[:4])  # type: ignore[arg-type]
