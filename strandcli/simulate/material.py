@@ -31,8 +31,8 @@ COIL_STEP = 0.25
 """Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion:
 the reaction to rest shapes is that before the step, or after a first solution of it, which is stable up to 0.3."""
 LED_STEP = 0.2
-"""The same where BDF2 extrapolates the reaction."""
-LED_MOST, LED_FLAT = 0.3, 14.0
+"""The same where BDF2 extrapolates the reaction, which takes three quarters of the time."""
+LED_MOST, LED_FLAT = 0.3, 10.0
 """Up to which step over that curled strands bear it, and the same times the radians by which all joints turn, of coils
 as long as their wire: flat coils of many turns bear less."""
 MOST_INNER = 20
@@ -157,6 +157,12 @@ def stretch_rates(
     """Return `coil_rates` by the mean ``square`` θ² of what each of ``n`` joints turns by."""
     coarse = np.maximum(1.0, np.sqrt(square) / FINE_TURN)
     return np.asarray(coarse * np.sqrt(3 * torsion * stiffness * square) / n)
+
+
+def inner_step(led: float) -> float:
+    """Return the longest steps over that, of coils that bear extrapolated reactions in steps of ``led`` over it."""
+    step = min(LED_STEP, led)
+    return step if step > 0.72 * COIL_STEP else COIL_STEP
 
 
 def softened(rates: NDArray[np.float64], step: float) -> NDArray[np.float64]:

@@ -25,7 +25,7 @@ from .crowd import Crowd, Moment
 from .health import RESIDUAL_MOST
 from .kernels.records import AIR, TOLERANCE
 from .kernels.rod_scratch import PACK
-from .material import COIL_STEP, LED_STEP, MOST_INNER
+from .material import COIL_STEP, MOST_INNER, inner_step
 from .rod_clamped import pins_of
 from .rod_kernel import StepKernel
 from .rod_motion import Motion, change_of
@@ -104,7 +104,7 @@ class RodSolver(Solver):
         arrays = self.state, self.material, self.forcing
         self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
         led = longest_led(rod, flags, *arrays[1:], shape.edges)
-        self._inner = LED_STEP if led else COIL_STEP
+        self._inner = inner_step(led * self._coil_rate)
         self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, flags.second, shape.coiled, led)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)
@@ -169,7 +169,7 @@ class RodSolver(Solver):
         if self._steady:
             self._step(time, dt)
             return
-        most = round(MOST_INNER * COIL_STEP / self._inner)
+        most = math.ceil(MOST_INNER * COIL_STEP / self._inner)
         count = min(max(1, math.ceil(self._coil_rate * dt / self._inner)), most)
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count

@@ -110,7 +110,7 @@ def test_flat_coils_of_many_turns_are_followed_from_shorter_steps_on() -> None:
         )
         solver = RodSolver(scene, emit(scene.emitter, scene.seed))
         found.append(solver.numbers.longest_led * solver._coil_rate)
-    assert found == pytest.approx([0.3, 14 / 27.2 * 0.5, 14 / 49.5 * math.cos(math.radians(80))], rel=0.05)
+    assert found == pytest.approx([0.3, 10 / 27.2 * 0.5, 10 / 49.5 * math.cos(math.radians(80))], rel=0.05)
 
 
 def test_steps_are_cut_only_where_coils_ask_for_it() -> None:
