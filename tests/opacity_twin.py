@@ -36,7 +36,8 @@ def splatted(maps: ShadowMaps, lines: Polylines, thickness: Thickness) -> np.nda
                 1,
             )
             borders = np.arange(size * steps + 1) / steps
-            t = np.unique(np.clip((borders - begin[long]) / way[long], 0, 1))
+            with np.errstate(divide="ignore"):  # a piece towards the light meets no border
+                t = np.unique(np.clip((borders - begin[long]) / way[long], 0, 1))
             covered = np.hypot(*np.diff(places[p : q + 1, :2], axis=0).T).sum()
             wide = thickness.width * (1 - thickness.taper * (p + q) / 2 / (b - a - 1)) * view.focal
             for one, two in pairwise(t):
