@@ -48,7 +48,7 @@ EASE, MOST = 15.0, 0.5
 """Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
 other are led apart."""
 MOST_CELLS = 4_000_000
-"""Of the box about the strands: 64 MB, and as much again for pressure and targets."""
+"""Of the box about the strands: some 110 bytes each, 430 MB."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
 """Parts that strands are cut into at the most, and segments of each at the least."""
 

@@ -26,7 +26,7 @@ def test_wind_fades_exponentially_in_an_even_layer(way: tuple[float, float, floa
     if way[2] < 0:
         assert cells[side - 1 - 10, 3, 4] == pytest.approx(np.exp(-stop * 10), rel=1e-3)
     elif way[1] == 0:
-        np.testing.assert_allclose(cells[12, 12], np.exp(-stop * at), rtol=4e-3)
+        np.testing.assert_allclose(cells[12, 12], np.exp(-stop * at), rtol=1e-3)
     else:  # enters through the top where that is nearer
         ways = np.minimum(at / 0.6, (side - 1 - 12) / 0.8)
         np.testing.assert_allclose(cells[12, 12], np.exp(-stop * ways), rtol=0.05)
