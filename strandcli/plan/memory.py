@@ -12,6 +12,7 @@ from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
 from .crowding import crowding_of
+from .grid import grid_bytes
 from .libraries import known_bytes
 from .sizes import map_rows, share_in_maps, side_of
 
@@ -70,7 +71,7 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     crowding = crowding_of(scene, plan.strands)
     touching = blocks * n * TOUCHING + CELL * crowding.cells + PAIR * crowding.pairs if contact else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
-    return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + round(touching)
+    return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + round(touching) + grid_bytes(scene, plan.strands)
 
 
 def _framed(rod: Rod) -> bool:
