@@ -204,8 +204,13 @@ def folded(keys, at, column, width, view):
     here = depth_at(keys, at, view)
     across = bend(keys, at, 1, here, view)
     down = bend(keys, at, width, here, view)
-    pixel = here / view[FOCAL] if view[PERSPECTIVE] > ZERO else ONE / view[FOCAL]
-    return max(across, down) > FOLD * pixel
+    return max(across, down) > FOLD * pixel_width(here, view)
+
+
+@device
+def pixel_width(depth, view):
+    """Return the width of a pixel at a depth, metres."""
+    return depth / view[FOCAL] if view[PERSPECTIVE] > ZERO else ONE / view[FOCAL]
 
 
 @device
