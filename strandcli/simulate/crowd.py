@@ -46,7 +46,7 @@ EASE, MOST = 15.0, 0.5
 """Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
 other are led apart."""
 MOST_CELLS = 4_000_000
-"""Of the box about the strands: some 110 bytes each, 430 MB."""
+"""Of the box about the strands: some 120 bytes each, 470 MB."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
 """Parts that strands are cut into at the most, and segments of each at the least."""
 
@@ -145,7 +145,7 @@ class Crowd:
             self.pressure.reshape(-1), self.targets,
         )  # fmt: skip
         if moment.solids is not None:
-            crowd_homes.read_home(whole, self.homes, self.targets)
+            crowd_homes.read_home(whole, *self.homes, self.targets)
         self._last_step = dt
         shares = strands.shares(lattice, mass)
         if later:
@@ -210,7 +210,8 @@ class Crowd:
         self.room = Room(*of_room)
         self.room.open[:] = 1
         work[:] = 0
-        self.homes = np.empty(count if self._margin else 0, np.int8)
+        met = count if self._margin else 0
+        self.homes = np.empty(met, np.int8), np.empty((2, met + 1), np.int32)
         self._work = work.reshape(margined), np.empty((2, deep + 2, high + 2), np.uint64), of_layers.reshape(layers)
         self._outside: tuple[list[bytes], Any] = [], ()
         """What ``shares`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
@@ -226,7 +227,7 @@ class Crowd:
             along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
             crowd_pressure.find_room(whole, self.cell, met, along, self.near, self.shares)
         self.room.open[:] = self.shares
-        return float(crowd_homes.settle(whole, self.near, self.grid, self.room.open, self.homes))
+        return float(crowd_homes.settle(whole, self.near, self.grid, self.room.open, *self.homes))
 
     def _lay(self) -> bool:
         """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
