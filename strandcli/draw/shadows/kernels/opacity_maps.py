@@ -15,7 +15,7 @@ from .opacity import FIVE, HEAD, SCALE, START
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-AHEAD = 3
+AHEAD = 6
 """Parts of strands that are fetched before they are drawn."""
 LINE = 16
 """Numbers of a line of the processor's cache."""
