@@ -64,7 +64,7 @@ def fetch(parts, k):
         prefetch(rows, at)
 
 
-@device
+@inlined
 def draw_part(work, n, held, parts, k, window, view, opacity_map):
     """Bring the vertices of part k into a run, and draw its segments once it has many. Return how many pieces the batch
     and how many vertices the run holds then, which held n and `held`; work: rows of `map_segments`."""
@@ -78,7 +78,7 @@ def draw_part(work, n, held, parts, k, window, view, opacity_map):
     return n, held
 
 
-@device
+@inlined
 def draw_segments(work, n, count, window, view, opacity_map, stacks):
     """Draw what lies within the window of the first segments of a run, so many; return how many pieces the batch holds
     then, which held n. stacks: those of the map."""
