@@ -55,13 +55,15 @@ def overlaps(order, k, window):
     return order[k, TOP] < window.bottom and order[k, BOTTOM] >= window.top
 
 
-@device
+@inlined
 def fetch(parts, k):
     """Have the processor fetch the vertices of a part that is drawn soon: they are anywhere in memory."""
     rows = pointer(parts.kept)
     begin = 4 * np.int64(parts.order[k, AT])
-    for at in range(begin, begin + 4 * np.int64(parts.order[k, COUNT]), LINE):
+    end = begin + 4 * np.int64(parts.order[k, COUNT])
+    for at in range(begin, end, LINE):
         prefetch(rows, at)
+    prefetch(rows, end - 1)
 
 
 @inlined
