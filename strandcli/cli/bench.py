@@ -22,7 +22,7 @@ OWN = {
 
 OF_THE_HEADLINE = {"strands": "emitter.strands", "particles": "emitter.particles", "solver": "solver"}
 """Options of the headline scene alone, with the setting that a preset has for each."""
-FRAMES, FRAMES_OF_A_PRESET = 20, 3
+FRAMES, FRAMES_OF_A_PRESET = 60, 3
 
 
 @click.command()

@@ -43,7 +43,7 @@ FEWEST = 10
 def run(
     strands: int = 10_000,
     particles: int = 10,
-    frames: int = 20,
+    frames: int = 60,
     size: tuple[int, int] = (800, 600),
     threads: int | None = None,
     solver: str = "thesis",
