@@ -53,7 +53,7 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
 
     screen, surround, strands, lights, coating: `Screen`, `Surround`, `StrandLight`, `Lights` and `Coating` of `inputs`;
     shadows: `ShadowArrays`; solids: `Solids`. The image contains the background. Blended solids may have edges in front
-    of themselves, which z-buffer keys do not show; there the mean of 4×4 rays is used.
+    of themselves, which z-buffer keys do not show; there a point on each side counts as much as 4×4 rays tell.
     """
     width = image.shape[1]
     picture = image.reshape(-1)
@@ -71,31 +71,31 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
         )  # fmt: skip
         i = np.int64(0)
         while i < end:
-            i, n, solid, fine = fill_batch(screen, found, i, end, width, solids, work, which)
+            bare = lights.use == WRITTEN
+            i, n, solid, fine = fill_batch(screen, found, i, end, width, solids, work, which, bare)
             if n == 0:
                 continue
             look(work, n, screen.camera)
-            if lights.use == WRITTEN:
-                keep(work, n, solid, fine, strands, lights, shadows, solids, coating)
+            if bare:
+                keep(work, n, solid, strands, lights, shadows, solids, coating)
                 continue
             batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
             mirror_solids(n, solid, surround, strands, lights, shadows, solids, coating, way, coating.mirrors)
             if fine:
-                average(work, n)
-            composite(work, np.int64(1) if fine else n, which, screen, width, picture)
+                n = average(work, n, which)
+            composite(work, n, which, screen, width, picture)
 
 
 @device
-def keep(work, n, which, fine, strands, lights, shadows, solids, coating):
-    """Write the light that arrives at the first n points of a batch to the lattice; arguments as in `batch`; fine:
-    whether they are rays of one pixel, whose light nobody shares."""
+def keep(work, n, which, strands, lights, shadows, solids, coating):
+    """Write the light that arrives at the first n points of a batch to the lattice; arguments as in `batch`."""
     depth = deepest(coating.coats, which)
     if other.has_look(solids) or depth > ZERO:
         appearance.plain(work, n, coating.paint, which)
     face(work, n, solids, which)
     for i in range(lights.rows.shape[0]):
         arrive(work, n, i, lights, shadows, solids, strands.loss, depth)
-        store(work, n, i, lights, fine)
+        store(work, n, i, lights)
 
 
 @device
