@@ -71,7 +71,7 @@ def test_what_others_have_imported_is_not_kept(tmp_path: Path, monkeypatch: pyte
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="counts threads as Linux lists them")
-@pytest.mark.parametrize("asked, most", [(None, 1), ("2", 2)])
+@pytest.mark.parametrize(("asked", "most"), [(None, 1), ("2", 2)])
 def test_products_of_matrices_start_no_threads_unless_asked_to(
     asked: str | None, most: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
