@@ -128,14 +128,17 @@ def add(work, n, window, opacity_map):
     stride = np.int32(HEAD + FIVE * (opacity_map.layers + 1))
     numbers = pointer(stacks)
     for texel in range(PAIR):
-        for at in range(texel * BATCH, texel * BATCH + n):
-            places[AT + at] = cells + np.int32(work[ROW + at]) * stride + np.int32(work[PLACE + at])
-    for k in range(n):
-        for at in range(k, k + PAIR * BATCH, BATCH):
-            prefetch(numbers, np.int64(places[AT + at]))
-    for k in range(n):
-        for at in range(k, k + PAIR * BATCH, BATCH):
-            stacks[np.uint32(places[AT + at])] += work[ADDED + at]
+        begin = np.uint64(texel * BATCH)
+        for k in range(np.uint64(n)):
+            at = begin + k
+            place = np.int32(work[np.uint64(ROW) + at]) * stride + np.int32(work[np.uint64(PLACE) + at])
+            places[np.uint64(AT) + at] = cells + place
+    for k in range(np.uint64(n)):
+        prefetch(numbers, np.int64(places[np.uint64(AT) + k]))
+        prefetch(numbers, np.int64(places[np.uint64(AT + BATCH) + k]))
+    for k in range(np.uint64(n)):
+        stacks[np.uint64(places[np.uint64(AT) + k])] += work[np.uint64(ADDED) + k]
+        stacks[np.uint64(places[np.uint64(AT + BATCH) + k])] += work[np.uint64(ADDED + BATCH) + k]
 
 
 @device
