@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, function
-from ....simd import floor, gather, half_width_pointer, lane_count, load, pointer, prefetch, store, where
+from ....simd import floor, gather, gather2, half_width_pointer, lane_count, load, pointer, prefetch, store, where
 from .map_segments import (
     ACROSS,
     AREA,
@@ -35,7 +35,7 @@ from .map_segments import (
     STEEP,
     STEP,
 )
-from .opacity import FIVE, HEAD, SCALE, START
+from .opacity import FIVE, HEAD, START
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -158,8 +158,9 @@ def find(rows, k, window, opacity_map):
         inside = (row >= top) & (row < bottom) & (column >= ZERO) & (column < size)
         cell_row, cell_column = floor(row * HALF), floor(column * HALF)
         cell = where(inside, cell_row * (size * HALF) + cell_column, ZERO)
-        far = max((d - gather(heads, 0, cell, 2, np.float32(START))) * opacity_map.over, ZERO)
-        ended = floor(gather(heads, 0, cell, 2, np.float32(SCALE)) * (far / (far + ONE)))
+        front, most = gather2(heads, 0, cell, 2, np.float32(START))
+        far = max((d - front) * opacity_map.over, ZERO)
+        ended = floor(most * (far / (far + ONE)))
         layer = min(ended, np.float32(opacity_map.layers - 1))
         own = TWO * (row - TWO * cell_row) + (column - TWO * cell_column)
         at = texel * BATCH + k
