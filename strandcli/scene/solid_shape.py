@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from .model.solids import SHAPES
 
-OPTIONAL = ("meet", "normal", "hides", "look", "distances", "drift")
+OPTIONAL = ("meet", "normal", "hides", "look", "look_after", "distances", "drift")
 """Compiled functions that a shape may have."""
 
 
@@ -34,6 +34,8 @@ class SolidShape(Protocol):
       along the normal, the point from which shadow rays set out, and the linear colour, which with a negative number is
       the solid's `colour`. ``eye`` is the unit vector to the eye, or 0 where that does not matter, ``width`` that of a
       pixel there, metres. Else `normal`, the point and `colour`.
+    * ``look_after(x, y, z, eye, width, before, numbers)``: the same and a whole number, instead of `look`. It comes
+      back as ``before`` with a point nearby, and may make it quicker to look at, but change nothing; at first it is -1.
     * ``distances(x, y, z, numbers)``: `distance` of vectors of `strandcli.simd`, which have no branches. Soft shadows
       look it up many times for each point. Else points are taken one by one.
     * ``folds = True``: it may hide parts of itself, and such edges are antialiased.

@@ -10,7 +10,7 @@ import numpy as np
 from ...jit import device
 from ...meshes.kernels.distance import distance as grid_distance
 from ...meshes.kernels.distance import distance_and_gradient, vector_distance
-from ...meshes.kernels.nearest import nearest
+from ...meshes.kernels.nearest import apart, nearest, on_triangle
 from ...meshes.kernels.rays import first_hit
 from ...simd import array_at
 from .arrays import PAST, grid_of, spacing_of, surface_of, tree_of
@@ -20,6 +20,8 @@ CLOSE = 1e-3
 """Cells of the grid within which the point of the surface that is drawn is looked for first."""
 LEAVES = 4.0
 """Way out of a surface that a shadow ray may have, in depths that count as on it."""
+WITHIN = 1e-3
+"""Share of a triangle from its edges within which the nearest triangle may be a neighbour."""
 TINY = 1e-6
 """A gradient this short has no direction."""
 
@@ -72,15 +74,13 @@ def hides(x, y, z, dx, dy, dz, reach, skin, numbers, data):
     return first_hit(tree, x + t * dx, y + t * dy, z + t * dz, dx, dy, dz, reach - t)[1] >= 0
 
 
-def look(x, y, z, eye, width, numbers, data):
+def look_after(x, y, z, eye, width, before, numbers, data):
     """The smooth normal, the point lifted to where the smooth surface would be (Hanika 2021, "Hacking the shadow
-    terminator"), and the colour of vertices or of the texture."""
+    terminator"), the colour of vertices or of the texture, and the place of the triangle, from which the next point
+    is looked for."""
     k = int(numbers[0])
     tree = tree_of(data, k)
-    limit = CLOSE * spacing_of(data, k)
-    _, _, u, v, row = nearest(tree, x, y, z, limit * limit)
-    if row < 0:
-        _, _, u, v, row = nearest(tree, x, y, z, np.inf)
+    u, v, row = drawn(tree, float(x), float(y), float(z), before, CLOSE * spacing_of(data, k))
     px, py, pz = point_of(tree.corners, row, u, v)
     normals = surface_of(data, k).normals
     nx = ny = nz = lx = ly = lz = 0.0
@@ -99,7 +99,21 @@ def look(x, y, z, eye, width, numbers, data):
         nx, ny, nz = face_normal(tree.corners, row)
     facing = (nx * eye[0] + ny * eye[1] + nz * eye[2]) / math.sqrt(nx * nx + ny * ny + nz * nz)
     colour = colour_at(data, k, row, u, v, width, facing)
-    return (nx, ny, nz), (x + lx, y + ly, z + lz), colour
+    return (nx, ny, nz), (x + lx, y + ly, z + lz), colour, row
+
+
+@device
+def drawn(tree, x, y, z, before, limit):
+    """u, v and the place of the triangle nearest to a point, which is looked for among all unless the point is on that
+    at place `before`, not near its edges. limit: metres from the surface within which a point is on it."""
+    if before >= 0:
+        u, v = on_triangle(tree.corners, before, x, y, z)
+        if min(min(u, v), 1.0 - u - v) > WITHIN and apart(tree.corners, before, u, v, x, y, z) < limit * limit:
+            return u, v, before
+    _, _, u, v, row = nearest(tree, x, y, z, limit * limit)
+    if row < 0:
+        _, _, u, v, row = nearest(tree, x, y, z, np.inf)
+    return u, v, np.int64(row)
 
 
 def drift(x, y, z, numbers, data):

@@ -140,6 +140,14 @@ def look_in_world(p, m, look):
     )
 
 
+@device
+def looks_in_world(p, m, look):
+    """`look_in_world` of the first three of four, and the fourth."""
+    n, place, colour, number = look
+    n, place, colour = look_in_world(p, m, (n, place, colour))
+    return n, place, colour, np.int64(number)
+
+
 @inlined
 def gradient(distance, p, m, h, x, y, z):
     """Unit direction in which the distance from solid m grows most, by differences over 2 h."""

@@ -58,8 +58,8 @@ def _normal(solids, m, x, y, z):
 
     outward, among, look = form.normal, form.among, form.look
     if look is not None:
-        none, width = (field.ZERO, field.ZERO, field.ZERO), field.ZERO
-        return lambda solids, m, x, y, z: look(among(solids), m, x, y, z, none, width)[0]
+        none, width, first = (field.ZERO, field.ZERO, field.ZERO), field.ZERO, np.int64(-1)
+        return lambda solids, m, x, y, z: look(among(solids), m, x, y, z, none, width, first)[0]
 
     def found(solids, m, x, y, z):
         nx, ny, nz = outward(among(solids), m, x, y, z)
@@ -79,18 +79,19 @@ def _has_look(solids):
     return lambda solids: found
 
 
-def look(solids, m, x, y, z, eye, width):
-    """The normal, the place and the colour of number m of these, as `SolidShape.look`, in the world."""
+def look(solids, m, x, y, z, eye, width, before):
+    """The normal, the place and the colour of number m of these, and a number, as `SolidShape.look_after`, in the
+    world."""
 
 
 @overload(look)
-def _look(solids, m, x, y, z, eye, width):
+def _look(solids, m, x, y, z, eye, width, before):
     form = form_of(solids)
     if form is None or form.look is None:
         none = (field.ZERO, field.ZERO, field.ZERO)
-        return lambda solids, m, x, y, z, eye, width: (none, none, none)
+        return lambda solids, m, x, y, z, eye, width, before: (none, none, none, before)
     found, among = form.look, form.among
-    return lambda solids, m, x, y, z, eye, width: found(among(solids), m, x, y, z, eye, width)
+    return lambda solids, m, x, y, z, eye, width, before: found(among(solids), m, x, y, z, eye, width, before)
 
 
 def folds(solids, m):

@@ -80,12 +80,12 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
         "meet": _chosen([_meet(one) for one in kinds]),
         "hides": _chosen([_hides(one) for one in kinds]),
         "ray": RAY if _any(kinds, "hides") else "",
-        "look": LOOK.format(look=_chosen([_look(one) for one in kinds])) if _any(kinds, "look") else "\n",
+        "look": LOOK.format(look=_chosen([_look(one) for one in kinds])) if _looks(kinds) else "\n",
         "fields": "".join(f"    {one}: Any\n" for one in data),
         "given": ", ".join(f"solids.{one}" for one in ("others", *data)),
         "drift": DRIFT.format(drift=_chosen([_drift(one) for one in kinds])) if _any(kinds, "drift") else "",
         "has_drift": "drift_of" if _any(kinds, "drift") else "None",
-        "has_look": "look" if _any(kinds, "look") else "None",
+        "has_look": "look" if _looks(kinds) else "None",
         "distances": _distances(kinds),
         "has_distances": "distances_in_own" if _distances(kinds).strip() else "None",
         "detailed": any(has_data(one.shape) for one in kinds),
@@ -114,6 +114,10 @@ def _distances(kinds: Sequence[Kind]) -> str:
 
 def _any(kinds: Sequence[Kind], part: str) -> bool:
     return any(_has(one.shape, part) for one in kinds)
+
+
+def _looks(kinds: Sequence[Kind]) -> bool:
+    return _any(kinds, "look") or _any(kinds, "look_after")
 
 
 def _has(shape: Any, part: str) -> bool:
@@ -186,9 +190,11 @@ def _hides(kind: Kind) -> str:
 
 
 def _look(kind: Kind) -> str:
+    if _has(kind.shape, "look_after"):
+        return f"looks_in_world(p, m, look_after_{kind.place}(u, v, w, eye, width, before, {_given(kind)}))"
     if not _has(kind.shape, "look"):
-        return "normal(p, m, x, y, z), (x, y, z), (np.float32(-1.0), np.float32(-1.0), np.float32(-1.0))"
-    return f"look_in_world(p, m, look_{kind.place}(u, v, w, eye, width, {_given(kind)}))"
+        return "normal(p, m, x, y, z), (x, y, z), (np.float32(-1.0), np.float32(-1.0), np.float32(-1.0)), np.int64(-1)"
+    return f"look_in_world(p, m, look_{kind.place}(u, v, w, eye, width, {_given(kind)})) + (np.int64(-1),)"
 
 
 def _drift(kind: Kind) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from strandcli.constants import W
 from strandcli.jit import device, function
-from strandcli.solids.kernels.distance_field import gradient, look_in_world, march, number, outward, own
+from strandcli.solids.kernels.distance_field import gradient, look_in_world, looks_in_world, march, number, outward, own
 from strandcli.solids.kernels.distance_field import FINE, hides_by_distance, in_world, own_direction, put_outside
 from strandcli.solids.kernels.distance_field import ray_in_own, rounded
 from strandcli.solids.kernels.segment_depth import deepest_about_some, deepest_of_all_places, deepest_of_some
@@ -139,9 +139,10 @@ def drift_of(p, m, x, y, z):
 LOOK = '''
 
 @device
-def look(p, m, x, y, z, eye, width):
+def look(p, m, x, y, z, eye, width, before):
     """How solid m looks at a point of its surface: the normal, where shadow rays begin, and the colour; a negative one
-    is that of the solid. eye: unit vector to the eye; width: that of a pixel there."""
+    is that of the solid. And a number, which comes back as ``before`` with a point nearby; -1: none. eye: unit vector
+    to the eye; width: that of a pixel there."""
     u, v, w = own(p, m, x, y, z)
     eye = own_direction(p, m, eye[0], eye[1], eye[2])
 {look}

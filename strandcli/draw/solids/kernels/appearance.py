@@ -44,10 +44,11 @@ def plain(work, n, paint, which):
 def face(work, n, solids, which):
     """Store unit normals, lifts and colours of points of a solid that has a look of its own."""
     m = which - built_in.count(solids)
+    before = np.int64(-1)
     for k in range(n):
         x, y, z = work[X + k], work[Y + k], work[Z + k]
         eye = work[EX + k], work[EY + k], work[EZ + k]
-        normal, place, colour = other.look(solids, m, x, y, z, eye, work[PIXEL + k])
+        normal, place, colour, before = other.look(solids, m, x, y, z, eye, work[PIXEL + k], before)
         work[NX + k], work[NY + k], work[NZ + k] = towards(normal, eye)
         work[LIFT + k] = place[0] - x
         work[LIFT + W + k] = place[1] - y
