@@ -127,11 +127,11 @@ def divide(extents, layers, least, over, rows, stacks):
         extents[cell, START] = near if there else ZERO
         extents[cell, SCALE] = np.float32(layers) * (ONE + ONE / (thick * over)) if there else ZERO
         if there:
-            base = cells + np.int64(rows[cell]) * stride
-            stacks[base + START] = extents[cell, START]
-            stacks[base + SCALE] = extents[cell, SCALE]
-            for k in range(HEAD, stride):
-                stacks[base + k] = ZERO
+            begin = np.uint64(cells + np.int64(rows[cell]) * stride)
+            for k in range(begin, begin + np.uint64(stride)):
+                stacks[k] = ZERO
+            stacks[begin + np.uint64(START)] = extents[cell, START]
+            stacks[begin + np.uint64(SCALE)] = extents[cell, SCALE]
 
 
 @parallel
