@@ -45,6 +45,7 @@ from .occlusion_columns import (
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+NEXT = np.uint64(1)
 THREE = np.float32(3.0)
 LEVELS = np.float32(255.0)
 FAR = np.float32(1e30)
@@ -120,25 +121,25 @@ def sweep_direction(cells, grid, ways, d, axis, one, two, planes, left):
     low_g = np.int64(min(np.floor(g), ZERO))
     f -= np.float32(low_f)
     g -= np.float32(low_g)
-    row = counts[two] + 2
+    row = np.uint64(counts[two] + 2)  # as places in planes, which cannot be negative: these loops are vectors
     for m in range(counts[axis]):
         slab = (counts[axis] - 1 - m if ways[d, axis] > ZERO else m) * down
         for p in range(counts[one]):
             base = slab + p * along
-            own = (p + 1) * row + 1
-            up = (p + 1 + low_f) * row + 1 + low_g
-            for q in range(counts[two]):
-                cell = base + q * beside
+            own = np.uint64(p + 1) * row + NEXT
+            up = np.uint64(p + 1 + low_f) * row + np.uint64(1 + low_g)
+            for q in range(np.uint64(counts[two])):
+                cell = np.uint64(base) + q * np.uint64(beside)
                 r = cells[cell, DENSITY]
                 inside = x * x * cells[cell, XX] + y * y * cells[cell, YY] + z * z * cells[cell, ZZ]
                 inside += (ONE + ONE) * (x * y * cells[cell, XY] + x * z * cells[cell, XZ] + y * z * cells[cell, YZ])
                 thicker[own + q] = math.sqrt(max(r * (r - inside), ZERO))
-            for q in range(counts[two]):
+            for q in range(np.uint64(counts[two])):
                 came = mixed(before, up + q, row, f, g)
                 met = half * (thicker[own + q] + mixed(thick, up + q, row, f, g))
                 after[own + q] = came * exp(-met)
-            for q in range(counts[two]):
-                left[d, base + q * beside] = np.uint8(after[own + q] * LEVELS + HALF)
+            for q in range(np.uint64(counts[two])):
+                left[d, np.uint64(base) + q * np.uint64(beside)] = np.uint8(after[own + q] * LEVELS + HALF)
         before, after = after, before
         thick, thicker = thicker, thick
 
@@ -146,8 +147,8 @@ def sweep_direction(cells, grid, ways, d, axis, one, two, planes, left):
 @device
 def mixed(plane, at, row, f, g):
     """Interpolate bilinearly in a plane; at: index of the upper left cell; row: cells a row."""
-    upper = plane[at] + g * (plane[at + 1] - plane[at])
-    lower = plane[at + row] + g * (plane[at + row + 1] - plane[at + row])
+    upper = plane[at] + g * (plane[at + NEXT] - plane[at])
+    lower = plane[at + row] + g * (plane[at + row + NEXT] - plane[at + row])
     return upper + f * (lower - upper)
 
 

@@ -10,11 +10,12 @@ from ...zbuffer.kernels.lines import Window
 from . import cell_extents, map_segments, splats
 from .map_parts import AT, BOTTOM, COUNT, TOP
 from .minmax import FARTHEST, NEAREST
-from .opacity import FIVE, HEAD, SCALE, START
+from .opacity import FIVE, HEAD, SCALE, START, TEXELS
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+NEXT = np.uint64(1)
 AHEAD = 6
 """Parts of strands that are fetched before they are drawn."""
 LINE = 16
@@ -127,11 +128,11 @@ def divide(extents, layers, least, over, rows, stacks):
         extents[cell, START] = near if there else ZERO
         extents[cell, SCALE] = np.float32(layers) * (ONE + ONE / (thick * over)) if there else ZERO
         if there:
-            base = cells + np.int64(rows[cell]) * stride
-            stacks[base + START] = extents[cell, START]
-            stacks[base + SCALE] = extents[cell, SCALE]
-            for k in range(HEAD, stride):
-                stacks[base + k] = ZERO
+            begin = np.uint64(cells + np.int64(rows[cell]) * stride)
+            for k in range(begin, begin + np.uint64(stride)):
+                stacks[k] = ZERO
+            stacks[begin + np.uint64(START)] = extents[cell, START]
+            stacks[begin + np.uint64(SCALE)] = extents[cell, SCALE]
 
 
 @parallel
@@ -142,16 +143,16 @@ def sum_layers(cells, layers, stacks):
     """
     stride = HEAD + FIVE * (layers + 1)
     for row in prange((stacks.shape[0] - cells) // stride - 1):
-        base = cells + (row + 1) * stride + HEAD
+        at = np.uint64(cells + (row + 1) * stride + HEAD)
         one = two = three = four = ZERO
-        for k in range(layers + 1):
-            at = base + FIVE * k
+        for _ in range(layers + 1):
             one += stacks[at]
-            two += stacks[at + 1]
-            three += stacks[at + 2]
-            four += stacks[at + 3]
+            two += stacks[at + NEXT]
+            three += stacks[at + NEXT + NEXT]
+            four += stacks[at + NEXT + NEXT + NEXT]
             stacks[at] = one
-            stacks[at + 1] = two
-            stacks[at + 2] = three
-            stacks[at + 3] = four
-            stacks[at + 4] = HALF * HALF * ((one + two) + (three + four))
+            stacks[at + NEXT] = two
+            stacks[at + NEXT + NEXT] = three
+            stacks[at + NEXT + NEXT + NEXT] = four
+            stacks[at + np.uint64(TEXELS)] = HALF * HALF * ((one + two) + (three + four))
+            at += np.uint64(FIVE)
