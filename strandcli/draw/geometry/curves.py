@@ -55,6 +55,8 @@ NO_PIECES = np.zeros((0, 0), np.uint16)
 """All segments have the same number of pieces. An empty array, because None would compile another variant."""
 ALL_DRAWN = np.zeros(0, np.float32)
 """No strand is left out. Empty for the same reason."""
+NOT_ALONG = np.zeros(0, np.float32)
+"""Where vertices stand along their strands is not wanted. Empty for the same reason."""
 
 
 STRAIGHT = ("off", "thinned")
@@ -111,9 +113,11 @@ def flatten(
     else:
         first[:] = np.arange(strands + 1, dtype=np.int64) * ((n - 1) * most + 1)
     world = scratch.borrow("world", (int(first[-1]), 3), np.float32)
-    kernel.flatten(positions, lengths, strands, pieces, most, printed, curves.mode == "off", first, world)
+    # pieces differ from segment to segment: by number, vertices would stand elsewhere along the strand in each view
+    along = NOT_ALONG if error is None else scratch.borrow("along", len(world), np.float32)
+    kernel.flatten(positions, lengths, strands, pieces, most, printed, curves.mode == "off", first, world, along)
     if error is not None or fade is not None:
-        return Polylines(first, world, error)
+        return Polylines(first, world, error, along=None if error is None else along)
     longest = kernel.longest_segment(positions) if lengths is None else lengths.max()
     return Polylines(first, world, None, (n - 1) * most + 1, float(longest), most, max(most // LIT_PIECES, 1))
 

@@ -20,7 +20,7 @@ from ...constants import GRID_BYTES, GRID_SIDE
 from ...scene.model import Light
 from ..common.kernels.view_columns import CORNER_STRETCH
 from ..common.scratch import Scratch
-from ..geometry.curves import Polylines
+from ..geometry.curves import NOT_ALONG, Polylines
 from ..geometry.extent import Thickness
 from ..geometry.kernels import silhouette
 from ..geometry.kernels.silhouette import STEEPEST
@@ -88,7 +88,8 @@ class Grid(VertexShadows):
         longest = int(np.diff(lines.first).max(initial=1))
         width = np.float32(self.thickness.width)
         shaded = kernel.ShadedLines(
-            lines.first, lines.world, lines.scale, marks, screen, lines.stride, longest, self.words,
+            lines.first, lines.world, NOT_ALONG if lines.along is None else lines.along, lines.scale, marks, screen,
+            lines.stride, longest, self.words,
             np.float32(APART * self.thickness.width),
         )  # fmt: skip
         wide = kernel.WideStrands(
@@ -181,7 +182,7 @@ def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scrat
     silhouette.move_ends(lines.first, lines.world, packed, width, taper, lines.scale, screen)
     widths = scratch.borrow("light_widths", len(screen), np.float32)
     project.widths(
-        lines.first, screen, packed, width, taper, lines.scale, np.float32(0.0), np.float32(0.0), None, widths
+        lines.first, screen, packed, width, taper, lines.scale, np.float32(0.0), np.float32(0.0), lines.along, widths
     )  # fmt: skip
     out = np.empty((len(screen), 4), np.float32)
     out[:, :3] = screen

@@ -92,7 +92,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "add listed": (coverage_ribbon.add_listed, (WORK, 8, 1, 0, TILE, 0)),
     "depth offsets": (ribbon.depth_offsets, (*7 * (ONE,), SLOPE)),
-    "covered": (masks.covered_points, (KEYS, TABLE, ROW, 1, ONE, ONE)),
+    "covered": (masks.covered_points, (KEYS, TABLE, ROW, 1, ONE, ONE, ONE)),
     "column light": (
         column_light.column_light,
         (np.ones((2, 4, 17, 3), np.float32), np.zeros((1, 4, 16), np.uint64), 1, 2, ONE, ONE, np.uint64(1), KEYS,

@@ -66,7 +66,7 @@ def heap(rng: np.random.Generator, count: int) -> np.ndarray:
     return np.concatenate([ends, np.broadcast_to(rng.uniform(0.2, 0.9, (count, 1, 1)), (count, 2, 1))], 2)
 
 
-@pytest.mark.parametrize(("width", "share"), [(0.7, 0.4), (1.3, 0.4), (3.0, 0.6)])
+@pytest.mark.parametrize(("width", "share"), [(0.2, 0.55), (0.4, 0.4), (0.7, 0.4), (1.3, 0.4), (3.0, 0.6)])
 def test_what_is_in_front_hides_just_its_part_of_a_sample(width: float, share: float) -> None:
     """Against 16×16 samples. Without masks strands cover a sample independently; the wider they are the fewer share
     one, and an error of counting points is left."""

@@ -130,6 +130,24 @@ def test_adaptive_curves_are_within_their_bound_on_the_screen(camera: Camera, ta
     assert capped.error > tolerance / 10  # what the level does not allow is told
 
 
+def test_vertices_stand_along_their_strand_whatever_the_view() -> None:
+    """Evenly within each segment between particles, however many pieces it has; so taper and colour stay where they
+    are when the camera moves."""
+    strands = Strands(60, 5, seed=3)
+    for far in (2.0, 8.0):
+        view = camera_view(Camera(position=(0.0, 0.0, far)), 0.0, 400, 300, BOX)
+        lines = strands.flat(Curves(mode="adaptive", level=6), view)
+        assert lines.along is not None
+        assert len(set(np.diff(lines.first))) > 3
+        for s, line in enumerate(each(lines)):
+            at = [0]
+            for i in range(1, strands.n):  # the vertices that are particles
+                at.append(at[-1] + 1 + int(np.abs(line[at[-1] + 1 :] - strands.p[s, i]).sum(1).argmin()))
+            found = lines.along[lines.first[s] : lines.first[s + 1]]
+            right = np.interp(np.arange(len(line)), at, np.linspace(0, 1, strands.n))
+            np.testing.assert_allclose(found, right, atol=2e-7)
+
+
 def test_pieces_fall_with_distance_and_straight_strands_take_one() -> None:
     counts = []
     for far in (2.0, 8.0, 32.0, 1e4):

@@ -7,6 +7,7 @@ import numpy as np
 from ....jit import device, inlined
 from ...common.kernels.bits import popcount
 from .masks import ALL_POINTS, NO_POINTS, POINTS, covered_points
+from .segments import WIDE
 from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, ROW_BITS, TILE_WIDTH, UNIT
 
 ZERO = np.float32(0.0)
@@ -14,8 +15,10 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 OPAQUE = np.float32(1 / 512)
 """Transmittance below which everything behind is left out."""
-MASKED = np.float32(0.5)
-"""Samples. Wider strands can have masks of the points of a sample that they show."""
+MASKED = np.float32(1 / 16)
+"""Samples. Wider strands can have masks of the points of a sample that they show; others may miss every point."""
+PART = np.float32(0.5)
+"""Share of its mask's points below which the area of a thin strand in a sample is not that of its mask."""
 NO_VERTEX = np.int64(-9)
 """A vertex next to none."""
 FOUR = np.uint64(NUMBERS)
@@ -86,6 +89,25 @@ def close(out, tile, p, begin, end):
         out.closed[np.uint64(at)] = np.uint8(ONE - total < OPAQUE)
 
 
+@inlined
+def write(out, to, vertex, share, t, points):
+    """Write fragment number `to` of `Fragments` with masks."""
+    out.vertex[to] = np.uint32(vertex)
+    out.weight[to] = share
+    out.along[to] = np.float32(t) * UNIT
+    out.points[to] = points
+
+
+@inlined
+def strand_points(table, screen, widths, v, x, y, alpha, narrow):
+    """Return the mask of the points that a fragment of the segment after vertex v covers; none if it is not known.
+
+    A narrow segment's fragment of opacity `alpha` is that of its run in the sample (see `cells`)."""
+    area = alpha * np.float32(POINTS) if narrow else ZERO
+    mine = covered_points(table, screen, widths, v, x, y, area)
+    return NO_POINTS if narrow & (area < PART * np.float32(popcount(mine))) else mine
+
+
 @device
 def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out, marks):
     """Write fragments as `composite` does, with masks of the points of a sample that wide strands cover: a wide strand
@@ -110,9 +132,10 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
         while m < end:
             alpha, identity, t = numbers(fragments, order[np.uint64(m)])
             m += 1
-            mine = NO_POINTS
+            mine, narrow = NO_POINTS, False
             if identity < vertices and widths[identity] > MASKED:  # from `vertices` on: solids' edges
-                mine = covered_points(table, screen, widths, identity, x, y)
+                narrow = max(widths[identity], widths[identity + 1]) <= WIDE
+                mine = strand_points(table, screen, widths, identity, x, y, alpha, narrow)
             if mine != NO_POINTS:
                 visible = mine & free
                 share = alpha * thin * np.float32(popcount(visible)) / np.float32(popcount(mine))
@@ -131,11 +154,9 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
                 if identity < vertices:
                     identity -= t >> bits
                     marks[np.uint64(identity)] = 1
-                to = np.uint64(o)
-                out.vertex[to] = np.uint32(identity)
-                out.weight[to] = share
-                out.along[to] = np.float32(t) * UNIT
-                out.points[to] = visible
+                # areas across a narrow strand are more exact than points, where nothing hides it
+                points = ALL_POINTS if narrow & (visible == mine) else visible
+                write(out, np.uint64(o), identity, share, t, points)
                 total += share
                 o += 1
             if thin * np.float32(popcount(free)) < OPAQUE * np.float32(POINTS):

@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from ....jit import device, inlined
+from ...common.kernels.bits import popcount
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -48,8 +49,11 @@ def points_behind(table, row, turn, distance):
 
 
 @device
-def covered_points(table, screen, widths, v, x, y):
-    """Return the mask of the points that the segment after vertex v covers in the sample with the centre (x, y)."""
+def covered_points(table, screen, widths, v, x, y, area):
+    """Return the mask of the points that the segment after vertex v covers in the sample with the centre (x, y).
+
+    area: of the fragment, in points, if it may be that of several segments in a row, or 0: the mask ends with the
+    segment unless without ends its number of points is nearer to the area."""
     x0 = screen[v, 0]
     y0 = screen[v, 1]
     dx = screen[v + 1, 0] - x0
@@ -69,5 +73,7 @@ def covered_points(table, screen, widths, v, x, y):
     if (past < REACH) | (size - past < REACH):
         turn = ONE if dy >= ZERO else -ONE
         row = table_row(dx * turn, dy * turn)
-        bits &= points_behind(table, row, turn, size - past) & ~points_behind(table, row, turn, -past)
+        cut = bits & points_behind(table, row, turn, size - past) & ~points_behind(table, row, turn, -past)
+        if abs(np.float32(popcount(cut)) - area) <= abs(np.float32(popcount(bits)) - area):
+            bits = cut
     return bits

@@ -20,13 +20,14 @@ THIRD = np.float32(1 / 3)
 
 
 @parallel
-def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, first, world):
+def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, first, world, along):
     """Write the polylines of strands.
 
     positions (blocks, n + 1, 3 W), metres; lengths (blocks, W), or None: those of the chords; pieces (strands, n − 1)
     uint16, or (0, 0): every segment has `fixed` pieces; as_printed: whether tangents are computed as the source prints
     them; straight: whether segments stay straight; first (strands + 1,) int64 vertex offsets; world (V, 3) float32,
-    metres, written.
+    metres, written; along (V,) float32: how far along its strand each vertex stands, 0 at the root to 1 at the tip,
+    written if it has rows.
     """
     for group in prange((strands + LANES - 1) // LANES):
         begin = np.int64(group) * LANES
@@ -36,8 +37,11 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
             if not straight:
                 find_tangents(positions, begin, lengths, as_printed, ways)
             for s in range(begin, end):
-                if first[s + 1] != first[s]:
-                    write_polyline(positions[s // W], lengths, s, pieces, fixed, straight, ways, first[s], world)
+                if first[s + 1] == first[s]:
+                    continue
+                write_polyline(positions[s // W], lengths, s, pieces, fixed, straight, ways, first[s], world)
+                if along.shape[0] > 0:
+                    write_along(pieces[s], along, first[s])
 
 
 @inlined
@@ -73,6 +77,20 @@ def write_polyline(block, lengths, s, pieces, fixed, straight, ways, v, world):
         v += m
         write_vertex(world, v, bx, by, bz)
         ax, ay, az = bx, by, bz
+
+
+@inlined
+def write_along(pieces, along, v):
+    """Write how far along its strand each vertex from number v on stands; pieces (n − 1,): of its segments."""
+    segments = pieces.shape[0]
+    per = ONE / np.float32(segments)
+    along[v] = ZERO
+    for i in range(segments):
+        m = np.int64(pieces[i])
+        step = per / np.float32(m)
+        for j in range(m):
+            v += 1
+            along[v] = min(np.float32(i) * per + np.float32(j + 1) * step, ONE)
 
 
 @inlined

@@ -14,6 +14,7 @@ from ....constants import W
 from ....jit import device, parallel, prange
 from ....jit.balance import places, task_at
 from ....jit.indices import FIRST, SECOND, THIRD
+from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import other, sphere
 from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
 from ...common.kernels.surface_batch import (
@@ -37,7 +38,7 @@ from . import mirror, occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z, READ, WRITTEN, Coating
 from .light import SURFACE, around
 from .reflection import deepest, gleam, reflect, reflect_from_below
-from .surface_light import arrive, as_computed, recall, store
+from .surface_light import arrive, as_computed, note, recall
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -95,7 +96,7 @@ def keep(work, n, which, strands, lights, shadows, solids, coating):
     face(work, n, solids, which)
     for i in range(lights.rows.shape[0]):
         arrive(work, n, i, lights, shadows, solids, strands.loss, depth)
-        store(work, n, i, lights)
+        note(work, n, i, lights)
 
 
 @device
@@ -223,20 +224,18 @@ def light_around(work, n, surround, bounce, depth):
         work[RADIANCE + W + k] = g
         work[RADIANCE + 2 * W + k] = b
     if surround.volume.shape[0] > 0:
-        for k in range(n):
-            share = occlusion.sky_visibility(
-                surround.volume,
-                surround.box,
-                work[X + k],
-                work[Y + k],
-                work[Z + k],
-                work[NX + k],
-                work[NY + k],
-                work[NZ + k],
+        rows = pointer(work)
+        for k in range(0, n, lane_count(rows)):
+            share = occlusion.sky_visibilities(
+                surround.volume, surround.box, load3(rows, X + k, W), load3(rows, NX + k, W)
             )
             for c in range(3):
-                tone = work[ALBEDO + c * W + k] if depth > ZERO else bounce[c]
-                work[RADIANCE + c * W + k] *= share / max(ONE - tone * (ONE - share), TINY)
+                light = load(rows, RADIANCE + c * W + k)
+                if depth > ZERO:
+                    tone = load(rows, ALBEDO + c * W + k)
+                    store(rows, RADIANCE + c * W + k, light * (share / max(ONE - tone * (ONE - share), TINY)))
+                else:
+                    store(rows, RADIANCE + c * W + k, light * (share / max(ONE - bounce[c] * (ONE - share), TINY)))
 
 
 @device

@@ -70,7 +70,7 @@ def recall(work, n, i, lights, depth):
 
 
 @device
-def store(work, n, i, lights):
+def note(work, n, i, lights):
     """Write what has arrived of light number i to the lattice; where a solid has an edge in front of itself nothing is
     known."""
     for k in range(n):

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, function
-from ....simd import floor, gather, half_width_pointer, lane_count, load, pointer, prefetch, store, where
+from ....simd import floor, gather, gather2, half_width_pointer, lane_count, load, pointer, prefetch, store, where
 from .map_segments import (
     ACROSS,
     AREA,
@@ -35,7 +35,7 @@ from .map_segments import (
     STEEP,
     STEP,
 )
-from .opacity import FIVE, HEAD, SCALE, START
+from .opacity import FIVE, HEAD, START
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -128,14 +128,17 @@ def add(work, n, window, opacity_map):
     stride = np.int32(HEAD + FIVE * (opacity_map.layers + 1))
     numbers = pointer(stacks)
     for texel in range(PAIR):
-        for at in range(texel * BATCH, texel * BATCH + n):
-            places[AT + at] = cells + np.int32(work[ROW + at]) * stride + np.int32(work[PLACE + at])
-    for k in range(n):
-        for at in range(k, k + PAIR * BATCH, BATCH):
-            prefetch(numbers, np.int64(places[AT + at]))
-    for k in range(n):
-        for at in range(k, k + PAIR * BATCH, BATCH):
-            stacks[np.uint32(places[AT + at])] += work[ADDED + at]
+        begin = np.uint64(texel * BATCH)
+        for k in range(np.uint64(n)):
+            at = begin + k
+            place = np.int32(work[np.uint64(ROW) + at]) * stride + np.int32(work[np.uint64(PLACE) + at])
+            places[np.uint64(AT) + at] = cells + place
+    for k in range(np.uint64(n)):
+        prefetch(numbers, np.int64(places[np.uint64(AT) + k]))
+        prefetch(numbers, np.int64(places[np.uint64(AT + BATCH) + k]))
+    for k in range(np.uint64(n)):
+        stacks[np.uint64(places[np.uint64(AT) + k])] += work[np.uint64(ADDED) + k]
+        stacks[np.uint64(places[np.uint64(AT + BATCH) + k])] += work[np.uint64(ADDED + BATCH) + k]
 
 
 @device
@@ -155,8 +158,9 @@ def find(rows, k, window, opacity_map):
         inside = (row >= top) & (row < bottom) & (column >= ZERO) & (column < size)
         cell_row, cell_column = floor(row * HALF), floor(column * HALF)
         cell = where(inside, cell_row * (size * HALF) + cell_column, ZERO)
-        far = max((d - gather(heads, 0, cell, 2, np.float32(START))) * opacity_map.over, ZERO)
-        ended = floor(gather(heads, 0, cell, 2, np.float32(SCALE)) * (far / (far + ONE)))
+        front, most = gather2(heads, 0, cell, 2, np.float32(START))
+        far = max((d - front) * opacity_map.over, ZERO)
+        ended = floor(most * (far / (far + ONE)))
         layer = min(ended, np.float32(opacity_map.layers - 1))
         own = TWO * (row - TWO * cell_row) + (column - TWO * cell_column)
         at = texel * BATCH + k

@@ -51,6 +51,8 @@ class ShadedLines(NamedTuple):
     """(S + 1,) first vertex of each strand."""
     world: NDArray[np.float32]
     """(V, 3) metres."""
+    along: NDArray[np.float32]
+    """(V,) how far along its strand each vertex stands, 0 to 1; (0,): evenly."""
     scale: NDArray[np.float32] | None
     """(S,) factor of each strand's width; None stands for 1."""
     marks: NDArray[np.uint8]
@@ -167,7 +169,6 @@ def light_across(lit, lists, wide, work, own, n, p, size, slots):
     if slot < 0:
         return NARROWER
     half = HALF * wide.width * size
-    thin = half * wide.taper / np.float32(n)
     together = max(shared(half, lit.screen[a + p, 2], wide.eye), np.int64(wide.together))
     left = np.int64(0)
     places = np.int64(0)
@@ -178,7 +179,9 @@ def light_across(lit, lists, wide, work, own, n, p, size, slots):
         if need != NONE:
             h = np.float32(2 * j + together) / np.float32(LINES) - ONE
             for end in range(2):
-                surface(lit.world, a, n, p + end, half - thin * np.float32(p + end), h, wide.eye, work.pair, end)
+                v = p + end
+                place = np.float32(v) / np.float32(n) if lit.along.shape[0] == 0 else lit.along[a + v]
+                surface(lit.world, a, n, v, half * (ONE - wide.taper * place), h, wide.eye, work.pair, end)
             for one in range(lists.views.shape[0]):
                 darken_line(work.pair, np.int64(0), a + p, one, lists, own, work.cuts, work.single)
             left += np.int64(popcount(~work.single[0]))
