@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import aligned
+from ..blocks import on_large_pages
 from .crowd_samples import Samples, nodes_of
 from .kernels import crowd_excess, crowd_nodes, crowd_pack, work_queue
 from .kernels.crowd_records import NODE, Lattice, Moving
@@ -26,12 +26,12 @@ class CrowdStrands:
         self._lattice = [one.astype(dtype) if one.dtype.kind == "f" else one for one in nodes]
         self._weights, self._origins = samples.weights.astype(dtype), np.empty((boxes, 3), dtype)
         packs, count = len(metres), len(nodes.node_first)
-        self._nodes = aligned((packs, count, NODE * PACK), dtype)
+        self._nodes = on_large_pages((packs, count, NODE * PACK), dtype)
         self.ends = np.empty((packs, 6), dtype)
         """As `Moving` has them."""
         self.noted = False
         """Whether nodes and ends are of strands as they are, for the last step has set them."""
-        self.others = aligned((packs, count, AXES), dtype)
+        self.others = on_large_pages((packs, count, AXES), dtype)
         """(P, M, 3 S) after a step, of nodes: velocity at its begin, and `1 - HELD` of what strands around have added,
         m/s."""
         self.roots = np.zeros((packs, AXES), dtype)

@@ -44,7 +44,7 @@ def test_pressure_is_the_greatest_that_no_face_throws_strands_with() -> None:
     """Against the least sums along all ways between cells."""
     grid, room, numbers, found = made()
     pressure = found.copy()
-    limit(BOX, LIVE, grid, room, numbers, pressure)
+    limit(BOX, np.stack([LIVE, LIVE]), grid, room, numbers, pressure)
     wanted = found.astype(float)
     for _ in range(COUNT):
         before = wanted.copy()
@@ -66,6 +66,6 @@ def test_pressure_that_throws_none_stays_as_it_is() -> None:
     grid, room, numbers, found = made()
     pressure = (0.001 * found).astype(np.float32)
     before = pressure.copy()
-    limit(BOX, LIVE, grid, room, numbers, pressure)
+    limit(BOX, np.stack([LIVE, LIVE]), grid, room, numbers, pressure)
     np.testing.assert_array_equal(pressure, before)
     assert before.max() == pytest.approx(0.03, rel=0.1)

@@ -41,7 +41,7 @@ def act(box, grid, near, room, numbers, work, pressure, targets):
     for task in prange(2):
         if task == 0:
             relax(box, room.excess, room.faces, near, margined, busy, pressure)
-            limit(box, busy[1], grid, room, numbers, pressure)
+            limit(box, busy, grid, room, numbers, pressure)
         elif len(room.left) > 0:
             shelter(box, grid[MASS], numbers[WAY : WAY + 3], numbers[STOP], room.left, layers)
     for o in prange(box[SIZE + 2]):

@@ -43,16 +43,27 @@ def moved(at, next, axis, grid, least):
 
 
 @function
-def limit(box, live, grid, room, numbers, pressure):
-    """Lower the ``pressure`` (cells,) where it is more than it may be. live (cells along z + 2, along y + 2): 0 for
-    rows of cells without any, as `crowd_pressure.relax` leaves it."""
+def limit(box, busy, grid, room, numbers, pressure):
+    """Lower the ``pressure`` (cells,) where it is more than it may be. busy (2, cells along z + 2, along y + 2): of
+    them the second is 0 for rows of cells without any, as `crowd_pressure.relax` leaves it; the first is scratch: not 0
+    for rows to look at, since something in them or beside them has been lowered."""
     high, rows = box[SIZE + 1], box[SIZE + 1] * box[SIZE + 2]
+    wanted, live = busy[0], busy[1]
+    for row in range(rows):
+        wanted[row // high + 1, row % high + 1] = live[row // high + 1, row % high + 1]
     for sweep in range(2 * SWEEPS):
         lowered = False
         for k in range(rows):
             row = rows - 1 - k if sweep % 2 else k
-            if live[row // high + 1, row % high + 1] != 0:
-                lowered |= limit_row(row, sweep % 2 == 1, box, grid, room, numbers, pressure)
+            o, n = row // high + 1, row % high + 1
+            if wanted[o, n] == 0:
+                continue
+            wanted[o, n] = 0
+            if limit_row(row, sweep % 2 == 1, box, grid, room, numbers, pressure):
+                lowered = True
+                for i in range(-1, 2):
+                    wanted[o + i, n] = live[o + i, n]
+                    wanted[o, n + i] = live[o, n + i]
         if not lowered:
             break
 
