@@ -84,10 +84,13 @@ def thread_count(count: int) -> Iterator[None]:
         numba.set_num_threads(before)
 
 
-def spin_briefly() -> None:
-    """Have OpenMP's idle threads sleep sooner, in a process of our own: OpenMP reads it when its library is loaded."""
+def still_idle_threads() -> None:
+    """Have threads of libraries that wait beside ours keep still, in a process of our own; they read it when they are
+    loaded. OpenMP's sleep sooner, and OpenBLAS has none of its own: its products are small here, and have the same bits
+    on any number of cores then."""
     if "OMP_WAIT_POLICY" not in os.environ:
         os.environ.setdefault("GOMP_SPINCOUNT", SPINS)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _check_threads_of_environment() -> None:

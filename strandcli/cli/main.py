@@ -122,7 +122,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):  # as stderr is: a path's bytes may be no text
         sys.stdout.reconfigure(errors="backslashreplace")
     if arguments is None:
-        runtime.spin_briefly()
+        runtime.still_idle_threads()
         garbage.seldom()
     with signals.handled(last=arguments is None):
         return _main(arguments)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..kept import Arrays, kept
 from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
-from . import fringe
+from . import fringe, neighbours
 from .arrange import spatial_order
 from .emit import sides, stream
 from .kernels.inputs import PARENTS
@@ -29,8 +29,6 @@ SHARED = np.float32(0.4)
 """Share of a strand's tone that is that of its clumps."""
 LEVELS = ("middles", "pulls", "radii", "phases", "turns")
 """Arrays of a family that have a row for each level or wave, and those of a child next to each other."""
-PLAIN = 4
-"""Coordinates by which strands are compared, but on meshes."""
 FACING = 0.1
 """What a difference of normals by 1 counts between strands on a mesh, as a share of its extent."""
 RANDOM = 20
@@ -96,7 +94,8 @@ def family_of(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave]) -
         every.colours is None, where, groom.emitted(np.arange(groom.strands, dtype=np.int32)), every.tones,
         every.directions, every.roots,
     ]  # fmt: skip
-    found = Family(*kept("family", (__name__,), given, like, lambda: _made(scene, groom, every, waves, where)))
+    code = (__name__, *neighbours.CODE)
+    found = Family(*kept("family", code, given, like, lambda: _made(scene, groom, every, waves, where)))
     return found._replace(**{name: np.asfortranarray(getattr(found, name)) for name in LEVELS})
 
 
@@ -153,7 +152,7 @@ def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where
 def _parents(where: NDArray[np.float32], groom: Groom) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
     """Return the guides of each child, (A, P), and their weights."""
     guides = groom.strands
-    found, squares = _nearest(where, where[:guides], min(PARENTS + 1, guides))
+    found, squares = neighbours.nearest_of(where, where[:guides], min(PARENTS + 1, guides))
     used = min(PARENTS, guides)
     d = np.sqrt(squares.astype(np.float64))
     reach = d[:, -1:] if found.shape[1] > used else np.full((len(d), 1), np.inf)
@@ -185,22 +184,8 @@ class _Levels:
             for c in range(3):
                 lots = stream(seed, RANDOM + 60 + 3 * number + c, clump_count)
                 moved[:, c] += (size * 0.9 * (lots - 0.5)).astype(np.float32)
-            self.middles[number] = _nearest(where, moved, 1)[0][:, 0][inner]
+            self.middles[number] = neighbours.nearest_of(where, moved, 1)[0][:, 0][inner]
             inner = self.middles[number]
-
-
-def _nearest(
-    points: NDArray[np.float32], others: NDArray[np.float32], many: int
-) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    from .kernels.alike import most_alike
-    from .kernels.nearest import nearest
-
-    found = np.empty((len(points), many), np.int32)
-    squares = np.empty((len(points), many), np.float32)
-    order = np.argsort(others[:, 0], kind="stable").astype(np.int32)
-    search = nearest if points.shape[1] == PLAIN else most_alike
-    search(points, np.ascontiguousarray(others[order]), order, found, squares)
-    return found, squares
 
 
 def _places(emitter: Emitter, every: Groom) -> NDArray[np.float32]:

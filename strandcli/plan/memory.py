@@ -30,7 +30,7 @@ WAITING = 24
 """Bytes of a pixel of pictures that wait to be written."""
 NEARER, SEEN = 1.3, 0.75
 """How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
-ROD, CROWDED, FRAMED = 80, 42, 28
+ROD, CROWDED, FRAMED = 80, 66, 28
 """Bytes of a particle of a rod, more where strands push each other, and more where strands have frames: twist, and
 rest shapes in them and in the world."""
 TOUCHING, CELL, PAIR = 290, 32, 50

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import cache
 from itertools import accumulate, pairwise
 from operator import is_
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -23,21 +22,20 @@ from ..groom.record import Groom
 from ..scene.touched import touched
 from ..solids import Solids
 from .crowd_samples import samples_of
+from .crowd_strands import CrowdStrands
 from .kernels import (
     crowd_boxes,
-    crowd_excess,
     crowd_forces,
     crowd_grid,
     crowd_homes,
-    crowd_pack,
     crowd_pressure,
     crowd_shelter,
-    work_queue,
 )
-from .kernels.crowd_records import BOX, CELL, FOUND, LANES, LOW, OFFSET, ROWS, SIZE, Lattice, Moving, Room
+from .kernels.crowd_records import BOX, CELL, FOUND, LANES, LOW, OFFSET, ROWS, SIZE, Room
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
 from .material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
+from .rod_kernel import NOTHING
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -48,7 +46,7 @@ EASE, MOST = 15.0, 0.5
 """Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
 other are led apart."""
 MOST_CELLS = 4_000_000
-"""Of the box about the strands: some 110 bytes each, 430 MB."""
+"""Of the box about the strands: some 120 bytes each, 470 MB."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
 """Parts that strands are cut into at the most, and segments of each at the least."""
 
@@ -79,8 +77,8 @@ class Crowd:
         stands_for = scene.children.count if scene.children else 1
         lengths = groom.lengths.astype(np.float64) / n
         packs = -(-groom.strands // PACK)
-        self.metres = np.zeros((packs, PACK), np.float32)
-        self.metres.reshape(-1)[: groom.strands] = lengths * stands_for
+        metres = np.zeros((packs, PACK), np.float32)
+        metres.reshape(-1)[: groom.strands] = lengths * stands_for
         self.extent = max(extent_of(positions), float(groom.lengths.max()))  # folded strands reach further
         self._thickness = 2 * matter(scene.rod)[1]
         self.cell = self._cell(parameters.cell, lengths)
@@ -91,7 +89,7 @@ class Crowd:
         self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
         count = max(len(self.parts), numba.get_num_threads())
         self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
-        self._numbers_of_pack = np.empty(crowd_pack.ORIGIN + 3, dtype)
+        self.strands = CrowdStrands(self.samples, n, metres, len(self.boxes), dtype)
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
@@ -99,8 +97,6 @@ class Crowd:
         self._margin = 1 if touched(scene) else 0
         """Cells that the box of all has beside strands: closed ones lend theirs to open neighbours."""
         self._empty_grid()
-        self.others = np.zeros((packs, n, 3 * PACK), dtype)
-        """(P, N, 3 S) after a step: velocity at its begin, and `1 - HELD` of what strands around have added, m/s."""
         self._last_step = 0.0
         self.density = parameters.density
         """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
@@ -120,24 +116,20 @@ class Crowd:
 
     def prepare(
         self, state: State, mass: NDArray[Any], roots: NDArray[Any], moment: Moment, later: bool = False
-    ) -> tuple[int, int]:
-        """Set `State.crowd` for a step; ``later``: or return what sets it, as `StepKernel.run` takes it. ``roots``
-        (P, 3 S): velocity of the roots in it, m/s. Where a coordinate is not finite there is no grid, and it is set to
-        zero."""
-        dt, kind = moment.step, state.velocity.dtype.type
-        if self._last_step == 0:
-            self.others[...] = state.velocity
-        moving = Moving(state.positions, state.velocity, self.others, roots, self.metres, mass)
-        if not self._lay(state.positions):
+    ) -> tuple[int, int, int]:
+        """Set `State.crowd` for a step; ``later``: or return what sets it and the nodes of the step after, as
+        `StepKernel.run` takes it. ``roots`` (P, 3 S): velocity of the roots in it, m/s. Where a coordinate is not
+        finite there is no grid, and it is set to zero."""
+        dt, strands = moment.step, self.strands
+        moving = strands.moving(state, roots, mass)
+        lattice = strands.lattice(self.cell, dt, self._last_step)
+        strands.note(moving, lattice, self.parts, self._last_step == 0)
+        if not self._lay():
             state.crowd[...] = 0
             self._last_step = 0.0
-            return 0, 0
+            return NOTHING
         whole = self.boxes[-1]
-        origins = (self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)).astype(kind)
-        first, counts, *rest = self.samples
-        weights, masses = (one.astype(kind) for one in rest)
-        steps = kind(dt), kind(dt / self._last_step if self._last_step else 1.0), kind(1 - crowd_excess.HELD)
-        lattice = Lattice(first, counts, weights, masses, kind(1 / self.cell), origins, *steps)
+        lattice.origins[...] = self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)
         most = crowd_grid.deposit(
             moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
             self.near,
@@ -147,27 +139,23 @@ class Crowd:
         self.found = float(most) / self.cell**3
         if self.density is None:
             self.density = self.found
-        self.pressure *= self.near[:, :, None]
         room = self.room if any(moment.wind) else self.room._replace(left=self.room.left[:0])
         crowd_forces.act(
             whole, self.grid, self.near, room, self._numbers(self.density, moment), self._work,
             self.pressure.reshape(-1), self.targets,
         )  # fmt: skip
         if moment.solids is not None:
-            crowd_homes.read_home(whole, self.homes, self.targets)
+            crowd_homes.read_home(whole, *self.homes, self.targets)
         self._last_step = dt
-        shares = shares_of(lattice, mass)
+        shares = strands.shares(lattice, mass)
         if later:
-            given = whole, self.targets, self.scratch, shares, self._numbers_of_pack, state.crowd
-            descriptor = crowd_pack.descriptor_of(moving, lattice, *given)
-            self._later = descriptor, moving, lattice, *given  # which must outlive the step
-            return code_for(state.velocity.dtype.name), descriptor.ctypes.data
+            return strands.beside(moving, lattice, (whole, self.targets, self.scratch, shares), state.crowd)
         crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, shares, state.crowd)
-        return 0, 0
+        return NOTHING
 
     def begin_anew(self) -> None:
         """Forget what moved strands in the last step, for they have been stopped or put elsewhere."""
-        self._last_step = 0.0
+        self._last_step, self.strands.noted = 0.0, False
 
     def _numbers(self, density: float, moment: Moment) -> NDArray[np.float32]:
         """Return the numbers of a step, as `crowd_records.FULL` and the others."""
@@ -187,7 +175,7 @@ class Crowd:
         """Return what a step takes from the one before: pressure and its box; and the densities that are reported."""
         numbers = np.array([math.nan if self.density is None else self.density, self.found, self._last_step])
         pressure = {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1]}
-        return {**pressure, "others": self.others, "crowd": numbers}
+        return {**pressure, "others": self.strands.others, "crowd": numbers}
 
     def check(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Raise `ValueError` where pressure is not of its box."""
@@ -201,7 +189,7 @@ class Crowd:
         self.boxes[-1] = box
         self.pressure = state["free pressure"].reshape(box[SIZE : SIZE + 3][::-1])
         self._empty_grid()
-        self.others[...] = state["others"]
+        self.strands.others[...], self.strands.noted = state["others"], False
         density, self.found, self._last_step = state["crowd"].tolist()
         self.density = None if math.isnan(density) else density
 
@@ -222,7 +210,8 @@ class Crowd:
         self.room = Room(*of_room)
         self.room.open[:] = 1
         work[:] = 0
-        self.homes = np.empty(count if self._margin else 0, np.int8)
+        met = count if self._margin else 0
+        self.homes = np.empty(met, np.int8), np.empty((2, met + 1), np.int32)
         self._work = work.reshape(margined), np.empty((2, deep + 2, high + 2), np.uint64), of_layers.reshape(layers)
         self._outside: tuple[list[bytes], Any] = [], ()
         """What ``shares`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
@@ -238,14 +227,14 @@ class Crowd:
             along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
             crowd_pressure.find_room(whole, self.cell, met, along, self.near, self.shares)
         self.room.open[:] = self.shares
-        return float(crowd_homes.settle(whole, self.near, self.grid, self.room.open, self.homes))
+        return float(crowd_homes.settle(whole, self.near, self.grid, self.room.open, *self.homes))
 
-    def _lay(self, positions: NDArray[Any]) -> bool:
+    def _lay(self) -> bool:
         """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
         `UsageError` where they take too many cells."""
         before = self.boxes[-1].copy()
         cells = crowd_boxes.find_boxes(
-            positions, self.cell, self.parts, self._margin, float(MOST_CELLS), self._ends, self.boxes
+            self.strands.ends, self.cell, self.parts, self._margin, float(MOST_CELLS), self._ends, self.boxes
         )
         if math.isnan(cells):
             return False
@@ -263,18 +252,6 @@ class Crowd:
             self.pressure = _moved(self.pressure, before, whole)
             self._empty_grid()
         return True
-
-
-def shares_of(lattice: Lattice, mass: NDArray[Any]) -> NDArray[Any]:
-    """Return (samples, greatest count) the shares of a sample's change that its particles have, 1/s."""
-    particles = lattice.first[:, None] + np.arange(-1, lattice.weights.shape[1] - 1)
-    return (lattice.mass / lattice.step)[:, None] * lattice.weights / mass[np.clip(particles, 0, len(mass) - 1)]
-
-
-@cache
-def code_for(kind: str) -> int:
-    """Address of the code that sets accelerations of a pack, of strands in single or double precision."""
-    return work_queue.address(crowd_pack.double if kind == "float64" else crowd_pack.single, 2)
 
 
 def extent_of(positions: NDArray[Any]) -> float:

@@ -18,6 +18,26 @@ class Samples(NamedTuple):
     mass: NDArray[np.float64]
 
 
+class Nodes(NamedTuple):
+    """Means of particles that samples are made of, as `Lattice` has them."""
+
+    node_first: NDArray[np.int64]
+    node_counts: NDArray[np.int64]
+    node_weights: NDArray[np.float64]
+    begin: NDArray[np.int64]
+    blend: NDArray[np.float64]
+
+
+def nodes_of(samples: Samples, segments: int) -> Nodes:
+    """Return the nodes: samples themselves, where they are of several of so many segments, else particles."""
+    count = len(samples.first)
+    if count < segments:
+        return Nodes(samples.first, samples.counts, samples.weights, np.arange(count), np.ones((count, 1)))
+    particles = segments + 1
+    each = np.arange(particles), np.ones(particles, np.int64), np.ones((particles, 1))
+    return Nodes(*each, samples.first, samples.weights)
+
+
 def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
     """Return the samples of strands whose segments have the relative masses ``segments`` (N,) and the length
     ``length``, in cells, of the longest. A sample of several segments is a mean by masses."""

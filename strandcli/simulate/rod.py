@@ -27,7 +27,7 @@ from .kernels.records import AIR, TOLERANCE
 from .kernels.rod_scratch import PACK
 from .material import COIL_STEP, MOST_INNER, inner_step
 from .rod_clamped import pins_of
-from .rod_kernel import StepKernel
+from .rod_kernel import NOTHING, StepKernel
 from .rod_motion import Motion, change_of
 from .rod_numbers import StepNumbers, longest_led
 from .rod_pinned import TOLERANCE as PINNED_TOLERANCE
@@ -198,17 +198,17 @@ class RodSolver(Solver):
         if gust is not None:
             self.forcing.gust[...] = gust.reshape(-1, PACK)[: len(self.forcing.gust)]
         around.solids(time, dt, self.motion.outer(pose), moved.solids)
-        self._moment, before = (time, dt), (0, 0)
+        self._moment, beside = (time, dt), NOTHING
         if self.crowd is not None:
             strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
             x, y, z = moved.air
             moment = Moment(time, dt, (strength * x, strength * y, strength * z), self._gravity, around.packed())
-            roots = velocity_of_roots(self.forcing, self.pose, pose, dt)
-            before = self.crowd.prepare(self.state, self.mass, roots, moment, self.contact is None)
+            roots = velocity_of_roots(self.forcing, self.pose, pose, dt, self.crowd.strands.roots)
+            beside = self.crowd.prepare(self.state, self.mass, roots, moment, self.contact is None)
         self.numbers.set(dt, bdf2, self.pins is not None)
         self._air[:] = moved.wind
         if self.contact is None:
-            self._run(pose, moved.change, before)
+            self._run(pose, moved.change, beside)
             short = True
         else:
             short = self.contact.step(partial(self._run, pose, moved.change), self)
@@ -236,13 +236,13 @@ class RodSolver(Solver):
         forcing.roots[...], forcing.directions[...] = packed(roots, self.dtype), packed(directions, self.dtype)
         forcing.drift[...] = turned(past, forcing.roots - before).reshape(forcing.drift.shape)
 
-    def _run(self, pose: Pose, change: memoryview, before: tuple[int, int] = (0, 0)) -> None:
+    def _run(self, pose: Pose, change: memoryview, beside: tuple[int, int, int] = NOTHING) -> None:
         """Run the kernel to a pose of the emitter, with its ``change`` as `Forcing.pose`."""
         if self.pins is not None:
             self.forcing.numbers[TOLERANCE] = min(self.forcing.numbers[TOLERANCE], PINNED_TOLERANCE)
             self.pins.aim(self.state, self.forcing, pose, *self._moment)
         self._change[:] = change
-        self.kernel.run(before)
+        self.kernel.run(beside)
 
     def _put_outside(self, time: float) -> None:
         """Turn edges out of solids at a time, and leave all at rest: a strand that begins inside would leave the faster

@@ -18,6 +18,9 @@ from .surroundings import Surroundings
 SEGMENTS_A_THREAD = 4_000
 """Segments of work that another thread is called for: waking it takes some hundredths of a millisecond."""
 
+NOTHING = 0, 0, 0
+"""What is run beside a step otherwise."""
+
 
 class StepKernel:
     """Runs the step on all threads that there is work for. The compiled code is given the addresses of the arrays: they
@@ -42,10 +45,10 @@ class StepKernel:
         self._kind, self._flags = edges.dtype.name, flags
         self._code: int | None = None
 
-    def run(self, before: tuple[int, int] = (0, 0)) -> None:
-        """Move all strands by one step, as `Forcing` says. ``before``: code that is run for each pack, as
-        `work_queue.call_for` takes it, and the address of its descriptor; strands that interact have such."""
-        self._descriptor[rod_step.BEFORE : rod_step.BEFORE_OF + 1] = before
+    def run(self, beside: tuple[int, int, int] = NOTHING) -> None:
+        """Move all strands by one step, as `Forcing` says. ``beside``: code that is run before each pack and after it,
+        as `work_queue.call_for` takes it, and the address of its descriptor; strands that interact have such."""
+        self._descriptor[rod_step.BEFORE : rod_step.BESIDE + 1] = beside
         if self._code is None:  # compiled no sooner than anything moves, which need not be
             self._code = self._compiled()
         if self._data is not self._surroundings.data:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..constants import W
 from ..groom.record import Groom
 from ..scene.motion import Pose
+from .kernels.crowd_nodes import move_roots
 from .kernels.records import Forcing, State
 from .kernels.rod_scratch import PACK
 
@@ -55,15 +56,14 @@ def stop(*arrays: NDArray[Any]) -> None:
         one[...] = 0
 
 
-def velocity_of_roots(forcing: Forcing, last: Pose, pose: Pose, dt: float) -> NDArray[Any]:
-    """Return (P, 3 S) the velocity of roots that move from one pose to another in a step of ``dt`` seconds, m/s."""
-    kind = forcing.roots.dtype.type
-    now, past = np.array(pose.rotation, kind), np.array(last.rotation, kind)
+def velocity_of_roots(forcing: Forcing, last: Pose, pose: Pose, dt: float, out: NDArray[Any]) -> NDArray[Any]:
+    """Set ``out`` (P, 3 S) to the velocity of roots that move from one pose to another in a step of ``dt`` seconds,
+    m/s, and return it."""
+    kind, roots = forcing.roots.dtype.type, forcing.roots
+    turn = np.array(pose.rotation, kind) - np.array(last.rotation, kind)
     moved = np.subtract(pose.translation, last.translation).astype(kind)
-    way = turned(now - past, forcing.roots) + moved[:, None]
-    if len(forcing.drift) == len(way):
-        way = way + forcing.drift.reshape(way.shape)
-    return np.asarray(way / kind(dt)).reshape(forcing.roots.shape)
+    move_roots(np.append(turn, moved), forcing.drift, kind(dt), roots, out)
+    return out
 
 
 def begin_before_roots(positions: NDArray[np.float32]) -> None:

@@ -2,12 +2,11 @@
 
 The scene is the preset `headline`. Times of stages are medians over frames after a first one that is not counted,
 because it compiles, touches fresh memory and fills caches. Where frames are drawn at once (`strandcli.ordered_map`),
-stages
-take the time of one frame on its share of the threads, and a frame takes the whole run's time over the number of
+stages take the time of one frame on its share of the threads, and a frame takes the whole run's time over the number of
 frames. Threads that draw and write files take turns on the cores with the one that simulates, and a stage's time is
-that of the clock on the wall. So three more figures stand on their own: `steps` (the solver asked for), and to be
-compared with bounds for one loop alone `rules` (six rules and two spheres) and `lines` (one-pixel lines with colours
-into a z-buffer).
+that of the clock on the wall. So more figures stand on their own: `steps` (the solver asked for), `interaction` (what
+that rule costs, where the scene has it), and to be compared with bounds for one loop alone `rules` (six rules and two
+spheres) and `lines` (one-pixel lines with colours into a z-buffer).
 """
 
 from __future__ import annotations
@@ -15,8 +14,9 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from numpy.typing import NDArray
 from .. import load, runtime
 from ..plan import checked_plan
 from ..scene.model import Scene
+
+if TYPE_CHECKING:
+    from ..simulate.solver import Solver
 
 Notify = Callable[[str], None]
 
@@ -43,7 +46,7 @@ FEWEST = 10
 def run(
     strands: int = 10_000,
     particles: int = 10,
-    frames: int = 20,
+    frames: int = 60,
     size: tuple[int, int] = (800, 600),
     threads: int | None = None,
     solver: str = "thesis",
@@ -89,6 +92,7 @@ def run(
         "segment_ns": 1e6 * drawn / counts["segments"] / at_once,
         "error": timed["error"],
         "steps": time_steps(solver, strands, particles, 20, overrides),
+        "interaction": time_rule(scene, "interaction"),
         "rules": time_rules(strands, particles),
         "lines": time_lines(strands, 37, *size),
         "peak_rss_bytes": _peak(),
@@ -172,16 +176,38 @@ def time_steps(
 ) -> dict[str, float]:
     """The scene `headline`, simulated and not drawn, once strands have fallen into place: milliseconds a step,
     nanoseconds a particle and step."""
+    settings = {"emitter.strands": strands, "emitter.particles": particles, "solver": solver}
+    one = at_first_frame(load("headline", overrides=overrides, settings=settings))
+    took = median_seconds(lambda j: one.advance(j + 2), repeats)
+    return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}
+
+
+def time_rule(scene: Scene, rule: str, turns: int = 20) -> dict[str, float] | None:
+    """What a rule costs: milliseconds a step with it and without it, medians of steps in turns, so that whatever else
+    the machine does slows both; None for a scene without the rule."""
+    rules = tuple(use for use in scene.rules if use.name != rule)
+    if len(rules) == len(scene.rules):
+        return None
+    pair = at_first_frame(scene), at_first_frame(replace(scene, rules=rules))
+    times = np.empty((turns + 1, 2))
+    for turn in range(turns + 1):
+        for which, one in enumerate(pair):
+            began = time.perf_counter()
+            one.advance(turn + 2)
+            times[turn, which] = time.perf_counter() - began
+    with_it, without = (1e3 * np.median(times[1:], 0)).tolist()
+    return {"ms": with_it, "without_ms": without, "ratio": with_it / without}
+
+
+def at_first_frame(scene: Scene) -> Solver:
+    """A scene's solver, brought there."""
     from ..groom.arrange import arranged
     from ..groom.emit import emit
     from ..simulate import solver_of
 
-    settings = {"emitter.strands": strands, "emitter.particles": particles, "solver": solver}
-    scene = load("headline", overrides=overrides, settings=settings)
     one = solver_of(scene)(scene, arranged(emit(scene.emitter, scene.seed)))
     one.advance(1)
-    took = median_seconds(lambda j: one.advance(j + 2), repeats)
-    return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}
+    return one
 
 
 def time_lines(strands: int, points: int, width: int, height: int, repeats: int = 9) -> dict[str, float]:

@@ -15,7 +15,6 @@ from strandcli.blocks import lanes, pack, unpack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
-from strandcli.groom.kernels.nearest import nearest
 from strandcli.scene.model import Clump, Scene, Wave
 
 SCENE = """
@@ -228,17 +227,6 @@ children: {count: 10, clumps: [{size: 0.05}]}
         assert (np.where(used, left[found.parents], side[:, None] == left[:, None])[front & side]
                 == left[front & side][0]).all()  # fmt: skip
         assert (left[found.middles[0][front & side]] == left[front & side][0]).all()
-
-
-def test_the_nearest_are_the_nearest() -> None:
-    lots = np.random.default_rng(1)
-    points, others = (lots.normal(size=(n, 4)).astype(np.float32) for n in (500, 60))
-    order = np.argsort(others[:, 0]).astype(np.int32)
-    found, squares = np.empty((500, 3), np.int32), np.empty((500, 3), np.float32)
-    nearest(points, others[order], order, found, squares)
-    true = ((points[:, None].astype(float) - others) ** 2).sum(2)
-    np.testing.assert_array_equal(found, np.argsort(true, axis=1)[:, :3])
-    np.testing.assert_allclose(squares, np.sort(true, axis=1)[:, :3], rtol=1e-5)
 
 
 @pytest.mark.parametrize("guides", [1, 2, 3])

@@ -13,7 +13,7 @@ from strandcli.draw.coverage.kernels import resolve, strand_extents, tile_binnin
 from strandcli.draw.film.kernels import film
 from strandcli.draw.lighting.kernels import shade_strands, shade_surfaces
 from strandcli.draw.renderer import Renderer
-from strandcli.draw.solids.kernels import edges
+from strandcli.draw.solids.kernels import edge_pixels, edges
 
 SCENE = """
 emitter: {strands: 1, particles: 2, length: 4, direction: [0, 1, 0], position: [0.05, -2, 1.5],
@@ -29,8 +29,8 @@ solids: [{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 
 KERNELS = {
     "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.resolve, resolve.blend, film.develop),
     "coverage": (
-        edges.depths, edges.find, edges.collect, edges.sample, edges.part, edges.composite, strand_extents.find_extents,
-        tile_binning.bin_segments, resolve.resolve,
+        edges.depths, edge_pixels.look_outside, edge_pixels.find, edge_pixels.collect, edges.sample, edges.part,
+        edges.composite, strand_extents.find_extents, tile_binning.bin_segments, resolve.resolve,
     ),
 }  # fmt: skip
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -66,3 +68,19 @@ def test_what_others_have_imported_is_not_kept(tmp_path: Path, monkeypatch: pyte
         libraries.keep_mapped()
         assert libraries._kept() == {libraries._environment(): libraries.USUAL}
         (tmp_path / libraries.FILE).unlink()
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="counts threads as Linux lists them")
+@pytest.mark.parametrize(("asked", "most"), [(None, 1), ("2", 2)])
+def test_products_of_matrices_start_no_threads_unless_asked_to(
+    asked: str | None, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    if asked is not None:
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", asked)
+    script = (
+        "import os; from strandcli import runtime; runtime.still_idle_threads(); import numpy as np;"
+        "a = np.ones((500, 500)); a @ a; print(len(os.listdir('/proc/self/task')))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert int(done.stdout) == min(most, os.cpu_count() or 1)

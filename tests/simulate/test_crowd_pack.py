@@ -11,14 +11,20 @@ from strandcli.simulate.crowd import Crowd
 from tests.simulate.test_crowd import BALL, solver_of
 
 
-@pytest.mark.parametrize("precision", ["single", pytest.param("double", marks=pytest.mark.long)])
-def test_they_are_those_of_all_packs_at_once(precision: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("precision", "cell"), [("single", 0.03), ("single", 0.1), pytest.param("double", 0.1, marks=pytest.mark.long)]
+)
+def test_they_are_those_of_all_packs_at_once(precision: str, cell: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of which finds its nodes anew; with samples of several segments too, and where the emitter jumps."""
+    keys = "[{time: 0}, {time: 0.05, position: [0.1, 0, 0]}, {time: 0.1, position: [9, 0, 0]}]"
     text = (
-        f"emitter: {{{BALL}, strands: 900}}\nrod: {{precision: {precision}}}\nsolids: [{{kind: sphere, radius: 0.1}}]\n"
-        "rules: [gravity, wind: {strength: 1}, collision, interaction: {friction: 0.3, cell: 0.03, density: 3000}]"
+        f"emitter: {{{BALL}, strands: 900, keys: {keys}}}\nrod: {{precision: {precision}}}\n"
+        "solids: [{kind: sphere, radius: 0.1, follow: emitter}]\nrules: [emitter_motion, gravity, "
+        f"wind: {{strength: 1}}, collision, interaction: {{friction: 0.3, cell: {cell}, density: 3000}}]"
     )
     packs, at_once = solver_of(text), solver_of(text)
     assert at_once.crowd is not None
+    assert (len(at_once.crowd.samples.first) < 5) == (cell > 0.03)
     packs.advance(4)
     monkeypatch.setattr(at_once.crowd, "prepare", partial(without_later, at_once.crowd))
     at_once.advance(4)
@@ -27,5 +33,6 @@ def test_they_are_those_of_all_packs_at_once(precision: str, monkeypatch: pytest
         np.testing.assert_array_equal(packs.state_arrays()[name], one, name)
 
 
-def without_later(crowd: Crowd, *args: object) -> tuple[int, int]:
+def without_later(crowd: Crowd, *args: object) -> tuple[int, int, int]:
+    assert not crowd.strands.noted
     return Crowd.prepare(crowd, *args[:4])  # type: ignore[arg-type]

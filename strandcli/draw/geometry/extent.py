@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,16 +48,21 @@ def bounds_of(
         # first over blocks: over several axes at once NumPy takes ten times as long
         low = np.min([part.min(0).min((0, 2)) for part in parts], 0)
         return np.stack([low, np.max([part.max(0).max((0, 2)) for part in parts], 0)]).astype(np.float64)
-    sides = np.empty((2, len(positions), 3, W), np.float32)
-    bounds.find(positions, sides[0].reshape(-1, 3 * W), sides[1].reshape(-1, 3 * W))
-    low, high = sides.transpose(0, 1, 3, 2).reshape(2, -1, 3)[:, :strands]
-    full = fade == fade.max()
-    inner = np.stack([low[full].min(0), high[full].max(0)]).astype(np.float64)
-    some = np.flatnonzero((fade > 0) & ~full)  # whole ones are inside, and the others are not drawn
-    if not len(some):
-        return inner
-    lower, higher = (low[some] - inner[0]) * fade[some, None], (high[some] - inner[1]) * fade[some, None]
-    return np.asarray(inner + np.stack([np.minimum(lower.min(0), 0), np.maximum(higher.max(0), 0)]))
+    low, high = np.empty((2, len(positions), 3 * W), np.float32)
+    bounds.find(positions, low, high)
+    lanes = np.full((len(positions), W), -1, np.float32)
+    lanes.reshape(-1)[:strands] = fade
+    box, beyond = np.empty((2, 3 * W), np.float32), np.empty((2, 3 * W))
+    bounds.hold_whole(low, high, lanes, fade.max(), box)
+    inner = _over_lanes(box).astype(np.float64)
+    bounds.extend(low, high, lanes, fade.max(), inner, beyond)
+    return np.asarray(inner + _over_lanes(beyond))
+
+
+def _over_lanes(box: NDArray[Any]) -> NDArray[Any]:
+    """Return the box (2, 3) around those of all lanes, (2, 3 W)."""
+    low, high = box.reshape(2, 3, W)
+    return np.stack([low.min(1), high.max(1)])
 
 
 def thickness_of(material: Material, view: View, bounds: NDArray[np.float64]) -> Thickness:

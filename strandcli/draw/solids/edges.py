@@ -1,6 +1,6 @@
 """Antialiased edges of solids for sorted strands, which may lie in front of, between and behind the solids.
 
-A pixel whose solid differs from a neighbour's, or that lies at the picture's border, is resolved with 4×4 samples. The
+A pixel whose solid differs from a neighbour's, which may be beside the picture, is resolved with 4×4 samples. The
 solid in front becomes a fragment, sorted among those of strands, whose opacity is the share of the samples that show
 it. The mean of the other samples is the background over which all fragments are composited. As with strands, partial
 coverage is taken to be uncorrelated with position in the pixel. Creases of a box, and solids so small that they lie
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...solids import Solids
 from ..common.scratch import Scratch
 from ..view.camera import View
+from .kernels import edge_pixels
 from .kernels import edges as kernel
 from .solids import frames_of
 
@@ -76,13 +77,13 @@ def find_edges(keys: NDArray[np.uint64], packed: Solids, view: View, size: tuple
     kernel.depths(keys, hides)
     ends = scratch.borrow("ends", len(keys), np.uint8)
     begin = np.zeros(height + 1, np.int64)
-    kernel.find(keys, width, height, ends, begin[1:])
+    frames, beside = frames_of(packed, view), np.empty(2 * (width + height), np.uint64)
+    edge_pixels.look_outside(width, height, view.pack(), packed, frames, beside)
+    edge_pixels.find(keys, beside, width, height, ends, begin[1:])
     np.cumsum(begin, out=begin)
     found = _edges(hides, np.zeros(int(begin[-1]), np.int64))
-    kernel.collect(ends, width, begin, found.pixels)
-    kernel.sample(
-        found.pixels, width, view.pack(), packed, frames_of(packed, view), found.keys, found.spots, found.counts
-    )
+    edge_pixels.collect(ends, width, begin, found.pixels)
+    kernel.sample(found.pixels, width, view.pack(), packed, frames, found.keys, found.spots, found.counts)
     kernel.part(found.pixels, found.keys, found.counts, hides, found.depth, found.cover)
     return found
 

@@ -1,61 +1,111 @@
-"""Search for nearest neighbours."""
+"""Search for nearest neighbours, in the cells of a grid over two of their coordinates."""
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
-from ...jit import parallel, prange
+import numpy as np
+from numpy.typing import NDArray
+
+from ...jit import device, parallel, prange
 
 ZERO = np.float32(0.0)
-X = 0
+
+
+class Cells(NamedTuple):
+    """Points by the cells of a grid over the coordinates a and b, in ascending order of their cells."""
+
+    points: NDArray[np.float32]
+    """(G, D)"""
+    names: NDArray[np.int32]
+    """(G,) numbers by which they are called."""
+    begins: NDArray[np.int32]
+    """(rows * columns + 1,) index of the first point of each cell, row by row; then G."""
+    a: int
+    b: int
+    low_a: float
+    low_b: float
+    """Where the grid begins along each."""
+    size: float
+    """Of a cell, along both."""
+    columns: int
+    rows: int
+    slack: float
+    """Distance by which rounding may displace a point from its cell."""
 
 
 @parallel
-def nearest(points, others, order, out, distances):
-    """Write the nearest K of others to each point to out (N, K) int32, nearest first, and their squared distances to
-    distances (N, K) float32.
+def nearest(points, cells, out, squares):
+    """Write the nearest K of other points to each point to out (N, K) int32, nearest first, and their squared distances
+    to squares (N, K) float32.
 
-    points (N, 4), others (G, 4) float32, the latter in ascending order of coordinate `X`, which bounds the search;
-    order (G,) int32: the numbers to write for them; K <= G.
+    points (N, D) float32; cells: `Cells` of the others, K at least.
     """
-    count = others.shape[0]
-    most = out.shape[1]
     for i in prange(points.shape[0]):
-        found = distances[i]
-        names = out[i]
-        found[:] = np.float32(np.inf)
-        x = points[i, X]
-        low = np.int64(0)
-        high = np.int64(count)
-        while low < high:
-            middle = (low + high) // 2
-            if others[middle, X] < x:
-                low = middle + 1
-            else:
-                high = middle
-        right = low
-        left = low - 1
-        while True:
-            before = x - others[left, X] if left >= 0 else np.float32(np.inf)
-            after = others[right, X] - x if right < count else np.float32(np.inf)
-            way = min(before, after)
-            if not way * way < found[most - 1]:
-                break
-            if before < after:
-                at = left
-                left -= 1
-            else:
-                at = right
-                right += 1
-            square = ZERO
-            for c in range(4):
-                d = points[i, c] - others[at, c]
-                square += d * d
-            place = most - 1
-            if square < found[place]:
-                while place > 0 and square < found[place - 1]:
-                    found[place] = found[place - 1]
-                    names[place] = names[place - 1]
-                    place -= 1
-                found[place] = square
-                names[place] = order[at]
+        search(points[i], cells, out[i], squares[i])
+
+
+@device
+def search(point, cells, names, squares):
+    """`nearest` of one point: in the cells about it, ring by ring, until what lies beyond a ring is farther away than
+    what has been found."""
+    squares[:] = np.float32(np.inf)
+    last = names.shape[0] - 1
+    a, b = np.float64(point[cells.a]) - cells.low_a, np.float64(point[cells.b]) - cells.low_b
+    column = cell_of(a, cells.size, cells.columns)
+    row = cell_of(b, cells.size, cells.rows)
+    ring = np.int64(0)
+    while True:
+        left, right = max(column - ring, 0), min(column + ring, cells.columns - 1)
+        for y in range(max(row - ring, 0), min(row + ring, cells.rows - 1) + 1):
+            first = y * cells.columns
+            if abs(y - row) == ring:
+                visit(point, cells, first + left, first + right + 1, names, squares)
+            else:  # of the rows between the outermost, the cells at both ends
+                if column - ring >= 0:
+                    visit(point, cells, first + left, first + left + 1, names, squares)
+                if column + ring < cells.columns:
+                    visit(point, cells, first + right, first + right + 1, names, squares)
+        beyond = min(
+            way_out(a, column, ring, cells.size, cells.columns), way_out(b, row, ring, cells.size, cells.rows)
+        ) - cells.slack  # fmt: skip
+        if beyond > 0.0 and beyond * beyond >= squares[last]:
+            return
+        if beyond == np.inf:
+            return
+        ring += 1
+
+
+@device
+def cell_of(x, size, count):
+    """Return the cell at x, or that of the grid's border next to it."""
+    return np.int64(min(max(x / size, 0.0), np.float64(count - 1)))
+
+
+@device
+def way_out(x, cell, ring, size, count):
+    """Return the distance from x to the nearest cell, along one axis, that is more than `ring` cells from a cell;
+    infinite where the grid has none."""
+    low = x - size * np.float64(cell - ring) if cell - ring > 0 else np.inf
+    high = size * np.float64(cell + ring + 1) - x if cell + ring < count - 1 else np.inf
+    return min(low, high)
+
+
+@device
+def visit(point, cells, cell, stop, names, squares):
+    """Put the points of the cells from `cell` to stop − 1 in their places among those found, where they are nearer than
+    the last of them."""
+    last = names.shape[0] - 1
+    for at in range(cells.begins[cell], cells.begins[stop]):
+        square = ZERO
+        for c in range(point.shape[0]):
+            d = point[c] - cells.points[at, c]
+            square += d * d
+        if square < squares[last]:
+            k = last
+            while k > 0 and square < squares[k - 1]:
+                squares[k] = squares[k - 1]
+                names[k] = names[k - 1]
+                k -= 1
+            squares[k] = square
+            names[k] = cells.names[at]

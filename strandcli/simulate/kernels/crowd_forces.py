@@ -16,8 +16,9 @@ from ...simd import gather4, half_width_pointer, lane_count, load, load3, pointe
 from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
 from .crowd_limit import limit
+from .crowd_nodes import keep_others
 from .crowd_pressure import relax
-from .crowd_records import CELL, FIRST, FOUND, LAST, MASS, PUSH, RESULT, SHARE, SIZE, STOP, VELOCITY, WAY
+from .crowd_records import CELL, FIRST, FOUND, LANES, LAST, MASS, PUSH, RESULT, SHARE, SIZE, STOP, VELOCITY, WAY
 from .crowd_rows import COUNTED
 from .crowd_shelter import shelter
 from .crowd_targets import find_targets
@@ -34,6 +35,7 @@ def act(box, grid, near, room, numbers, work, pressure, targets):
     not ``near``: what else those hold is neither set nor read.
     """
     margined, busy, layers = work
+    drop_far(box, near, pressure)
     for o in prange(box[SIZE + 2]):
         find_excess(box, np.int64(o), near, grid, room, pressure, numbers)
     for task in prange(2):
@@ -46,6 +48,16 @@ def act(box, grid, near, room, numbers, work, pressure, targets):
         find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets)
 
 
+@device
+def drop_far(box, near, pressure):
+    """Set the pressure of rows that are not ``near`` to 0."""
+    wide, high = box[SIZE], box[SIZE + 1]
+    for row in range(high * box[SIZE + 2]):
+        if not near[row // high, row % high]:
+            for at in range(row * wide, (row + 1) * wide, LANES):
+                store(pointer(pressure), at, 0.0)
+
+
 @parallel
 def accelerate(moving, lattice, parts, box, targets, work, shares, crowd):
     """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and `Moving.others`. ``work``: scratch, as
@@ -56,7 +68,7 @@ def accelerate(moving, lattice, parts, box, targets, work, shares, crowd):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             rows = scratch[part], found[part]
             accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), rows, shares, crowd)
-            keep_others(moving, pack, lattice.seen * lattice.step, crowd)
+            keep_others(moving, lattice, pack, lattice.seen * lattice.step, crowd)
 
 
 @device
@@ -108,15 +120,6 @@ def share_out(lattice, pack, sample, rows, shares, begun, crowd):
             else:
                 store3(out, at, PACK, share * x, share * y, share * z)
     return first + count
-
-
-@device
-def keep_others(moving, pack, time, crowd):
-    """Set `Moving.others` of a pack of strands."""
-    velocity, change, out = pointer(moving.velocity), pointer(crowd), pointer(moving.others)
-    size = crowd.shape[1] * crowd.shape[2]
-    for at in range(pack * size, (pack + 1) * size, lane_count(out)):
-        store(out, at, time * load(change, at) + load(velocity, at))
 
 
 @device

@@ -3,15 +3,14 @@
 Segments are spread, and not particles, so that gaps between particles do not show: strands are sampled at points no
 more than a cell apart, each of which counts for its share of them and goes to the eight cells around it by trilinear
 weights. Where segments are longer than cells, samples lie on them; where they are shorter, one sample stands for
-several. Its place and velocity are means over the particles that it stands between, the velocity as contact will change
-it.
+several. Its place and velocity are means over the particles that it stands between (`crowd_nodes`), the velocity as
+contact will change it.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ...constants import W
 from ...jit import device, parallel, prange
 from ...simd import (
     broadcast,
@@ -37,16 +36,15 @@ from .crowd_records import (
     LOW,
     MASS,
     MOMENTUM,
+    NODE,
     OFFSET,
     SHARE,
     SIZE,
     VELOCITY,
 )
 from .crowd_rows import COUNTED
-from .rod_scratch import PACK
+from .rod_scratch import AXES, PACK
 
-ROW = 3 * W
-"""Numbers of a row of positions."""
 OWN = np.zeros((3, CELL), np.float32)
 """1 in the column of what lies between middles along each axis, which counts wholly for the first of two cells."""
 OWN[np.arange(3), BETWEEN + np.arange(3)] = 1
@@ -146,31 +144,32 @@ def cell_of(rows, k):
 def locate(moving, lattice, pack, sample, box, origins, rows):
     """Set the rows of scratch for a sample of a pack's strands. ``origins`` (3,): the middle of the box's first cell,
     metres. What is read of arrays is read once: LLVM does not know that scratch is none of them."""
-    positions, velocity, others = pointer(moving.positions), pointer(moving.velocity), pointer(moving.others)
-    out, n = pointer(rows), moving.velocity.shape[1]
-    first, count, again = lattice.first[sample], lattice.counts[sample], lattice.again
+    nodes, others, out = pointer(moving.nodes), pointer(moving.others), pointer(rows)
+    first, count, again, inverse = lattice.begin[sample], lattice.blend.shape[1], lattice.again, lattice.inverse
+    at_root = lattice.first[sample] == 0
+    of_root = lattice.weights[sample, 0]
     o, p, q = origins[0], origins[1], origins[2]
-    place = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W + first * ROW
-    begin = (pack * n + first - 1) * 3 * PACK
-    for lane in range(0, PACK, lane_count(positions)):
-        x = broadcast(positions, 0.0)
+    begin = pack * moving.nodes.shape[1] + first
+    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    for lane in range(0, PACK, lane_count(nodes)):
+        x = broadcast(nodes, 0.0)
         y, z, u, v, w = x, x, x, x, x
+        if at_root:
+            a, b, c = load3(pointer(moving.roots), pack * AXES + lane, PACK)
+            u, v, w = of_root * a, of_root * b, of_root * c
         for i in range(count):
-            weight = lattice.weights[sample, i]
-            a, b, c = load3(positions, place + i * ROW + lane, W)
+            weight, place = lattice.blend[sample, i], begin + i
+            a, b, c = load3(nodes, place * NODE * PACK + lane, PACK)
             x, y, z = x + weight * (a - o), y + weight * (b - p), z + weight * (c - q)
-            if first + i > 0:
-                a, b, c = load3(velocity, begin + i * 3 * PACK + lane, PACK)
-                d, e, f = load3(others, begin + i * 3 * PACK + lane, PACK)
-                a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
-            else:
-                a, b, c = load3(pointer(moving.roots), pack * 3 * PACK + lane, PACK)
+            a, b, c = load3(nodes, place * NODE * PACK + AXES + lane, PACK)
+            d, e, f = load3(others, place * AXES + lane, PACK)
+            a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
             u, v, w = u + weight * a, v + weight * b, w + weight * c
-        x, below = x * lattice.inverse, cell_before(x * lattice.inverse, box[SIZE])
-        y, above = y * lattice.inverse, cell_before(y * lattice.inverse, box[SIZE + 1])
-        z, behind = z * lattice.inverse, cell_before(z * lattice.inverse, box[SIZE + 2])
+        x, below = x * inverse, cell_before(x * inverse, wide)
+        y, above = y * inverse, cell_before(y * inverse, high)
+        z, behind = z * inverse, cell_before(z * inverse, deep)
         store3(out, SHARE * PACK + lane, PACK, x - below, y - above, z - behind)
-        store(out, BELOW * PACK + lane, below + above * box[SIZE] + behind * (box[SIZE] * box[SIZE + 1]))
+        store(out, BELOW * PACK + lane, below + above * wide + behind * (wide * high))
         store3(out, VELOCITY * PACK + lane, PACK, u, v, w)
 
 

@@ -23,35 +23,59 @@ LEAST_ROOM = np.float32(0.5)
 
 
 @function
-def settle(box, near, grid, open, homes):
+def settle(box, near, grid, open, homes, closed):
     """Set ``homes`` (cells,) int8 of closed cells with strands, and add what those have of ``grid``, metres and all,
     and of ``open`` to that of their homes. Only rows of cells that are ``near`` (cells along z, along y) have strands.
-    Returns the most metres in a cell by what is open of it, of which `LEAST_ROOM` counts as open at the least."""
-    homes[:] = 0
-    if find_homes(box, near, grid, open, homes, False) > 0:
-        find_homes(box, near, grid, open, homes, True)
-    bring_home(box, homes, grid, open)
+    ``closed`` (2, cells + 1) int32: is set to the closed cells with strands, those with an open neighbour and others,
+    after how many there are. Returns the most metres in a cell by what is open of it, of which `LEAST_ROOM` counts as
+    open at the least."""
+    find_homes(box, near, grid, open, homes, closed)
+    for far in range(1, -1, -1):
+        for at in closed[far, 1 : 1 + closed[far, 0]]:
+            if homes[at] > 0:
+                bring_cell(np.int64(at), homes[at], box, grid, open)
+    for at in closed[0, 1 : 1 + closed[0, 0]]:
+        home, beyond, axis = beyond_home(np.int64(at), homes[at], box)
+        if beyond >= 0:
+            grid[BETWEEN + axis, beyond] += grid[BETWEEN + axis, home]
+            grid[BETWEEN + axis, home] = 0
     return greatest(box, near, grid, open)
 
 
+@function
+def read_home(box, homes, closed, targets):
+    """Set closed cells' columns of ``targets`` to those of their homes, far ones last."""
+    for at in closed[0, 1 : 1 + closed[0, 0]]:
+        home, beyond, axis = beyond_home(np.int64(at), homes[at], box)
+        if beyond >= 0:
+            targets[home, PUSH + axis] = targets[beyond, PUSH + axis]
+    for far in range(2):
+        for at in closed[far, 1 : 1 + closed[far, 0]]:
+            if homes[at] > 0:
+                read_cell(np.int64(at), homes[at], box, targets)
+
+
 @device
-def find_homes(box, near, grid, open, homes, far):
-    """Set the homes of closed cells with strands: where an open neighbour is, the most open one. With ``far`` those of
-    closed cells without an open neighbour, as in corners: the first closed one that has a home. Returns how many have
-    none."""
+def find_homes(box, near, grid, open, homes, closed):
+    """Set the homes of closed cells with strands, and list these: where an open neighbour is, the most open one; of
+    others, as in corners, the first closed one that has such a home."""
     wide, high = box[SIZE], box[SIZE + 1]
     metres, free = pointer(grid), pointer(open)
-    left = 0
+    homes[:] = 0
+    closed[:, 0] = 0
     for row in range(high * box[SIZE + 2]):
         if not near[row // high, row % high]:
             continue
         for first in range(row * wide, (row + 1) * wide, LANES):
             if any_lane((load(metres, MASS * grid.shape[1] + first) > 0.0) & (load(free, first) <= 0.0)):
                 for at in range(first, first + LANES):
-                    if homes[at] == 0 and open[at] <= 0 and grid[MASS, at] > 0:
-                        homes[at] = far_home_of(at, box, homes) if far else home_of(at, box, open)
-                        left += homes[at] == 0
-    return left
+                    if open[at] <= 0 and grid[MASS, at] > 0:
+                        homes[at] = home_of(at, box, open)
+                        far = np.int64(homes[at] == 0)
+                        closed[far, 0] += 1
+                        closed[far, closed[far, 0]] = at
+    for at in closed[1, 1 : 1 + closed[1, 0]]:
+        homes[at] = far_home_of(np.int64(at), box, homes)
 
 
 @device
@@ -110,24 +134,12 @@ def home_at(at, home, box):
 
 
 @device
-def bring_home(box, homes, grid, open):
-    """Add closed cells' columns of ``grid`` and shares of ``open`` to those of their homes, far ones first."""
-    eight = homes.view(np.int64)  # at once, of which most have none
-    for far in range(1, -1, -1):
-        for word in range(len(eight)):
-            if eight[word] != 0:
-                for at in range(8 * word, 8 * word + 8):
-                    if homes[at] > 0 and (homes[at] > WAYS) == (far == 1):
-                        bring_cell(at, homes[at], box, grid, open)
-    for word in range(len(eight)):
-        if eight[word] != 0:
-            for at in range(8 * word, 8 * word + 8):
-                if 0 < homes[at] <= WAYS:
-                    home, axis, after = home_at(at, homes[at], box)
-                    stride = at - home
-                    if not after and home >= stride:
-                        grid[BETWEEN + axis, home - stride] += grid[BETWEEN + axis, home]
-                        grid[BETWEEN + axis, home] = 0
+def beyond_home(at, number, box):
+    """The home of a closed cell, and where that lies before it the cell on the home's other side, whose face what lies
+    between both middles counts for; -1 where there is none. And along which axis."""
+    home, axis, after = home_at(at, number, box)
+    beyond = home - (at - home)
+    return home, np.int64(-1) if after else beyond, axis
 
 
 @device
@@ -143,26 +155,6 @@ def bring_cell(at, number, box, grid, open):
         if other != axis or after:
             grid[BETWEEN + other, home] += grid[BETWEEN + other, at]
             grid[BETWEEN + other, at] = 0
-
-
-@function
-def read_home(box, homes, targets):
-    """Set closed cells' columns of ``targets`` to those of their homes, far ones last."""
-    eight = homes.view(np.int64)
-    for word in range(len(eight)):
-        if eight[word] != 0:
-            for at in range(8 * word, 8 * word + 8):
-                if 0 < homes[at] <= WAYS:
-                    home, axis, after = home_at(at, homes[at], box)
-                    stride = at - home
-                    if not after and home >= stride:
-                        targets[home, PUSH + axis] = targets[home - stride, PUSH + axis]
-    for far in range(2):
-        for word in range(len(eight)):
-            if eight[word] != 0:
-                for at in range(8 * word, 8 * word + 8):
-                    if homes[at] > 0 and (homes[at] > WAYS) == (far == 1):
-                        read_cell(at, homes[at], box, targets)
 
 
 @device

@@ -1,5 +1,5 @@
-"""Accelerations by interaction of one pack of strands, in the step of rods that is about to move it: what both read of
-it comes from memory once.
+"""What interaction has to do with one pack of strands in the step of rods that moves it: accelerations before it, and
+nodes of the next step after it. What these read comes from memory once.
 
 A descriptor, an int64 array, has addresses of arrays and their sizes.
 """
@@ -13,15 +13,20 @@ from numpy.typing import NDArray
 
 from ...jit import device, function
 from ...simd import array_at
-from .crowd_forces import accelerate_pack, keep_others
-from .crowd_records import BOX, CELL, FOUND, ROWS, Lattice, Moving
-from .rod_scratch import PACK
+from .crowd_forces import accelerate_pack
+from .crowd_nodes import keep_others, note_pack
+from .crowd_records import BOX, CELL, FOUND, NODE, ROWS, Lattice, Moving
+from .rod_scratch import AXES, PACK
 
-POSITIONS, VELOCITY, OTHERS, ROOTS, BEGIN, COUNTS, WEIGHTS, NUMBERS_OF, WHOLE, TARGETS, SHARES, CROWD = range(12)
-"""Columns: addresses."""
-PACKS, SEGMENTS, SAMPLES, MOST = range(12, 16)
-"""Sizes; the last is of particles that a sample is a mean of."""
-SCRATCH, SINGLE = 16, 17
+POSITIONS, VELOCITY, NODES, OTHERS, ENDS, ROOTS = range(6)
+"""Columns: addresses of `Moving`,"""
+BEGIN, COUNTS, WEIGHTS, NODE_BEGIN, NODE_COUNTS, NODE_WEIGHTS, FIRST_NODE, BLEND = range(6, 14)
+"""of `Lattice`,"""
+NUMBERS_OF, WHOLE, TARGETS, SHARES, CROWD = range(14, 19)
+"""and of the rest."""
+PACKS, SEGMENTS, BLOCKS, NODE_COUNT, NODE_MOST, SAMPLES, MOST, BLENDED = range(19, 27)
+"""Sizes: `NODE_MOST` and `MOST` are of particles that a node and a sample are a mean of, `BLENDED` of nodes."""
+SCRATCH, SINGLE = 27, 28
 """Addresses of what `crowd_grid.deposit` has as ``work``, for each worker."""
 INVERSE, AGAIN, TIME, ORIGIN = 0, 1, 2, 3
 """Numbers: `Lattice.inverse`, `Lattice.again`, `Lattice.seen` of `Lattice.step`, and an origin (3)."""
@@ -32,13 +37,22 @@ def descriptor_of(
     work: tuple[NDArray[Any], ...], shares: NDArray[Any], numbers: NDArray[Any], crowd: NDArray[Any],
 ) -> NDArray[np.int64]:  # fmt: skip
     """What the kernels below are given, with the ``numbers`` set; the caller keeps all arrays alive."""
-    numbers[:] = lattice.inverse, lattice.again, lattice.seen * lattice.step, *lattice.origins[-1]
+    set_numbers(lattice, numbers)
     arrays = (
-        moving.positions, moving.velocity, moving.others, moving.roots, lattice.first, lattice.counts, lattice.weights,
-        numbers, whole, targets, shares, crowd,
+        moving.positions, moving.velocity, moving.nodes, moving.others, moving.ends, moving.roots,
+        lattice.first, lattice.counts, lattice.weights, lattice.node_first, lattice.node_counts, lattice.node_weights,
+        lattice.begin, lattice.blend, numbers, whole, targets, shares, crowd,
     )  # fmt: skip
-    sizes = *moving.velocity.shape[:2], *lattice.weights.shape
+    sizes = (
+        *moving.velocity.shape[:2], len(moving.positions), *lattice.node_weights.shape, *lattice.weights.shape,
+        lattice.blend.shape[1],
+    )  # fmt: skip
     return np.array([*(one.ctypes.data for one in arrays), *sizes, *(one.ctypes.data for one in work)])
+
+
+def set_numbers(lattice: Lattice, numbers: NDArray[Any]) -> None:
+    """Set the numbers of a step."""
+    numbers[:] = lattice.inverse, lattice.again, lattice.seen * lattice.step, *lattice.origins[-1]
 
 
 @function
@@ -53,28 +67,61 @@ def double(descriptor, pack, worker):
     accelerate_one(np.float64, 8, descriptor, pack, worker)
 
 
+@function
+def single_after(descriptor, pack, worker):
+    """Set the nodes of a pack, in single precision."""
+    moving, lattice = moving_of(np.float32, descriptor), lattice_of(np.float32, 4, descriptor)
+    note_pack(moving, lattice, pack)
+
+
+@function
+def double_after(descriptor, pack, worker):
+    """The same in double precision."""
+    moving, lattice = moving_of(np.float64, descriptor), lattice_of(np.float64, 8, descriptor)
+    note_pack(moving, lattice, pack)
+
+
+@device
+def moving_of(kind, descriptor):
+    """`Moving` without what no pack's step takes."""
+    packs, n, nodes = descriptor[PACKS], descriptor[SEGMENTS], descriptor[NODE_COUNT]
+    return Moving(
+        array_at(kind, descriptor[POSITIONS], (descriptor[BLOCKS], n + 2, 1)),
+        array_at(kind, descriptor[VELOCITY], (packs, n, AXES)),
+        array_at(kind, descriptor[NODES], (packs, nodes, NODE * PACK)),
+        array_at(kind, descriptor[OTHERS], (packs, nodes, AXES)), array_at(kind, descriptor[ENDS], (packs, 6)),
+        array_at(kind, descriptor[ROOTS], (packs, AXES)), None, None,
+    )  # fmt: skip
+
+
+@device
+def lattice_of(kind, bytes, descriptor):
+    """`Lattice` without what no pack's step takes."""
+    samples, nodes = descriptor[SAMPLES], descriptor[NODE_COUNT]
+    numbers = array_at(kind, descriptor[NUMBERS_OF], (ORIGIN + 3,))
+    return Lattice(
+        array_at(np.int64, descriptor[BEGIN], (samples,)), array_at(np.int64, descriptor[COUNTS], (samples,)),
+        array_at(kind, descriptor[WEIGHTS], (samples, descriptor[MOST])), None,
+        array_at(np.int64, descriptor[NODE_BEGIN], (nodes,)), array_at(np.int64, descriptor[NODE_COUNTS], (nodes,)),
+        array_at(kind, descriptor[NODE_WEIGHTS], (nodes, descriptor[NODE_MOST])),
+        array_at(np.int64, descriptor[FIRST_NODE], (samples,)),
+        array_at(kind, descriptor[BLEND], (samples, descriptor[BLENDED])), numbers[INVERSE],
+        array_at(kind, descriptor[NUMBERS_OF] + ORIGIN * bytes, (1, 3)), None, numbers[AGAIN], None,
+    )  # fmt: skip
+
+
 @device
 def accelerate_one(kind, bytes, descriptor, pack, worker):
     """Set the accelerations of a pack as `crowd_forces.accelerate` does."""
-    packs, n, samples = descriptor[PACKS], descriptor[SEGMENTS], descriptor[SAMPLES]
-    moving = Moving(
-        array_at(kind, descriptor[POSITIONS], (1, 1, 1)), array_at(kind, descriptor[VELOCITY], (packs, n, 3 * PACK)),
-        array_at(kind, descriptor[OTHERS], (packs, n, 3 * PACK)), array_at(kind, descriptor[ROOTS], (packs, 3 * PACK)),
-        None, None,
-    )  # fmt: skip
-    numbers = array_at(kind, descriptor[NUMBERS_OF], (ORIGIN + 3,))
-    lattice = Lattice(
-        array_at(np.int64, descriptor[BEGIN], (samples,)), array_at(np.int64, descriptor[COUNTS], (samples,)),
-        array_at(kind, descriptor[WEIGHTS], (samples, descriptor[MOST])), None, numbers[INVERSE],
-        array_at(kind, descriptor[NUMBERS_OF] + ORIGIN * bytes, (1, 3)), None, numbers[AGAIN], None,
-    )  # fmt: skip
+    moving, lattice = moving_of(kind, descriptor), lattice_of(kind, bytes, descriptor)
     rows = (
         array_at(kind, descriptor[SCRATCH] + worker * (ROWS * PACK * bytes), (ROWS, PACK)),
         array_at(np.float32, descriptor[SINGLE] + worker * (FOUND * PACK * 4), (FOUND * PACK,)),
     )
     targets = array_at(np.float32, descriptor[TARGETS], (CELL,))
-    shares = array_at(kind, descriptor[SHARES], (samples, descriptor[MOST]))
-    crowd = array_at(kind, descriptor[CROWD], (packs, n, 3 * PACK))
+    shares = array_at(kind, descriptor[SHARES], (descriptor[SAMPLES], descriptor[MOST]))
+    crowd = array_at(kind, descriptor[CROWD], (descriptor[PACKS], descriptor[SEGMENTS], AXES))
     box = array_at(np.int64, descriptor[WHOLE], (BOX,))
     accelerate_pack(moving, lattice, pack, box, targets, rows, shares, crowd)
-    keep_others(moving, pack, numbers[TIME], crowd)
+    numbers = array_at(kind, descriptor[NUMBERS_OF], (ORIGIN + 3,))
+    keep_others(moving, lattice, pack, numbers[TIME], crowd)

@@ -31,6 +31,8 @@ strand, for a way as long as a cell's side, its unit direction (3), and by how m
 NUMBERS = 15
 
 
+NODE = 6
+"""Columns of a node: see `Moving.nodes`."""
 SHARE, BELOW, VELOCITY = 0, 3, 4
 """Rows of scratch, one lane a strand of the pack: of a sample, shares (3) of the cells beyond it along x, y and z, the
 number of the cell before it, and its velocity (3), m/s. A box has no more cells than single precision can count."""
@@ -48,8 +50,12 @@ class Moving(NamedTuple):
     """(blocks, N + 2, 3 W) metres."""
     velocity: Any
     """(P, N, 3 S) m/s."""
+    nodes: Any
+    """(P, M, `NODE` S) of M nodes: place, metres, and velocity, m/s, without what a root has in it."""
     others: Any
-    """(P, N, 3 S) as `Crowd.others`: of the step before, and then of this one."""
+    """(P, M, 3 S) as `Crowd.others`: of the step before, and then of this one."""
+    ends: Any
+    """(P, 6) least coordinates of particles times −1, and greatest; infinite where one is not finite."""
     roots: Any
     """(P, 3 S) velocity of the roots, m/s."""
     metres: Any
@@ -70,6 +76,16 @@ class Lattice(NamedTuple):
     """(samples, greatest count) the particles' shares."""
     mass: Any
     """(samples,) metres that each counts for, by those of a segment at the root."""
+    node_first: Any
+    """(M,) the same of nodes."""
+    node_counts: Any
+    """(M,)"""
+    node_weights: Any
+    """(M, greatest count)"""
+    begin: Any
+    """(samples,) number of the first node that a sample is a mean of; int64."""
+    blend: Any
+    """(samples, 1 or 2) these nodes' shares."""
     inverse: Any
     """1 / cell, 1/m."""
     origins: Any

@@ -49,15 +49,15 @@ from .records import (
 )
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, PACK, ROOT_SHIFT, SEGMENT
 from .rod_sweep import ROW
-from .work_queue import TASKS, call_before, take
+from .work_queue import TASKS, call_beside, take
 
-# columns of a descriptor after those of the work queue: numbers, what `call_before` takes, an address for each array,
+# columns of a descriptor after those of the work queue: numbers, what `call_beside` takes, an address for each array,
 # and solids: addresses of the four kinds, their sizes, and where there are any, address, size and columns of solids
 # without kernels of their own, and the address and shape of each array of their data
 SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
 SETTLED = 5
 """Flags that are tested at run time."""
-SCRATCH, SCRATCH_BYTES, BEFORE, BEFORE_OF, STATE = range(9, 14)
+SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, STATE = range(9, 15)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
 SOLIDS = FORCING + len(Forcing._fields)
@@ -78,7 +78,7 @@ def descriptor_of(
     flat = [one for part in arrays for one in part]
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *flat, *solids))
     head = [0, -(-strands // PACK), segments, iterations, *flags[:SETTLED]]
-    numbers = [*head, scratch.ctypes.data, scratch.strides[0], 0, 0]
+    numbers = [*head, scratch.ctypes.data, scratch.strides[0], 0, 0, 0]
     addresses = [one.ctypes.data for one in (*flat, *solids[:4])]
     others = [number for one in solids[4:] for number in (one.ctypes.data, one.size, one.shape[1])]
     others += data_numbers(data)
@@ -213,10 +213,12 @@ def work(kind, descriptor, worker, solids_of, second, crowded, held, loose, oval
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
         if crowded is not None:
-            call_before(descriptor[BEFORE], descriptor[BEFORE_OF], pack, worker)
+            call_beside(descriptor[BEFORE], descriptor[BESIDE], pack, worker)
         run(scratch, state, material, forcing, flags, solids, descriptor[ITERATIONS], pack, next_pack, segments)
         if pack == descriptor[TASKS] - 1:
             rod_sweep.fill_block(scratch, state.positions, pack, segments)
+        if crowded is not None:
+            call_beside(descriptor[AFTER], descriptor[BESIDE], pack, worker)
         pack = next_pack
 
 

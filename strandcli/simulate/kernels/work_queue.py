@@ -60,8 +60,8 @@ def call_for(typingctx: Any, code: Any, descriptor: Any, task: Any, worker: Any)
 
 
 @device
-def call_before(code, descriptor, task, worker):
-    """Run what is to be run before a task: code at an address, with the descriptor at one; nothing where it is 0."""
+def call_beside(code, descriptor, task, worker):
+    """Run what is to be run before or after a task: code at an address, with the descriptor at one, unless it is 0."""
     if code != 0:
         call_for(code, array_at(np.int64, descriptor, (1,)), task, worker)
 

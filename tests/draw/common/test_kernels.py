@@ -122,7 +122,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
          splats.OpacityMap(np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32))),
     ),
     "widen extents": (
-        cell_extents.widen, (np.ones(splats.ROOM, np.float32), 3, np.ones((16, 2), np.float32)),
+        cell_extents.widen_cells, (np.ones(splats.ROOM, np.float32), np.uint64(5), np.ones((16, 2), np.float32)),
     ),
     "dual angles": (dual.angles, (*[ONE] * 9, 64)),
     "dual lobes": (dual.lobes, (ONE,) * 8),

@@ -67,6 +67,17 @@ def test_strands_go_before_between_and_behind_the_edges_of_solids(kind: str, str
     assert np.sqrt(np.mean(error**2)) < 0.02
 
 
+@KINDS
+def test_edges_at_the_border_are_those_of_a_wider_picture(kind: str) -> None:
+    """A crop window through a ball has the light of the whole picture up to its border."""
+    text = SCENE % (AWAY, kind, "sorted", 1, f"[{BALL}, {GROUND}]")
+    whole = frames_of(scene_of(text), 1)[0].aovs["linear"]
+    for x in range(20, 36):
+        scene = scene_of(text.replace("image: {", f"image: {{crop: [{x}, {x - 6}, 11, 14], "))
+        part = frames_of(scene, 1)[0].aovs["linear"]
+        np.testing.assert_allclose(part, whole[x - 6 : x + 8, x : x + 11], atol=1e-5)
+
+
 def test_edges_do_not_depend_on_bands(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = light(BETWEEN, "perspective", "sorted", 1, BALL, ROD, GROUND)
     monkeypatch.setattr(

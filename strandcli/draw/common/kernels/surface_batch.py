@@ -11,6 +11,10 @@ SX, SY = layout.allocate("place on the screen", 2, surfaces="gather:reflect")
 DISTANCE = layout.allocate_row("distance", surfaces="gather:ambient")
 PIXEL = layout.allocate_row("width of a pixel", surfaces="ambient")
 THERE = layout.allocate_row("share of the picture", surfaces="ambient:out")
+# How much of a pixel's light is that of the point, negative where a solid has an edge in front of itself in the pixel;
+# distances along the rays of such a pixel.
+SHARE = layout.allocate_row("share of a pixel's light", surfaces="gather:out")
+RAYS = layout.allocate_row("distances along a pixel's rays", surfaces="gather")
 # Noise of a pixel, in 8-bit levels.
 NOISE = layout.allocate_row("noise of a pixel", surfaces="out")
 # Light that a coat reflects, red, green and blue; its transmittance.

@@ -16,9 +16,10 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device
-from ...common.kernels.batch import COLOUR, RADIANCE, TX, TY, TZ, X, Y, Z
+from ....simd import lane_count, load, load3, pointer, store
+from ...common.kernels.batch import COLOUR, RADIANCE, TX, TY, TZ, X
 from .light import STRAND, around
-from .occlusion import whole_sky_visibility
+from .occlusion import whole_sky_visibilities
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -41,9 +42,11 @@ def ambient_light(work, n, surround):
                 whole = around(sky, STRAND, c, work[TX + k], work[TY + k], work[TZ + k])
                 work[RADIANCE + c * W + k] += whole * work[COLOUR + c * W + k]
     if surround.volume.shape[0] > 0:
-        for k in range(n):
-            x, y, z = work[X + k], work[Y + k], work[Z + k]
-            share = whole_sky_visibility(surround.volume, surround.box, x, y, z)
+        rows = pointer(work)
+        for k in range(0, n, lane_count(rows)):
+            share = whole_sky_visibilities(surround.volume, surround.box, load3(rows, X + k, W))
             for c in range(3):
-                colour = min(work[COLOUR + c * W + k], ONE)
-                work[RADIANCE + c * W + k] *= share / max(colour * share + FACE * (ONE - colour), TINY)
+                colour = min(load(rows, COLOUR + c * W + k), ONE)
+                light = load(rows, RADIANCE + c * W + k)
+                light = light * (share / max(colour * share + FACE * (ONE - colour), TINY))
+                store(rows, RADIANCE + c * W + k, light)

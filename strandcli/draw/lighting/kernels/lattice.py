@@ -1,7 +1,8 @@
 """Light on solids at every second pixel of every second row, and which pixels between may have it from there.
 
 Shadows of solids and of strands on solids vary less from pixel to pixel than normals and patches do, and take most of
-the time. A pixel takes the mean of the lattice pixels about it, two or four, where all show its solid and agree.
+the time. A pixel takes the mean of the lattice pixels about it, two or four, where all show its solid and agree. So
+does a pixel of the lattice itself of those at every fourth pixel of every fourth row, where they agree more closely.
 """
 
 from __future__ import annotations
@@ -13,18 +14,24 @@ import numpy as np
 from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW
 from ...solids.kernels import appearance, blended
-from ...solids.kernels.surface_pixels import folded
+from ...solids.kernels.surface_pixels import FOLD, bend, depth_at, folded, pixel_width
 
 ZERO, UNKNOWN = np.float32(0.0), np.float32(-1.0)
 """`UNKNOWN`: of a pixel of the lattice, where light is not one number."""
-ONE = np.int64(1)
+HALF = np.float32(0.5)
+ONE, TWO, THREE = np.int64(1), np.int64(2), np.int64(3)
+FAR = THREE
+"""Columns or rows from a pixel that is drawn within which the light of pixels four apart is needed."""
 EVEN = np.uint64(0)
 ALIKE = np.float32(1.0 / 10.0)
 """Share of a light by which pixels that agree may differ."""
+CLOSELY = np.float32(1.0 / 32.0)
+"""The same for pixels four apart, between which light may be missed."""
 DRAWN, HIDDEN, BETWEEN = np.uint8(0), np.uint8(1), np.uint8(2)
 """What becomes of a pixel: light is computed there; it is left as it is; it has the light of the lattice."""
-ASKED = np.uint8(1)
-"""Of a pixel of the lattice: its light is needed."""
+COARSE, FINE, SPREAD = np.uint8(1), np.uint8(2), np.uint8(3)
+"""Of pixels of the lattice whose light is needed: of those four apart; of the others; of others that have taken it from
+those four apart."""
 
 
 class Frame(NamedTuple):
@@ -37,37 +44,89 @@ class Frame(NamedTuple):
     """Of the picture, samples."""
     down: int
     right: int
-    """1 where the first row and the first column are no part of the lattice, else 0."""
+    """Of the first row and the first column: 0 to 3 after those of pixels four apart."""
 
 
 @parallel
 def ask(keys, hidden, frame, asked):
-    """Set asked (P,) to `ASKED` at the pixels of the lattice that the frame's rows need, to 0 at other pixels of these
-    rows and of those beside them. keys (P,): z-buffer; hidden (P,): `HIDDEN` where nothing is drawn; frame: `Frame`."""
+    """Set asked (P,) to `COARSE` or `FINE` at the pixels of the lattice that the frame's rows need, to 0 at other
+    pixels of these rows and of the three on each side. keys (P,): z-buffer; hidden (P,): `HIDDEN` where nothing is
+    drawn; frame: `Frame`."""
     top, bottom, width = np.int64(frame.top), np.int64(frame.bottom), np.int64(frame.width)
     height = np.int64(keys.shape[0]) // width
-    first, last = max(top - 1, 0), min(bottom + 1, height)
+    first, last = max(top - FAR, 0), min(bottom + FAR, height)
     for row in prange(last - first):
         y = first + np.int64(row)
         asked[y * width : (y + 1) * width] = 0
         if (y + frame.down) & ONE != 0:
             continue
-        for x in range(frame.right, width, 2):
+        for x in range(frame.right & ONE, width, 2):
             at = y * width + x
             if keys[at] != EMPTY and (keys[at] & LOW) >= FIRST:
-                asked[at] = np.uint8(any_drawn(keys, hidden, at, x, y, frame))
+                coarse = ((x + frame.right) | (y + frame.down)) & THREE == 0
+                if any_drawn(keys, hidden, at, x, y, frame, FAR if coarse else ONE):
+                    asked[at] = COARSE if coarse else FINE
 
 
 @device
-def any_drawn(keys, hidden, at, x, y, frame):
-    """Return whether a pixel, or one of the eight about it, in the frame's rows is drawn and shows the same solid."""
+def any_drawn(keys, hidden, at, x, y, frame, reach):
+    """Return whether a pixel in the frame's rows, no more than so many columns and rows away, is drawn and shows the
+    same solid."""
     top, bottom, width = np.int64(frame.top), np.int64(frame.bottom), np.int64(frame.width)
-    for below in range(max(y - 1, top), min(y + 2, bottom)):
-        for beside in range(max(x - 1, 0), min(x + 2, width)):
+    for below in range(max(y - reach, top), min(y + reach + 1, bottom)):
+        for beside in range(max(x - reach, 0), min(x + reach + 1, width)):
             other = below * width + beside
             if hidden[other] == DRAWN and ((keys[other] ^ keys[at]) & LOW) == EVEN:
                 return True
     return False
+
+
+@parallel
+def spread(keys, camera, frame, asked, values):
+    """Give pixels of the lattice the mean of those four apart, where these agree closely and no edge of the solid is
+    between them: set asked to `SPREAD`. Arguments as in `choose`."""
+    top, bottom, width = np.int64(frame.top), np.int64(frame.bottom), np.int64(frame.width)
+    height = np.int64(keys.shape[0]) // width
+    first, last = max(top - 1, 0), min(bottom + 1, height)
+    for row in prange(last - first):
+        y = first + np.int64(row)
+        down = (y + frame.down) & TWO
+        if (y + frame.down) & ONE != 0 or y < down or y + down >= height:
+            continue
+        for x in range(2 + (frame.right & ONE), width - 2, 2):
+            at = y * width + x
+            right = (x + frame.right) & TWO
+            if asked[at] != FINE or not between(keys, asked, at, down * width, right):
+                continue
+            j, i = (y + frame.down) >> 1, (x + frame.right) >> 1
+            b, a = down >> 1, right >> 1
+            if alike(values, j - b, i - a, down, right, CLOSELY) and smooth(keys, camera, at, down * width, right):
+                for light in range(values.shape[2]):
+                    for c in range(3):
+                        above = HALF * (values[j - b, i - a, light, c] + values[j - b, i + a, light, c])
+                        below = HALF * (values[j + b, i - a, light, c] + values[j + b, i + a, light, c])
+                        values[j, i, light, c] = HALF * (above + below)
+                asked[at] = SPREAD
+
+
+@device
+def between(keys, asked, at, step, right):
+    """Return whether a pixel is between some whose light is known, that are so many columns to the right and left and
+    so many pixels up and down, and that show its solid."""
+    key = keys[at]
+    return (
+        there(keys, asked, key, at - step - right) and there(keys, asked, key, at - step + right)
+        and there(keys, asked, key, at + step - right) and there(keys, asked, key, at + step + right)
+    )  # fmt: skip
+
+
+@device
+def smooth(keys, camera, at, step, right):
+    """Return whether a surface has no edge in front of itself at pixel number `at`, nor between the pixels that
+    `between` looks at."""
+    here = depth_at(keys, at, camera)
+    most = max(bend(keys, at, step + right, here, camera), bend(keys, at, abs(step - right), here, camera))
+    return most <= FOLD * pixel_width(here, camera)
 
 
 @parallel
@@ -88,34 +147,32 @@ def choose(keys, camera, solids, asked, values, frame, hidden):
                 continue
             right = (x + frame.right) & ONE
             step = down * width
-            if not (
-                there(keys, asked, key, at - step - right) and there(keys, asked, key, at - step + right)
-                and there(keys, asked, key, at + step - right) and there(keys, asked, key, at + step + right)
-            ):  # fmt: skip
+            if not between(keys, asked, at, step, right):
                 continue
             own = np.int64((key & LOW) - FIRST)
             parts = blended.blends(solids, own) or appearance.folds(solids, own)
             if parts and folded(keys, at, x, width, camera):
                 continue
-            if alike(values, (y - down + frame.down) >> 1, (x - right + frame.right) >> 1, down, right):
+            j, i = (y - down + frame.down) >> 1, (x - right + frame.right) >> 1
+            if alike(values, j, i, down, right, ALIKE):
                 hidden[at] = BETWEEN
 
 
 @device
 def there(keys, asked, key, at):
     """Return whether the light of a pixel of the lattice is known, and it shows the same solid."""
-    return asked[at] == ASKED and ((keys[at] ^ key) & LOW) == EVEN
+    return asked[at] != 0 and ((keys[at] ^ key) & LOW) == EVEN
 
 
 @device
-def alike(values, j, i, down, right):
-    """Return whether the light of the lattice differs by no more than `ALIKE` between places (j, i) and
+def alike(values, j, i, down, right, most):
+    """Return whether the light of the lattice differs by no more than `most` between places (j, i) and
     (j + down, i + right)."""
     for light in range(values.shape[2]):
         for c in range(3):
             a, b = values[j, i, light, c], values[j, i + right, light, c]
             d, e = values[j + down, i, light, c], values[j + down, i + right, light, c]
             least = min(min(a, b), min(d, e))
-            if least < ZERO or max(max(a, b), max(d, e)) > least + ALIKE:
+            if least < ZERO or max(max(a, b), max(d, e)) > least + most:
                 return False
     return True

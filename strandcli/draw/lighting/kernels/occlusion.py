@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device, function
+from ....jit import device, function, inlined
+from ....simd import floor, gather, gather4, pointer
 from .occlusion_columns import (
     COUNT_X,
     COUNT_Y,
     COUNT_Z,
     FADE,
+    MEAN,
     MIDDLE_X,
     MIDDLE_Y,
     MIDDLE_Z,
@@ -20,6 +22,9 @@ from .occlusion_columns import (
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+START, NUMBERS = np.int64(0), np.int64(4)
+"""Where cells begin in memory, and the numbers of each."""
 COSINE = np.float32(2.0 / 3.0)
 """Weight of the linear part for a surface: its mean over the hemisphere, weighted by the cosine."""
 
@@ -96,4 +101,99 @@ def faded(box, u, v, w, share):
 @device
 def past(u, count):
     """Return by how many cells a position is outside of the box."""
+    return max(max(-u, u - (count - ONE)), ZERO)
+
+
+@inlined
+def sky_visibilities(volume, box, point, normal):
+    """`sky_visibility` of vectors of points and normals, to the bit."""
+    place, (c, b, a) = places_of(box, point)
+    rows = pointer(volume)
+    near, far = records(rows, box, place, ZERO, c, b), records(rows, box, place, ONE, c, b)
+    share = ZERO + ONE * (near[0] + a * (far[0] - near[0]))
+    for channel in range(3):
+        weight = COSINE * normal[channel]
+        share = share + weight * (near[channel + 1] + a * (far[channel + 1] - near[channel + 1]))
+    return faded_lanes(box, point, share)
+
+
+@inlined
+def records(rows, box, place, i, c, b):
+    """The four numbers of cells, interpolated along z and y, of slab i of the two about each place."""
+    base = first_of(box, place, i, ZERO)
+    p = mixed(gather4(rows, START, base, NUMBERS, ZERO), gather4(rows, NUMBERS, base, NUMBERS, ZERO), c)
+    base = first_of(box, place, i, ONE)
+    q = mixed(gather4(rows, START, base, NUMBERS, ZERO), gather4(rows, NUMBERS, base, NUMBERS, ZERO), c)
+    return mixed(p, q, b)
+
+
+@inlined
+def mixed(p, q, t):
+    """Four vectors between four others."""
+    return (
+        p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1]), p[2] + t * (q[2] - p[2]), p[3] + t * (q[3] - p[3]),
+    )  # fmt: skip
+
+
+@inlined
+def whole_sky_visibilities(volume, box, point):
+    """`whole_sky_visibility` of vectors of points, to the bit."""
+    place, (c, b, a) = places_of(box, point)
+    rows = pointer(volume)
+    near, far = means(rows, box, place, ZERO, c, b), means(rows, box, place, ONE, c, b)
+    return faded_lanes(box, point, near + a * (far - near))
+
+
+@inlined
+def means(rows, box, place, i, c, b):
+    """As `records`, of the first number alone."""
+    base = first_of(box, place, i, ZERO)
+    p, up = gather(rows, START + MEAN, base, NUMBERS, ZERO), gather(rows, NUMBERS + MEAN, base, NUMBERS, ZERO)
+    p = p + c * (up - p)
+    base = first_of(box, place, i, ONE)
+    q, up = gather(rows, START + MEAN, base, NUMBERS, ZERO), gather(rows, NUMBERS + MEAN, base, NUMBERS, ZERO)
+    q = q + c * (up - q)
+    return p + b * (q - p)
+
+
+@inlined
+def places_of(box, point):
+    """The lower of the cells about points along x, y and z, and the position between them along z, y and x. Vectors."""
+    u, v, w = in_cells(box, point)
+    u = min(max(ZERO, u), box[COUNT_X] - ONE)
+    v = min(max(ZERO, v), box[COUNT_Y] - ONE)
+    w = min(max(ZERO, w), box[COUNT_Z] - ONE)
+    i, j, k = min(floor(u), box[COUNT_X] - TWO), min(floor(v), box[COUNT_Y] - TWO), min(floor(w), box[COUNT_Z] - TWO)
+    return (i, j, k), (w - k, v - j, u - i)
+
+
+@inlined
+def first_of(box, place, i, j):
+    """The cell at a place, i slabs and j rows on."""
+    return ((place[0] + i) * box[COUNT_Y] + (place[1] + j)) * box[COUNT_Z] + place[2]
+
+
+@inlined
+def in_cells(box, point):
+    """Points in cells along x, y and z. Vectors."""
+    x, y, z = point
+    return (
+        (x - box[MIDDLE_X]) * box[PER_METRE_X], (y - box[MIDDLE_Y]) * box[PER_METRE_Y],
+        (z - box[MIDDLE_Z]) * box[PER_METRE_Z],
+    )  # fmt: skip
+
+
+@inlined
+def faded_lanes(box, point, share):
+    """`faded`, of vectors."""
+    u, v, w = in_cells(box, point)
+    beyond = past_lanes(u, box[COUNT_X]) / box[PER_METRE_X] + past_lanes(v, box[COUNT_Y]) / box[PER_METRE_Y]
+    beyond = beyond + past_lanes(w, box[COUNT_Z]) / box[PER_METRE_Z]
+    fall = box[FADE] / (beyond + box[FADE])
+    return ONE - fall * fall * (ONE - min(max(share, ZERO), ONE))
+
+
+@inlined
+def past_lanes(u, count):
+    """`past`, of vectors."""
     return max(max(-u, u - (count - ONE)), ZERO)

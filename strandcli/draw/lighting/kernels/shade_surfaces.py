@@ -14,6 +14,7 @@ from ....constants import W
 from ....jit import device, parallel, prange
 from ....jit.balance import places, task_at
 from ....jit.indices import FIRST, SECOND, THIRD
+from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import other, sphere
 from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
 from ...common.kernels.surface_batch import (
@@ -37,7 +38,7 @@ from . import mirror, occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z, READ, WRITTEN, Coating
 from .light import SURFACE, around
 from .reflection import deepest, gleam, reflect, reflect_from_below
-from .surface_light import arrive, as_computed, recall, store
+from .surface_light import arrive, as_computed, note, recall
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -53,7 +54,7 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
 
     screen, surround, strands, lights, coating: `Screen`, `Surround`, `StrandLight`, `Lights` and `Coating` of `inputs`;
     shadows: `ShadowArrays`; solids: `Solids`. The image contains the background. Blended solids may have edges in front
-    of themselves, which z-buffer keys do not show; there the mean of 4×4 rays is used.
+    of themselves, which z-buffer keys do not show; there a point on each side counts as much as 4×4 rays tell.
     """
     width = image.shape[1]
     picture = image.reshape(-1)
@@ -71,31 +72,31 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
         )  # fmt: skip
         i = np.int64(0)
         while i < end:
-            i, n, solid, fine = fill_batch(screen, found, i, end, width, solids, work, which)
+            bare = lights.use == WRITTEN
+            i, n, solid, fine = fill_batch(screen, found, i, end, width, solids, work, which, bare)
             if n == 0:
                 continue
             look(work, n, screen.camera)
-            if lights.use == WRITTEN:
-                keep(work, n, solid, fine, strands, lights, shadows, solids, coating)
+            if bare:
+                keep(work, n, solid, strands, lights, shadows, solids, coating)
                 continue
             batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
             mirror_solids(n, solid, surround, strands, lights, shadows, solids, coating, way, coating.mirrors)
             if fine:
-                average(work, n)
-            composite(work, np.int64(1) if fine else n, which, screen, width, picture)
+                n = average(work, n, which)
+            composite(work, n, which, screen, width, picture)
 
 
 @device
-def keep(work, n, which, fine, strands, lights, shadows, solids, coating):
-    """Write the light that arrives at the first n points of a batch to the lattice; arguments as in `batch`; fine:
-    whether they are rays of one pixel, whose light nobody shares."""
+def keep(work, n, which, strands, lights, shadows, solids, coating):
+    """Write the light that arrives at the first n points of a batch to the lattice; arguments as in `batch`."""
     depth = deepest(coating.coats, which)
     if other.has_look(solids) or depth > ZERO:
         appearance.plain(work, n, coating.paint, which)
     face(work, n, solids, which)
     for i in range(lights.rows.shape[0]):
         arrive(work, n, i, lights, shadows, solids, strands.loss, depth)
-        store(work, n, i, lights, fine)
+        note(work, n, i, lights)
 
 
 @device
@@ -223,20 +224,18 @@ def light_around(work, n, surround, bounce, depth):
         work[RADIANCE + W + k] = g
         work[RADIANCE + 2 * W + k] = b
     if surround.volume.shape[0] > 0:
-        for k in range(n):
-            share = occlusion.sky_visibility(
-                surround.volume,
-                surround.box,
-                work[X + k],
-                work[Y + k],
-                work[Z + k],
-                work[NX + k],
-                work[NY + k],
-                work[NZ + k],
+        rows = pointer(work)
+        for k in range(0, n, lane_count(rows)):
+            share = occlusion.sky_visibilities(
+                surround.volume, surround.box, load3(rows, X + k, W), load3(rows, NX + k, W)
             )
             for c in range(3):
-                tone = work[ALBEDO + c * W + k] if depth > ZERO else bounce[c]
-                work[RADIANCE + c * W + k] *= share / max(ONE - tone * (ONE - share), TINY)
+                light = load(rows, RADIANCE + c * W + k)
+                if depth > ZERO:
+                    tone = load(rows, ALBEDO + c * W + k)
+                    store(rows, RADIANCE + c * W + k, light * (share / max(ONE - tone * (ONE - share), TINY)))
+                else:
+                    store(rows, RADIANCE + c * W + k, light * (share / max(ONE - bounce[c] * (ONE - share), TINY)))
 
 
 @device

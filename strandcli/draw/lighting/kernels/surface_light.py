@@ -9,7 +9,7 @@ from ....jit import device
 from ....solids.kernels import other
 from ...common.kernels.batch import ARRIVES, X, Y, Z
 from ...common.kernels.light_columns import MAP_LAYERS
-from ...common.kernels.surface_batch import LEFT, PX, SX, SY
+from ...common.kernels.surface_batch import LEFT, PX, SHARE, SX, SY
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.minmax import transmittance
 from .inputs import COMPUTED, Lights
@@ -70,16 +70,16 @@ def recall(work, n, i, lights, depth):
 
 
 @device
-def store(work, n, i, lights, fine):
-    """Write what has arrived of light number i to the lattice; fine: whether points are rays of one pixel, for which
-    nothing is known."""
+def note(work, n, i, lights):
+    """Write what has arrived of light number i to the lattice; where a solid has an edge in front of itself nothing is
+    known."""
     for k in range(n):
         _, _, _, _, falloff = toward(lights.rows, i, work[X + k], work[Y + k], work[Z + k])
         share = work[ARRIVES + k] / falloff
         x = (np.int64(work[SX + k]) + np.int64(lights.right)) >> 1
         y = (np.int64(work[SY + k]) + np.int64(lights.down)) >> 1
         for c in range(3):
-            lights.known[y, x, i, c] = UNKNOWN if fine else share * work[LEFT + c * W + k]
+            lights.known[y, x, i, c] = UNKNOWN if work[SHARE + k] < ZERO else share * work[LEFT + c * W + k]
 
 
 @device

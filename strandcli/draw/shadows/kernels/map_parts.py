@@ -168,7 +168,7 @@ def weight_of_vertex(sketch, screen, v, view, s):
     return weight_at(sketch, screen[v, 0], screen[v, 1], depth, sketch.chances[s])
 
 
-@device
+@inlined
 def thin_part(strands, part, sketch, view, size, kept, found, costs, along):
     """Write the vertices of a part, what is found of it, and its cost; along: of the strands."""
     s = part // PARTS

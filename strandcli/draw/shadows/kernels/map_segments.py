@@ -1,5 +1,8 @@
 """Segments of strands on an opacity map, a vector of them at a time, and the pieces that texels or cells cut them into.
 
+Parts of strands often have fewer segments than a vector has lanes, so their vertices come one part after the other into
+a run, of which vectors are full. No segment ends at the first vertex of a part, so none leads from one part to another.
+
 A segment is cut at the borders of rows where it is steep on the map, else of columns. What its pieces follow
 from is found for all segments of a vector at once: one after the other, the processor would guess wrong for each how
 long it is and which way it leads.
@@ -9,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device
+from ....jit import device, inlined
 from ....simd import floor, gather4, lane_count, load, pointer, sqrt, store, where
 from .map_parts import TINY
 
@@ -20,6 +23,8 @@ FINEST = np.float32(64.0)
 """Most pieces that a texel is cut into where a segment leads away from the light."""
 SEGMENTS = 16
 """Segments that are looked at together."""
+RUN = 64
+"""Segments of a run from which on they are drawn, and most vertices that come into it at once: whole vectors."""
 BATCH = 256
 """Pieces of a batch: whole vectors."""
 
@@ -29,7 +34,9 @@ BATCH = 256
 LOW, HIGH, NEAR, ACROSS, DEPTH, STEP, RISE, AREA, BEGIN, PIECES, LENGTH, STEEP = (k * SEGMENTS for k in range(12))
 NUMBERS = 12 * SEGMENTS
 """The numbers from 0 on."""
-OUT = 13 * SEGMENTS
+VERTICES = 13 * SEGMENTS
+"""The vertices of a run, as in `PartsInMap.kept`."""
+OUT = VERTICES + 4 * (2 * RUN + SEGMENTS)
 """Where the rows of a batch begin."""
 
 
@@ -41,49 +48,83 @@ def start(work):
 
 
 @device
-def find_segments(work, kept, at, count, window, view, texels):
-    """Write the rows of up to `SEGMENTS` segments between the vertices from number `at` on; return how many.
-
-    kept: of `PartsInMap`; count: of segments from there on; texels: whether texels cut segments, and those that lead
-    away from the light are cut into more pieces; else cells do, of two texels.
-    """
+def append(work, held, kept, begin, count):
+    """Bring up to `RUN` vertices from number `begin` on into a run that holds some; return how many it holds then."""
     rows, points = pointer(work), pointer(kept)
+    for at in range(0, 4 * count, lane_count(rows)):
+        store(rows, VERTICES + 4 * held + at, load(points, 4 * begin + at))
+    return held + count
+
+
+@device
+def leave_out(work, held, segments):
+    """Take segments, whole vectors of them, off the beginning of a run; return how many vertices it holds then."""
+    rows = pointer(work)
+    for at in range(0, 4 * (held - segments), lane_count(rows)):
+        store(rows, VERTICES + at, load(rows, VERTICES + 4 * segments + at))
+    return held - segments
+
+
+@inlined
+def segments_at(rows, first, count, window, view, texels):
+    """Return, of a vector of the segments of a run, vectors of what the rows above have, from `LOW` to `STEEP`, but
+    which of them are steep as a mask.
+
+    rows: `pointer` to the rows; first: number of the segment of the first lane; count: of segments; texels: whether
+    texels cut segments, and those that lead away from the light are cut into more pieces; else cells do, of two texels.
+    """
     top, bottom, size = np.float32(window.top), np.float32(window.bottom), np.float32(window.width)
+    lane = load(rows, NUMBERS)
+    at = VERTICES + 4 * first
+    x0, y0, d0, _ = gather4(rows, at, lane, 4, ZERO)
+    x1, y1, d1, wide = gather4(rows, at + 4, lane, 4, ZERO)
+    none = ZERO * lane
+    dx, dy, rise = x1 - x0, y1 - y0, d1 - d0
+    steep = abs(dy) >= abs(dx)
+    near, far = where(steep, y0, x0), where(steep, y1, x1)
+    low, high = min(near, far), max(near, far)
+    length = high - low
+    # flat segments add to the rows of cells next to theirs, and a light may be so near that a segment is longer
+    # than its map
+    there = (wide >= ZERO) & (lane < np.float32(count - first)) & (length >= TINY) & (length <= size * np.float32(4.0))
+    there = there & (max(y0, y1) >= top - ONE) & (min(y0, y1) <= bottom + ONE)
+    parts = HALF + none
+    if texels:
+        away = abs(rise) * view.focal
+        if not view.far > ZERO:
+            away *= HALF * (ONE / d0 + ONE / d1)
+        parts = where(away > length, floor(min(away / length, FINEST)) + ONE, ONE + none)
+    begin = parts * where(steep, top + none, none)
+    end = parts * where(steep, bottom + none, size + none)
+    begin = max(floor(parts * low), begin)
+    end = min(floor(parts * high) + ONE, end)
+    slope = ONE / (far - near)
+    across, step = where(steep, x0, y0), where(steep, dx, dy) * slope
+    area = wide * sqrt(dx * dx + dy * dy) / length
+    pieces = where(there, max(end - begin, ZERO), none)
+    return low, high, near, across, d0, step, rise * slope, area, begin, pieces, ONE / parts, steep
+
+
+@device
+def find_segments(work, first, count, window, view):
+    """Write the rows of up to `SEGMENTS` segments of a run from one on, cut by texels; return how many.
+
+    first: number of that one; count: of segments of the run."""
+    rows = pointer(work)
     for k in range(0, SEGMENTS, lane_count(rows)):
-        lane = load(rows, NUMBERS + k)
-        x0, y0, d0, _ = gather4(points, 4 * at, lane, 4, ZERO)
-        x1, y1, d1, wide = gather4(points, 4 * at + 4, lane, 4, ZERO)
-        none = ZERO * lane
-        dx, dy, rise = x1 - x0, y1 - y0, d1 - d0
-        steep = abs(dy) >= abs(dx)
-        near, far = where(steep, y0, x0), where(steep, y1, x1)
-        low, high = min(near, far), max(near, far)
-        length = high - low
-        # flat segments add to the rows of cells next to theirs, and a light may be so near that a segment is longer
-        # than its map
-        there = (wide >= ZERO) & (lane < np.float32(count)) & (length >= TINY) & (length <= size * np.float32(4.0))
-        there = there & (max(y0, y1) >= top - ONE) & (min(y0, y1) <= bottom + ONE)
-        parts = HALF + none
-        if texels:
-            away = abs(rise) * view.focal
-            if not view.far > ZERO:
-                away *= HALF * (ONE / d0 + ONE / d1)
-            parts = where(away > length, floor(min(away / length, FINEST)) + ONE, ONE + none)
-        first = parts * where(steep, top + none, none)
-        end = parts * where(steep, bottom + none, size + none)
-        first = max(floor(parts * low), first)
-        end = min(floor(parts * high) + ONE, end)
-        slope = ONE / (far - near)
+        low, high, near, across, depth, step, rise, area, begin, pieces, length, steep = segments_at(
+            rows, first + k, count, window, view, True
+        )
         store(rows, LOW + k, low)
         store(rows, HIGH + k, high)
         store(rows, NEAR + k, near)
-        store(rows, ACROSS + k, where(steep, x0, y0))
-        store(rows, DEPTH + k, d0)
-        store(rows, STEP + k, where(steep, dx, dy) * slope)
-        store(rows, RISE + k, rise * slope)
-        store(rows, AREA + k, wide * sqrt(dx * dx + dy * dy) / length)
-        store(rows, BEGIN + k, first)
-        store(rows, PIECES + k, where(there, max(end - first, ZERO), none))
-        store(rows, LENGTH + k, ONE / parts)
-        store(rows, STEEP + k, where(steep, ONE + none, none))
-    return min(count, SEGMENTS)
+        store(rows, ACROSS + k, across)
+        store(rows, DEPTH + k, depth)
+        store(rows, STEP + k, step)
+        store(rows, RISE + k, rise)
+        store(rows, AREA + k, area)
+        store(rows, BEGIN + k, begin)
+        store(rows, PIECES + k, pieces)
+        store(rows, LENGTH + k, length)
+        store(rows, STEEP + k, where(steep, ONE + low * ZERO, low * ZERO))
+    return min(count - first, SEGMENTS)

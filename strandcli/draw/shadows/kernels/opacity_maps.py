@@ -15,7 +15,7 @@ from .opacity import FIVE, HEAD, SCALE, START
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-AHEAD = 3
+AHEAD = 6
 """Parts of strands that are fetched before they are drawn."""
 LINE = 16
 """Numbers of a line of the processor's cache."""
@@ -31,22 +31,21 @@ def draw(parts, size, view, opacity_map):
         work = np.empty(splats.ROOM, np.float32)
         map_segments.start(work)
         window = Window(parts.borders[task], parts.borders[task + 1], size)
-        n = np.int64(0)
+        n = held = np.int64(0)
         for k in range(parts.order.shape[0]):
             ahead = min(k + AHEAD, parts.order.shape[0] - 1)
             if overlaps(parts.order, ahead, window):
                 fetch(parts, ahead)
             if overlaps(parts.order, k, window):
-                n = draw_part(work, n, parts, k, window, view, opacity_map, opacity_map.stacks)
+                n, held = draw_part(work, n, held, parts, k, window, view, opacity_map)
+        n = draw_segments(work, n, max(held - 1, 0), window, view, opacity_map, opacity_map.stacks)
         end_batch(work, n, window, opacity_map, opacity_map.stacks)
 
 
 @device
 def end_batch(work, n, window, opacity_map, stacks):
-    """Add what a batch holds to the layers, or in the pass that finds the extents to these."""
-    if stacks is None:
-        cell_extents.widen(work, n, opacity_map.extents)
-    else:
+    """Add what a batch holds to the layers, but in the pass that finds the extents; stacks: those of the map."""
+    if stacks is not None:
         splats.add(work, n, window, opacity_map)
 
 
@@ -56,29 +55,41 @@ def overlaps(order, k, window):
     return order[k, TOP] < window.bottom and order[k, BOTTOM] >= window.top
 
 
-@device
+@inlined
 def fetch(parts, k):
     """Have the processor fetch the vertices of a part that is drawn soon: they are anywhere in memory."""
     rows = pointer(parts.kept)
     begin = 4 * np.int64(parts.order[k, AT])
-    for at in range(begin, begin + 4 * np.int64(parts.order[k, COUNT]), LINE):
+    end = begin + 4 * np.int64(parts.order[k, COUNT])
+    for at in range(begin, end, LINE):
         prefetch(rows, at)
+    prefetch(rows, end - 1)
 
 
-@device
-def draw_part(work, n, parts, k, window, view, opacity_map, stacks):
-    """Draw what lies within the window of part k; return how many pieces the batch holds then, which held n.
+@inlined
+def draw_part(work, n, held, parts, k, window, view, opacity_map):
+    """Bring the vertices of part k into a run, and draw its segments once it has many. Return how many pieces the batch
+    and how many vertices the run holds then, which held n and `held`; work: rows of `map_segments`."""
+    begin, count = np.int64(parts.order[k, AT]), np.int64(parts.order[k, COUNT])
+    for past in range(0, count, map_segments.RUN):
+        held = map_segments.append(work, held, parts.kept, begin + past, min(count - past, map_segments.RUN))
+        if held > map_segments.RUN:
+            whole = (held - 1) // map_segments.SEGMENTS * map_segments.SEGMENTS
+            n = draw_segments(work, n, whole, window, view, opacity_map, opacity_map.stacks)
+            held = map_segments.leave_out(work, held, whole)
+    return n, held
 
-    work: rows of `map_segments`; stacks: those of the map.
-    """
-    begin, count = np.int64(parts.order[k, AT]), np.int64(parts.order[k, COUNT]) - 1
-    for past in range(0, count, map_segments.SEGMENTS):
-        layered = stacks is not None
-        segments = map_segments.find_segments(work, parts.kept, begin + past, count - past, window, view, layered)
-        if stacks is None:
-            n = cell_extents.collect_cells(work, n, segments, window, opacity_map.extents)
-        else:
-            n = splats.collect(work, n, segments, window, opacity_map)
+
+@inlined
+def draw_segments(work, n, count, window, view, opacity_map, stacks):
+    """Draw what lies within the window of the first segments of a run, so many; return how many pieces the batch holds
+    then, which held n. stacks: those of the map."""
+    if stacks is None:
+        cell_extents.widen(work, count, window, view, opacity_map.extents)
+        return n
+    for first in range(0, count, map_segments.SEGMENTS):
+        segments = map_segments.find_segments(work, first, count, window, view)
+        n = splats.collect(work, n, segments, window, opacity_map)
     return n
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, function
-from ....simd import floor, gather, half_width_pointer, lane_count, load, pointer, prefetch, store, where
+from ....simd import floor, gather, gather2, half_width_pointer, lane_count, load, pointer, prefetch, store, where
 from .map_segments import (
     ACROSS,
     AREA,
@@ -35,7 +35,7 @@ from .map_segments import (
     STEEP,
     STEP,
 )
-from .opacity import FIVE, HEAD, SCALE, START
+from .opacity import FIVE, HEAD, START
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -49,8 +49,8 @@ PAIR = 2
 # Rows of a batch, one number a splat: place, texels, of which one is whole; depth, metres; area, texels². Then two rows
 # each, one a texel: the row of its cell in the map, 0 where nothing is added; the place in that row; what is added.
 U, V, DEEP, SIZE = (OUT + row * BATCH for row in range(4))
-ROW, PLACE, ADDED = (OUT + row * BATCH for row in (4, 6, 8))
-ROOM = OUT + 10 * BATCH
+ROW, PLACE, ADDED, AT = (OUT + row * BATCH for row in (4, 6, 8, 10))
+ROOM = OUT + 12 * BATCH
 """Numbers of a batch with what is kept of segments."""
 
 
@@ -73,27 +73,44 @@ def collect(work, n, segments, window, opacity_map):
 
     work: rows of `map_segments`, of pieces of texels.
     """
+    s = past = np.int64(0)
+    while s < segments:
+        n, s, past = collect_some(work, n, segments, s, past)
+        if s < segments:
+            add(work, n, window, opacity_map)
+            n = np.int64(0)
+    return n
+
+
+@device
+def collect_some(work, n, segments, s, past):
+    """Add splats to a batch of n until it is full; return how many it holds then, and where to go on: the segment, and
+    how many of its pieces are past. It calls nothing, so what a segment's pieces share stays in registers.
+
+    s, past: where to begin; else as in `collect`."""
     rows = half_width_pointer(work)  # a segment has few pieces
     lanes = lane_count(rows)
     numbers = load(rows, NUMBERS)
-    for s in range(segments):
+    while s < segments:
         pieces = np.int64(work[PIECES + s])
         low, high, near, length = work[LOW + s], work[HIGH + s], work[NEAR + s], work[LENGTH + s]
         across, step, depth, rise = work[ACROSS + s] - HALF, work[STEP + s], work[DEPTH + s], work[RISE + s]
         along, beside = (V, U) if work[STEEP + s] > ZERO else (U, V)
-        for i in range(0, pieces, lanes):
+        while past < pieces:
             if n > BATCH - lanes:
-                add(work, n, window, opacity_map)
-                n = np.int64(0)
-            piece = numbers + (work[BEGIN + s] + np.float32(i))
+                return n, s, past
+            piece = numbers + (work[BEGIN + s] + np.float32(past))
             begin, end = max(length * piece, low), min(length * (piece + ONE), high)
             t = HALF * (begin + end) - near
             store(rows, along + n, floor(length * (piece + HALF)))
             store(rows, beside + n, across + t * step)
             store(rows, DEEP + n, depth + t * rise)
             store(rows, SIZE + n, work[AREA + s] * max(end - begin, ZERO))  # it may end before its first texel
-            n += min(pieces - i, lanes)
-    return n
+            n += min(pieces - past, lanes)
+            past += lanes
+        s += 1
+        past = np.int64(0)
+    return n, s, past
 
 
 @function
@@ -106,18 +123,22 @@ def add(work, n, window, opacity_map):
         work[V + k] = OUTSIDE
     for k in range(0, n, lane_count(rows)):
         find(rows, k, window, opacity_map)
-    stacks = opacity_map.stacks
-    cells = np.int64((window.width >> 1) ** 2)
-    stride = np.int64(HEAD + FIVE * (opacity_map.layers + 1))
+    stacks, places = opacity_map.stacks, work.view(np.int32)
+    cells = np.int32((window.width >> 1) ** 2)
+    stride = np.int32(HEAD + FIVE * (opacity_map.layers + 1))
     numbers = pointer(stacks)
-    for k in range(n):
-        for at in range(k, k + PAIR * BATCH, BATCH):
-            prefetch(numbers, cells + np.int64(work[ROW + at]) * stride + np.int64(work[PLACE + at]))
-    for k in range(n):
-        for at in range(k, k + PAIR * BATCH, BATCH):
-            row = np.int64(work[ROW + at])
-            if row > 0:
-                stacks[np.uint64(cells + row * stride + np.int64(work[PLACE + at]))] += work[ADDED + at]
+    for texel in range(PAIR):
+        begin = np.uint64(texel * BATCH)
+        for k in range(np.uint64(n)):
+            at = begin + k
+            place = np.int32(work[np.uint64(ROW) + at]) * stride + np.int32(work[np.uint64(PLACE) + at])
+            places[np.uint64(AT) + at] = cells + place
+    for k in range(np.uint64(n)):
+        prefetch(numbers, np.int64(places[np.uint64(AT) + k]))
+        prefetch(numbers, np.int64(places[np.uint64(AT + BATCH) + k]))
+    for k in range(np.uint64(n)):
+        stacks[np.uint64(places[np.uint64(AT) + k])] += work[np.uint64(ADDED) + k]
+        stacks[np.uint64(places[np.uint64(AT + BATCH) + k])] += work[np.uint64(ADDED + BATCH) + k]
 
 
 @device
@@ -137,11 +158,13 @@ def find(rows, k, window, opacity_map):
         inside = (row >= top) & (row < bottom) & (column >= ZERO) & (column < size)
         cell_row, cell_column = floor(row * HALF), floor(column * HALF)
         cell = where(inside, cell_row * (size * HALF) + cell_column, ZERO)
-        far = max((d - gather(heads, 0, cell, 2, np.float32(START))) * opacity_map.over, ZERO)
-        ended = floor(gather(heads, 0, cell, 2, np.float32(SCALE)) * (far / (far + ONE)))
+        front, most = gather2(heads, 0, cell, 2, np.float32(START))
+        far = max((d - front) * opacity_map.over, ZERO)
+        ended = floor(most * (far / (far + ONE)))
         layer = min(ended, np.float32(opacity_map.layers - 1))
         own = TWO * (row - TWO * cell_row) + (column - TWO * cell_column)
         at = texel * BATCH + k
-        store(rows, ROW + at, where(inside, gather(table, 0, cell, 1, ZERO), ZERO))
+        number = where(inside, gather(table, 0, cell, 1, ZERO), ZERO)
+        store(rows, ROW + at, number)
         store(rows, PLACE + at, np.float32(HEAD) + np.float32(FIVE) * (layer + ONE) + own)
-        store(rows, ADDED + at, part)
+        store(rows, ADDED + at, where(number > ZERO, part, ZERO))  # row 0 stays empty

@@ -20,7 +20,6 @@ TOGETHER = W // WHOLE
 """Pixels whose samples fill one batch."""
 SLOTS = 4
 """Solids that are distinguished within a pixel; further ones count as the last of them."""
-EVEN = np.uint64(0)
 
 
 @parallel
@@ -28,59 +27,6 @@ def depths(keys, out):
     """Write the depth numbers of a z-buffer (P,) to out (P,) float32; 0 in empty pixels."""
     for p in prange(keys.shape[0]):
         out[p] = np.uint32(LOW - (keys[p] >> SHIFT)).view(np.float32)
-
-
-@parallel
-def find(keys, width, height, ends, counts):
-    """Mark the pixels that may contain an edge: those whose solid differs from that of one of the four neighbours, and
-    those at the picture's border.
-
-    ends (height * width,) uint8 out: non-zero for marked pixels; counts (height,) int64 out: marked pixels of each row.
-    """
-    for row in prange(height):
-        y = np.int64(row)  # the index is unsigned, for which `compare` would be compiled a second time
-        compare(keys, y * width, max(y - 1, 0) * width, min(y + 1, height - 1) * width, width, ends)
-        if y in (0, height - 1):
-            ends[y * width : (y + 1) * width] = 1
-        ends[y * width] = 1
-        ends[(y + 1) * width - 1] = 1
-        counts[y] = total(ends, y * width, width)
-
-
-@device
-def compare(keys, own, above, below, width, ends):
-    """Mark the pixels of one row, except its first and last; own, above, below: first pixel of this and the adjacent
-    rows. The loop is vectorised."""
-    for x in range(np.uint64(1), np.uint64(width - 1)):
-        at = np.uint64(own) + x
-        key = keys[at]
-        other = (keys[at - np.uint64(1)] ^ key) | (keys[at + np.uint64(1)] ^ key)
-        other |= (keys[np.uint64(above) + x] ^ key) | (keys[np.uint64(below) + x] ^ key)
-        ends[at] = np.uint8((other & LOW) != EVEN)
-
-
-@device
-def total(ends, begin, count):
-    """Return the sum of `count` marks from index `begin` on."""
-    n = np.int64(0)
-    for i in range(np.uint64(begin), np.uint64(begin + count)):
-        n += np.int64(ends[i])
-    return n
-
-
-@parallel
-def collect(ends, width, begin, pixels):
-    """List the marked pixels row by row in pixels (E,) int64; ends: from `find`; begin (height + 1,) int64: index of
-    each row's first pixel, and E."""
-    for row in prange(begin.shape[0] - 1):
-        y = np.int64(row)
-        n = begin[y]
-        p = y * width
-        while n < begin[y + 1]:
-            if ends[p] != 0:
-                pixels[n] = p
-                n += 1
-            p += 1
 
 
 @parallel
@@ -130,8 +76,12 @@ def spot(pixels, width, e, i):
 @device
 def inside(pixels, width, e, frames, m):
     """Return whether a pixel can show solid number m."""
-    x = pixels[e] % width
-    y = pixels[e] // width
+    return within(pixels[e] % width, pixels[e] // width, frames, m)
+
+
+@device
+def within(x, y, frames, m):
+    """Return whether the pixel of a column and a row can show solid number m."""
     return frames[m, LEFT] - 1 <= x <= frames[m, RIGHT] and frames[m, TOP] - 1 <= y <= frames[m, BOTTOM]
 
 

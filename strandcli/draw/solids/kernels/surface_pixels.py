@@ -9,13 +9,14 @@ from ....jit import device, inlined
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.dither import dithered, noise_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
-from ...common.kernels.surface_batch import DISTANCE, NOISE, SX, SY, THERE
+from ...common.kernels.surface_batch import DISTANCE, NOISE, RAYS, SHARE, SX, SY, THERE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import appearance, blended, rays
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+INF = rays.INF
 FOLD = np.float32(4.0)
 """Second difference of depth between neighbouring pixels, in pixel widths, beyond which a surface is taken to have an
 edge in front of itself."""
@@ -60,35 +61,36 @@ def shows_solids(screen, p, width):
 
 
 @device
-def fill_batch(screen, found, i, end, width, solids, work, which):
-    """Fill a batch with pixels of one solid, from number i of `found` on, or with the rays of a single pixel in which
-    the solid has an edge in front of itself.
+def fill_batch(screen, found, i, end, width, solids, work, which, bare):
+    """Fill a batch with points of one solid, from pixel number i of `found` on: one a pixel, and two of one in which
+    the solid has an edge in front of itself, or one where ``bare``.
 
-    Returns the next number, how many points, the number of the solid, and whether they are rays of one pixel.
+    Returns the next number, how many points, the number of the solid, and whether some pixels have such an edge.
     screen: `inputs.Screen`; found, end: from `find_pixels`; which (W,) int64 out: pixel of each point.
     """
     keys, view, spots = screen.keys, screen.camera, screen.spots
     n = np.int64(0)
     solid = np.int64(-1)
-    blends = False
+    blends = fine = False
     for number in range(i, end):
         at = found[number]
         key = keys[at]
         own = np.int64((key & LOW) - FIRST)
-        if n > 0 and (own != solid or n == W):
-            return number, n, solid, False
+        if n > 0 and (own != solid or n > W - 2):
+            return number, n, solid, fine
         if own != solid:
             solid = own
             blends = blended.blends(solids, own) or appearance.folds(solids, own)
             blends = spots.shape[0] == 0 and blends
         row = np.int64(np.uint32(at) // np.uint32(width))
         column = at - row * width
-        if blends and folded(keys, at, column, width, view):
-            if n > 0:
-                return number, n, solid, False
-            which[0] = at
-            return number + 1, fine_rays(work, column, row, view, solids, own), solid, True
+        edge = blends and folded(keys, at, column, width, view)
+        fine |= edge
+        if edge and not bare:
+            n = fine_points(work, which, n, at, column, row, view, solids, own)
+            continue
         which[n] = at
+        work[SHARE + n] = -ONE if edge else ONE
         work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
         work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
         if view[PERSPECTIVE] > ZERO:  # the depth number is one over the depth
@@ -96,7 +98,7 @@ def fill_batch(screen, found, i, end, width, solids, work, which):
         else:
             work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, solids, own)
         n += 1
-    return end, n, solid, False
+    return end, n, solid, fine
 
 
 @inlined
@@ -133,18 +135,55 @@ def pixel_at(place, screen, width):
 
 
 @device
-def fine_rays(work, column, row, view, solids, which):
-    """Fill a batch with the FINE × FINE rays of a pixel that meet solid number `which`; return how many meet it."""
-    n = np.int64(0)
-    for sample in range(FINE * FINE):
-        x = np.float32(column) + (np.float32(sample % FINE) + HALF) / np.float32(FINE)
-        y = np.float32(row) + (np.float32(sample // FINE) + HALF) / np.float32(FINE)
-        t = distance(x, y, view, solids, which)
-        work[SX + n] = x
-        work[SY + n] = y
-        work[DISTANCE + n] = t
-        n += np.int64(t != rays.INF)
+def fine_points(work, which, n, at, column, row, view, solids, solid):
+    """Add to a batch of n points those that stand for the FINE × FINE rays of pixel number `at`: one for the rays that
+    meet the solid on each side of its edge. Return how many points there are then."""
+    near, far = INF, -INF
+    for ray in range(FINE * FINE):
+        x, y = ray_at(ray, column, row)
+        t = distance(x, y, view, solids, solid)
+        work[RAYS + ray] = t
+        near, far = min(near, t), max(far, t if t < INF else -INF)
+    middle = HALF * (near + far)
+    met = ZERO
+    for ray in range(FINE * FINE):
+        met += ONE if work[RAYS + ray] < INF else ZERO
+    for side in range(2):
+        low, high = (near, middle) if side == 0 else (middle, far)
+        count = across = down = ZERO
+        for ray in range(FINE * FINE):
+            if between(work[RAYS + ray], low, high, side):
+                x, y = ray_at(ray, column, row)
+                count += ONE
+                across += x
+                down += y
+        if count == ZERO:
+            continue
+        least = INF
+        for ray in range(FINE * FINE):
+            x, y = ray_at(ray, column, row)
+            aside = (x - across / count) * (x - across / count) + (y - down / count) * (y - down / count)
+            if between(work[RAYS + ray], low, high, side) and aside < least:
+                least = aside
+                work[SX + n], work[SY + n], work[DISTANCE + n] = x, y, work[RAYS + ray]
+        which[n] = at
+        work[SHARE + n] = -count / met
+        n += 1
     return n
+
+
+@inlined
+def between(t, low, high, side):
+    """Return whether a distance along a ray is one of those before the edge (side 0) or of those behind it."""
+    return (low <= t) & (t <= high) & ((side == 0) | (t > low))
+
+
+@inlined
+def ray_at(ray, column, row):
+    """Return where on the screen ray number `ray` of a pixel is."""
+    x = np.float32(column) + (np.float32(ray % FINE) + HALF) / np.float32(FINE)
+    y = np.float32(row) + (np.float32(ray // FINE) + HALF) / np.float32(FINE)
+    return x, y
 
 
 @device
@@ -155,14 +194,23 @@ def distance(x, y, view, solids, which):
 
 
 @device
-def average(work, n):
-    """Replace the radiance of the first point by the mean of the n rays of a pixel, and its opacity by the last's."""
-    for c in range(3):
-        total = ZERO
-        for k in range(n):
-            total += work[RADIANCE + c * W + k]
-        work[RADIANCE + c * W] = total / np.float32(n)
-    work[THERE] = work[THERE + n - 1]
+def average(work, n, which):
+    """Let each pixel of a batch of n points have one, with the mean of its points by their shares; return how many
+    there are then."""
+    m = np.int64(-1)
+    for k in range(n):
+        share = abs(work[SHARE + k])
+        if m >= 0 and which[m] == which[k]:
+            work[THERE + m] += share * work[THERE + k]
+            for c in range(3):
+                work[RADIANCE + c * W + m] += share * work[RADIANCE + c * W + k]
+        else:
+            m += 1
+            which[m] = which[k]
+            work[THERE + m] = share * work[THERE + k]
+            for c in range(3):
+                work[RADIANCE + c * W + m] = share * work[RADIANCE + c * W + k]
+    return m + 1
 
 
 @device
@@ -204,8 +252,13 @@ def folded(keys, at, column, width, view):
     here = depth_at(keys, at, view)
     across = bend(keys, at, 1, here, view)
     down = bend(keys, at, width, here, view)
-    pixel = here / view[FOCAL] if view[PERSPECTIVE] > ZERO else ONE / view[FOCAL]
-    return max(across, down) > FOLD * pixel
+    return max(across, down) > FOLD * pixel_width(here, view)
+
+
+@device
+def pixel_width(depth, view):
+    """Return the width of a pixel at a depth, metres."""
+    return depth / view[FOCAL] if view[PERSPECTIVE] > ZERO else ONE / view[FOCAL]
 
 
 @device

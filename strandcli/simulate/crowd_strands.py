@@ -1,0 +1,97 @@
+"""What the grid of strands that interact knows of them: their nodes, and what strands around have done to these."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..blocks import aligned
+from .crowd_samples import Samples, nodes_of
+from .kernels import crowd_excess, crowd_nodes, crowd_pack, work_queue
+from .kernels.crowd_records import NODE, Lattice, Moving
+from .kernels.records import State
+from .kernels.rod_scratch import AXES, PACK
+
+
+class CrowdStrands:
+    """The strands of a `Crowd`. A step that is run with `beside` leaves the nodes of the next one."""
+
+    def __init__(self, samples: Samples, segments: int, metres: NDArray[np.float32], boxes: int, dtype: Any) -> None:
+        """``metres``: as `Moving` has them; ``boxes``: how many there are, of all parts and of all."""
+        self._samples, self._metres, self._kind = samples, metres, np.dtype(dtype).type
+        nodes = nodes_of(samples, segments)
+        self._lattice = [one.astype(dtype) if one.dtype.kind == "f" else one for one in nodes]
+        self._weights, self._origins = samples.weights.astype(dtype), np.empty((boxes, 3), dtype)
+        packs, count = len(metres), len(nodes.node_first)
+        self._nodes = aligned((packs, count, NODE * PACK), dtype)
+        self.ends = np.empty((packs, 6), dtype)
+        """As `Moving` has them."""
+        self.noted = False
+        """Whether nodes and ends are of strands as they are, for the last step has set them."""
+        self.others = aligned((packs, count, AXES), dtype)
+        """(P, M, 3 S) after a step, of nodes: velocity at its begin, and `1 - HELD` of what strands around have added,
+        m/s."""
+        self.roots = np.zeros((packs, AXES), dtype)
+        """What a step's velocities of roots may be kept in."""
+        self._numbers = np.empty(crowd_pack.ORIGIN + 3, dtype)
+        self._shares: tuple[tuple[Any, ...], NDArray[Any]] = (), self._numbers
+        self._descriptor: tuple[NDArray[np.int64], tuple[Any, ...]] | None = None
+
+    def moving(self, state: State, roots: NDArray[Any], mass: NDArray[Any]) -> Moving:
+        """Return what kernels take of strands."""
+        return Moving(
+            state.positions, state.velocity, self._nodes, self.others, self.ends, roots, self._metres, mass
+        )  # fmt: skip
+
+    def lattice(self, cell: float, dt: float, before: float) -> Lattice:
+        """Return how strands are sampled in a step of ``dt`` seconds after one of ``before``, 0 if there was none;
+        origins are to be set."""
+        kind, samples = self._kind, self._samples
+        steps = kind(dt), kind(dt / before if before else 1.0), kind(1 - crowd_excess.HELD)
+        sampled = samples.first, samples.counts, self._weights, samples.mass.astype(kind)
+        return Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
+
+    def note(self, moving: Moving, lattice: Lattice, parts: NDArray[np.int64], anew: bool) -> None:
+        """Set nodes and ends where the last step has not; ``anew``: nothing is known of a step before."""
+        if not self.noted:
+            crowd_nodes.note(moving, lattice, parts)
+        self.noted = False
+        if anew:
+            self.others[...] = self._nodes[:, :, AXES:]
+
+    def shares(self, lattice: Lattice, mass: NDArray[Any]) -> NDArray[Any]:
+        """Return (samples, greatest count) the shares of a sample's change that its particles have, 1/s."""
+        known = lattice.step, lattice.mass.tobytes(), mass.tobytes()
+        if self._shares[0] != known:
+            particles = lattice.first[:, None] + np.arange(-1, lattice.weights.shape[1] - 1)
+            each = (lattice.mass / lattice.step)[:, None] * lattice.weights
+            self._shares = known, each / mass[np.clip(particles, 0, len(mass) - 1)]
+        return self._shares[1]
+
+    def beside(self, moving: Moving, lattice: Lattice, given: tuple[Any, ...], crowd: NDArray[Any]) -> Any:
+        """Return what sets accelerations, ``crowd``, in the step of rods that is about to be run, and the nodes of the
+        next one. ``given``: as `crowd_pack.descriptor_of` takes it."""
+        whole, targets, scratch, shares = given
+        kept = moving.positions, targets, shares
+        if self._descriptor is None or any(a is not b for a, b in zip(self._descriptor[1][0], kept, strict=True)):
+            made = crowd_pack.descriptor_of(moving, lattice, whole, targets, scratch, shares, self._numbers, crowd)
+            self._descriptor = made, (kept, moving, lattice, given, crowd)  # which must outlive the step
+        descriptor = self._descriptor[0]
+        crowd_pack.set_numbers(lattice, self._numbers)
+        descriptor[crowd_pack.ROOTS] = moving.roots.ctypes.data
+        self._roots = moving.roots  # which must outlive the step, too
+        self.noted = True
+        return *codes_for(self._kind.__name__), descriptor.ctypes.data
+
+
+@cache
+def codes_for(kind: str) -> tuple[int, int]:
+    """Addresses of the code that sets accelerations of a pack, of strands in single or double precision, and of the
+    code that sets nodes."""
+    double = kind == "float64"
+    before = crowd_pack.double if double else crowd_pack.single
+    after = crowd_pack.double_after if double else crowd_pack.single_after
+    return work_queue.address(before, 2), work_queue.address(after, 2)
