@@ -102,6 +102,7 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
     # in the world, on the screen, colours, marks; in light; widths
     wide = scene.material.width > 0 and (scene.image.resolver != "zbuffer" or scene.material.width * sizes.scale > 1)
     total = round(vertices * (37 + _projected_bytes(plan, scene) + (4 if wide else 0)))
+    total += 4 * vertices if scene.curves.mode == "adaptive" else 0  # how far along their strands they stand
     total += strands * (8 + 8 + 2 * (sizes.points - 1) + 4 + 8 + 8)
     tables = getattr(FIBRES[scene.material.model], "memory", lambda material: 0)
     total += tables(scene.material)
