@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -16,6 +18,7 @@ from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting import occlusion
 from strandcli.draw.lighting.kernels import ambient
 from strandcli.draw.lighting.kernels.inputs import Surround
+from strandcli.jit import function
 from strandcli.plan import make_plan
 from strandcli.scene.model import AmbientOcclusion, CapsuleSolid, Emitter, PlaneSolid, SphereSolid
 from strandcli.solids import pack_all
@@ -139,6 +142,11 @@ def test_any_number_of_threads_and_every_strand_counts() -> None:
     assert built(points, 0.04).at(np.zeros((1, 3))) < one.at(np.zeros((1, 3)))
 
 
+@function
+def ambient_light(work: Any, around: Any) -> None:
+    ambient.ambient_light(work, np.int64(1), around)
+
+
 def lit(share: float, colour: float) -> float:
     """Radiance in a sky of 1 of a strand that sees this share of it."""
     work = np.zeros(batch.ROWS * W, np.float32)
@@ -147,7 +155,7 @@ def lit(share: float, colour: float) -> float:
     box = np.array([-1, -1, -1, 0.5, 0.5, 0.5, 2, 2, 2, 1], np.float32)
     no_sky = np.zeros((0, 9, 3), np.float32)
     around = Surround(np.ones(3, np.float32), no_sky, volume, box)
-    ambient.ambient_light.py_func(work, np.int64(1), around)
+    ambient_light(work, around)
     return float(work[batch.RADIANCE])
 
 
