@@ -110,10 +110,10 @@ def test_how_it_looks_is_told_in_the_world() -> None:
     solids = pack_all([tube.Settings(position=(1.0, 2.0, 3.0), rotation=(0.0, 0.0, 90.0))], STILL, 0.0)
     module = other_code.module_for([tube.Settings()])
     top = (1.0 - 0.25 - 0.1, 2.0 - 0.25, 3.0)  # own +y is −x of the world
-    normal, place, colour = look_of(module, solids, *(np.float32(one) for one in top))
+    normal, place, colour, before = look_of(module, solids, *(np.float32(one) for one in top))
     assert normal == pytest.approx((-1, 0, 0), abs=0.02)
     assert place == pytest.approx(top, abs=1e-6)
-    assert colour == (0, 1, 0)
+    assert (colour, before) == ((0, 1, 0), -1)
 
 
 def look_of(module: Any, solids: Any, x: Any, y: Any, z: Any) -> Any:
@@ -124,7 +124,7 @@ def look_of(module: Any, solids: Any, x: Any, y: Any, z: Any) -> Any:
 
     @function
     def ask(solids, x, y, z):  # type: ignore[no-untyped-def]
-        return LOOK(AMONG(solids), 0, x, y, z, (x, y, z), np.float32(1e-3))
+        return LOOK(AMONG(solids), 0, x, y, z, (x, y, z), np.float32(1e-3), np.int64(-1))
 
     return ask(solids, x, y, z)
 
