@@ -16,6 +16,7 @@ import ctypes
 import json
 import resource
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -164,42 +165,50 @@ def release() -> None:
 
 
 def main() -> int:
-    """Fuzz all formats, or one. Exit code 1 where something is wrong."""
-    begun, _, end = (sys.argv[1] if len(sys.argv) > 1 else "1000").rpartition("-")
+    """Fuzz all formats, or one. Exit code 1 where something is wrong. Each format has a process of its own: libraries
+    that others need are no memory of it."""
+    wanted = sys.argv[1] if len(sys.argv) > 1 else "1000"
+    suffixes = sys.argv[2:] or [*seeds(), *KINDS]
+    if len(suffixes) == 1:
+        return fuzz_one(suffixes[0], wanted)
+    codes = [subprocess.call([sys.executable, __file__, wanted, one]) for one in suffixes]
+    return int(any(codes))
+
+
+def fuzz_one(suffix: str, wanted: str) -> int:
+    """Fuzz a format by the changes so numbered, or by the first so many. Exit code as `main`."""
+    begun, _, end = wanted.rpartition("-")
     count = int(end)
-    wrong = 0
     sys.dont_write_bytecode = True  # of modules that a damaged file is the first to need
     remember_shipped()
-    for suffix in sys.argv[2:] or (*seeds(), *KINDS):
-        with tempfile.TemporaryDirectory() as folder:  # whatever is imported by the first file does not count
-            for whole in files_of(suffix):
-                attempt(whole, suffix, Path(folder))
-        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-        before = resource.getrlimit(resource.RLIMIT_AS)
-        resource.setrlimit(resource.RLIMIT_AS, (used + MOST, before[1]))
-        forget_peak()
-        signal.signal(signal.SIGALRM, _stop)
-        signal.signal(signal.SIGPROF, _stop)
-        begin, total = time.monotonic(), Counter[str]()
-        for first in range(int(begun or 0), count, 100):
-            signal.alarm(PATIENCE)
-            signal.setitimer(signal.ITIMER_PROF, LONGEST)
-            total += fuzz(suffix, range(first, min(first + 100, count)), print)
-            release()
-            if first % 10_000 == 9_900:
-                print(f"{suffix}: {first + 100:,} files, {dict(total)}", file=sys.stderr, flush=True)
-        signal.alarm(0)
-        signal.setitimer(signal.ITIMER_PROF, 0)
-        resource.setrlimit(resource.RLIMIT_AS, before)
-        longest, number = LONGEST_OF.get(suffix, (0.0, 0))
-        large = peak_rss_bytes() > MOST_OF_ALL.get(suffix, sys.maxsize)
-        wrong += total["wrong"] + large
-        print(
-            f"{suffix}: {dict(total)} in {time.monotonic() - begin:.0f} s; longest {longest:.2f} s (number {number}), "
-            f"peak {peak_rss_bytes() / 1e6:.0f} MB{', too much' if large else ''}",
-            flush=True,
-        )
-    return 1 if wrong else 0
+    with tempfile.TemporaryDirectory() as folder:  # whatever is imported by the first file does not count
+        for whole in files_of(suffix):
+            attempt(whole, suffix, Path(folder))
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (used + MOST, before[1]))
+    forget_peak()
+    signal.signal(signal.SIGALRM, _stop)
+    signal.signal(signal.SIGPROF, _stop)
+    begin, total = time.monotonic(), Counter[str]()
+    for first in range(int(begun or 0), count, 100):
+        signal.alarm(PATIENCE)
+        signal.setitimer(signal.ITIMER_PROF, LONGEST)
+        total += fuzz(suffix, range(first, min(first + 100, count)), print)
+        release()
+        if first % 10_000 == 9_900:
+            print(f"{suffix}: {first + 100:,} files, {dict(total)}", file=sys.stderr, flush=True)
+    signal.alarm(0)
+    signal.setitimer(signal.ITIMER_PROF, 0)
+    resource.setrlimit(resource.RLIMIT_AS, before)
+    longest, number = LONGEST_OF.get(suffix, (0.0, 0))
+    large = peak_rss_bytes() > MOST_OF_ALL.get(suffix, sys.maxsize)
+    print(
+        f"{suffix}: {dict(total)} in {time.monotonic() - begin:.0f} s; longest {longest:.2f} s (number {number}), "
+        f"peak {peak_rss_bytes() / 1e6:.0f} MB{', too much' if large else ''}",
+        flush=True,
+    )
+    return 1 if total["wrong"] or large else 0
 
 
 if __name__ == "__main__":
