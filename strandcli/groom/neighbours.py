@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 A_CELL = 2.0
 """Points a cell of the grid in which they are looked for, on average over its area."""
-CODE = (__name__, f"{__package__}.kernels.nearest")
+CODE = (__name__, f"{__package__}.kernels.nearest", f"{__package__}.kernels.alike")
 """Modules that neighbours follow from."""
 ROUNDING = 1e-6
 """Of the grid's extent and distance from the origin; positions have single precision."""

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...jit import device, parallel, prange
-
-ZERO = np.float32(0.0)
+from .alike import insert
 
 
 class Cells(NamedTuple):
@@ -95,17 +94,5 @@ def way_out(x, cell, ring, size, count):
 def visit(point, cells, cell, stop, names, squares):
     """Put the points of the cells from `cell` to stop − 1 in their places among those found, where they are nearer than
     the last of them."""
-    last = names.shape[0] - 1
     for at in range(cells.begins[cell], cells.begins[stop]):
-        square = ZERO
-        for c in range(point.shape[0]):
-            d = point[c] - cells.points[at, c]
-            square += d * d
-        if square < squares[last]:
-            k = last
-            while k > 0 and square < squares[k - 1]:
-                squares[k] = squares[k - 1]
-                names[k] = names[k - 1]
-                k -= 1
-            squares[k] = square
-            names[k] = cells.names[at]
+        insert(cells.points, at, point, cells.names[at], names, squares)
