@@ -20,7 +20,7 @@ from .memory import lane_count, store
 INDEX = ir.IntType(32)
 
 
-def _of_records(size: int) -> Callable[..., Any]:
+def _of_records(size: int, read: int) -> Callable[..., Any]:
     def typed(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> Any:
         if not (
             isinstance(rows, PointerType)
@@ -41,13 +41,13 @@ def _of_records(size: int) -> Callable[..., Any]:
             place = builder.mul(builder.fptosi(first, whole), turn)
             place = builder.add(place, builder.fptosi(widened(context, builder, second, sig.args[4], kind), whole))
             start = builder.gep(base, [begin])
-            record = ir.VectorType(start.type.pointee, size)
+            record = ir.VectorType(start.type.pointee, read)
             found = []
             for k in range(count):
                 at = builder.sext(builder.extract_element(place, INDEX(k)), ir.IntType(64))
                 here = builder.bitcast(builder.gep(start, [at]), record.as_pointer())
                 found.append(builder.load(here, align=kind.dtype.bitwidth // 8))
-            return context.make_tuple(builder, sig.return_type, columns(builder, found, size))
+            return context.make_tuple(builder, sig.return_type, columns(builder, found, read)[:size])
 
         return types.UniTuple(vector_of(rows), size)(rows, o, x, stride, y), emit
 
@@ -86,10 +86,12 @@ def _mask(places: list[int]) -> Any:
     return ir.Constant(ir.VectorType(INDEX, len(places)), places)
 
 
-gather2: Any = intrinsic(_of_records(2))
+gather2: Any = intrinsic(_of_records(2, 2))
 """Two vectors: of the numbers that `gather` gives, and of those after them."""
-gather4: Any = intrinsic(_of_records(4))
+gather4: Any = intrinsic(_of_records(4, 4))
 """Four vectors: of the numbers that `gather` gives, and of those one, two and three places after them."""
+gather5: Any = intrinsic(_of_records(5, 8))
+"""Five vectors, likewise; eight numbers are read."""
 
 
 @intrinsic

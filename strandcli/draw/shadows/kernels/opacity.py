@@ -26,7 +26,7 @@ import math
 import numpy as np
 
 from ....jit import device, function, inlined
-from ....simd import broadcast, floor, gather, gather2, pointer, reduce_max, where
+from ....simd import any_lane, broadcast, floor, gather, gather2, gather5, pointer, reduce_max, where
 from ...common.kernels.approximations import exp
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS, PER_FALL
 from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
@@ -44,6 +44,8 @@ TEXELS = 4
 """Texels of a cell."""
 FIVE = 5
 """Numbers of a layer boundary: one for each texel, and their mean."""
+BEYOND = 3
+"""Numbers behind the last row: eight are read of the last five."""
 OWN = np.float32(0.375)
 """Half of what a strand one texel wide has on its own middle line, 2/3 along the map's axes to .78 between them."""
 BEGIN, NEXT = np.float32(HEAD), np.float32(HEAD + FIVE)
@@ -65,7 +67,7 @@ def stride_for(layers: int) -> int:
 
 def numbers_of(cells: int, rows: int, layers: int) -> int:
     """Return the length of a map with so many cells and, besides the empty row, so many rows."""
-    return cells + (rows + 1) * stride_for(layers)
+    return cells + (rows + 1) * stride_for(layers) + BEYOND
 
 
 @inlined
@@ -117,12 +119,6 @@ def growth_at(rows, start, number, k, dense, reach, layers):
 
 
 @inlined
-def corner(lower, right, a, b, c, d):
-    """Return a, b, c or d: the upper left, upper right, lower left or lower right value. Vectors."""
-    return where(lower, where(right, d, c), where(right, b, a))
-
-
-@inlined
 def in_front(u, v, d, scale, rows, start, size, over, layers):
     """Return τ in front of points, interpolated between texels and between cell means, and the latter's growth, 1/m.
     u, v: column and row, integers at texel centres; d: depth, metres; scale: texels a metre there; start: first index
@@ -138,48 +134,69 @@ def in_front(u, v, d, scale, rows, start, size, over, layers):
     wide_v = min(max(wide_v - up, ZERO), ONE)
     a, b = gather2(rows, start, up, half, left)
     c, e = gather2(rows, start, up + ONE, half, left)
-    reach = REACH / scale
     k_a, part_a, gone_a, dense_a = layers_at(d, rows, body, a, over, layers)
     k_b, part_b, gone_b, dense_b = layers_at(d, rows, body, b, over, layers)
     k_c, part_c, gone_c, dense_c = layers_at(d, rows, body, c, over, layers)
     k_e, part_e, gone_e, dense_e = layers_at(d, rows, body, e, over, layers)
-    cells = bilinear(
-        wide_u, wide_v,
-        depth_at(rows, body, a, k_a, part_a, MEAN, layers), depth_at(rows, body, b, k_b, part_b, MEAN, layers),
-        depth_at(rows, body, c, k_c, part_c, MEAN, layers), depth_at(rows, body, e, k_e, part_e, MEAN, layers),
-    )  # fmt: skip
-    growth = bilinear(
-        wide_u, wide_v,
-        growth_at(rows, body, a, gone_a, dense_a, reach, layers),
-        growth_at(rows, body, b, gone_b, dense_b, reach, layers),
-        growth_at(rows, body, c, gone_c, dense_c, reach, layers),
-        growth_at(rows, body, e, gone_e, dense_e, reach, layers),
-    )  # fmt: skip
-    column = floor(u)
-    row = floor(v)
-    first = floor(HALF * column)
-    upper = floor(HALF * row)
-    right = column - (first + first)  # 1 where it is odd
-    low = row - (upper + upper)
-    here = low + low + right
-    beside = low + low + (ONE - right)
-    below = (ONE - low) + (ONE - low)
-    across = first + right > left
-    first = first > left
-    lower = upper + low > up
-    upper = upper > up
+    column, row = floor(u), floor(v)
+    right, low = column - (left + left), row - (up + up)  # of the first texel, from that of the first cell: 0, 1 or 2
+    texels_a, mean_a, thick_a = passed_in(rows, body, a, k_a, part_a, layers)
+    texels_b, mean_b, thick_b = passed_in(rows, body, b, k_b, part_b, layers)
+    first, second = beside(right, texels_a, texels_b)
+    texels_c, mean_c, thick_c = passed_in(rows, body, c, k_c, part_c, layers)
+    texels_e, mean_e, thick_e = passed_in(rows, body, e, k_e, part_e, layers)
+    third, fourth = beside(right, texels_c, texels_e)
     texels = bilinear(
         u - column, v - row,
-        depth_at(rows, body, corner(upper, first, a, b, c, e), corner(upper, first, k_a, k_b, k_c, k_e),
-                 corner(upper, first, part_a, part_b, part_c, part_e), here, layers),
-        depth_at(rows, body, corner(upper, across, a, b, c, e), corner(upper, across, k_a, k_b, k_c, k_e),
-                 corner(upper, across, part_a, part_b, part_c, part_e), beside, layers),
-        depth_at(rows, body, corner(lower, first, a, b, c, e), corner(lower, first, k_a, k_b, k_c, k_e),
-                 corner(lower, first, part_a, part_b, part_c, part_e), below + right, layers),
-        depth_at(rows, body, corner(lower, across, a, b, c, e), corner(lower, across, k_a, k_b, k_c, k_e),
-                 corner(lower, across, part_a, part_b, part_c, part_e), below + (ONE - right), layers),
+        among(low, first[0], second[0], third[0]), among(low, first[1], second[1], third[1]),
+        among(low, second[0], third[0], fourth[0]), among(low, second[1], third[1], fourth[1]),
     )  # fmt: skip
-    return texels, cells, growth
+    reach = REACH / scale
+    farthest = max(max(dense_a, dense_b), max(dense_c, dense_e))
+    if any_lane(reach * farthest >= ONE):
+        growth_a = growth_at(rows, body, a, gone_a, dense_a, reach, layers)
+        growth_b = growth_at(rows, body, b, gone_b, dense_b, reach, layers)
+        growth_c = growth_at(rows, body, c, gone_c, dense_c, reach, layers)
+        growth_e = growth_at(rows, body, e, gone_e, dense_e, reach, layers)
+    else:  # no layer but that of the point is within reach
+        most = np.float32(layers)
+        growth_a = where(gone_a < most, thick_a * dense_a, ZERO)
+        growth_b = where(gone_b < most, thick_b * dense_b, ZERO)
+        growth_c = where(gone_c < most, thick_c * dense_c, ZERO)
+        growth_e = where(gone_e < most, thick_e * dense_e, ZERO)
+    cells = bilinear(wide_u, wide_v, mean_a, mean_b, mean_c, mean_e)
+    return texels, cells, bilinear(wide_u, wide_v, growth_a, growth_b, growth_c, growth_e)
+
+
+@inlined
+def passed_in(rows, start, number, k, part, layers):
+    """Return τ in front of a depth, in the four texels of cells; the mean of the four; and how much that grows in the
+    layer. Vectors; arguments as in `depth_at`."""
+    stride = HEAD + FIVE * (layers + 1)
+    low = gather5(rows, start + HEAD, number, stride, EACH * k)
+    high = gather5(rows, start + HEAD + FIVE, number, stride, EACH * k)
+    thick = high[TEXELS] - low[TEXELS]
+    return (
+        (low[0] + part * (high[0] - low[0]), low[1] + part * (high[1] - low[1]),
+         low[2] + part * (high[2] - low[2]), low[3] + part * (high[3] - low[3])),
+        low[TEXELS] + part * thick, thick,
+    )  # fmt: skip
+
+
+@inlined
+def beside(right, a, b):
+    """Return, of the upper and of the lower row of texels of two cells beside each other, those in column `right`, 0 to
+    2, and in the one after it. Vectors."""
+    return (
+        (among(right, a[0], a[1], b[0]), among(right, a[1], b[0], b[1])),
+        (among(right, a[2], a[3], b[2]), among(right, a[3], b[2], b[3])),
+    )
+
+
+@inlined
+def among(number, a, b, c):
+    """Return a, b or c: number 0, 1 or 2. Vectors."""
+    return where(number > ONE, c, where(number > ZERO, b, a))
 
 
 @inlined
