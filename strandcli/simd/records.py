@@ -18,9 +18,11 @@ from .kinds import PointerType, VectorType, vector_of, widened
 from .memory import lane_count, store
 
 INDEX = ir.IntType(32)
+LANE = 4
+"""Numbers in single precision within which a processor moves any to any place at the least cost."""
 
 
-def _of_records(size: int, read: int) -> Callable[..., Any]:
+def _of_records(size: int) -> Callable[..., Any]:
     def typed(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> Any:
         if not (
             isinstance(rows, PointerType)
@@ -41,13 +43,13 @@ def _of_records(size: int, read: int) -> Callable[..., Any]:
             place = builder.mul(builder.fptosi(first, whole), turn)
             place = builder.add(place, builder.fptosi(widened(context, builder, second, sig.args[4], kind), whole))
             start = builder.gep(base, [begin])
-            record = ir.VectorType(start.type.pointee, read)
+            record = ir.VectorType(start.type.pointee, size)
             found = []
             for k in range(count):
                 at = builder.sext(builder.extract_element(place, INDEX(k)), ir.IntType(64))
                 here = builder.bitcast(builder.gep(start, [at]), record.as_pointer())
                 found.append(builder.load(here, align=kind.dtype.bitwidth // 8))
-            return context.make_tuple(builder, sig.return_type, columns(builder, found, read)[:size])
+            return context.make_tuple(builder, sig.return_type, columns(builder, found, size))
 
         return types.UniTuple(vector_of(rows), size)(rows, o, x, stride, y), emit
 
@@ -57,6 +59,8 @@ def _of_records(size: int, read: int) -> Callable[..., Any]:
 def columns(builder: Any, records: list[Any], size: int) -> list[Any]:
     """Vectors of the first number of each record, of the second, and so on; records: vectors of so many numbers, which
     divides how many there are."""
+    if size % LANE == 0 and len(records) % (2 * LANE) == 0 and size <= 2 * LANE:
+        return by_lanes(builder, records, size // LANE)
     full = list(records)
     while len(full) > size:  # until each is as long as a vector of one number a record
         full = in_pairs(builder, full)
@@ -73,6 +77,42 @@ def columns(builder: Any, records: list[Any], size: int) -> list[Any]:
     return out
 
 
+def by_lanes(builder: Any, records: list[Any], chunks: int) -> list[Any]:
+    """As `columns`, of records of one or two times `LANE` numbers. Records that stand beside each other in a vector are
+    `LANE` apart, so that rows become columns within each `LANE` numbers, which costs least."""
+    half = len(records) // chunks
+    found = []
+    for begin in range(0, len(records), half):
+        rows = []
+        for row in range(LANE):
+            wide = records[begin + row : begin + half : LANE]
+            while len(wide) > 1:
+                wide = in_pairs(builder, wide)
+            rows.append(wide[0])
+        low = [_in_lanes(builder, rows[k], rows[k + 1], (0, LANE, 1, LANE + 1)) for k in (0, 2)]
+        high = [_in_lanes(builder, rows[k], rows[k + 1], (2, LANE + 2, 3, LANE + 3)) for k in (0, 2)]
+        found.append(
+            [
+                _in_lanes(builder, *pair, places)
+                for pair in (low, high)
+                for places in ((0, 1, LANE, LANE + 1), (2, 3, LANE + 2, LANE + 3))
+            ]
+        )
+    if chunks == 1:
+        return found[0]
+    count = len(records)
+    picked = [[at for at in range(2 * count) if at // LANE % 2 == odd] for odd in range(2)]
+    return [builder.shuffle_vector(a, b, _mask(places)) for places in picked for a, b in zip(*found, strict=True)]
+
+
+def _in_lanes(builder: Any, a: Any, b: Any, places: tuple[int, ...]) -> Any:
+    """A vector that has, in each `LANE` places, those of two vectors: the first ones of the first, then of the
+    second."""
+    count = a.type.count
+    own = [(place % LANE) + (count if place >= LANE else 0) for place in places]
+    return builder.shuffle_vector(a, b, _mask([at + k for at in range(0, count, LANE) for k in own]))
+
+
 def in_pairs(builder: Any, vectors: list[Any]) -> list[Any]:
     """Vectors, each behind the one before it."""
     count = vectors[0].type.count
@@ -86,12 +126,12 @@ def _mask(places: list[int]) -> Any:
     return ir.Constant(ir.VectorType(INDEX, len(places)), places)
 
 
-gather2: Any = intrinsic(_of_records(2, 2))
+gather2: Any = intrinsic(_of_records(2))
 """Two vectors: of the numbers that `gather` gives, and of those after them."""
-gather4: Any = intrinsic(_of_records(4, 4))
+gather4: Any = intrinsic(_of_records(4))
 """Four vectors: of the numbers that `gather` gives, and of those one, two and three places after them."""
-gather5: Any = intrinsic(_of_records(5, 8))
-"""Five vectors, likewise; eight numbers are read."""
+gather8: Any = intrinsic(_of_records(8))
+"""Eight vectors, likewise."""
 
 
 @intrinsic

@@ -15,7 +15,7 @@ because a thin layer contains one strand or none. A strand's own contribution in
 at the window's centre, is subtracted.
 
 A cell with strands is a row of numbers: nearest depth, n (1 + h / D), and then for each layer boundary the τ in front
-of it, five numbers: of the four texels and their mean. Within a layer τ is linear. A map is one flat array: a table of
+of it in each of the four texels. Within a layer τ is linear. A map is one flat array: a table of
 the row number of each cell, followed by the rows. All empty cells, nine tenths of a ponytail's map, share row 0.
 """
 
@@ -26,7 +26,7 @@ import math
 import numpy as np
 
 from ....jit import device, function, inlined
-from ....simd import any_lane, broadcast, floor, gather, gather2, gather5, pointer, reduce_max, where
+from ....simd import any_lane, broadcast, floor, gather, gather2, gather4, gather8, pointer, reduce_max, where
 from ...common.kernels.approximations import exp
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS, PER_FALL
 from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
@@ -41,17 +41,13 @@ START, SCALE = 0, 1
 HEAD = 2
 """Numbers of a row before its layer boundaries."""
 TEXELS = 4
-"""Texels of a cell."""
-FIVE = 5
-"""Numbers of a layer boundary: one for each texel, and their mean."""
-BEYOND = 3
-"""Numbers behind the last row: eight are read of the last five."""
+"""Texels of a cell, and so numbers of a layer boundary."""
 OWN = np.float32(0.375)
 """Half of what a strand one texel wide has on its own middle line, 2/3 along the map's axes to .78 between them."""
-BEGIN, NEXT = np.float32(HEAD), np.float32(HEAD + FIVE)
+BEGIN, NEXT = np.float32(HEAD), np.float32(HEAD + TEXELS)
 """Offsets in a row of the first and second layer boundary."""
-EACH, MEAN = np.float32(FIVE), np.float32(TEXELS)
-"""Distance between layer boundaries, and offset of the mean within one."""
+EACH = np.float32(TEXELS)
+"""Distance between layer boundaries."""
 CLOSE = np.float32(0.8)
 """Distance between strands, in texels, up to which single texels are read; beyond twice that only cell means are."""
 REACH = np.float32(1.5)
@@ -62,12 +58,12 @@ CROWDED = np.float32(0.1)
 
 def stride_for(layers: int) -> int:
     """Return the numbers of a row."""
-    return HEAD + FIVE * (layers + 1)
+    return HEAD + TEXELS * (layers + 1)
 
 
 def numbers_of(cells: int, rows: int, layers: int) -> int:
     """Return the length of a map with so many cells and, besides the empty row, so many rows."""
-    return cells + (rows + 1) * stride_for(layers) + BEYOND
+    return cells + (rows + 1) * stride_for(layers)
 
 
 @inlined
@@ -76,7 +72,7 @@ def cell_of(row, column, start, size, layers, stacks):
     half = size >> 1
     cell = np.uint64((row >> 1) * half + (column >> 1))
     number = np.uint64(np.int32(stacks[start + cell]))
-    return start + np.uint64(half * half) + number * np.uint64(HEAD + FIVE * (layers + 1))
+    return start + np.uint64(half * half) + number * np.uint64(HEAD + TEXELS * (layers + 1))
 
 
 @inlined
@@ -84,7 +80,7 @@ def layers_at(d, rows, start, number, over, layers):
     """Return, for the depths d in the rows `number`: layer index, position within the layer (0 to 1), number of layers
     that end in front (may exceed `layers`), and layers a metre. Vectors; rows: `pointer` to the maps; start: first row
     of the map; over: 1 / h, 1/m."""
-    stride = HEAD + FIVE * (layers + 1)
+    stride = HEAD + TEXELS * (layers + 1)
     front, most = gather2(rows, start, number, stride, np.float32(START))
     far = max(ZERO, (d - front) * over)
     near = ONE / (far + ONE)
@@ -96,25 +92,31 @@ def layers_at(d, rows, start, number, over, layers):
 
 @inlined
 def depth_at(rows, start, number, k, part, which, layers):
-    """Return τ in front of a depth at layer k and position `part` (from `layers_at`); which: number 0 to 4 of a layer
-    boundary. Vectors."""
-    stride = HEAD + FIVE * (layers + 1)
+    """Return τ in front of a depth at layer k and position `part` (from `layers_at`) of a texel; which: its number, 0 to
+    3. Vectors."""
+    stride = HEAD + TEXELS * (layers + 1)
     low = gather(rows, start, number, stride, BEGIN + EACH * k + which)
     high = gather(rows, start, number, stride, NEXT + EACH * k + which)
     return low + part * (high - low)
 
 
 @inlined
+def mean(texels):
+    """Return the mean of the four texels of cells."""
+    return HALF * HALF * ((texels[0] + texels[1]) + (texels[2] + texels[3]))
+
+
+@inlined
 def growth_at(rows, start, number, k, dense, reach, layers):
     """Return the mean growth of a cell's τ, 1/m, over layer k and the layers within `reach` metres of it; 0 where the
     depth is farther than that behind the last layer. dense: layers a metre. Vectors."""
-    stride = HEAD + FIVE * (layers + 1)
+    stride = HEAD + TEXELS * (layers + 1)
     most = np.float32(layers)
     aside = floor(min(most, max(ZERO, reach * dense)))
     first = min(most, max(ZERO, k - aside))
     last = min(most, k + aside + ONE)
-    low = gather(rows, start, number, stride, BEGIN + MEAN + EACH * first)
-    high = gather(rows, start, number, stride, BEGIN + MEAN + EACH * last)
+    low = mean(gather4(rows, start + HEAD, number, stride, EACH * first))
+    high = mean(gather4(rows, start + HEAD, number, stride, EACH * last))
     return (high - low) * dense / max(last - first, ONE)
 
 
@@ -172,15 +174,11 @@ def in_front(u, v, d, scale, rows, start, size, over, layers):
 def passed_in(rows, start, number, k, part, layers):
     """Return τ in front of a depth, in the four texels of cells; the mean of the four; and how much that grows in the
     layer. Vectors; arguments as in `depth_at`."""
-    stride = HEAD + FIVE * (layers + 1)
-    low = gather5(rows, start + HEAD, number, stride, EACH * k)
-    high = gather5(rows, start + HEAD + FIVE, number, stride, EACH * k)
-    thick = high[TEXELS] - low[TEXELS]
-    return (
-        (low[0] + part * (high[0] - low[0]), low[1] + part * (high[1] - low[1]),
-         low[2] + part * (high[2] - low[2]), low[3] + part * (high[3] - low[3])),
-        low[TEXELS] + part * thick, thick,
-    )  # fmt: skip
+    stride = HEAD + TEXELS * (layers + 1)
+    p, q, r, s, p_end, q_end, r_end, s_end = gather8(rows, start + HEAD, number, stride, EACH * k)
+    low, high = mean((p, q, r, s)), mean((p_end, q_end, r_end, s_end))
+    texels = p + part * (p_end - p), q + part * (q_end - q), r + part * (r_end - r), s + part * (s_end - s)
+    return texels, low + part * (high - low), high - low
 
 
 @inlined
@@ -203,8 +201,8 @@ def among(number, a, b, c):
 def total_depth(u, v, rows, start, size, layers):
     """Return τ of all strands at columns u and rows v of a map. Vectors; arguments as in `in_front`."""
     half = size >> 1
-    body, stride = start + half * half, HEAD + FIVE * (layers + 1)
-    end = np.float32(HEAD + FIVE * layers)
+    body, stride = start + half * half, HEAD + TEXELS * (layers + 1)
+    end = np.float32(HEAD + TEXELS * layers)
     column, row = floor(u), floor(v)
     first, upper = floor(HALF * column), floor(HALF * row)
     right, low = column - (first + first), row - (upper + upper)  # 1 where they are odd
