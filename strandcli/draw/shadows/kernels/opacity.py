@@ -92,8 +92,8 @@ def layers_at(d, rows, start, number, over, layers):
 
 @inlined
 def depth_at(rows, start, number, k, part, which, layers):
-    """Return τ in front of a depth at layer k and position `part` (from `layers_at`) of a texel; which: its number, 0 to
-    3. Vectors."""
+    """Return τ in front of a depth at layer k and position `part` (from `layers_at`) of a texel; which: its number, 0
+    to 3. Vectors."""
     stride = HEAD + TEXELS * (layers + 1)
     low = gather(rows, start, number, stride, BEGIN + EACH * k + which)
     high = gather(rows, start, number, stride, NEXT + EACH * k + which)
