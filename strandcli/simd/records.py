@@ -93,7 +93,7 @@ def by_lanes(builder: Any, records: list[Any], chunks: int) -> list[Any]:
         high = [_in_lanes(builder, rows[k], rows[k + 1], (2, LANE + 2, 3, LANE + 3)) for k in (0, 2)]
         found.append(
             [
-                _in_lanes(builder, *pair, places)
+                _in_lanes(builder, pair[0], pair[1], places)
                 for pair in (low, high)
                 for places in ((0, 1, LANE, LANE + 1), (2, 3, LANE + 2, LANE + 3))
             ]
