@@ -22,7 +22,7 @@ from .tiles import ROW_BITS
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-AHEAD = np.int64(2)
+AHEAD = np.int64(8)
 """Rows of segments that memory is prefetched ahead of their use."""
 FAR_AHEAD = np.int64(20)
 """Rows of segments that where they begin and end is prefetched ahead of their use."""
@@ -119,12 +119,15 @@ def find_fragments(strands, solids, pool, slots, width, work, target, marks):
 def prefetch_row(pool, slot, strands, widths, marks):
     """Prefetch the vertices of the row of segments at index `slot` of the pool."""
     low = (pool[slot, START_AND_FIRST] & LOW) - 1
+    high = pool[slot, STRAND_AND_LAST] & LOW
     prefetch(pointer(strands.first), pool[slot, STRAND_AND_LAST] >> SHIFT)
     prefetch(pointer(strands.screen), 3 * low)
     prefetch(pointer(strands.screen), 3 * low + LINE)
+    prefetch(pointer(strands.screen), 3 * high + 2)
     prefetch(pointer(marks), low)
     if widths is not None:
         prefetch(pointer(widths), low)
+        prefetch(pointer(widths), high)
 
 
 @device
