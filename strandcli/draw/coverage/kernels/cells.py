@@ -103,6 +103,8 @@ class Target(NamedTuple):
     """(PIXELS,) scratch, as these in `crowds.list_by_pixel`."""
     slices: NDArray[np.float32]
     """(`crowds.SLICES`,) scratch."""
+    windows: NDArray[np.float32]
+    """(`windows.WINDOWS`,) depth numbers behind which nothing in parts of the tile is visible."""
 
 
 class Work(NamedTuple):

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device
-from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, NUMBERS, PIXELS, ROW_BITS
+from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, NUMBERS, PIXELS
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -115,14 +115,3 @@ def leave_out_hidden(target, n):
             found[o] = listed[i]
             o += np.uint64(1)
     return np.int64(o // FOUR)
-
-
-@device
-def least_occlusion(target):
-    """Return the depth number behind which nothing in a tile can be seen, that of the pixel where it is least."""
-    least = np.int32(np.float32(np.inf).view(np.int32))
-    for y in range(target.bottom - target.top):
-        row = np.uint64(y << ROW_BITS)
-        for x in range(np.uint64(target.right - target.left)):  # floats that are not negative compare as their bits do
-            least = min(least, np.int32(np.float32(target.occlusion_depth[row + x]).view(np.int32)))
-    return np.int32(least).view(np.float32)
