@@ -72,6 +72,8 @@ def test_a_round_strand_is_nowhere_nearer_than_its_bound() -> None:
     """Against the greatest depth number of `geometry.kernels.ribbon.depth_offsets`, wherever the tile shows it."""
     slope = DepthSlope(*np.array([0.004, 0.0, 300, 400], np.float32))
     vertices = chain(3, 5)
+    vertices[::2, 2] = 0.5  # some rise much from end to end, some hardly
+    vertices[COUNT // 2 :, 2] = 0.5 + 1e-3 * vertices[COUNT // 2 :, 2]
     widths = np.random.default_rng(2).uniform(0.8, 9, COUNT + 1).astype(np.float32)
     rows = measure(np.zeros((TILE_HEIGHT, TILE_WIDTH), np.float32), vertices, widths, slope)
     tightest = np.inf
