@@ -117,7 +117,7 @@ class Work(NamedTuple):
     numbers: NDArray[np.int32]
     """(INTEGERS * CELLS,) integers of cells."""
     ribbon: NDArray[np.float32]
-    """(`ribbon.ROWS` * `ribbon.LISTED`,) pixels of a wide segment."""
+    """(`ribbon.ROWS` * `ribbon.ROW`,) pixels of a wide segment."""
 
 
 @inlined

@@ -14,6 +14,7 @@ from . import cells
 from . import segments as seg
 from .cells import CELLS, LANES, add_fragment, cover_cells
 from .crowds import leave_out_hidden
+from .joined import measure_joints
 from .ribbon import cover_ribbon
 from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, keep_last, load_vertices, measure_segments
 from .tile_binning import LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
@@ -162,7 +163,9 @@ def add_row(row, strands, widths, work, n, target, m):
     while True:
         count = min(max(row.high + 1 - base, 0) + 1, min(row.end - base, SEGMENTS))
         load_vertices(points, widths, base - 1, count + 1, rows)
-        measure_segments(rows, count, strands.opacity, left, top, far, strands.depth_slope, target.windows)
+        ribbons = measure_segments(rows, count, strands.opacity, left, top, far, strands.depth_slope, target.windows)
+        if ribbons:
+            measure_joints(points, base, count, row.begin, row.end, rows)
         ends = np.int64(base + count == row.end)
         if ends:
             rows[seg.KIND + count + 1] = BEHIND
@@ -178,7 +181,7 @@ def add_row(row, strands, widths, work, n, target, m):
             if after > row.high:
                 return n, m
             if (kind == RIBBON) & (not rows[seg.NEAREST + i] < rows[seg.HIDDEN + i]):
-                m = cover_ribbon(strands, widths, after, row.begin, row.end, work.ribbon, target, m)
+                m = cover_ribbon(strands, widths, after, row.begin, i, work, target, m)
             if kind != run:
                 start = rows[seg.BEGIN + i] if v >= row.low else start
                 run = kind

@@ -48,7 +48,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
         strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
         work = cells.Work(
             np.empty(segments.ROWS * segments.ROW, np.float32), np.empty(cells.ROWS * cells.CELLS, np.float32),
-            np.empty(cells.INTEGERS * cells.CELLS, np.int32), np.empty(ribbon.ROWS * ribbon.LISTED, np.float32),
+            np.empty(cells.INTEGERS * cells.CELLS, np.int32), np.empty(ribbon.ROWS * ribbon.ROW, np.float32),
         )  # fmt: skip
         o = task * share
         end = o + share

@@ -5,7 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, inlined
-from ....simd import broadcast, deinterleave, floor, gather, half_width_pointer, lane_count, load, sqrt, store, where
+from ....simd import (
+    any_lane,
+    broadcast,
+    deinterleave,
+    floor,
+    gather,
+    half_width_pointer,
+    lane_count,
+    load,
+    sqrt,
+    store,
+    where,
+)
 from .tiles import THIN
 from .windows import window_of
 
@@ -43,7 +55,9 @@ X, Y, DEPTH, WIDTH = (i * ROW for i in range(4))
     KIND, BEGIN, END, FIRST, LAST, ACROSS, SLOPE, PER_LENGTH, HEIGHT, STRETCH, BEGIN_DEPTH, DEPTH_RISE, NEAREST,
     BEGIN_WIDTH, WIDENING, HIDDEN,
 ) = (i * ROW for i in range(4, 20))  # fmt: skip
-ROWS = 20
+JOINED = 20 * ROW
+"""Where the rows of `joined` begin."""
+ROWS = 30
 SEGMENT_ROWS = 16
 """Rows with one number a segment."""
 
@@ -101,10 +115,14 @@ def rounding(near, rise, wide, per, far, depth_slope):
 
 @device
 def measure_segments(work, count, opacity, left, top, far, depth_slope, windows):
-    """Store the rows from `KIND` on of the segments between count + 1 vertices; opacity: of the material; left, top: of
-    the tile; far, depth_slope: as in `rounding`; windows: as in `windows.find_windows`."""
+    """Store the rows from `KIND` on of the segments between count + 1 vertices; return whether any may be wide.
+
+    opacity: of the material; left, top: of the tile; far, depth_slope: as in `rounding`; windows: as in
+    `windows.find_windows`.
+    """
     rows = half_width_pointer(work)
     depths = half_width_pointer(windows)
+    ribbons = False
     for k in range(0, count, lane_count(rows)):
         x0, y0, q0, w0 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         k += 1
@@ -118,6 +136,7 @@ def measure_segments(work, count, opacity, left, top, far, depth_slope, windows)
         per = ONE / (end - begin)
         slope = (where(flat, y1, x1) - across) * per
         stretch = sqrt(ONE + slope * slope)
+        ribbons |= any_lane(abs(kind) < HALF)
         store(rows, KIND + k, kind)
         store(rows, BEGIN + k, begin)
         store(rows, END + k, end)
@@ -138,6 +157,7 @@ def measure_segments(work, count, opacity, left, top, far, depth_slope, windows)
         x0, x1, y0, y1 = x0 - left, x1 - left, y0 - top, y1 - top
         here = window_of(min(x0, x1) - reach_x, max(x0, x1) + reach_x, min(y0, y1) - reach_y, max(y0, y1) + reach_y)
         store(rows, HIDDEN + k, gather(depths, 0, here, 1, ZERO))
+    return ribbons
 
 
 @inlined
