@@ -90,6 +90,15 @@ def close(out, tile, p, total):
 
 
 @inlined
+def total_weight(out, begin, end):
+    """Return the sum of the weights of the fragments begin … end − 1, from the first to the last."""
+    total = ZERO
+    for i in range(begin, end):
+        total += out.weight[np.uint64(i)]
+    return total
+
+
+@inlined
 def write(out, to, vertex, share, t, points):
     """Write fragment number `to` of `Fragments` with masks."""
     out.vertex[to] = np.uint32(vertex)
@@ -166,8 +175,5 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
                 out.weight[i] /= total
         out.counts[np.uint64(base) + p] = o - begin
         if o > begin:
-            total = ZERO
-            for i in range(begin, o):
-                total += out.weight[i]
-            close(out, tile, np.int64(p), total)
+            close(out, tile, np.int64(p), total_weight(out, begin, o))
     return o
