@@ -12,7 +12,6 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
-from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import other
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.shapes import capsule, plane, sphere
@@ -39,6 +38,7 @@ from ...common.kernels.soft_rows import (
     WZ,
 )
 from . import penumbra
+from .soft_distances import by_distances
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -64,7 +64,7 @@ def soft_shadows(work, n, lights, i, solids, skin):
     past_built_in(solids, work, n, skin)
     if other.count(solids) > 0:
         if other.takes_vectors(solids):
-            by_vectors(work, n, solids, skin)
+            by_distances(work, n, solids, skin, skin)
         else:
             by_distance(work, n, solids, skin)
     for k in range(n):
@@ -126,21 +126,6 @@ def by_distance(work, n, solids, skin):
             way = work[LX + k], work[LY + k], work[LZ + k]
             light = work[REACH + k], work[RADIUS + k], skin
             work[LEAST + k] = min(work[LEAST + k], other.lowest_sine(solids, x, y, z, way, light))
-
-
-@device
-def by_vectors(work, n, solids, skin):
-    """`by_distance`, many points at once."""
-    rows = pointer(work)
-    for k in range(n, -(-n // lane_count(rows)) * lane_count(rows)):  # nothing to look for
-        work[LEAST + k] = ZERO
-        work[RADIUS + k] = ZERO
-    for k in range(0, n, lane_count(rows)):
-        way = lx, ly, lz = load3(rows, LX + k, W)
-        x, y, z = load3(rows, X + k, W)
-        point = x + lx * skin, y + ly * skin, z + lz * skin
-        light = load(rows, REACH + k), load(rows, RADIUS + k), skin
-        store(rows, LEAST + k, other.lowest_sines(solids, load(rows, LEAST + k), point, way, light))
 
 
 @device
