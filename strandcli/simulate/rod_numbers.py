@@ -37,7 +37,7 @@ def longest_led(
     """The longest steps by BDF2, in seconds, in which rest shapes are extrapolated: where coils would not bear it, or
     what they are at rest or held by does not go on as it did, a step follows them instead. ``edges``: N arrays
     (strands, 3) as the strands begin."""
-    if not flags.second or not flags.curled or flags.oval or flags.held or flags.deforming or rod.yield_strain:
+    if not flags.curled or not (flags.second or flags.oval):
         return 0.0
     packs, rows, _ = material.bends.shape
     bends = material.bends[:, 2:].reshape(packs, rows - 2, 3, PACK)
@@ -47,6 +47,10 @@ def longest_led(
     turning = np.sqrt(square).reshape(-1)[: len(long)] * (rows - 1)
     most = np.minimum(LED_MOST, LED_FLAT * long / np.maximum(turning, TINY))
     return float((most / np.maximum(rates.reshape(-1)[: len(long)], TINY)).min())
+
+
+def SOFTN(f):
+    return f.numbers[18]
 
 
 class StepNumbers:
@@ -72,10 +76,14 @@ class StepNumbers:
         rod = self._rod
         h, velocity_step = (2 * dt / 3, dt / VELOCITY_RATE) if bdf2 else (dt, dt)
         led = dt <= self.longest_led
-        damping = max(rod.damping, self._least_damping(dt) * dt) * (h / dt)
+        import os
+        damping = max(rod.damping, self._least_damping(dt) * dt if 'DA' not in os.environ else float(os.environ['DA']) * dt) * (h / dt)
         share = 1 / 3 if bdf2 else 0.0
         self._write(velocity_step, pinned, h, *self._gravity, 0.0, 0.0, 0.0, rod.drag, damping, share, rod.friction)
-        self._forcing.numbers[LED] = bdf2 and led
+        import os
+        self._forcing.numbers[LED] = float(bdf2 and led or dt <= self.longest_led and SOFTN(self._forcing) > 0)
+        self._forcing.numbers[19] = float(os.environ.get('BE', 0))
+        self._forcing.numbers[21] = float(os.environ.get('BO', 1))
         self._last = dt, bdf2, pinned
 
     def _least_damping(self, dt: float) -> float:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
 VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, ROUNDS, LED = 14, 15, 16, 17, 18, 19, 20
-NUMBERS = 21
+NUMBERS = 22
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
@@ -180,6 +180,8 @@ class Scheme(NamedTuple):
     """Whether rest shapes are extrapolated from those before this step and before the last; None without BDF2."""
     curled: Any
     """Whether rest shapes are curved."""
+    begun: Any
+    """Whether the step begins with rest shapes of its own, and not with those of the step before."""
     ends: Any
     """`Ends`."""
     oval: Any

@@ -33,8 +33,21 @@ from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3
 from . import rod_held
 from .records import DAMPING, SOFT, STEP, TIP_JOINT, TORSION
-from .rod_frames import CLAMP, carried, cross, first_normal, rotated_before, unit_edge
-from .rod_scratch import AXES, FIRST_SEGMENT, INNOVATION, LOAD, MOVED_SHARE, PACK, REST_BEND, SEGMENT
+from .rod_frames import CLAMP, carried, cross, first_normal, unit_edge
+from .rod_scratch import (
+    AXES,
+    EDGE,
+    EDGE_FACTOR,
+    FIRST_SEGMENT,
+    INNOVATION,
+    INVERSE_PIVOT,
+    LOAD,
+    PACK,
+    PARTICLE_FACTOR,
+    REST_BEND,
+    SEGMENT,
+    STIFFNESS,
+)
 from .rod_tension import particle_gain
 from .turning import cosine_sine, cosine_sine_of_small
 
@@ -57,15 +70,49 @@ def set_rest(s, at, state, material, forcing, scheme, kept):
     """Add the rest shape to c̄, and update the twist. ``kept``: whether it is kept for the next step, and whether c̄
     has what was kept before, which is replaced."""
     numbers, held, soft = forcing.numbers, scheme.ends.held, softness(forcing.numbers, scheme.oval)
-    x, y, z = load3(s, CLAMP, 1)
-    if scheme.led:
-        u, v, w = load3(forcing.directions, at.strand // PACK * AXES + at.strand % PACK, PACK)
-        u, v, w = rotated_before(forcing.pose, u, v, w)
-        store3(s, CLAMP, 1, u, v, w)
-    transport_frames(s, at, state, material, forcing, scheme.led, held, soft)
+    transport_frames(s, at, state, material, forcing, (held, kept[1]), soft)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
-    add_reactions(s, at, state, material, (numbers[TORSION], soft), share, held, (*kept, scheme.led))
-    store3(s, CLAMP, 1, x, y, z)
+    add_reactions(s, at, state, material, (numbers[TORSION], soft), share, held, kept)
+
+
+@device
+def correct(s, n, joint, numbers):
+    """Correct rests of oval sections by the bends along the thin axes that the first solution has led to, and set the
+    loads to what that changes of those of the solution, which have none left."""
+    zero = broadcast(s, 0.0)
+    share = numbers[SOFT] / (1 + numbers[DAMPING] / numbers[STEP])
+    stiffness = load(s, STIFFNESS)
+    ex, ey, ez = load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + EDGE, 1)
+    after = zero, zero, zero, zero
+    x, y, z = after, after, after
+    for j in range(n - 1, -1, -1):
+        o = FIRST_SEGMENT + j * SEGMENT
+        px, py, pz = load3(s, o - SEGMENT + EDGE, 1)
+        u, v, w = load3(s, particle_gain(n, j), 1)
+        f = share * (u * (ex - px) + v * (ey - py) + w * (ez - pz) - load(s, o + PAST_TWIST))
+        u, v, w = f * u, f * v, f * w
+        cx, cy, cz = load3(s, o + REST_BEND, 1)
+        store3(s, o + REST_BEND, 1, cx + u, cy + v, cz + w)
+        k = stiffness * joint[j]
+        i, f, g = load(s, o + INVERSE_PIVOT), load(s, o + EDGE_FACTOR), load(s, o + PARTICLE_FACTOR)
+        x = add_load(s, o, k * u, (i, f, g), x)
+        y = add_load(s, o + 1, k * v, (i, f, g), y)
+        z = add_load(s, o + 2, k * w, (i, f, g), z)
+        ex, ey, ez = px, py, pz
+
+
+@inlined
+def add_load(s, o, less, pivot, after):
+    """Set the load of a coordinate, the first one of the segment at place o, by that of which its joint's bend becomes
+    ``less``. ``pivot``: i, i κ and i B; ``after``: p, q, b and f of the segment after it, as in `rod_elimination`;
+    returns the same of this one."""
+    p, q, bend, force = after
+    i, f, g = pivot
+    own = -less - bend
+    p -= force - own
+    sum = p + q
+    store(s, o + LOAD, i * sum)
+    return p - g * sum, f * sum, -less, own
 
 
 @device
@@ -77,13 +124,14 @@ def softness(numbers, oval):
 
 
 @device
-def transport_frames(s, at, state, material, forcing, led, held, soft):
+def transport_frames(s, at, state, material, forcing, ends, soft):
     """Transport frames from the root to the tip: set `TARGET` by the ψ before the step, and eliminate the torques about
     edges, linearised in ψ. ``led``: as in `Scheme`; ``soft``: `softness`."""
+    held, anew = ends
     torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
     tx, ty, tz = load3(s, CLAMP, 1)
-    ax, ay, az = first_normal(forcing.pose, bends, bend, led)
+    ax, ay, az = first_normal(forcing.pose, bends, bend)
     zero = broadcast(s, 0.0)
     angle = zero
     a = zero
@@ -94,7 +142,7 @@ def transport_frames(s, at, state, material, forcing, led, held, soft):
         _, v, w = load3(bends, bend + (j + 1) * AXES, PACK)
         c, d = cosine_sine(angle)
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
-        ex, ey, ez = unit_edge(s, o)
+        ex, ey, ez = edge_at(s, o, anew)
         if soft is not None:
             x, y, z = c * ax + d * bx, c * ay + d * by, c * az + d * bz
             turn, stiff = oval_torque(
@@ -132,6 +180,14 @@ def transport_frames(s, at, state, material, forcing, led, held, soft):
 
 
 @inlined
+def edge_at(s, o, anew):
+    """The edge at place o, of unit length; where rest shapes are set ``anew``, to first order."""
+    if anew is None:
+        return load3(s, o + EDGE, 1)
+    return unit_edge(s, o)
+
+
+@inlined
 def oval_torque(e, wide, thin, v, w, soft):
     """Torque about the edge before a joint by the bend of an oval section, over κ, and how it falls with ψ. v, w: the
     rest along both axes."""
@@ -153,13 +209,13 @@ def add_reactions(s, at, state, material, rigid, share, held, kept):
     bx, by, bz = zero, zero, zero  # sum of the forces on edges so far
     after = zero  # q / (1 + e·e') of the joint after
     angle = zero
-    ex, ey, ez = unit_edge(s, FIRST_SEGMENT + (n - 1) * SEGMENT)
+    ex, ey, ez = edge_at(s, FIRST_SEGMENT + (n - 1) * SEGMENT, kept[1])
     if held is not None:
         (nx, ny, nz), after, angle = rod_held.beyond(s, n)
     for j in range(n - 1, -1, -1):
         o = FIRST_SEGMENT + j * SEGMENT
         free = particle_gain(n, j)
-        px, py, pz = unit_edge(s, o - SEGMENT)
+        px, py, pz = edge_at(s, o - SEGMENT, kept[1])
         past = load(s, o + PAST_TWIST)
         now = zero
         q = zero
@@ -181,7 +237,7 @@ def add_reactions(s, at, state, material, rigid, share, held, kept):
         bz += fz + f * (nz - ez) + g * sz
         # this joint's rest vector
         bend = at.bend + (j + 1) * AXES
-        x, y, z = rest_vector(s, o, (px, py, pz), (ex, ey, ez), now - past, soft, material.bends, bend)
+        x, y, z = rest_vector(s, o, free, (px, py, pz), (ex, ey, ez), now - past, soft, material.bends, bend)
         f = joint[j]
         sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
         f = 1.0 / joint[j]
@@ -192,7 +248,7 @@ def add_reactions(s, at, state, material, rigid, share, held, kept):
 
 
 @inlined
-def rest_vector(s, o, before, edge, turned, soft, bends, bend):
+def rest_vector(s, o, free, before, edge, turned, soft, bends, bend):
     """The rest vector of the joint at place o, between the edges ``before`` and ``edge``, after its frame has
     ``turned`` by an angle. ``bend``: place of its bend in ``bends``."""
     px, py, pz = before
@@ -202,7 +258,10 @@ def rest_vector(s, o, before, edge, turned, soft, bends, bend):
     if soft is not None:
         u, v, w = load3(bends, bend, PACK)
         fx, fy, fz = c * wx - d * x, c * wy - d * y, c * wz - d * z  # the thin axis
-        w += soft * (fx * edge[0] + fy * edge[1] + fz * edge[2] - w)
+        f = fx * edge[0] + fy * edge[1] + fz * edge[2]
+        store3(s, free, 1, fx, fy, fz)
+        store(s, o + PAST_TWIST, f)
+        w += soft * (f - w)
         x = u * px + v * (c * x + d * wx) + w * fx
         y = u * py + v * (c * y + d * wy) + w * fy
         z = u * pz + v * (c * z + d * wz) + w * fz
@@ -218,19 +277,13 @@ def rest_vector(s, o, before, edge, turned, soft, bends, bend):
 def set_rest_bend(s, o, row, state, share, kept, rest):
     """Add ``rest`` times ``share`` to c̄ of the segment at place o; where it is ``kept``, for the next step too, and
     perhaps in place of what has been kept."""
-    x, y, z = load3(s, o + REST_BEND, 1)
     u, v, w = rest
-    keep, before, led = kept
-    if keep:
+    keep, before = kept
+    x, y, z = share * u, share * v, share * w
+    if before is not None:
         px, py, pz = load3(state.rest, row, PACK)
+        cx, cy, cz = load3(s, o + REST_BEND, 1)
+        x, y, z = cx + (x - share * px), cy + (y - share * py), cz + (z - share * pz)
+    if keep:
         store3(state.rest, row, PACK, u, v, w)
-        if before:
-            x -= share * px
-            y -= share * py
-            z -= share * pz
-        if led:
-            f = 3.0 * load(s, MOVED_SHARE)  # 1, or 0 in lanes that go by Euler's method
-            u += f * (u - px)
-            v += f * (v - py)
-            w += f * (w - pz)
-    store3(s, o + REST_BEND, 1, x + share * u, y + share * v, z + share * w)
+    store3(s, o + REST_BEND, 1, x, y, z)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import broadcast, load, load3, store, store3, where
-from . import rod_held, rod_loose
-from .records import AIR, DAMPING, DRAG, GRAVITY, LED, MOVED, STEP, VELOCITY_STEP
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from . import rod_loose, rod_tension
+from .records import AIR, DAMPING, DRAG, GRAVITY, LED, MOVED, ROUNDING, STEP, VELOCITY_STEP
 from .rod_scratch import (
     ACCELERATION_SCALE,
     ADDED_VELOCITY,
@@ -35,17 +35,33 @@ VELOCITY_RATE = 1.5 + BLEND / 3
 GAIN = (0.5 + 2 * BLEND / 3) / VELOCITY_RATE
 OLD_GAIN = BLEND / 3 / VELOCITY_RATE
 """Shares of the last change of velocity that v̂ goes on by, and of the one before it that it stays behind by."""
+NEARLY = 0.01
 FARTHEST = 1e10
 """Segments that a free particle moves in a step at the most."""
 
 
 @device
-def follow_of(second, curled, numbers):
-    """`Scheme.ahead` and `Scheme.led`; None without BDF2."""
+def ahead_of(second, curled, numbers):
+    """`Scheme.ahead`; None without BDF2."""
     if second is None:
-        return None, None
-    turns = second and curled and numbers[MOVED] > 0
-    return turns and numbers[LED] <= 0, turns and numbers[LED] > 0
+        return None
+    return second and curled and numbers[MOVED] > 0 and numbers[LED] <= 0
+
+
+@device
+def led_of(able, curled, numbers):
+    """`Scheme.led`; None where what is ``able`` to is None."""
+    if able is None:
+        return None
+    return curled and numbers[LED] > 0
+
+
+@device
+def either(a, b):
+    """The first of two flags that is not None, else None."""
+    if a is None:
+        return b
+    return a
 
 
 @device
@@ -95,7 +111,6 @@ def fill_scratch(s, at, state, material, forcing, scheme):
     Damping pulls each joint toward the bend that it had: it multiplies κ by 1 + δ/Δt and adds δ/Δt κ c to κ c̄.
     """
     # one pass, since the state of long strands comes from far
-    set_coefficients(s, at, state, material, forcing, scheme)
     damping = forcing.numbers[DAMPING] / forcing.numbers[STEP]
     square = load(s, SQUARE)
     share = damping / (1 + damping)
@@ -110,16 +125,79 @@ def fill_scratch(s, at, state, material, forcing, scheme):
         if scheme.ahead:
             u, v, w = load3(state.rest, row, PACK)
             cx, cy, cz = cx + (1 - share) * u, cy + (1 - share) * v, cz + (1 - share) * w
+        if scheme.begun:  # what `rod_curl.set_rest` has left
+            u, v, w = load3(s, o + REST_BEND, 1)
+            cx, cy, cz = cx + u, cy + v, cz + w
         store3(s, o + REST_BEND, 1, cx, cy, cz)
         px = x
         py = y
         pz = z
         x, y, z = predict(s, row, state, scheme)
         store3(s, o + INERTIAL, 1, x, y, z)
-    if scheme.ends.held is not None:
-        rod_held.place_clamp(s, at, material, forcing, damping, (px, py, pz))
     if scheme.ends.loose is not None:
         rod_loose.begin(s, forcing, predict(s, rod_loose.row_of(at), rod_loose.body_of(state), scheme))
+
+
+@device
+def foresee(s, at, state, numbers, scheme):
+    """Set the edges that rest shapes are set by: those before the step, or where these are `Scheme.led`, of particles
+    that go on as they move."""
+    if scheme.led:
+        lead(s, at, state, numbers, scheme)
+    else:
+        for j in range(at.segments):
+            x, y, z = load3(state.edges, at.edge + j * AXES, PACK)
+            store3(s, FIRST_SEGMENT + j * SEGMENT + EDGE, 1, x, y, z)
+
+
+@device
+def lead(s, at, state, numbers, scheme):
+    """Set the edges to those of particles that go on as they move."""
+    inverse_length = load(s, INVERSE_LENGTH)
+    on = 3.0 * load(s, MOVED_SHARE)  # 1, or 0 in lanes that go by Euler's method
+    be = numbers[19]
+    if scheme.oval is not None:
+        be = numbers[21]
+    sh = be
+    if scheme.oval is not None and numbers[MOVED] == 0:
+        on = broadcast(s, 1.0)
+        sh = 1.0
+    on *= inverse_length
+    px, py, pz = load3(s, ROOT_SHIFT, 1)
+    px, py, pz = on * px, on * py, on * pz
+    for j in range(at.segments):
+        o = FIRST_SEGMENT + j * SEGMENT
+        row = at.edge + j * AXES
+        u, v, w = load3(state.velocity, row, PACK)
+        f = on * (sh * scheme.duration)
+        u, v, w = f * u, f * v, f * w
+        if sh != 1.0:
+            f = on * (1.0 - sh)
+            x, y, z = load3(state.moved, row, PACK)
+            u, v, w = u + f * x, v + f * y, w + f * z
+        x, y, z = load3(state.edges, row, PACK)
+        x, y, z = turned(x, y, z, u - px, v - py, w - pz, numbers[ROUNDING])
+        store3(s, o + EDGE, 1, x, y, z)
+        px, py, pz = u, v, w
+
+
+@inlined
+def turned(x, y, z, u, v, w, rounding):
+    """An edge of unit length after a change, of which no more than a unit counts."""
+    q = u * u + v * v + w * w
+    far = q > 1.0
+    if any_lane(far):
+        f = where(far, 1.0 / sqrt(max(q, 1.0)), 1.0)
+        u, v, w = f * u, f * v, f * w
+    x, y, z = x + u, y + v, z + w
+    q = x * x + y * y + z * z
+    off = abs(1.0 - q)
+    f = 1.5 - 0.5 * q
+    far = off > NEARLY
+    if any_lane(far):
+        f = where(far, 1.0 / sqrt(max(q, 1e-6)), f)
+    f = where(off < rounding, 1.0, f)  # else rounding would move strands at rest
+    return f * x, f * y, f * z
 
 
 @device
