@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
-from . import rod_loose, rod_tension
-from .records import AIR, DAMPING, DRAG, GRAVITY, LED, MOVED, ROUNDING, STEP, VELOCITY_STEP
+from . import rod_loose
+from .records import AIR, DAMPING, DRAG, GRAVITY, LEAD, LED, MOVED, ROUNDING, STEP, VELOCITY_STEP
+from .rod_frames import NEARLY
 from .rod_scratch import (
     ACCELERATION_SCALE,
     ADDED_VELOCITY,
@@ -26,6 +27,7 @@ from .rod_scratch import (
     TENSION,
     VELOCITY_SCALE,
 )
+from .rod_tension import TINY
 
 BLEND = 0.8
 """θ: share of BDF3 in the difference formula of velocities, the rest is BDF2. Two such steps, BDF2 for displacements
@@ -35,9 +37,10 @@ VELOCITY_RATE = 1.5 + BLEND / 3
 GAIN = (0.5 + 2 * BLEND / 3) / VELOCITY_RATE
 OLD_GAIN = BLEND / 3 / VELOCITY_RATE
 """Shares of the last change of velocity that v̂ goes on by, and of the one before it that it stays behind by."""
-NEARLY = 0.01
 FARTHEST = 1e10
 """Segments that a free particle moves in a step at the most."""
+GREATEST_TURN = 1.0
+"""Tangent of the angle that an edge is led by at the most."""
 
 
 @device
@@ -140,8 +143,8 @@ def fill_scratch(s, at, state, material, forcing, scheme):
 
 @device
 def foresee(s, at, state, numbers, scheme):
-    """Set the edges that rest shapes are set by: those before the step, or where these are `Scheme.led`, of particles
-    that go on as they move."""
+    """Set the edges by which `rod_curl.set_rest` is to set rest shapes: those before the step, or where these are
+    `Scheme.led`, what they become where particles go on as they move."""
     if scheme.led:
         lead(s, at, state, numbers, scheme)
     else:
@@ -152,51 +155,50 @@ def foresee(s, at, state, numbers, scheme):
 
 @device
 def lead(s, at, state, numbers, scheme):
-    """Set the edges to those of particles that go on as they move."""
+    """Set the edges to where a step leads whose particles go on as they move, and whose root as it does in this one.
+
+    By BDF2 particles move on as in the step before; of oval sections a share `LEAD` of the way is that of their
+    velocities. By Euler's method, which both are the same for, it is the latter; lanes that go by it among others stay.
+    """
     inverse_length = load(s, INVERSE_LENGTH)
-    on = 3.0 * load(s, MOVED_SHARE)  # 1, or 0 in lanes that go by Euler's method
-    be = numbers[19]
-    if scheme.oval is not None:
-        be = numbers[21]
-    sh = be
-    if scheme.oval is not None and numbers[MOVED] == 0:
-        on = broadcast(s, 1.0)
-        sh = 1.0
-    on *= inverse_length
+    before = numbers[MOVED] > 0 and numbers[LEAD] < 1.0  # else there may be no step before
+    on = inverse_length
+    if numbers[MOVED] > 0:
+        on *= 3.0 * load(s, MOVED_SHARE)  # 1, or 0 in lanes that go by Euler's method
+    far = on * scheme.duration
+    if before:
+        far *= numbers[LEAD]
+    near = on * (1.0 - numbers[LEAD])
     px, py, pz = load3(s, ROOT_SHIFT, 1)
     px, py, pz = on * px, on * py, on * pz
     for j in range(at.segments):
-        o = FIRST_SEGMENT + j * SEGMENT
         row = at.edge + j * AXES
         u, v, w = load3(state.velocity, row, PACK)
-        f = on * (sh * scheme.duration)
-        u, v, w = f * u, f * v, f * w
-        if sh != 1.0:
-            f = on * (1.0 - sh)
+        u, v, w = far * u, far * v, far * w
+        if before:
             x, y, z = load3(state.moved, row, PACK)
-            u, v, w = u + f * x, v + f * y, w + f * z
+            u, v, w = u + near * x, v + near * y, w + near * z
         x, y, z = load3(state.edges, row, PACK)
         x, y, z = turned(x, y, z, u - px, v - py, w - pz, numbers[ROUNDING])
-        store3(s, o + EDGE, 1, x, y, z)
+        store3(s, FIRST_SEGMENT + j * SEGMENT + EDGE, 1, x, y, z)
         px, py, pz = u, v, w
 
 
 @inlined
 def turned(x, y, z, u, v, w, rounding):
-    """An edge of unit length after a change, of which no more than a unit counts."""
+    """The direction of an edge after a change (u, v, w), of which no more than `GREATEST_TURN` counts."""
     q = u * u + v * v + w * w
-    far = q > 1.0
+    far = q > GREATEST_TURN * GREATEST_TURN
     if any_lane(far):
-        f = where(far, 1.0 / sqrt(max(q, 1.0)), 1.0)
+        f = where(far, GREATEST_TURN / sqrt(max(q, TINY)), 1.0)
         u, v, w = f * u, f * v, f * w
     x, y, z = x + u, y + v, z + w
     q = x * x + y * y + z * z
-    off = abs(1.0 - q)
-    f = 1.5 - 0.5 * q
+    off = abs(q - 1.0)
+    f = where(off < rounding, 1.0, 1.5 - 0.5 * q)  # rounded anew, strands at rest would move
     far = off > NEARLY
     if any_lane(far):
-        f = where(far, 1.0 / sqrt(max(q, 1e-6)), f)
-    f = where(off < rounding, 1.0, f)  # else rounding would move strands at rest
+        f = where(far, 1.0 / sqrt(max(q, TINY)), f)
     return f * x, f * y, f * z
 
 

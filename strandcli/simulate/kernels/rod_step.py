@@ -155,10 +155,10 @@ def begins(curled, ahead):
 @device
 def keeps(flags, led):
     """Whether rest shapes are kept for the next step, or for the next iteration."""
+    if led is None:
+        return False
     if flags.oval is not None:
         return not led
-    if flags.second is None:
-        return False
     return flags.second and not led
 
 
