@@ -24,9 +24,9 @@ rigidity is (1 − σ) κ: the energy is less by σ κ (n'·e_j − n'·m_j)² /
 
 It is that of the edges to which motion leads, and is corrected by those of the step's first solution, which leaves
 σ κ h² / (M + κ h²) of the error (Hunter & Lange 2004, majorisation); what is at rest has none. A matrix that is too
-stiff bears it: with x + Δt v in place of the x that a step of BDF2 leads to, which is 5/2 x_n − 2 x_{n−1} + 1/2 x_{n−2},
-linear motion loses amplitude at any step and any σ < 1, and hardly any where steps are short. In steps that are too
-long to be led, rests are set anew between iterations, each of which leaves the same share of the error.
+stiff bears it: with x + Δt v in place of the x that a step of BDF2 leads to, and that is 5/2 x_n − 2 x_{n−1} +
+1/2 x_{n−2}, linear motion loses amplitude at any step and any σ < 1, and hardly any where steps are short. In steps
+that are too long to be led, rests are set anew between iterations, each of which leaves the same share of the error.
 """
 
 from __future__ import annotations
@@ -34,23 +34,10 @@ from __future__ import annotations
 from ...constants import FOLD
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3
-from . import rod_held
-from .records import DAMPING, SOFT, STEP, TIP_JOINT, TORSION
+from . import rod_held, rod_lead, rod_oval
+from .records import DAMPING, ROUNDING, SOFT, STEP, TIP_JOINT, TORSION
 from .rod_frames import CLAMP, carried, cross, first_normal, unit_edge
-from .rod_scratch import (
-    AXES,
-    EDGE,
-    EDGE_FACTOR,
-    FIRST_SEGMENT,
-    INNOVATION,
-    INVERSE_PIVOT,
-    LOAD,
-    PACK,
-    PARTICLE_FACTOR,
-    REST_BEND,
-    SEGMENT,
-    STIFFNESS,
-)
+from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT
 from .rod_tension import particle_gain
 from .turning import cosine_sine, cosine_sine_of_small
 
@@ -73,49 +60,9 @@ def set_rest(s, at, state, material, forcing, scheme, kept):
     """Add the rest shape to c̄, and update the twist. ``kept``: whether it is kept for the next step, and whether c̄
     has what was kept before, which is replaced."""
     numbers, held, soft = forcing.numbers, scheme.ends.held, softness(forcing.numbers, scheme.oval)
-    transport_frames(s, at, state, material, forcing, (held, kept[1]), soft)
+    transport_frames(s, at, state, material, forcing, scheme, kept[1], soft)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
     add_reactions(s, at, state, material, (numbers[TORSION], soft), share, held, kept)
-
-
-@device
-def correct(s, n, joint, numbers):
-    """Correct rests of oval sections by the bends along the thin axes that the first solution has led to, and set the
-    loads to what that changes of those of the solution, which have none left."""
-    zero = broadcast(s, 0.0)
-    share = numbers[SOFT] / (1 + numbers[DAMPING] / numbers[STEP])
-    stiffness = load(s, STIFFNESS)
-    ex, ey, ez = load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + EDGE, 1)
-    after = zero, zero, zero, zero
-    x, y, z = after, after, after
-    for j in range(n - 1, -1, -1):
-        o = FIRST_SEGMENT + j * SEGMENT
-        px, py, pz = load3(s, o - SEGMENT + EDGE, 1)
-        u, v, w = load3(s, particle_gain(n, j), 1)
-        f = share * (u * (ex - px) + v * (ey - py) + w * (ez - pz) - load(s, o + PAST_TWIST))
-        u, v, w = f * u, f * v, f * w
-        cx, cy, cz = load3(s, o + REST_BEND, 1)
-        store3(s, o + REST_BEND, 1, cx + u, cy + v, cz + w)
-        k = stiffness * joint[j]
-        i, f, g = load(s, o + INVERSE_PIVOT), load(s, o + EDGE_FACTOR), load(s, o + PARTICLE_FACTOR)
-        x = add_load(s, o, k * u, (i, f, g), x)
-        y = add_load(s, o + 1, k * v, (i, f, g), y)
-        z = add_load(s, o + 2, k * w, (i, f, g), z)
-        ex, ey, ez = px, py, pz
-
-
-@inlined
-def add_load(s, o, less, pivot, after):
-    """Set the load of a coordinate, the first one of the segment at place o, by that of which its joint's bend becomes
-    ``less``. ``pivot``: i, i κ and i B; ``after``: p, q, b and f of the segment after it, as in `rod_elimination`;
-    returns the same of this one."""
-    p, q, bend, force = after
-    i, f, g = pivot
-    own = -less - bend
-    p -= force - own
-    sum = p + q
-    store(s, o + LOAD, i * sum)
-    return p - g * sum, f * sum, -less, own
 
 
 @device
@@ -127,10 +74,10 @@ def softness(numbers, oval):
 
 
 @device
-def transport_frames(s, at, state, material, forcing, ends, soft):
+def transport_frames(s, at, state, material, forcing, scheme, anew, soft):
     """Transport frames from the root to the tip: set `TARGET` by the ψ before the step, and eliminate the torques about
     edges, linearised in ψ. ``led``: as in `Scheme`; ``soft``: `softness`."""
-    held, anew = ends
+    held = scheme.ends.held
     torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
     tx, ty, tz = load3(s, CLAMP, 1)
@@ -139,16 +86,21 @@ def transport_frames(s, at, state, material, forcing, ends, soft):
     angle = zero
     a = zero
     b = zero
+    way, far = rod_lead.way_of(s, forcing.numbers, scheme)
     for j in range(n):
         o = FIRST_SEGMENT + j * SEGMENT
         free = particle_gain(n, j)
         _, v, w = load3(bends, bend + (j + 1) * AXES, PACK)
         c, d = cosine_sine(angle)
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
-        ex, ey, ez = edge_at(s, o, anew)
+        if anew is None:
+            (ex, ey, ez), far = first_edge(at, j, state, way, far, forcing.numbers, scheme.led)
+            store3(s, o + EDGE, 1, ex, ey, ez)
+        else:
+            ex, ey, ez = unit_edge(s, o)
         if soft is not None:
             x, y, z = c * ax + d * bx, c * ay + d * by, c * az + d * bz
-            turn, stiff = oval_torque(
+            turn, stiff = rod_oval.torque(
                 (ex, ey, ez), (x, y, z), (c * bx - d * ax, c * by - d * ay, c * bz - d * az), v, w, soft
             )
         else:
@@ -191,12 +143,11 @@ def edge_at(s, o, anew):
 
 
 @inlined
-def oval_torque(e, wide, thin, v, w, soft):
-    """Torque about the edge before a joint by the bend of an oval section, over κ, and how it falls with ψ. v, w: the
-    rest along both axes."""
-    x = e[0] * wide[0] + e[1] * wide[1] + e[2] * wide[2]
-    y = e[0] * thin[0] + e[1] * thin[1] + e[2] * thin[2]
-    return v * y - (w + soft * (y - w)) * x, v * x + (1.0 - soft) * w * y + soft * (y * y - x * x)
+def first_edge(at, j, state, way, far, numbers, led):
+    """The edge that a step's first rest shapes are set by, and how far its end is led."""
+    if led:
+        return rod_lead.led_edge(at, j, state, way, far, numbers[ROUNDING])
+    return load3(state.edges, at.edge + j * AXES, PACK), far
 
 
 @device
@@ -263,7 +214,7 @@ def rest_vector(s, o, free, before, edge, turned, soft, bends, bend):
         fx, fy, fz = c * wx - d * x, c * wy - d * y, c * wz - d * z  # the thin axis
         f = fx * edge[0] + fy * edge[1] + fz * edge[2]
         store3(s, free, 1, fx, fy, fz)
-        store(s, o + PAST_TWIST, f)
+        store(s, o + rod_oval.BEND, f)
         w += soft * (f - w)
         x = u * px + v * (c * x + d * wx) + w * fx
         y = u * py + v * (c * y + d * wy) + w * fy

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...jit import device
 from ...simd import any_lane, broadcast, load, sqrt, store, where
-from . import rod, rod_curl, rod_elimination, rod_start, rod_tension
+from . import rod, rod_curl, rod_elimination, rod_oval, rod_start, rod_tension
 from .records import ROUNDS, TOLERANCE
 from .rod_scratch import AXES, FIRST_SEGMENT, INDEFINITE, SEGMENT, TENSION
 
@@ -65,7 +65,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
                 rod_curl.set_rest(s, at, state, material, forcing, scheme, (True, True))
             corrected = corrects(scheme, count)
             if corrected:
-                rod_curl.correct(s, n, joint, forcing.numbers)
+                rod_oval.correct(s, n, joint, forcing.numbers)
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from ...simd import broadcast, load, load3, store, store3, where
 from . import rod_loose
-from .records import AIR, DAMPING, DRAG, GRAVITY, LEAD, LED, MOVED, ROUNDING, STEP, VELOCITY_STEP
-from .rod_frames import NEARLY
+from .records import AIR, DAMPING, DRAG, GRAVITY, STEP, VELOCITY_STEP
 from .rod_scratch import (
     ACCELERATION_SCALE,
     ADDED_VELOCITY,
@@ -27,7 +26,6 @@ from .rod_scratch import (
     TENSION,
     VELOCITY_SCALE,
 )
-from .rod_tension import TINY
 
 BLEND = 0.8
 """θ: share of BDF3 in the difference formula of velocities, the rest is BDF2. Two such steps, BDF2 for displacements
@@ -39,32 +37,6 @@ OLD_GAIN = BLEND / 3 / VELOCITY_RATE
 """Shares of the last change of velocity that v̂ goes on by, and of the one before it that it stays behind by."""
 FARTHEST = 1e10
 """Segments that a free particle moves in a step at the most."""
-GREATEST_TURN = 1.0
-"""Tangent of the angle that an edge is led by at the most."""
-
-
-@device
-def ahead_of(second, curled, numbers):
-    """`Scheme.ahead`; None without BDF2."""
-    if second is None:
-        return None
-    return second and curled and numbers[MOVED] > 0 and numbers[LED] <= 0
-
-
-@device
-def led_of(able, curled, numbers):
-    """`Scheme.led`; None where what is ``able`` to is None."""
-    if able is None:
-        return None
-    return curled and numbers[LED] > 0
-
-
-@device
-def either(a, b):
-    """The first of two flags that is not None, else None."""
-    if a is None:
-        return b
-    return a
 
 
 @device
@@ -139,67 +111,6 @@ def fill_scratch(s, at, state, material, forcing, scheme):
         store3(s, o + INERTIAL, 1, x, y, z)
     if scheme.ends.loose is not None:
         rod_loose.begin(s, forcing, predict(s, rod_loose.row_of(at), rod_loose.body_of(state), scheme))
-
-
-@device
-def foresee(s, at, state, numbers, scheme):
-    """Set the edges by which `rod_curl.set_rest` is to set rest shapes: those before the step, or where these are
-    `Scheme.led`, what they become where particles go on as they move."""
-    if scheme.led:
-        lead(s, at, state, numbers, scheme)
-    else:
-        for j in range(at.segments):
-            x, y, z = load3(state.edges, at.edge + j * AXES, PACK)
-            store3(s, FIRST_SEGMENT + j * SEGMENT + EDGE, 1, x, y, z)
-
-
-@device
-def lead(s, at, state, numbers, scheme):
-    """Set the edges to where a step leads whose particles go on as they move, and whose root as it does in this one.
-
-    By BDF2 particles move on as in the step before; of oval sections a share `LEAD` of the way is that of their
-    velocities. By Euler's method, which both are the same for, it is the latter; lanes that go by it among others stay.
-    """
-    inverse_length = load(s, INVERSE_LENGTH)
-    before = numbers[MOVED] > 0 and numbers[LEAD] < 1.0  # else there may be no step before
-    on = inverse_length
-    if numbers[MOVED] > 0:
-        on *= 3.0 * load(s, MOVED_SHARE)  # 1, or 0 in lanes that go by Euler's method
-    far = on * scheme.duration
-    if before:
-        far *= numbers[LEAD]
-    near = on * (1.0 - numbers[LEAD])
-    px, py, pz = load3(s, ROOT_SHIFT, 1)
-    px, py, pz = on * px, on * py, on * pz
-    for j in range(at.segments):
-        row = at.edge + j * AXES
-        u, v, w = load3(state.velocity, row, PACK)
-        u, v, w = far * u, far * v, far * w
-        if before:
-            x, y, z = load3(state.moved, row, PACK)
-            u, v, w = u + near * x, v + near * y, w + near * z
-        x, y, z = load3(state.edges, row, PACK)
-        x, y, z = turned(x, y, z, u - px, v - py, w - pz, numbers[ROUNDING])
-        store3(s, FIRST_SEGMENT + j * SEGMENT + EDGE, 1, x, y, z)
-        px, py, pz = u, v, w
-
-
-@inlined
-def turned(x, y, z, u, v, w, rounding):
-    """The direction of an edge after a change (u, v, w), of which no more than `GREATEST_TURN` counts."""
-    q = u * u + v * v + w * w
-    far = q > GREATEST_TURN * GREATEST_TURN
-    if any_lane(far):
-        f = where(far, GREATEST_TURN / sqrt(max(q, TINY)), 1.0)
-        u, v, w = f * u, f * v, f * w
-    x, y, z = x + u, y + v, z + w
-    q = x * x + y * y + z * z
-    off = abs(q - 1.0)
-    f = where(off < rounding, 1.0, 1.5 - 0.5 * q)  # rounded anew, strands at rest would move
-    far = off > NEARLY
-    if any_lane(far):
-        f = where(far, 1.0 / sqrt(max(q, TINY)), f)
-    return f * x, f * y, f * z
 
 
 @device

@@ -28,7 +28,7 @@ from ...simd import (
     vector_pointer_at,
     where,
 )
-from . import rod, rod_curl, rod_held, rod_loose, rod_newton, rod_start, rod_sweep
+from . import rod, rod_curl, rod_held, rod_lead, rod_loose, rod_newton, rod_start, rod_sweep
 from .records import (
     FRICTION,
     MOVED,
@@ -145,24 +145,6 @@ def flags_of(descriptor, second, crowded, held, loose, oval):
 
 
 @device
-def begins(curled, ahead):
-    """Whether a step begins with rest shapes of its own."""
-    if ahead is None:
-        return curled
-    return curled and not ahead
-
-
-@device
-def keeps(flags, led):
-    """Whether rest shapes are kept for the next step, or for the next iteration."""
-    if led is None:
-        return False
-    if flags.oval is not None:
-        return not led
-    return flags.second and not led
-
-
-@device
 def solids_of(kind, descriptor):
     """Solids as `contact_shapes.nearest` takes them, of a floating type."""
     return (
@@ -254,19 +236,18 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         if flags.loose is None:
             place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
-        ahead = rod_start.ahead_of(flags.second, flags.curled, numbers)
-        led = rod_start.led_of(rod_start.either(flags.second, flags.oval), flags.curled, numbers)
+        ahead = rod_lead.ahead_of(flags.second, flags.curled, numbers)
+        led = rod_lead.led_of(rod_lead.either(flags.second, flags.oval), flags.curled, numbers)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
-            ahead, led, flags.curled, begins(flags.curled, ahead),
+            ahead, led, flags.curled, rod_lead.begins(flags.curled, ahead),
             Ends(flags.held, flags.loose), flags.oval,
         )  # fmt: skip
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
         if flags.held is not None:
             rod_held.place_clamp(scratch, at, state, material, forcing)
         if scheme.begun:
-            rod_start.foresee(scratch, at, state, numbers, scheme)
-            rod_curl.set_rest(scratch, at, state, material, forcing, scheme, (keeps(flags, led), None))
+            rod_curl.set_rest(scratch, at, state, material, forcing, scheme, (rod_lead.keeps(flags, led), None))
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         rod_start.give_way(scratch)
         worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations)
