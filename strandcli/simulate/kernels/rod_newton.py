@@ -63,9 +63,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
             ahead = sets_rest(scheme, count, least)
             if ahead:  # before iterations that never are left out
                 rod_curl.set_rest(s, at, state, material, forcing, scheme, (True, True))
-            corrected = corrects(scheme, count)
-            if corrected:
-                rod_oval.correct(s, n, joint, forcing.numbers)
+            corrected = correct(s, n, joint, forcing.numbers, scheme, count)
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR
@@ -112,11 +110,14 @@ def sets_rest(scheme, count, least):
 
 
 @device
-def corrects(scheme, count):
-    """Whether rests of oval sections are corrected before an iteration."""
+def correct(s, n, joint, numbers, scheme, count):
+    """Correct rests of oval sections before the first iteration; returns whether there are loads by that."""
     if scheme.oval is None:
         return False
-    return scheme.led and count == 1
+    due = scheme.led and count == 1
+    if due:
+        rod_oval.correct(s, n, joint, numbers)
+    return due
 
 
 @device
