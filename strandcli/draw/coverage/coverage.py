@@ -42,8 +42,8 @@ NO_SOLIDS = SolidPixels(NOTHING, np.zeros(0, np.int64), NOTHING, NOTHING)
 SLIGHT = np.float32(0.02)
 """Weight below which a fragment takes light from every second lit vertex alone, and not from both about it; not under
 exact shadows, which vary along a segment. Costs `hair` .001 points of an error of 2.9 %, and `fur` .03 of 6.5 %."""
-BROAD = 16.0
-"""Samples. Strands that are no wider have never been seen to take minutes; wider ones are checked."""
+BROAD = np.float32(16.0)
+"""Samples. Segments that are no wider have never been seen to take minutes; wider ones are counted."""
 WIDE_PIXELS_AT_MOST = 4e9
 """Greatest number of pixels that wide segments are tested against: some ten seconds of a core."""
 
@@ -138,7 +138,7 @@ class Coverage:
         lit = None
         widest = 1.0 if widths is None or not len(widths) else float(widths.max())
         drawn = ScreenLines(lines.first, screen, widths)
-        if widths is not None and widest > BROAD:
+        if widths is not None and widest > float(BROAD):
             self._require_time(drawn, widest)
         # a transparent strand hides no point
         masked = exact and widths is not None and widest > float(MASKED) and float(self.opacity) == 1.0
@@ -177,7 +177,7 @@ class Coverage:
     def _require_time(self, lines: ScreenLines, widest: float) -> None:
         """Raise `RefusedError` if wide strands cover so many pixels that they would take minutes."""
         pixels = np.empty(len(lines.first) - 1, np.float32)
-        strand_extents.count_wide_pixels(lines, *self.size, pixels)
+        strand_extents.count_wide_pixels(lines, *self.size, BROAD, pixels)
         total = float(pixels.sum(dtype=np.float64))
         if total > WIDE_PIXELS_AT_MOST:
             raise RefusedError(

@@ -58,6 +58,7 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
         front = ONE
         room = ONE
         previous = NO_VERTEX
+        total = ZERO
         while (m < end) & (through >= OPAQUE):
             alpha, identity, t = numbers(fragments, order[np.uint64(m)])
             m += 1
@@ -82,23 +83,30 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
             to = np.uint64(o)
             out.vertex[to] = np.uint32(identity)
             out.weight[to] = share
+            total += share
             out.along[to] = along
             o += 1
         out.counts[np.uint64(base) + p] = o - begin
-        close(out, tile, np.int64(p), begin, o)
+        if o > begin:
+            close(out, tile, np.int64(p), total)
     return o
 
 
 @inlined
-def close(out, tile, p, begin, end):
-    """Store whether the fragments begin … end − 1 of pixel p of a tile let nothing through, as `resolve.blend` has
-    it."""
-    if end > begin:
-        total = ZERO
-        for i in range(begin, end):
-            total += out.weight[np.uint64(i)]
-        at = (tile.top + (p >> ROW_BITS)) * out.width + tile.left + (p & (TILE_WIDTH - 1))
-        out.closed[np.uint64(at)] = np.uint8(ONE - total < OPAQUE)
+def close(out, tile, p, total):
+    """Store whether the fragments of pixel p of a tile let nothing through, as `resolve.blend` has it; total: of their
+    weights, from the first to the last."""
+    at = (tile.top + (p >> ROW_BITS)) * out.width + tile.left + (p & (TILE_WIDTH - 1))
+    out.closed[np.uint64(at)] = np.uint8(ONE - total < OPAQUE)
+
+
+@inlined
+def total_weight(out, begin, end):
+    """Return the sum of the weights of the fragments begin … end − 1, from the first to the last."""
+    total = ZERO
+    for i in range(begin, end):
+        total += out.weight[np.uint64(i)]
+    return total
 
 
 @inlined
@@ -177,5 +185,6 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
             for i in range(begin, o):
                 out.weight[i] /= total
         out.counts[np.uint64(base) + p] = o - begin
-        close(out, tile, np.int64(p), begin, o)
+        if o > begin:
+            close(out, tile, np.int64(p), total_weight(out, begin, o))
     return o
