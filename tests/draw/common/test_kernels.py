@@ -18,6 +18,7 @@ from strandcli.draw.fibre.kernels import chiang, diffuse, dual, marschner
 from strandcli.draw.film.kernels import film
 from strandcli.draw.geometry.kernels import curves, joints, piece_counts, ribbon, silhouette, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
+from strandcli.draw.lighting.kernels.inputs import StrandColour
 from strandcli.draw.shadows.kernels import (
     cell_extents,
     minmax,
@@ -129,7 +130,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "dual scattered": (dual.scattered, (*(ONE,) * 4, 2 * (ONE,), 5 * (ONE,), 2 * (ONE,), ONE)),
     "around": (light.around, (np.ones((2, 9, 3), np.float32), 0, 0, ONE, ONE, ONE)),
     "toward": (light.toward, (TABLE, 1, ONE, ONE, ONE)),
-    "look_up": (shade_strands.look_up, (np.ones((3, 3, 6), np.float32), ONE, ONE)),
+    "colours": (shade_strands.load_colours, (StrandColour(ROW, np.ones((3, 3, 6), np.float32), ONE), LIT, 3)),
     "sphere": (sphere.meet, (TABLE, 1, *[ONE] * 6)),
     "capsule": (capsule.meet, (TABLE, 1, *[ONE] * 6)),
     "plane": (plane.meet, (TABLE, 1, *[ONE] * 6)),

@@ -83,8 +83,12 @@ def place_of(rows, k):
     """Return the place of the vertices from number k on. rows: `pointer` to the batch."""
     x, y = load(rows, batch.NODE_X + k), load(rows, batch.NODE_Y + k)
     i, j = floor(x), floor(y)
-    x = x - i
-    y = y - j
+    return place_at(i, j, x - i, y - j)
+
+
+@inlined
+def place_at(i, j, x, y):
+    """Return the place at x and y, 0 to 1, between node (i, j) and the next ones."""
     w11 = x * y
     w01 = y - w11
     return Place(i, j, x, ONE - x - w01, w01, x - w11, w11)
@@ -99,7 +103,7 @@ def azimuthal_lanes(m, place, tables, extra):
     tt_r, tt_g, tt_b = m_tt * tt_r, m_tt * tt_g, m_tt * tt_b
     trt_r, trt_g, trt_b = m_trt * trt_r, m_trt * trt_g, m_trt * trt_b
     if tables.paths.shape[0] > 0:
-        l_tt, l_trt = mixed_paths(tables.paths, place)
+        l_tt, l_trt = mixed_pair(tables.paths, ALL, place)
         tt_r = tt_r * left_of(extra[0], l_tt)
         tt_g = tt_g * left_of(extra[1], l_tt)
         tt_b = tt_b * left_of(extra[2], l_tt)
@@ -149,12 +153,12 @@ def between(table, c, place):
 
 
 @inlined
-def mixed_paths(paths, place):
-    """Return the two first columns of paths, as `mixed`."""
-    rows, width = pointer(paths), paths.shape[2]
-    node = place.i * np.float32(paths.shape[1]) + place.j
-    across = width * paths.shape[1]
-    a, b = gather2(rows, ALL, node, width, ZERO), gather2(rows, width, node, width, ZERO)
+def mixed_pair(table, c, place):
+    """Return channels c and c + 1 of a table, as `mixed`."""
+    rows, width = pointer(table), table.shape[2]
+    node = place.i * np.float32(table.shape[1]) + place.j
+    across = c + width * table.shape[1]
+    a, b = gather2(rows, c, node, width, ZERO), gather2(rows, c + width, node, width, ZERO)
     d, e = gather2(rows, across, node, width, ZERO), gather2(rows, across + width, node, width, ZERO)
     w00, w01, w10, w11 = place.w00, place.w01, place.w10, place.w11
     return (

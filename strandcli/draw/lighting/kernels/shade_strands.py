@@ -11,8 +11,9 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import device, function, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ....jit.balance import places, task_at
+from ....simd import floor, lane_count, load, pointer, store3
 from ...common.kernels.approximations import exp
 from ...common.kernels.batch import (
     ARRIVES,
@@ -52,7 +53,7 @@ from ...coverage.kernels import width_profiles
 from ...fibre.kernels.diffuse import diffuse_light
 from ...fibre.kernels.dual_scattering import dual_scattering
 from ...fibre.kernels.highlights import highlights
-from ...fibre.kernels.lobes import mix
+from ...fibre.kernels.lobes import ALL, mixed, mixed_pair, place_at
 from ...fibre.kernels.width_highlights import width_highlights
 from ...shadows.kernels.hard_shadows import hard_shadows
 from ...shadows.kernels.soft_shadows import soft_shadows
@@ -65,6 +66,9 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
+NEXT = np.uint64(1)
+LAST_TWO = np.int64(4)
+"""The last two channels of a table of colours."""
 STRANDS = 128
 """Strands a task."""
 
@@ -88,56 +92,78 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
         work[EXTRA : EXTRA + 3 * W] = ZERO
         which = np.empty(W, np.int64)
         n = np.int64(0)  # with a literal, Numba would compile the functions below twice
-        for s in range(task * STRANDS, min((task + 1) * STRANDS, count)):
-            begin = vertices.first[s]
-            end = vertices.first[s + 1]
-            per = ONE / np.float32(max(end - begin - 1, 1))
+        for s in range(np.uint64(task * STRANDS), np.uint64(min((task + 1) * STRANDS, count))):
+            begin, end = np.uint64(vertices.first[s]), np.uint64(vertices.first[s + NEXT])
+            per = ONE / np.float32(max(np.int64(end - begin) - 1, 1))
             for v in range(begin, end):
                 if vertices.marks[v] == 0:
                     continue
-                load_vertex(vertices.world, vertices.ways, v, begin, end, work, n)
-                place = np.float32(v - begin) * per if vertices.along.shape[0] == 0 else vertices.along[v]
-                load_colour(paint, place, vertices.tones[s], work, n)
+                load_vertex(vertices, s, v, begin, end, per, work, np.uint64(n))
                 if wide is not None:
                     start_profile(wide, v)
-                which[n] = v
+                which[np.uint64(n)] = v
                 n += 1
                 if n == W:
+                    load_colours(paint, work, n)
                     frames(work, n, vertices.camera)
                     ambient_light(work, n, surround)
                     batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
                     store_radiance(work, which, n, out)
                     n = np.int64(0)
+        load_colours(paint, work, n)
         frames(work, n, vertices.camera)
         ambient_light(work, n, surround)
         batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
         store_radiance(work, which, n, out)
 
 
-@device
-def load_vertex(world, ways, v, begin, end, work, k):
-    """Store position and tangent, not normalised, of vertex v of the strand begin … end − 1 as item k of a batch."""
-    low = max(v - 1, begin)
-    high = min(v + 1, end - 1)
-    for c in range(3):
-        work[X + c * W + k] = world[v, c]
-        work[TX + c * W + k] = world[high, c] - world[low, c] if ways.shape[0] == 0 else ways[v, c]
+@inlined
+def load_vertex(vertices, s, v, begin, end, per, work, k):
+    """Store position and tangent, not normalised, of vertex v of strand s, which has begin … end − 1, as item k of a
+    batch, and in the first two rows of `COLOUR` how far along its strand it is, 0 to 1, and the strand's tone; per: 1
+    over the strand's pieces. No place is negative."""
+    world, ways, along = vertices.world, vertices.ways, vertices.along
+    low = v - NEXT if v > begin else v
+    high = v + NEXT if v + NEXT < end else v
+    for c in range(np.uint64(3)):
+        at = c * np.uint64(W) + k
+        work[np.uint64(X) + at] = world[v, c]
+        work[np.uint64(TX) + at] = world[high, c] - world[low, c] if ways.shape[0] == 0 else ways[v, c]
+    work[np.uint64(COLOUR) + k] = np.float32(np.int64(v - begin)) * per if along.shape[0] == 0 else along[v]
+    work[np.uint64(COLOUR + W) + k] = vertices.tones[s]
 
 
 @device
-def load_colour(paint, along, tone, work, k):
-    """Store colour and absorption at the position `along` of a strand, 0 to 1, as item k of a batch."""
-    if paint.tint.shape[0] == 0:
+def load_colours(paint, work, n):
+    """Store colour and absorption of the first n vertices of a batch, by what `load_vertex` left."""
+    tint = paint.tint
+    if tint.shape[0] == 0:
         for c in range(3):
-            work[COLOUR + c * W + k] = paint.colour[c]
-    else:
-        found = look_up(paint.tint, along, tone)
-        for c in range(3):
-            work[COLOUR + c * W + k] = found[c]
-            work[EXTRA + c * W + k] = found[c + 3]
+            for k in range(n):
+                work[COLOUR + c * W + k] = paint.colour[c]
+        return
+    for k in range(n, W):  # the unused lanes of the last vector must read valid entries
+        work[COLOUR + k] = work[COLOUR + W + k] = ZERO
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        place = place_in(tint, load(rows, COLOUR + k), load(rows, COLOUR + W + k))
+        red, green, blue, extra_red = mixed(tint, ALL, place)
+        extra_green, extra_blue = mixed_pair(tint, LAST_TWO, place)
+        store3(rows, COLOUR + k, W, red, green, blue)
+        store3(rows, EXTRA + k, W, extra_red, extra_green, extra_blue)
 
 
-@device
+@inlined
+def place_in(tint, along, tone):
+    """Return the place, as `lobes.place_at`, of positions in [0, 1] and tones in [−1, 1] in a table of theirs."""
+    a = along * np.float32(tint.shape[0] - 1)
+    b = (tone + ONE) * HALF * np.float32(tint.shape[1] - 1)
+    i = min(floor(a), np.float32(tint.shape[0] - 2))
+    j = min(floor(b), np.float32(tint.shape[1] - 2))
+    return place_at(i, j, a - i, b - j)
+
+
+@inlined
 def start_profile(wide, v):
     """Clear the profile of vertex v if it has one."""
     if wide.slots[v] >= 0:
@@ -147,9 +173,10 @@ def start_profile(wide, v):
 @device
 def store_radiance(work, which, n, out):
     """Store the radiance of the first n items of a batch at their vertices `which` in out (V, 3)."""
-    for k in range(n):
-        for c in range(3):
-            out[which[k], c] = work[RADIANCE + c * W + k]
+    for k in range(np.uint64(n)):
+        v = np.uint64(which[k])
+        for c in range(np.uint64(3)):
+            out[v, c] = work[np.uint64(RADIANCE) + c * np.uint64(W) + k]
 
 
 @device
@@ -264,26 +291,3 @@ def aim(work, n, lights, i):
         work[REACH + k] = reach
         work[ARRIVES + k] = falloff
         work[INSIDE + k] = ZERO
-
-
-@function
-def look_up(tint, along, tone):
-    """Interpolate bilinearly in a table (A, B, 6) over along in [0, 1] and tone in [−1, 1]."""
-    a = along * np.float32(tint.shape[0] - 1)
-    b = (tone + ONE) * HALF * np.float32(tint.shape[1] - 1)
-    i = min(int(a), tint.shape[0] - 2)
-    j = min(int(b), tint.shape[1] - 2)
-    a -= np.float32(i)
-    b -= np.float32(j)
-    w11 = a * b
-    w10 = a - w11
-    w01 = b - w11
-    w00 = ONE - a - w01
-    return (
-        mix(tint, i, j, np.int64(0), w00, w01, w10, w11),
-        mix(tint, i, j, np.int64(1), w00, w01, w10, w11),
-        mix(tint, i, j, np.int64(2), w00, w01, w10, w11),
-        mix(tint, i, j, np.int64(3), w00, w01, w10, w11),
-        mix(tint, i, j, np.int64(4), w00, w01, w10, w11),
-        mix(tint, i, j, np.int64(5), w00, w01, w10, w11),
-    )
