@@ -7,6 +7,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     rows = pointer(array)            the numbers of a contiguous array of any shape, one after the other
     rows = half_width_pointer(array) the same, and vectors of half as many: where most loops are short
     rows = triple_pointer(array)     the same, and vectors of three numbers in single precision
+    rows = quadruple_pointer(array)  the same of four, or of four whole numbers of 32 bits
     pile = vector_pointer(array)     the vectors of a contiguous array: place 1 is that of the second vector
     rows = pointer_at(np.float32, a); pile = vector_pointer_at(np.float32, a)
                                      the same of numbers that begin at an address; products in sums are fused (FMA)
@@ -15,7 +16,8 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     lane_count(rows)                 numbers in a vector
     x = load(rows, o)                a vector from place o on
     gather(rows, o, x, stride, y)    a vector of the numbers at places o + stride * x + y; x and y are whole
-    gather2(rows, o, x, stride, y), gather4(…)   two or four vectors: of those numbers and of the ones after them
+    gather2(rows, o, x, stride, y), gather4(…), gather8(…)   two, four or eight vectors: of those numbers and of the
+                                     ones after them
     store(rows, o, x)
     store_records(rows, o, eight)    eight vectors as records: the first number of each, the second of each, ...
     x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
@@ -72,13 +74,14 @@ from .memory import (
     pointer_at,
     prefetch,
     prefetch3,
+    quadruple_pointer,
     store,
     store3,
     triple_pointer,
     vector_pointer,
     vector_pointer_at,
 )
-from .records import gather2, gather4, store_records
+from .records import gather2, gather4, gather8, store_records
 
 __all__ = [
     "any_lane",
@@ -90,6 +93,7 @@ __all__ = [
     "gather",
     "gather2",
     "gather4",
+    "gather8",
     "half_width_pointer",
     "has_fma",
     "lane",
@@ -104,6 +108,7 @@ __all__ = [
     "power_of_two",
     "prefetch",
     "prefetch3",
+    "quadruple_pointer",
     "reduce_max",
     "sqrt",
     "store",

@@ -20,6 +20,7 @@ from strandcli.simd import (  # fmt: skip
     gather,
     gather2,
     gather4,
+    gather8,
     half_width_pointer,
     has_fma,
     lane_count,
@@ -30,6 +31,7 @@ from strandcli.simd import (  # fmt: skip
     pointer,
     pointer_at,
     prefetch3,
+    quadruple_pointer,
     reduce_max,
     sqrt,
     store,
@@ -134,6 +136,8 @@ def picked(given, first, second, out):
     c, d, e, f = gather4(rows, 4, x, 3, y)
     store3(to, 2 * lane_count(to), lane_count(to), a, b, c)
     store3(to, 5 * lane_count(to), lane_count(to), d, e, f)
+    for k, each in enumerate(gather8(rows, 9, y, 4, x)):
+        store(to, (8 + k) * lane_count(to), each)
     return count_true(x > y)
 
 
@@ -141,13 +145,13 @@ def picked(given, first, second, out):
 def test_numbers_are_picked_from_where_they_are_said_to_be(dtype: Any) -> None:
     count = VECTOR // np.dtype(dtype).itemsize
     rng = np.random.default_rng(6)
-    given, out = rng.normal(size=400).astype(dtype), np.zeros(8 * count, dtype)
+    given, out = rng.normal(size=400).astype(dtype), np.zeros(16 * count, dtype)
     first, second = (rng.integers(0, 40, count).astype(dtype) for _ in range(2))
     assert picked(given, first, second, out) == np.count_nonzero(first > second)
     beside = 3 * first + second
-    places = np.concatenate([5 + 7 * first + second, 3 * first + 2, *(beside + k for k in (1, 2, 4, 5, 6, 7))]).astype(
-        int
-    )
+    places = [5 + 7 * first + second, 3 * first + 2, *(beside + k for k in (1, 2, 4, 5, 6, 7))]
+    places += [9 + 4 * second + first + k for k in range(8)]
+    places = np.concatenate(places).astype(int)
     np.testing.assert_array_equal(out, given[places])
 
 
@@ -156,6 +160,19 @@ def tripled(given, out):
     """Twice three numbers."""
     store(triple_pointer(out), 1, 2.0 * load(triple_pointer(given), 1))
     return lane_count(triple_pointer(out))
+
+
+@njit
+def copied(given, out):
+    """Four whole numbers."""
+    store(quadruple_pointer(out), 4, load(quadruple_pointer(given), 1))
+    return lane_count(quadruple_pointer(out))
+
+
+def test_four_whole_numbers_are_a_vector() -> None:
+    given, out = np.arange(9, dtype=np.int32), np.full(9, 9, np.int32)
+    assert copied(given, out) == 4
+    np.testing.assert_array_equal(out, [9, 9, 9, 9, 1, 2, 3, 4, 9])
 
 
 def test_three_numbers_are_a_vector() -> None:
