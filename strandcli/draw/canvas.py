@@ -72,6 +72,10 @@ class Canvas:
     def __post_init__(self) -> None:
         width, height = self.size
         self.keys = self.scratch.borrow("keys", width * height, np.uint64)
+        if self.lighting.solids is not None:
+            shown = self.scratch.borrow("triangles", width * height, np.int32)
+            shown.fill(-1)
+            self.lighting = replace(self.lighting, triangles=shown)
         clear(self.keys, self.size, self.lighting)
         if self.recorder is not None:
             self.recorder.solids(self.keys)
@@ -204,7 +208,8 @@ class Canvas:
 
 
 def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -> None:
-    """Clear a z-buffer (height * width,) and draw the solids into it."""
+    """Clear a z-buffer (height * width,) and draw the solids into it, and into `Lighting.triangles` where it has
+    any."""
     if lighting.solids is None:
         keys.fill(EMPTY)
     else:
@@ -218,7 +223,7 @@ def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -
         else:
             keys.fill(EMPTY)
         for one in found:
-            triangles.draw(one, frames[one.number], view, size, keys)
+            triangles.draw(one, frames[one.number], view, size, keys, lighting.triangles)
 
 
 def mark(keys: NDArray[np.uint64], lines: Polylines, base: int, scratch: Scratch) -> tuple[NDArray[np.uint8], int]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -71,6 +71,9 @@ class Lattice(NamedTuple):
 NO_LATTICE = Lattice(np.zeros((0, 0, 0, 3), np.float32), np.uint8(0), np.uint8(0), COMPUTED, DRAWN)
 
 
+ANY_TRIANGLE = np.zeros(0, np.int32)
+
+
 @dataclass(frozen=True)
 class Lighting:
     """Input of shading; members that a scene does not need are None."""
@@ -90,6 +93,8 @@ class Lighting:
     """The visible solids, packed by `strandcli.solids.pack`."""
     grain: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None
     """Levels and frame of `kernels.inputs.Screen`, if solids are dithered."""
+    triangles: NDArray[np.int32] = field(default_factory=lambda: ANY_TRIANGLE)
+    """(height * width,) or (0,): as in `kernels.inputs.Screen`."""
 
     @property
     def skin(self) -> np.float32:
@@ -137,7 +142,7 @@ class Lighting:
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
             Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN), hidden,
-                   lattice.wanted, top, bottom),
+                   lattice.wanted, top, bottom, ANY_TRIANGLE if len(spots) else self.triangles),
             self._surround(),
             StrandLight(self.palette.colour, given(self.palette.loss, 4)), self._lights(given(None, 0), lattice),
             map_arrays(self.maps), self.solids, coating_of(seen, paint), image,

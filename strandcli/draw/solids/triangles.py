@@ -16,7 +16,7 @@ from ..common.kernels.keys import FIRST
 from ..view.camera import View
 from .kernels import triangles as kernels
 from .kernels.rasterise import BOTTOM, LEFT, RIGHT, TOP
-from .kernels.triangles import BAND, ROUNDING, Rays, Solid, Spans
+from .kernels.triangles import BAND, ROUNDING, Picture, Rays, Solid, Spans
 
 NEAR = 1.001
 """Times its reach within which an eye may be in a solid."""
@@ -63,8 +63,12 @@ def _begins_inside(solids: Solids, m: int, row: NDArray[np.float32], view: View)
     return bool(found[0] < 0)
 
 
-def draw(surface: Surface, frame: NDArray[np.int64], view: View, size: tuple[int, int], keys: NDArray[Any]) -> None:
-    """Draw a solid into the z-buffer (height * width,). frame: its screen bounds, as in `kernels.rasterise.draw`."""
+def draw(
+    surface: Surface, frame: NDArray[np.int64], view: View, size: tuple[int, int], keys: NDArray[Any],
+    shown: NDArray[np.int32],
+) -> None:  # fmt: skip
+    """Draw a solid into the z-buffer (height * width,), and where it is in front its triangles into ``shown``
+    (height * width,) or (0,). frame: its screen bounds, as in `kernels.rasterise.draw`."""
     packed = view.pack()
     rays = _rays(surface.row, frame, view)
     count = len(surface.corners)
@@ -75,7 +79,7 @@ def draw(surface: Surface, frame: NDArray[np.int64], view: View, size: tuple[int
     width, height = size
     kernels.draw(
         surface.corners, listed, begin, Solid(surface.row[None]), rays, packed, frame, spans, identity,
-        keys.reshape(height, width),
+        Picture(keys.reshape(height, width), shown.reshape(height if len(shown) else 0, width)),
     )  # fmt: skip
 
 

@@ -17,9 +17,9 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "solids"))
 import ball_kit
 from strand_kit import scene_of
 from strandcli.draw import canvas
-from strandcli.draw.common.kernels.keys import EMPTY
+from strandcli.draw.common.kernels.keys import EMPTY, FIRST, LOW
 from strandcli.draw.solids import triangles
-from strandcli.draw.solids.kernels import rasterise
+from strandcli.draw.solids.kernels import edges, rasterise
 from strandcli.draw.solids.kernels import triangles as kernels
 from strandcli.draw.solids.solids import frames_of, packed
 from strandcli.draw.view.camera import View, camera_view
@@ -70,9 +70,12 @@ def by_rays(solids: Any, view: View) -> NDArray[np.uint64]:
     return keys
 
 
-def by_triangles(solids: Any, view: View) -> NDArray[np.uint64]:
+def by_triangles(solids: Any, view: View, shown: Any = None) -> NDArray[np.uint64]:
+    """``shown``: (P,) int32, for the triangles that are in front."""
     keys = np.empty(SIZE[0] * SIZE[1], np.uint64)
-    lighting: Any = SimpleNamespace(solids=solids, view=view)
+    lighting: Any = SimpleNamespace(
+        solids=solids, view=view, triangles=np.zeros(0, np.int32) if shown is None else shown
+    )
     canvas.clear(keys, SIZE, lighting)
     return keys
 
@@ -85,6 +88,28 @@ def test_keys_are_those_of_rays(files: dict[str, tuple[Path, Path]], kind: str, 
         expected = by_rays(solids, one)
         np.testing.assert_array_equal(by_triangles(solids, one), expected)
         assert (expected != EMPTY).any()
+
+
+def test_pixels_are_told_the_triangle_that_they_show(files: dict[str, tuple[Path, Path]]) -> None:
+    """Its plane is where the ray ends, and of what is no mesh nothing is told."""
+    solids, view = of(files["balls"], "near")
+    shown = np.full(SIZE[0] * SIZE[1], -1, np.int32)
+    keys = by_triangles(solids, view, shown)
+    number = np.where(keys == EMPTY, -1, (keys & LOW).astype(np.int64) - int(FIRST))
+    assert ((shown >= 0) == (number >= 1)).all()  # the sphere is number 0
+    depths = np.empty(len(keys), np.float32)
+    edges.depths(keys, depths)
+    for surface in triangles.surfaces(solids, view):
+        here = np.flatnonzero(number == surface.number)
+        assert len(here) > 50
+        turn = surface.row[3:12].reshape(3, 3).astype(float)
+        corners = surface.corners[shown[here]] @ turn.T + surface.row[:3]
+        x, y = here % SIZE[0] + 0.5 - view.middle[0], view.middle[1] - here // SIZE[0] - 0.5
+        ways = view.forward + (x[:, None] * view.right + y[:, None] * view.up) / view.focal
+        off = view.eye + ways / depths[here, None] - corners[:, 0]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        assert np.abs((off * normals).sum(1)).max() < 1e-5
 
 
 def test_an_eye_inside_sees_nothing_of_a_closed_mesh(files: dict[str, tuple[Path, Path]]) -> None:

@@ -112,6 +112,9 @@ class Screen(NamedTuple):
     begin: int
     end: int
     """The rows that are shaded: begin … end − 1, the others are left as they are."""
+    triangles: NDArray[np.int32]
+    """(height * width,) the triangle that a pixel shows of a solid that consists of some, at which its look is looked
+    for first; −1, or no rows: unknown."""
 
 
 class Coating(NamedTuple):

@@ -20,7 +20,7 @@ from ....solids.kernels import built_in
 from ....solids.kernels import other as other_solids
 from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
 from ...common.kernels.light_columns import POWER_R
-from ...common.kernels.surface_batch import NX, NY, NZ, PIXEL
+from ...common.kernels.surface_batch import BEFORE, NX, NY, NZ, PIXEL
 from ...solids.kernels import coat, rays
 from . import occlusion
 from .light import toward
@@ -126,6 +126,7 @@ def gather(way, n, hit):
         other[EY + m] = -ways[MY * W + k]
         other[EZ + m] = -ways[MZ * W + k]
         other[PIXEL + m] = TWO * work[PIXEL + k]
+        other[BEFORE + m] = -ONE
         way.points[m] = k
         m += np.int64(1)
     return m

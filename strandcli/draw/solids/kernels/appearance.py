@@ -10,7 +10,7 @@ from ....constants import W
 from ....jit import device
 from ....solids.kernels import built_in, other
 from ...common.kernels.batch import EX, EY, EZ, X, Y, Z
-from ...common.kernels.surface_batch import ALBEDO, LIFT, NX, NY, NZ, PIXEL
+from ...common.kernels.surface_batch import ALBEDO, BEFORE, LIFT, NX, NY, NZ, PIXEL
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -47,6 +47,8 @@ def face(work, n, solids, which):
     before = np.int64(-1)
     for k in range(n):
         x, y, z = work[X + k], work[Y + k], work[Z + k]
+        if work[BEFORE + k] >= ZERO:
+            before = np.int64(work[BEFORE + k])
         eye = work[EX + k], work[EY + k], work[EZ + k]
         normal, place, colour, before = other.look(solids, m, x, y, z, eye, work[PIXEL + k], before)
         work[NX + k], work[NY + k], work[NZ + k] = towards(normal, eye)

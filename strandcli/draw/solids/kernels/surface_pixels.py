@@ -9,7 +9,7 @@ from ....jit import device, inlined
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.dither import dithered, noise_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
-from ...common.kernels.surface_batch import DISTANCE, NOISE, RAYS, SHARE, SX, SY, THERE
+from ...common.kernels.surface_batch import BEFORE, DISTANCE, NOISE, RAYS, SHARE, SX, SY, THERE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import appearance, blended, rays
 
@@ -23,6 +23,8 @@ edge in front of itself."""
 SIDE_BITS = np.int64(3)
 SIDE = np.int64(8)
 """Side of a square of pixels that are shaded one after the other."""
+UNKNOWN, MOST = np.int64(-1), np.int64(1 << 24)
+"""Where no triangle is known; whole numbers up to which single precision has all."""
 FINE = 4
 """Rays along each side of a pixel with such an edge."""
 
@@ -90,6 +92,8 @@ def fill_batch(screen, found, i, end, width, solids, work, which, bare):
             n = fine_points(work, which, n, at, column, row, view, solids, own)
             continue
         which[n] = at
+        before = np.int64(screen.triangles[at]) if screen.triangles.shape[0] > 0 else UNKNOWN
+        work[BEFORE + n] = np.float32(before if before < MOST else UNKNOWN)
         work[SHARE + n] = -ONE if edge else ONE
         work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
         work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
@@ -167,6 +171,7 @@ def fine_points(work, which, n, at, column, row, view, solids, solid):
                 least = aside
                 work[SX + n], work[SY + n], work[DISTANCE + n] = x, y, work[RAYS + ray]
         which[n] = at
+        work[BEFORE + n] = -ONE
         work[SHARE + n] = -count / met
         n += 1
     return n

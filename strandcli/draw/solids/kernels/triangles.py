@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ....jit.indices import FIRST, SECOND, THIRD
 from ....meshes.kernels.rays import meet, sheared
 from ....solids.kernels.distance_field import ray_in_own, through
@@ -28,6 +28,9 @@ CHUNK = 1024
 """Triangles of a task."""
 ROUNDING = 64.0 * 2.0**-24
 """Of rays in single precision, as a share of lengths; several times what it is at the most."""
+DEPTH, TRIANGLE = np.uint64(32), np.uint64(0xFFFFFFFF)
+NONE = np.uint64(np.float32(np.inf).view(np.uint32)) << DEPTH
+"""The depth of what is nowhere, above the number of a triangle."""
 ABOUT_EYE = 16.0
 """Roundings of depth within which a triangle is taken to reach the eye."""
 
@@ -65,6 +68,15 @@ class Spans(NamedTuple):
     """(T,) the least depth, metres."""
     turned: NDArray[np.uint8]
     """(T,) 1 for a triangle that is wound clockwise as the view sees it: of a closed mesh, one at the back."""
+
+
+class Picture(NamedTuple):
+    """What triangles are drawn into."""
+
+    keys: NDArray[np.uint64]
+    """(height, width) z-buffer."""
+    shown: NDArray[np.int32]
+    """(height, width) the triangle that is in front, where one is; no rows: nobody asks."""
 
 
 @parallel
@@ -168,30 +180,45 @@ def edge(corners, i, k, sign, rays, view):
 
 
 @parallel
-def draw(corners, listed, begin, solid, rays, view, frame, spans, identity, keys):
-    """Draw triangles into the z-buffer, keys (height, width) uint64.
+def draw(corners, listed, begin, solid, rays, view, frame, spans, identity, picture):
+    """Draw triangles into a `Picture`.
 
     listed (n,): triangles of each band of rows, those of band b from begin[b] on; solid: `Solid`; identity: the low
     part of its keys.
     """
-    flat = ONE - view[PERSPECTIVE]
-    far = ONE / view[DEPTH_RANGE]
     for band in prange(begin.shape[0] - 1):
         b = np.int64(band)
         low = frame[TOP] + b * BAND
         high = min(low + BAND, frame[BOTTOM])
-        depths = np.full((BAND, frame[RIGHT] - frame[LEFT]), INF, np.float32)
+        nearest = np.full((BAND, frame[RIGHT] - frame[LEFT]), NONE, np.uint64)
         for at in range(begin[b], begin[b + 1]):
-            draw_one(corners, np.int64(listed[at]), solid, rays, view, frame, spans, low, high, depths)
+            draw_one(corners, np.int64(listed[at]), solid, rays, view, frame, spans, low, high, nearest)
         for y in range(low, high):
-            for x in range(depths.shape[1]):
-                key = key_at(depths[y - low, x], view, flat, far, identity)
-                keys[y, frame[LEFT] + x] = min(keys[y, frame[LEFT] + x], key)
+            finish_row(nearest[y - low], y, frame[LEFT], view, identity, picture)
 
 
 @device
-def draw_one(corners, i, solid, rays, view, frame, spans, low, high, depths):
-    """Take triangle i into the depths (`BAND`, width) of the rows from low on, below high."""
+def finish_row(nearest, y, left, view, identity, picture):
+    """Take what is nearest in a row, from a column on, into a `Picture`."""
+    flat = ONE - view[PERSPECTIVE]
+    far = ONE / view[DEPTH_RANGE]
+    for x in range(nearest.shape[0]):
+        key = key_at(depth_of(nearest[x]), view, flat, far, identity)
+        if key < picture.keys[y, left + x]:
+            picture.keys[y, left + x] = key
+            if picture.shown.shape[0] > 0:
+                picture.shown[y, left + x] = np.int32(nearest[x] & TRIANGLE)
+
+
+@inlined
+def depth_of(nearest):
+    """Return a depth, metres, that stands above the number of a triangle."""
+    return np.uint32(nearest >> DEPTH).view(np.float32)
+
+
+@device
+def draw_one(corners, i, solid, rays, view, frame, spans, low, high, nearest):
+    """Take triangle i into the rows from low on, below high: nearest (`BAND`, width) uint64, depths above triangles."""
     sign = -1.0 if spans.turned[i] > 0 else 1.0
     first, second, third = (
         edge(corners, i, FIRST, sign, rays, view), edge(corners, i, SECOND, sign, rays, view),
@@ -205,9 +232,10 @@ def draw_one(corners, i, solid, rays, view, frame, spans, low, high, depths):
         left, right = cut(left, right, third, b, view)
         for x in range(math.ceil(left), math.floor(right) + 1):
             at = x - frame[LEFT]
-            if spans.depth[i] < depths[y - low, at]:
+            if spans.depth[i] < depth_of(nearest[y - low, at]):
                 depth = depth_at(corners, i, solid, view, frame, at, y)
-                depths[y - low, at] = min(depths[y - low, at], depth)
+                own = (np.uint64(np.float32(depth).view(np.uint32)) << DEPTH) | np.uint64(i)
+                nearest[y - low, at] = min(nearest[y - low, at], own)
 
 
 @device
