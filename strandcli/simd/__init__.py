@@ -16,7 +16,8 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     lane_count(rows)                 numbers in a vector
     x = load(rows, o)                a vector from place o on
     gather(rows, o, x, stride, y)    a vector of the numbers at places o + stride * x + y; x and y are whole
-    gather2(rows, o, x, stride, y), gather4(…)   two or four vectors: of those numbers and of the ones after them
+    gather2(rows, o, x, stride, y), gather4(…), gather8(…)   two, four or eight vectors: of those numbers and of the
+                                     ones after them
     store(rows, o, x)
     store_records(rows, o, eight)    eight vectors as records: the first number of each, the second of each, ...
     x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
@@ -80,7 +81,7 @@ from .memory import (
     vector_pointer,
     vector_pointer_at,
 )
-from .records import gather2, gather4, store_records
+from .records import gather2, gather4, gather8, store_records
 
 __all__ = [
     "any_lane",
@@ -92,6 +93,7 @@ __all__ = [
     "gather",
     "gather2",
     "gather4",
+    "gather8",
     "half_width_pointer",
     "has_fma",
     "lane",

@@ -18,6 +18,8 @@ from .kinds import PointerType, VectorType, vector_of, widened
 from .memory import lane_count, store
 
 INDEX = ir.IntType(32)
+LANE = 4
+"""Numbers in single precision within which a processor moves any to any place at the least cost."""
 
 
 def _of_records(size: int) -> Callable[..., Any]:
@@ -57,6 +59,8 @@ def _of_records(size: int) -> Callable[..., Any]:
 def columns(builder: Any, records: list[Any], size: int) -> list[Any]:
     """Vectors of the first number of each record, of the second, and so on; records: vectors of so many numbers, which
     divides how many there are."""
+    if size % LANE == 0 and len(records) % (2 * LANE) == 0 and size <= 2 * LANE:
+        return by_lanes(builder, records, size // LANE)
     full = list(records)
     while len(full) > size:  # until each is as long as a vector of one number a record
         full = in_pairs(builder, full)
@@ -71,6 +75,42 @@ def columns(builder: Any, records: list[Any], size: int) -> list[Any]:
             parts = in_pairs(builder, parts)
         out.append(parts[0])
     return out
+
+
+def by_lanes(builder: Any, records: list[Any], chunks: int) -> list[Any]:
+    """As `columns`, of records of one or two times `LANE` numbers. Records that stand beside each other in a vector are
+    `LANE` apart, so that rows become columns within each `LANE` numbers, which costs least."""
+    half = len(records) // chunks
+    found = []
+    for begin in range(0, len(records), half):
+        rows = []
+        for row in range(LANE):
+            wide = records[begin + row : begin + half : LANE]
+            while len(wide) > 1:
+                wide = in_pairs(builder, wide)
+            rows.append(wide[0])
+        low = [_in_lanes(builder, rows[k], rows[k + 1], (0, LANE, 1, LANE + 1)) for k in (0, 2)]
+        high = [_in_lanes(builder, rows[k], rows[k + 1], (2, LANE + 2, 3, LANE + 3)) for k in (0, 2)]
+        found.append(
+            [
+                _in_lanes(builder, pair[0], pair[1], places)
+                for pair in (low, high)
+                for places in ((0, 1, LANE, LANE + 1), (2, 3, LANE + 2, LANE + 3))
+            ]
+        )
+    if chunks == 1:
+        return found[0]
+    count = len(records)
+    picked = [[at for at in range(2 * count) if at // LANE % 2 == odd] for odd in range(2)]
+    return [builder.shuffle_vector(a, b, _mask(places)) for places in picked for a, b in zip(*found, strict=True)]
+
+
+def _in_lanes(builder: Any, a: Any, b: Any, places: tuple[int, ...]) -> Any:
+    """A vector that has, in each `LANE` places, those of two vectors: the first ones of the first, then of the
+    second."""
+    count = a.type.count
+    own = [(place % LANE) + (count if place >= LANE else 0) for place in places]
+    return builder.shuffle_vector(a, b, _mask([at + k for at in range(0, count, LANE) for k in own]))
 
 
 def in_pairs(builder: Any, vectors: list[Any]) -> list[Any]:
@@ -90,6 +130,8 @@ gather2: Any = intrinsic(_of_records(2))
 """Two vectors: of the numbers that `gather` gives, and of those after them."""
 gather4: Any = intrinsic(_of_records(4))
 """Four vectors: of the numbers that `gather` gives, and of those one, two and three places after them."""
+gather8: Any = intrinsic(_of_records(8))
+"""Eight vectors, likewise."""
 
 
 @intrinsic

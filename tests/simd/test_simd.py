@@ -20,6 +20,7 @@ from strandcli.simd import (  # fmt: skip
     gather,
     gather2,
     gather4,
+    gather8,
     half_width_pointer,
     has_fma,
     lane_count,
@@ -135,6 +136,8 @@ def picked(given, first, second, out):
     c, d, e, f = gather4(rows, 4, x, 3, y)
     store3(to, 2 * lane_count(to), lane_count(to), a, b, c)
     store3(to, 5 * lane_count(to), lane_count(to), d, e, f)
+    for k, each in enumerate(gather8(rows, 9, y, 4, x)):
+        store(to, (8 + k) * lane_count(to), each)
     return count_true(x > y)
 
 
@@ -142,13 +145,13 @@ def picked(given, first, second, out):
 def test_numbers_are_picked_from_where_they_are_said_to_be(dtype: Any) -> None:
     count = VECTOR // np.dtype(dtype).itemsize
     rng = np.random.default_rng(6)
-    given, out = rng.normal(size=400).astype(dtype), np.zeros(8 * count, dtype)
+    given, out = rng.normal(size=400).astype(dtype), np.zeros(16 * count, dtype)
     first, second = (rng.integers(0, 40, count).astype(dtype) for _ in range(2))
     assert picked(given, first, second, out) == np.count_nonzero(first > second)
     beside = 3 * first + second
-    places = np.concatenate([5 + 7 * first + second, 3 * first + 2, *(beside + k for k in (1, 2, 4, 5, 6, 7))]).astype(
-        int
-    )
+    places = [5 + 7 * first + second, 3 * first + 2, *(beside + k for k in (1, 2, 4, 5, 6, 7))]
+    places += [9 + 4 * second + first + k for k in range(8)]
+    places = np.concatenate(places).astype(int)
     np.testing.assert_array_equal(out, given[places])
 
 

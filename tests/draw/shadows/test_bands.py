@@ -95,7 +95,7 @@ def weights(maps: ShadowMaps) -> np.ndarray:
     assert maps.stacks is not None
     size, half = int(maps.sizes[0]), int(maps.sizes[0]) // 2
     rows = maps.stacks[half * half :].reshape(-1, opacity.stride_for(LAYERS))
-    ends = rows[maps.stacks[: half * half].astype(int), -5:-1].reshape(half, half, 2, 2)
+    ends = rows[maps.stacks[: half * half].astype(int), -4:].reshape(half, half, 2, 2)
     return ends.transpose(0, 2, 1, 3).reshape(size, size)
 
 

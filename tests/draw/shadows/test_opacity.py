@@ -76,7 +76,7 @@ def test_a_map_counts_projected_area() -> None:
     rows = maps.stacks[32 * 32 :].reshape(-1, opacity.stride_for(DEEP.layers))
     assert not rows[0].any()  # of cells that no strand comes to
     assert np.count_nonzero(maps.stacks[: 32 * 32]) == len(rows) - 1 < 32 * 32
-    texels = 4 * rows[:, -1].astype(np.float64)  # of cells the means of four
+    texels = rows[:, -4:].sum(1, dtype=np.float64)
     whole = texels.sum() / maps.views[0].focal ** 2
     world = lines.world.astype(np.float64).reshape(200, 9, 3)
     pieces = np.diff(world, axis=1)
@@ -95,7 +95,7 @@ def test_texels_and_layers_are_those_of_splats_one_by_one() -> None:
     cells = (size // 2) ** 2
     numbers = maps.stacks[:cells].astype(int)
     rows = maps.stacks[cells:].reshape(-1, opacity.stride_for(layers))[numbers, opacity.HEAD :]
-    four = rows.reshape(size // 2, size // 2, layers + 1, opacity.FIVE)[..., : opacity.TEXELS]
+    four = rows.reshape(size // 2, size // 2, layers + 1, opacity.TEXELS)
     texels = four.reshape(size // 2, size // 2, layers + 1, 2, 2).transpose(0, 3, 1, 4, 2).reshape(size, size, -1)
     expected = splatted(maps, lines, WIDE)
     assert expected.max() > 0.05
@@ -223,7 +223,7 @@ def test_portions_add_up() -> None:
     maps.divide(Scratch())
     for part in parts:
         maps.accumulate_layers(part, 2, Scratch())
-    maps.finish()
+    maps.finish(Scratch())
     np.testing.assert_allclose(maps.stacks, both.stacks, rtol=1e-5, atol=1e-7)
 
 

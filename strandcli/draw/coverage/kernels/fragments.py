@@ -176,7 +176,7 @@ def add_row(row, strands, widths, work, n, target, m):
             after = base + i - 1
             if widths is not None:  # noqa: SIM102  a condition of its own is pruned if widths is None
                 if (run != RIBBON) & (run != BEHIND) & (not rows[seg.NEAREST + k] < rows[seg.HIDDEN + k]):
-                    place = ((v - 1 - row.begin) & (strands.stride - 1)) << target.place_bits
+                    place = ((v - 1 - row.begin) & (2 * strands.stride - 1)) << target.place_bits
                     n, m = list_cells(work, k, v, place, run, start, kind != run, n, target, m)
             if after > row.high:
                 return n, m

@@ -32,7 +32,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
     `TileSegments` of the rows of `out`; table: from `strandcli.draw.coverage.masks.half_planes`, for
     `composite.composite_masked`, or None, for `composite.composite`; tasks: number of tasks, which share the tiles and
     the memory evenly; out: `Fragments`, written; found (tiles,) int64, written: number of all fragments, visible or
-    not, negative if there was no room; marks (V,) uint8: set at the lit vertices before visible fragments.
+    not, negative if there was no room; marks (V,) uint8: set at the vertices that visible fragments take light from.
     """
     share = np.int64(out.vertex.shape[0] // tasks)
     opaque = OPAQUE if table is None else ZERO  # a strand with a mask hides points, and no share of the others
@@ -138,15 +138,16 @@ def blend_tile(fragments, tile, radiance, light, image):
             total = ZERO
             for i in range(at, at + n):
                 v = np.uint64(vertex[i])
-                w = fragments.weight[i]
+                w, along = fragments.weight[i], fragments.along[i]
                 later = THREE * np.uint64(vertex[min(i + AHEAD, last)])
                 prefetch(pointer(radiance), later)
                 prefetch(pointer(radiance), later + step + TWO)
                 if v < vertices:
                     # weights of the lit vertices after and before the fragment
-                    far = w * fragments.along[i]
+                    far = w * max(along, ZERO)
                     near = w - far
-                    colour += near * load(colours, THREE * v) + far * load(colours, THREE * v + step)
+                    after = v * THREE + (step if along >= ZERO else NONE)
+                    colour += near * load(colours, THREE * v) + far * load(colours, after)
                 else:
                     colour += w * load(edges, THREE * (v - vertices))
                 total += w

@@ -104,7 +104,7 @@ def cover_ribbon(strands, widths, v, begin, i, scratch, target, m):
     )  # fmt: skip
     band = measure_band(ribbon)
     cells = find_cells(ribbon, w0, w1, target)
-    past_lit = (v - 1 - begin) & (strands.stride - 1)
+    past_lit = (v - 1 - begin) & (2 * strands.stride - 1)
     c = np.int64(cells.a_low)
     row = stop = np.int64(0)
     rows, steps = half_width_pointer(work), load(half_width_pointer(STEPS), 0)
@@ -212,8 +212,8 @@ def add_listed(work, n, vertex, past_lit, target, m):
     """Append those of the first n listed pixels that a ribbon covers and nothing hides to the m fragments found so far;
     return their new number.
 
-    vertex: the ribbon's first; past_lit: vertices from the lit one before it to that. An opaque fragment becomes the
-    pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before. Each
+    vertex: the ribbon's first; past_lit: vertices from the lit one of even rank before it. An opaque fragment becomes
+    the pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before. Each
     fragment is written, and the end of the list advances only past visible ones, as in `cells.cover_cells`.
     """
     found = target.found

@@ -90,7 +90,7 @@ def passed_in_cell(number, layer, part, deep):
     """Return the same of all four texels."""
     body, stride = rows_of(deep)
     low = gather4(deep.rows, body + opacity.HEAD, number, stride, opacity.EACH * layer)
-    high = gather4(deep.rows, body + opacity.HEAD + opacity.FIVE, number, stride, opacity.EACH * layer)
+    high = gather4(deep.rows, body + opacity.HEAD + opacity.TEXELS, number, stride, opacity.EACH * layer)
     some = number > ZERO
     return (
         where(some, low[0] + part * (high[0] - low[0]), ZERO), where(some, low[1] + part * (high[1] - low[1]), ZERO),
@@ -102,4 +102,4 @@ def passed_in_cell(number, layer, part, deep):
 def rows_of(deep):
     """Return the index of the first row of a `DeepMap`, and the numbers of a row."""
     half = deep.size >> 1
-    return deep.start + half * half, opacity.HEAD + opacity.FIVE * (deep.layers + 1)
+    return deep.start + half * half, opacity.HEAD + opacity.TEXELS * (deep.layers + 1)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS, PER_FALL
 from . import opacity
 from .minmax import in_map, texel_of
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
-MEAN = np.uint64(opacity.TEXELS)
+ONE_ON, TWO_ON, THREE_ON = np.uint64(1), np.uint64(2), np.uint64(3)
 
 
 @parallel
@@ -41,10 +41,16 @@ def depth_of_cell(x, y, z, lights, i, shadows):
         far = max(d - lights[i, BIAS] - stacks[row + np.uint64(opacity.START)], ZERO) * lights[i, PER_FALL]
         ended = min(stacks[row + np.uint64(opacity.SCALE)] * (far / (far + ONE)), np.float32(layers))
         layer = min(np.int64(ended), layers - 1)
-        at = row + np.uint64(opacity.HEAD + opacity.FIVE * layer) + MEAN
-        low, high = stacks[at], stacks[at + np.uint64(opacity.FIVE)]
+        at = row + np.uint64(opacity.HEAD + opacity.TEXELS * layer)
+        low, high = mean_at(stacks, at), mean_at(stacks, at + np.uint64(opacity.TEXELS))
         return low + (ended - np.float32(layer)) * (high - low)
     return ZERO
+
+
+@inlined
+def mean_at(stacks, at):
+    """Return the mean of the four texels at a layer boundary."""
+    return opacity.mean((stacks[at], stacks[at + ONE_ON], stacks[at + TWO_ON], stacks[at + THREE_ON]))
 
 
 @parallel

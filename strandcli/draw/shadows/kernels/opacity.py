@@ -15,7 +15,7 @@ because a thin layer contains one strand or none. A strand's own contribution in
 at the window's centre, is subtracted.
 
 A cell with strands is a row of numbers: nearest depth, n (1 + h / D), and then for each layer boundary the τ in front
-of it, five numbers: of the four texels and their mean. Within a layer τ is linear. A map is one flat array: a table of
+of it in each of the four texels. Within a layer τ is linear. A map is one flat array: a table of
 the row number of each cell, followed by the rows. All empty cells, nine tenths of a ponytail's map, share row 0.
 """
 
@@ -26,7 +26,7 @@ import math
 import numpy as np
 
 from ....jit import device, function, inlined
-from ....simd import broadcast, floor, gather, gather2, pointer, reduce_max, where
+from ....simd import any_lane, broadcast, floor, gather, gather2, gather4, gather8, pointer, reduce_max, where
 from ...common.kernels.approximations import exp
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS, PER_FALL
 from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
@@ -41,15 +41,13 @@ START, SCALE = 0, 1
 HEAD = 2
 """Numbers of a row before its layer boundaries."""
 TEXELS = 4
-"""Texels of a cell."""
-FIVE = 5
-"""Numbers of a layer boundary: one for each texel, and their mean."""
+"""Texels of a cell, and so numbers of a layer boundary."""
 OWN = np.float32(0.375)
 """Half of what a strand one texel wide has on its own middle line, 2/3 along the map's axes to .78 between them."""
-BEGIN, NEXT = np.float32(HEAD), np.float32(HEAD + FIVE)
+BEGIN, NEXT = np.float32(HEAD), np.float32(HEAD + TEXELS)
 """Offsets in a row of the first and second layer boundary."""
-EACH, MEAN = np.float32(FIVE), np.float32(TEXELS)
-"""Distance between layer boundaries, and offset of the mean within one."""
+EACH = np.float32(TEXELS)
+"""Distance between layer boundaries."""
 CLOSE = np.float32(0.8)
 """Distance between strands, in texels, up to which single texels are read; beyond twice that only cell means are."""
 REACH = np.float32(1.5)
@@ -60,7 +58,7 @@ CROWDED = np.float32(0.1)
 
 def stride_for(layers: int) -> int:
     """Return the numbers of a row."""
-    return HEAD + FIVE * (layers + 1)
+    return HEAD + TEXELS * (layers + 1)
 
 
 def numbers_of(cells: int, rows: int, layers: int) -> int:
@@ -74,7 +72,7 @@ def cell_of(row, column, start, size, layers, stacks):
     half = size >> 1
     cell = np.uint64((row >> 1) * half + (column >> 1))
     number = np.uint64(np.int32(stacks[start + cell]))
-    return start + np.uint64(half * half) + number * np.uint64(HEAD + FIVE * (layers + 1))
+    return start + np.uint64(half * half) + number * np.uint64(HEAD + TEXELS * (layers + 1))
 
 
 @inlined
@@ -82,7 +80,7 @@ def layers_at(d, rows, start, number, over, layers):
     """Return, for the depths d in the rows `number`: layer index, position within the layer (0 to 1), number of layers
     that end in front (may exceed `layers`), and layers a metre. Vectors; rows: `pointer` to the maps; start: first row
     of the map; over: 1 / h, 1/m."""
-    stride = HEAD + FIVE * (layers + 1)
+    stride = HEAD + TEXELS * (layers + 1)
     front, most = gather2(rows, start, number, stride, np.float32(START))
     far = max(ZERO, (d - front) * over)
     near = ONE / (far + ONE)
@@ -94,32 +92,32 @@ def layers_at(d, rows, start, number, over, layers):
 
 @inlined
 def depth_at(rows, start, number, k, part, which, layers):
-    """Return τ in front of a depth at layer k and position `part` (from `layers_at`); which: number 0 to 4 of a layer
-    boundary. Vectors."""
-    stride = HEAD + FIVE * (layers + 1)
+    """Return τ in front of a depth at layer k and position `part` (from `layers_at`) of a texel; which: its number, 0
+    to 3. Vectors."""
+    stride = HEAD + TEXELS * (layers + 1)
     low = gather(rows, start, number, stride, BEGIN + EACH * k + which)
     high = gather(rows, start, number, stride, NEXT + EACH * k + which)
     return low + part * (high - low)
 
 
 @inlined
+def mean(texels):
+    """Return the mean of the four texels of cells."""
+    return HALF * HALF * ((texels[0] + texels[1]) + (texels[2] + texels[3]))
+
+
+@inlined
 def growth_at(rows, start, number, k, dense, reach, layers):
     """Return the mean growth of a cell's τ, 1/m, over layer k and the layers within `reach` metres of it; 0 where the
     depth is farther than that behind the last layer. dense: layers a metre. Vectors."""
-    stride = HEAD + FIVE * (layers + 1)
+    stride = HEAD + TEXELS * (layers + 1)
     most = np.float32(layers)
     aside = floor(min(most, max(ZERO, reach * dense)))
     first = min(most, max(ZERO, k - aside))
     last = min(most, k + aside + ONE)
-    low = gather(rows, start, number, stride, BEGIN + MEAN + EACH * first)
-    high = gather(rows, start, number, stride, BEGIN + MEAN + EACH * last)
+    low = mean(gather4(rows, start + HEAD, number, stride, EACH * first))
+    high = mean(gather4(rows, start + HEAD, number, stride, EACH * last))
     return (high - low) * dense / max(last - first, ONE)
-
-
-@inlined
-def corner(lower, right, a, b, c, d):
-    """Return a, b, c or d: the upper left, upper right, lower left or lower right value. Vectors."""
-    return where(lower, where(right, d, c), where(right, b, a))
 
 
 @inlined
@@ -138,56 +136,73 @@ def in_front(u, v, d, scale, rows, start, size, over, layers):
     wide_v = min(max(wide_v - up, ZERO), ONE)
     a, b = gather2(rows, start, up, half, left)
     c, e = gather2(rows, start, up + ONE, half, left)
-    reach = REACH / scale
     k_a, part_a, gone_a, dense_a = layers_at(d, rows, body, a, over, layers)
     k_b, part_b, gone_b, dense_b = layers_at(d, rows, body, b, over, layers)
     k_c, part_c, gone_c, dense_c = layers_at(d, rows, body, c, over, layers)
     k_e, part_e, gone_e, dense_e = layers_at(d, rows, body, e, over, layers)
-    cells = bilinear(
-        wide_u, wide_v,
-        depth_at(rows, body, a, k_a, part_a, MEAN, layers), depth_at(rows, body, b, k_b, part_b, MEAN, layers),
-        depth_at(rows, body, c, k_c, part_c, MEAN, layers), depth_at(rows, body, e, k_e, part_e, MEAN, layers),
-    )  # fmt: skip
-    growth = bilinear(
-        wide_u, wide_v,
-        growth_at(rows, body, a, gone_a, dense_a, reach, layers),
-        growth_at(rows, body, b, gone_b, dense_b, reach, layers),
-        growth_at(rows, body, c, gone_c, dense_c, reach, layers),
-        growth_at(rows, body, e, gone_e, dense_e, reach, layers),
-    )  # fmt: skip
-    column = floor(u)
-    row = floor(v)
-    first = floor(HALF * column)
-    upper = floor(HALF * row)
-    right = column - (first + first)  # 1 where it is odd
-    low = row - (upper + upper)
-    here = low + low + right
-    beside = low + low + (ONE - right)
-    below = (ONE - low) + (ONE - low)
-    across = first + right > left
-    first = first > left
-    lower = upper + low > up
-    upper = upper > up
+    column, row = floor(u), floor(v)
+    right, low = column - (left + left), row - (up + up)  # of the first texel, from that of the first cell: 0, 1 or 2
+    texels_a, mean_a, thick_a = passed_in(rows, body, a, k_a, part_a, layers)
+    texels_b, mean_b, thick_b = passed_in(rows, body, b, k_b, part_b, layers)
+    first, second = beside(right, texels_a, texels_b)
+    texels_c, mean_c, thick_c = passed_in(rows, body, c, k_c, part_c, layers)
+    texels_e, mean_e, thick_e = passed_in(rows, body, e, k_e, part_e, layers)
+    third, fourth = beside(right, texels_c, texels_e)
     texels = bilinear(
         u - column, v - row,
-        depth_at(rows, body, corner(upper, first, a, b, c, e), corner(upper, first, k_a, k_b, k_c, k_e),
-                 corner(upper, first, part_a, part_b, part_c, part_e), here, layers),
-        depth_at(rows, body, corner(upper, across, a, b, c, e), corner(upper, across, k_a, k_b, k_c, k_e),
-                 corner(upper, across, part_a, part_b, part_c, part_e), beside, layers),
-        depth_at(rows, body, corner(lower, first, a, b, c, e), corner(lower, first, k_a, k_b, k_c, k_e),
-                 corner(lower, first, part_a, part_b, part_c, part_e), below + right, layers),
-        depth_at(rows, body, corner(lower, across, a, b, c, e), corner(lower, across, k_a, k_b, k_c, k_e),
-                 corner(lower, across, part_a, part_b, part_c, part_e), below + (ONE - right), layers),
+        among(low, first[0], second[0], third[0]), among(low, first[1], second[1], third[1]),
+        among(low, second[0], third[0], fourth[0]), among(low, second[1], third[1], fourth[1]),
     )  # fmt: skip
-    return texels, cells, growth
+    reach = REACH / scale
+    farthest = max(max(dense_a, dense_b), max(dense_c, dense_e))
+    if any_lane(reach * farthest >= ONE):
+        growth_a = growth_at(rows, body, a, gone_a, dense_a, reach, layers)
+        growth_b = growth_at(rows, body, b, gone_b, dense_b, reach, layers)
+        growth_c = growth_at(rows, body, c, gone_c, dense_c, reach, layers)
+        growth_e = growth_at(rows, body, e, gone_e, dense_e, reach, layers)
+    else:  # no layer but that of the point is within reach
+        most = np.float32(layers)
+        growth_a = where(gone_a < most, thick_a * dense_a, ZERO)
+        growth_b = where(gone_b < most, thick_b * dense_b, ZERO)
+        growth_c = where(gone_c < most, thick_c * dense_c, ZERO)
+        growth_e = where(gone_e < most, thick_e * dense_e, ZERO)
+    cells = bilinear(wide_u, wide_v, mean_a, mean_b, mean_c, mean_e)
+    return texels, cells, bilinear(wide_u, wide_v, growth_a, growth_b, growth_c, growth_e)
+
+
+@inlined
+def passed_in(rows, start, number, k, part, layers):
+    """Return τ in front of a depth, in the four texels of cells; the mean of the four; and how much that grows in the
+    layer. Vectors; arguments as in `depth_at`."""
+    stride = HEAD + TEXELS * (layers + 1)
+    p, q, r, s, p_end, q_end, r_end, s_end = gather8(rows, start + HEAD, number, stride, EACH * k)
+    low, high = mean((p, q, r, s)), mean((p_end, q_end, r_end, s_end))
+    texels = p + part * (p_end - p), q + part * (q_end - q), r + part * (r_end - r), s + part * (s_end - s)
+    return texels, low + part * (high - low), high - low
+
+
+@inlined
+def beside(right, a, b):
+    """Return, of the upper and of the lower row of texels of two cells beside each other, those in column `right`, 0 to
+    2, and in the one after it. Vectors."""
+    return (
+        (among(right, a[0], a[1], b[0]), among(right, a[1], b[0], b[1])),
+        (among(right, a[2], a[3], b[2]), among(right, a[3], b[2], b[3])),
+    )
+
+
+@inlined
+def among(number, a, b, c):
+    """Return a, b or c: number 0, 1 or 2. Vectors."""
+    return where(number > ONE, c, where(number > ZERO, b, a))
 
 
 @inlined
 def total_depth(u, v, rows, start, size, layers):
     """Return τ of all strands at columns u and rows v of a map. Vectors; arguments as in `in_front`."""
     half = size >> 1
-    body, stride = start + half * half, HEAD + FIVE * (layers + 1)
-    end = np.float32(HEAD + FIVE * layers)
+    body, stride = start + half * half, HEAD + TEXELS * (layers + 1)
+    end = np.float32(HEAD + TEXELS * layers)
     column, row = floor(u), floor(v)
     first, upper = floor(HALF * column), floor(HALF * row)
     right, low = column - (first + first), row - (upper + upper)  # 1 where they are odd

@@ -10,7 +10,7 @@ from ...zbuffer.kernels.lines import Window
 from . import cell_extents, map_segments, splats
 from .map_parts import AT, BOTTOM, COUNT, TOP
 from .minmax import FARTHEST, NEAREST
-from .opacity import FIVE, HEAD, SCALE, START, TEXELS
+from .opacity import HEAD, SCALE, START, TEXELS
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -116,7 +116,7 @@ def divide(extents, layers, least, over, rows, stacks):
     extents (cells, 2): metres, at least `least` metres apart; over: 1 / h, 1/m; rows (cells,): from `number_cells`;
     stacks (`opacity.numbers_of`,) out.
     """
-    stride = HEAD + FIVE * (layers + 1)
+    stride = HEAD + TEXELS * (layers + 1)
     cells = extents.shape[0]
     for k in range(stride):
         stacks[cells + k] = ZERO
@@ -137,11 +137,11 @@ def divide(extents, layers, least, over, rows, stacks):
 
 @parallel
 def sum_layers(cells, layers, stacks):
-    """Replace the τ of each layer by the cumulative τ in front of its end, and store the mean of each cell's texels.
+    """Replace the τ of each layer by the cumulative τ in front of its end.
 
     cells: number of the map's cells; stacks (`opacity.numbers_of`,): changed in place.
     """
-    stride = HEAD + FIVE * (layers + 1)
+    stride = HEAD + TEXELS * (layers + 1)
     for row in prange((stacks.shape[0] - cells) // stride - 1):
         at = np.uint64(cells + (row + 1) * stride + HEAD)
         one = two = three = four = ZERO
@@ -154,5 +154,4 @@ def sum_layers(cells, layers, stacks):
             stacks[at + NEXT] = two
             stacks[at + NEXT + NEXT] = three
             stacks[at + NEXT + NEXT + NEXT] = four
-            stacks[at + np.uint64(TEXELS)] = HALF * HALF * ((one + two) + (three + four))
-            at += np.uint64(FIVE)
+            at += np.uint64(TEXELS)

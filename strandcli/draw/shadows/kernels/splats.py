@@ -35,7 +35,7 @@ from .map_segments import (
     STEEP,
     STEP,
 )
-from .opacity import FIVE, HEAD, START
+from .opacity import HEAD, START, TEXELS
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -125,7 +125,7 @@ def add(work, n, window, opacity_map):
         find(rows, k, window, opacity_map)
     stacks, places = opacity_map.stacks, work.view(np.int32)
     cells = np.int32((window.width >> 1) ** 2)
-    stride = np.int32(HEAD + FIVE * (opacity_map.layers + 1))
+    stride = np.int32(HEAD + TEXELS * (opacity_map.layers + 1))
     numbers = pointer(stacks)
     for texel in range(PAIR):
         begin = np.uint64(texel * BATCH)
@@ -166,5 +166,5 @@ def find(rows, k, window, opacity_map):
         at = texel * BATCH + k
         number = where(inside, gather(table, 0, cell, 1, ZERO), ZERO)
         store(rows, ROW + at, number)
-        store(rows, PLACE + at, np.float32(HEAD) + np.float32(FIVE) * (layer + ONE) + own)
+        store(rows, PLACE + at, np.float32(HEAD) + np.float32(TEXELS) * (layer + ONE) + own)
         store(rows, ADDED + at, where(number > ZERO, part, ZERO))  # row 0 stays empty
