@@ -167,22 +167,51 @@ def points(first, world, stride, view, screen):
     strands = first.shape[0] - 1
     for task in prange((strands + STRANDS - 1) // STRANDS):
         work = np.empty(ROWS * ROW, np.float32)
-        for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, strands)):
-            begin = first[s]
-            end = first[s + 1]
-            out = (begin - s) // stride + s
+        s, last = np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, strands)
+        if stride == 1:  # short strands together
+            for low in range(first[s], first[last], VERTICES):
+                count = min(first[last] - low, VERTICES)
+                load_vertices(world, low, 1, count, work)
+                if transform(work, count, view):
+                    while first[s + 1] <= low:
+                        s += 1
+                    clip_strands(first, s, world, low, count, view, work)
+                to_screen(work, count, view)
+                write_screen(work, count, low, screen)
+            continue
+        for one in range(s, last):
+            begin = first[one]
+            end = first[one + 1]
+            out = (begin - one) // stride + one
             for low in range(begin, end, VERTICES * stride):
                 count = min((end - 1 - low) // stride + 1, VERTICES)
                 load_vertices(world, low, stride, count, work)
                 if transform(work, count, view):
-                    clip(world, low, stride, count, begin, end, view, work)
+                    clip(world, low, stride, 0, count, begin, end, view, work)
                 to_screen(work, count, view)
-                for k in range(np.uint64(count)):
-                    v = np.uint64(out) + k
-                    screen[v, 0] = work[np.uint64(X) + k]
-                    screen[v, 1] = work[np.uint64(Y) + k]
-                    screen[v, 2] = work[np.uint64(NUMBER) + k]
+                write_screen(work, count, out, screen)
                 out += count
+
+
+@inlined
+def write_screen(work, count, out, screen):
+    """Write `count` vertices on the screen from number `out` on."""
+    for k in range(np.uint64(count)):
+        v = np.uint64(out) + k
+        screen[v, 0] = work[np.uint64(X) + k]
+        screen[v, 1] = work[np.uint64(Y) + k]
+        screen[v, 2] = work[np.uint64(NUMBER) + k]
+
+
+@device
+def clip_strands(first, s, world, low, count, view, work):
+    """`clip` each strand's of `count` vertices from number `low` on, which is of strand s."""
+    k = np.int64(0)
+    while k < count:
+        stop = min(first[s + 1] - low, count)
+        clip(world, low, 1, k, stop, first[s], first[s + 1], view, work)
+        k = stop
+        s += 1
 
 
 @device
@@ -215,9 +244,10 @@ def transform(work, count, view):
 
 
 @device
-def clip(world, low, stride, count, begin, end, view, work):
-    """Move vertices behind the near plane onto it if a neighbour is in front, and make the others invisible."""
-    for k in range(count):
+def clip(world, low, stride, k_begin, k_end, begin, end, view, work):
+    """Move the vertices k_begin … k_end − 1 of those loaded onto the near plane if they lie behind it and a neighbour
+    is in front, and make the others behind it invisible."""
+    for k in range(k_begin, k_end):
         x, y, z = work[X + k], work[Y + k], work[NUMBER + k]
         if z < view[NEAR_PLANE]:
             front, x, y = cross_near_plane(world, view, low + k * stride, stride, begin, end, x, y, z)
