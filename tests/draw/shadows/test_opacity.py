@@ -21,7 +21,7 @@ from strandcli.draw.shadows import shadow
 from strandcli.draw.shadows.kernels import minmax as minmax
 from strandcli.draw.shadows.kernels import opacity
 from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
-from strandcli.draw.shadows.kernels.strand_shadows import count_behind
+from strandcli.draw.shadows.kernels.strand_shadows import count_behind, count_in_front
 from strandcli.draw.shadows.shadow import ShadowMaps, map_arrays, plan_maps
 from strandcli.draw.shadows.strands_in_map import parts_in_map, parts_of, view_numbers
 from strandcli.draw.zbuffer.raster import to_screen
@@ -37,8 +37,9 @@ WIDE = Thickness(0.01, 0.5)
 
 
 @njit(error_model="numpy")
-def behind(work, n, shadows, layers):
-    count_behind(work, n, shadows, 0, layers, np.float32(0), np.float32(0))
+def behind(work, n, shadows, layers, over):
+    count_in_front(work, n, shadows, 0, layers, np.float32(0), np.float32(0), over, 1)
+    count_behind(work, n, shadows, 0, np.float32(0), np.float32(0))
 
 
 def straight(count: int, seed: int = 0, pieces: int = 8) -> Polylines:
@@ -140,10 +141,15 @@ def test_all_that_a_map_holds_is_counted_between_its_texels() -> None:
     total = splatted(maps, straight(300, 4), WIDE)[..., -1]
     n, rng = 100, np.random.default_rng(0)
     u, v = rng.uniform(0, size - 1.001, (2, n)).astype(np.float32)
-    work = np.zeros(batch.ROWS * W, np.float32)
-    for row, numbers in ((batch.U, u), (batch.V, v), (batch.INSIDE, 1)):
+    work, view = np.zeros(batch.ROWS * W, np.float32), maps.views[0]
+    axes = (u + 0.5 - 0.5 * size, 0.5 * size - 0.5 - v)
+    points = view.eye + sum(a[:, None] * axis for a, axis in zip(axes, (view.right, view.up), strict=True)) / view.focal
+    for row, numbers in zip((batch.X, batch.Y, batch.Z), (points + (view.near + 1e-3) * view.forward).T, strict=True):
         work[row : row + n] = numbers
-    behind(work, n, map_arrays(maps), layers)
+    behind(work, n, map_arrays(maps), layers, np.float32(maps.over))
+    assert work[batch.INSIDE : batch.INSIDE + n].all()
+    assert not work[batch.PASSED : batch.PASSED + n].any()
+    u, v = work[batch.U : batch.U + n], work[batch.V : batch.V + n]
     column, row = u.astype(int), v.astype(int)
     a, b = u - column, v - row
     expected = (1 - b) * ((1 - a) * total[row, column] + a * total[row, column + 1])
