@@ -217,7 +217,7 @@ class Renderer:
             for polylines in batches.lines():
                 draw(polylines, workers, self.scratch)
                 self._drawing.lap("shadow")
-            maps.divide(self.scratch) if draw == maps.add else maps.finish()
+            maps.divide(self.scratch) if draw == maps.add else maps.finish(self.scratch)
 
     def _draw_batches(self, canvas: Canvas, batches: StrandBatches, lines: Polylines | None) -> None:
         """Draw all strands; ``lines``: polylines of the only batch, if they exist already."""

@@ -85,7 +85,8 @@ class Children:
         roots, across = self._place(at)
         m = particles.shape[1] - 1
         way = np.linspace(0.0, 1.0, m)
-        ramps = np.array([way**clump.shape for clump in self.settings.clumps], np.float32).reshape(-1, m)
+        pulling = self._pulling
+        ramps = np.array([way**clump.shape for clump in self.settings.clumps], np.float32).reshape(-1, m)[pulling]
         forms = np.array([[wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 2)
         blocks = -(-len(ids) // W)
         out = scratch.borrow("children", (blocks, m + 1, 3 * W), np.float32)
@@ -94,7 +95,7 @@ class Children:
             Guides(particles, segments),
             self._standing[ids],
             Following(family.parents, family.weights, roots, family.shares),
-            Clumps(family.middles, family.pulls, ramps),
+            Clumps(family.middles[pulling], family.pulls[pulling], ramps),
             Waves(forms, family.radii, family.turns, family.phases, across),
             self._solids(at),
             out,
@@ -163,6 +164,12 @@ class Children:
         found = np.empty(self.count, np.int32)
         found[self.family.ids] = np.arange(self.count, dtype=np.int32)
         return found
+
+    @cached_property
+    def _pulling(self) -> slice:
+        """The levels of clumps from the first to the last that pull any child; others are there for tones alone."""
+        levels = np.flatnonzero([pulls.any() for pulls in self.family.pulls])
+        return slice(levels[0], levels[-1] + 1) if len(levels) else slice(0)
 
     @cached_property
     def _boxes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

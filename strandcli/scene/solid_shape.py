@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from .model.solids import SHAPES
 
-OPTIONAL = ("meet", "normal", "hides", "look", "look_after", "distances", "drift")
+OPTIONAL = ("meet", "normal", "hides", "look", "look_after", "distances", "bounds", "drift")
 """Compiled functions that a shape may have."""
 
 
@@ -38,6 +38,9 @@ class SolidShape(Protocol):
       back as ``before`` with a point nearby, and may make it quicker to look at, but change nothing; at first it is -1.
     * ``distances(x, y, z, numbers)``: `distance` of vectors of `strandcli.simd`, which have no branches. Soft shadows
       look it up many times for each point. Else points are taken one by one.
+    * ``bounds(numbers)``: x, y, z of the low and of the high corner of a box in the solid's own frame, float32, whose
+      distance from a point is never more than `distance`. Soft shadows look no further. Else they look through the
+      ball.
     * ``folds = True``: it may hide parts of itself, and such edges are antialiased.
     * ``data(solids, time)``: what does not fit into a few numbers, for all solids of the kind (their settings, in a
       list) at a time in seconds: a NamedTuple of the class ``Data``, whose fields are contiguous arrays. It is asked

@@ -7,6 +7,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     rows = pointer(array)            the numbers of a contiguous array of any shape, one after the other
     rows = half_width_pointer(array) the same, and vectors of half as many: where most loops are short
     rows = triple_pointer(array)     the same, and vectors of three numbers in single precision
+    rows = quadruple_pointer(array)  the same of four, or of four whole numbers of 32 bits
     pile = vector_pointer(array)     the vectors of a contiguous array: place 1 is that of the second vector
     rows = pointer_at(np.float32, a); pile = vector_pointer_at(np.float32, a)
                                      the same of numbers that begin at an address; products in sums are fused (FMA)
@@ -73,6 +74,7 @@ from .memory import (
     pointer_at,
     prefetch,
     prefetch3,
+    quadruple_pointer,
     store,
     store3,
     triple_pointer,
@@ -106,6 +108,7 @@ __all__ = [
     "power_of_two",
     "prefetch",
     "prefetch3",
+    "quadruple_pointer",
     "reduce_max",
     "sqrt",
     "store",

@@ -39,6 +39,8 @@ half_width_pointer: Any = intrinsic(_address(False, VECTOR // 2))
 """The same, for vectors of half the length."""
 triple_pointer: Any = intrinsic(_address(False, 3 * 4))
 """The same, for vectors of three numbers in single precision."""
+quadruple_pointer: Any = intrinsic(_address(False, 4 * 4))
+"""The same, for vectors of four numbers of 32 bits."""
 vector_pointer: Any = intrinsic(_address(True))
 """The vectors of a contiguous array."""
 

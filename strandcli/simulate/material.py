@@ -31,10 +31,10 @@ COIL_STEP = 0.25
 """Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion:
 the reaction to rest shapes is that before the step, or after a first solution of it, which is stable up to 0.3."""
 LED_STEP = 0.2
-"""The same where BDF2 extrapolates the reaction, which takes three quarters of the time."""
-LED_MOST, LED_FLAT = 0.3, 10.0
+"""The same where motion leads BDF2 to the reaction, which takes three quarters of the time."""
+LED_MOST, LED_FLAT = 0.3, 16.0
 """Up to which step over that curled strands bear it, and the same times the radians by which all joints turn, of coils
-as long as their wire: flat coils of many turns bear less."""
+as long as their wire: flat coils of many turns bear less. Of many forms the first folds with 24 in place of it."""
 MOST_INNER = 20
 """Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
 times a second at the usual steps, and gives way to its weight by less than a millimetre: it is made softer."""
@@ -160,7 +160,7 @@ def stretch_rates(
 
 
 def inner_step(led: float) -> float:
-    """Return the longest steps over that, of coils that bear extrapolated reactions in steps of ``led`` over it."""
+    """Return the longest steps over that, of coils whose reactions may be led in steps of ``led`` over it."""
     step = min(LED_STEP, led)
     return step if step > 0.72 * COIL_STEP else COIL_STEP
 

@@ -104,7 +104,7 @@ class RodSolver(Solver):
         arrays = self.state, self.material, self.forcing
         self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
         led = longest_led(rod, flags, *arrays[1:], shape.edges)
-        self._inner = inner_step(led * self._coil_rate)
+        self._inner = inner_step(led * self._coil_rate if flags.second else 0.0)
         self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, flags.second, shape.coiled, led)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)

@@ -13,6 +13,7 @@ from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
 from .material import LED_FLAT, LED_MOST, stretch_rates
 from .rod_pinned import HEAVY
+from .section import oval
 
 if TYPE_CHECKING:
     from ..scene.model import Rod
@@ -27,17 +28,17 @@ LEAST_DAMPING = {False: 0.25, True: 0.5}
 """Share of a step that inner damping of grooms with coils is at least, by BDF2 where True. The reaction to rest shapes
 on the edges that carry them is that before the step, which rocks tight curls without it."""
 LED_DAMPING, LED_DAMPED = 0.75, 0.5
-"""The same where BDF2 extrapolates the reaction, from the latter share of the longest such step on; less in shorter
+"""The same where BDF2 is led to the reaction, from the latter share of the longest such step on; less in shorter
 ones, of which it is right to a higher order."""
 
 
 def longest_led(
     rod: Rod, flags: Flags, material: Material, forcing: Forcing, edges: Sequence[NDArray[np.float64]]
 ) -> float:
-    """The longest steps by BDF2, in seconds, in which rest shapes are extrapolated: where coils would not bear it, or
-    what they are at rest or held by does not go on as it did, a step follows them instead. ``edges``: N arrays
+    """The longest steps, in seconds, in which rest shapes are led by how strands move, by BDF2 or where sections are
+    oval; in longer ones, which coils would not bear it in, a step's iterations follow them instead. ``edges``: N arrays
     (strands, 3) as the strands begin."""
-    if not flags.second or not flags.curled or flags.oval or flags.held or flags.deforming or rod.yield_strain:
+    if not flags.curled or not (flags.second or flags.oval):
         return 0.0
     packs, rows, _ = material.bends.shape
     bends = material.bends[:, 2:].reshape(packs, rows - 2, 3, PACK)
@@ -51,8 +52,8 @@ def longest_led(
 
 class StepNumbers:
     """Writes the numbers of steps, and nothing where they are those of the step before. ``mass`` (N,) is that of
-    particles without what drag adds; ``coiled``: whether some strand is a coil; ``longest_led``: the longest steps by
-    BDF2, in seconds, whose rest shapes are extrapolated."""
+    particles without what drag adds; ``coiled``: whether some strand is a coil; ``longest_led``: what `longest_led`
+    returns."""
 
     def __init__(
         self, rod: Rod, material: Material, forcing: Forcing, mass: NDArray[Any], gravity: tuple[float, ...],
@@ -71,17 +72,16 @@ class StepNumbers:
             return
         rod = self._rod
         h, velocity_step = (2 * dt / 3, dt / VELOCITY_RATE) if bdf2 else (dt, dt)
-        led = dt <= self.longest_led
         damping = max(rod.damping, self._least_damping(dt) * dt) * (h / dt)
         share = 1 / 3 if bdf2 else 0.0
         self._write(velocity_step, pinned, h, *self._gravity, 0.0, 0.0, 0.0, rod.drag, damping, share, rod.friction)
-        self._forcing.numbers[LED] = bdf2 and led
+        self._forcing.numbers[LED] = dt <= self.longest_led and (bdf2 or oval(rod))
         self._last = dt, bdf2, pinned
 
     def _least_damping(self, dt: float) -> float:
         if not self._coiled:
             return 0.0
-        if dt > self.longest_led:
+        if not self._second or dt > self.longest_led:
             return LEAST_DAMPING[self._second]
         return min(1.0, dt / (LED_DAMPED * self.longest_led)) * LED_DAMPING
 

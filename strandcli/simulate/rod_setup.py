@@ -15,12 +15,12 @@ from ..blocks import aligned, lanes, on_large_pages
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
-from .kernels.records import NUMBERS, POSE, ROUNDING, ROUNDS, SOFT, TORSION, Flags, Forcing, Material, State
+from .kernels.records import LEAD, NUMBERS, POSE, ROUNDING, ROUNDS, SOFT, TORSION, Flags, Forcing, Material, State
 from .kernels.rod_scratch import PACK
 from .material import coil_rates, integrator_of, matter_along, needs_double, softened, stiffness, torsion
 from .rest_shape import coiled, straight, transported, unit_edges
 from .sag_free import hold
-from .section import oval, rounds, softness, wide_axes
+from .section import lead, oval, rounds, softness, wide_axes
 from .surroundings import gravity
 
 if TYPE_CHECKING:
@@ -236,6 +236,7 @@ def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags, rod: Rod, coi
     numbers[ROUNDING] = 4 * float(np.finfo(dtype).eps)
     numbers[TORSION] = torsion(rod, coiled)
     numbers[SOFT], numbers[ROUNDS] = softness(rod), rounds(rod)
+    numbers[LEAD] = lead(rod)
     return Forcing(
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),
         np.zeros(POSE, dtype), numbers, packed(np.zeros_like(drifting), dtype),

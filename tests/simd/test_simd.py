@@ -31,6 +31,7 @@ from strandcli.simd import (  # fmt: skip
     pointer,
     pointer_at,
     prefetch3,
+    quadruple_pointer,
     reduce_max,
     sqrt,
     store,
@@ -159,6 +160,19 @@ def tripled(given, out):
     """Twice three numbers."""
     store(triple_pointer(out), 1, 2.0 * load(triple_pointer(given), 1))
     return lane_count(triple_pointer(out))
+
+
+@njit
+def copied(given, out):
+    """Four whole numbers."""
+    store(quadruple_pointer(out), 4, load(quadruple_pointer(given), 1))
+    return lane_count(quadruple_pointer(out))
+
+
+def test_four_whole_numbers_are_a_vector() -> None:
+    given, out = np.arange(9, dtype=np.int32), np.full(9, 9, np.int32)
+    assert copied(given, out) == 4
+    np.testing.assert_array_equal(out, [9, 9, 9, 9, 1, 2, 3, 4, 9])
 
 
 def test_three_numbers_are_a_vector() -> None:

@@ -13,6 +13,7 @@ from strandcli.groom.emit import emit
 from strandcli.scene import SceneError
 from strandcli.simulate import section as sections
 from strandcli.simulate.advice import warnings
+from strandcli.simulate.kernels.records import LED
 from strandcli.simulate.kernels.rod_scratch import PACK
 from strandcli.simulate.rod import RodSolver
 from strandcli.simulate.rod_kernel import StepKernel
@@ -153,6 +154,36 @@ def test_a_sag_free_start_hangs_still() -> None:
 def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:
     whole, half = curls(), curls()
     require_same_after_restart(whole, half)
+
+
+@pytest.mark.long
+def test_loose_curls_of_a_flat_wire_gain_no_energy() -> None:
+    """Struck, without damping: what moves them in the last of four spans is less than in the second. Led by velocities
+    alone they would gain tenfold."""
+    solver = loose_curls()
+    rate = solver._coil_rate
+    dt = 0.2 / rate
+    along = np.linspace(0, 1, 25)[:, None]
+    solver.state.velocity.reshape(25, 3, PACK)[:, :2] += 0.004 * rate * along[:, None]
+    found = []
+    for span in range(4):
+        most = 0.0
+        for i in range(1500):
+            solver._step((1500 * span + i + 1) * dt, dt)
+            most = max(most, float((solver.state.velocity**2).sum()))
+        found.append(most)
+    assert solver.forcing.numbers[LED] == 1
+    assert found[3] < found[1] < found[0]
+
+
+def loose_curls() -> RodSolver:
+    scene = scene_of(
+        "solver: rod\nrod: {rest: shape, radius: 4.0e-5, precision: double, drag: 0, torsion: 0.7, "
+        "section: {wide: 2, thin: 0.5, angle: 20, spread: 180}}\nemitter: {shape: {kind: disc, radius: 0.01}, "
+        f"strands: {PACK}, particles: 26, length: 0.2, curl_turns: 3, curl_angle: 10, rotation: [180, 0, 0]}}\n"
+        "rules: []\n"
+    )
+    return RodSolver(scene, emit(scene.emitter, scene.seed))
 
 
 def test_the_axes_lie_across_strands_as_they_are_turned() -> None:

@@ -15,7 +15,11 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 import ball_kit
+from strandcli.constants import W
+from strandcli.draw.common.kernels import batch, surface_batch
+from strandcli.draw.common.kernels.light_columns import LIGHT_SIZE
 from strandcli.draw.shadows.kernels import penumbra
+from strandcli.draw.shadows.kernels.soft_shadows import soft_shadows
 from strandcli.draw.solids.kernels import rays
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
@@ -129,6 +133,29 @@ def test_soft_shadows_are_those_of_the_sphere(balls: dict[int, Path]) -> None:
         off.append(abs(share[0] - share[1]))
     assert max(off) < 0.12
     assert float(np.mean(off)) < 0.01
+
+
+@pytest.mark.parametrize("count", [W, 53])
+def test_many_rays_at_once_see_as_much_as_each_alone(balls: dict[int, Path], count: int) -> None:
+    """Where rays go along the surface, too, and in lights whose cones leave the grid's box late."""
+    random = np.random.default_rng(5)
+    solids = packed(*(settings(balls[4], position=at, rotation=(20, 0, 50)) for at in (AT, (-0.9, 0.2, 0.1))))
+    out, ways = random.normal(size=(2, count, 3))
+    out /= np.linalg.norm(out, axis=1)[:, None]
+    ways -= 0.9 * (np.arange(count) % 2)[:, None] * out
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    points = AT + R * np.where(np.arange(count) % 2 > 0, random.uniform(1, 2.5, count), 1.01)[:, None] * out
+    work = np.zeros((surface_batch.ROWS, W), np.float32)
+    work[batch.X // W : batch.X // W + 3, :count] = points.T
+    work[batch.LX // W : batch.LX // W + 3, :count] = ways.T
+    work[batch.REACH // W], work[batch.ARRIVES // W] = FAR, 1
+    lights = np.zeros((1, 16), np.float32)
+    lights[0, LIGHT_SIZE] = 0.3
+    soft_shadows(work.reshape(-1), count, lights, 0, solids, SKIN)
+    rays_ = [penumbra.LightRay(*one, FAR) for one in np.hstack([points, ways]).astype(np.float32)]
+    alone = np.array([penumbra.soft_visibility(solids, ray, SKIN, np.float32(0.3), np.float32(0)) for ray in rays_])
+    assert np.abs(work[batch.ARRIVES // W, :count] - alone).max() < 1e-4
+    assert min((alone == 0).sum(), (alone == 1).sum(), ((alone > 0) & (alone < 1)).sum()) > count / 10
 
 
 STRANDS = """

@@ -41,7 +41,7 @@ class Scratch:
         likely: how long it will be in the end. Memory that is not written to is not taken."""
         buffer = self._buffers.get(name)
         if buffer is None or buffer.size < size or buffer.dtype != dtype:
-            made = np.empty(max(size, likely) * 9 // 8, dtype)
+            made = np.empty(max(size, likely) * 3 // 2, dtype)
             if buffer is not None and kept:
                 made[:kept] = buffer[:kept]
             self._buffers[name] = buffer = made

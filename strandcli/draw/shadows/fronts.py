@@ -3,12 +3,15 @@ of cells, by which filter windows know cells that shade nothing (hierarchical de
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...constants import VECTOR
+from ..common.scratch import Scratch
 from .kernels.opacity import SCALE, START
 
 NOTHING = np.full(VECTOR // 4, np.inf, np.float32)
@@ -16,34 +19,47 @@ NOTHING = np.full(VECTOR // 4, np.inf, np.float32)
 
 
 def tables_of_cells(
-    extents: Sequence[NDArray[np.float32]], layers: Sequence[int]
+    extents: Sequence[NDArray[np.float32]], layers: Sequence[int], scratch: Scratch
 ) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
     """Return for each opacity map `START` and `SCALE` of all cells and the `pyramid` of nearest depths, one after the
     other, and where each pyramid begins; extents, layers: of `ShadowMaps`, after `ShadowMaps.divide`."""
     starts = np.zeros(len(layers), np.int64)
-    found: list[NDArray[np.float32]] = []
+    deep = [number for number, count in enumerate(layers) if count]
+    total = sum(extents[number].size + sum(_squares(len(extents[number]))) for number in deep)
+    out = scratch.borrow("fronts", total + len(NOTHING), np.float32)
     at = 0
-    for number, count in enumerate(layers):
-        if count:
-            heads = extents[number]
-            found += [heads.reshape(-1), pyramid(np.where(heads[:, SCALE] > 0, heads[:, START], np.float32(np.inf)))]
-            starts[number] = at + heads.size
-            at = int(starts[number]) + len(found[-1])
-    return np.concatenate([*found, NOTHING]), starts
+    for number in deep:
+        heads = extents[number]
+        starts[number] = at + heads.size
+        out[at : starts[number]] = heads.reshape(-1)
+        cells = out[starts[number] :][: len(heads)]
+        cells.fill(np.inf)
+        np.copyto(cells, heads[:, START], where=heads[:, SCALE] > 0)
+        at = int(starts[number]) + pyramid(out[starts[number] :], len(heads))
+    out[at:] = NOTHING
+    return out, starts
 
 
-def pyramid(depths: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return depths (n²,) of the cells of a square map, inf where there are none, followed by the least of each 2×2 of
-    them, (⌈n / 2⌉²,), and so on up to a single one."""
-    side = round(len(depths) ** 0.5)
-    level = depths.reshape(side, side)
-    levels = [depths]
+def pyramid(out: NDArray[np.float32], cells: int) -> int:
+    """Write after the depths of the cells of a square map, inf where there are none, the least of each 2×2 of them, and
+    so on up to a single one; return how many numbers that makes in all."""
+    at = 0
+    squares = _squares(cells)
+    for large, small in pairwise(squares):
+        level = out[at : at + large].reshape(math.isqrt(large), -1)
+        above = out[at + large :][:small].reshape(math.isqrt(small), -1)
+        rows = level[::2].copy()
+        np.minimum(rows[: len(level) // 2], level[1::2], out=rows[: len(level) // 2])
+        above[...] = rows[:, ::2]
+        np.minimum(above[:, : len(level) // 2], rows[:, 1::2], out=above[:, : len(level) // 2])
+        at += large
+    return sum(squares)
+
+
+def _squares(cells: int) -> list[int]:
+    """The numbers of cells of a square map, of squares of 2×2 of them, and so on to 1."""
+    found, side = [cells], math.isqrt(cells)
     while side > 1:
         side = (side + 1) // 2
-        odd = 2 * side - len(level)
-        if odd:
-            level = np.pad(level, (0, odd), constant_values=np.inf)
-        rows = np.minimum(level[::2], level[1::2])
-        level = np.minimum(rows[:, ::2], rows[:, 1::2])
-        levels.append(level.reshape(-1))
-    return np.concatenate(levels)
+        found.append(side * side)
+    return found

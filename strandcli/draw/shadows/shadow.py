@@ -102,7 +102,7 @@ class ShadowMaps:
             self._divide(number, scratch)
             self._draw(number, parts)
             opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
-        self._find_fronts()
+        self._find_fronts(scratch)
 
     def add(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw a portion of the polylines into every map."""
@@ -124,16 +124,16 @@ class ShadowMaps:
             if layers:
                 self._draw(number, self.parts(number, lines, workers, scratch))
 
-    def finish(self) -> None:
+    def finish(self, scratch: Scratch) -> None:
         """Sum the layers of every opacity map. Call it after all portions have been drawn into them."""
         for number, layers in enumerate(self.layers):
             if layers:
                 opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
-        self._find_fronts()
+        self._find_fronts(scratch)
 
-    def _find_fronts(self) -> None:
+    def _find_fronts(self, scratch: Scratch) -> None:
         if self.deep:
-            self.fronts = tables_of_cells(self.extents, self.layers)
+            self.fronts = tables_of_cells(self.extents, self.layers, scratch)
 
     def _divide(self, number: int, scratch: Scratch) -> None:
         """Make empty layers between the nearest and farthest depth of each cell of an opacity map. Raises

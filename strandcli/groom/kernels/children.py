@@ -20,7 +20,7 @@ from ...jit import parallel, prange
 from ...simd import lane_count, pointer
 from ...solids.kernels.outside import count as count_solids
 from .child_path import follow_guides, restore_lengths
-from .child_scratch import TURNING, first_wave, load_child
+from .child_scratch import TURNING, first_wave, load_children
 from .child_waves import write_strands
 
 HALF = np.float32(0.5)
@@ -62,14 +62,11 @@ def grow(guides, own, following, clumps, waves, solids, out, lengths):
     own (N,) int32: numbers of the children to write; `Following`, `Clumps` and `Waves` hold all A children; solids:
     packed `Solids`. The last block is padded with copies of the last child.
     """
-    count = own.shape[0]
     for block in prange(out.shape[0]):
         b = np.int64(block)  # the index is unsigned, and would have functions compiled twice
         first = first_wave(clumps)
         scratch = np.empty(first + waves.forms.shape[0] * TURNING * W, np.float32)
-        for lane in range(W):
-            i = np.int64(own[min(b * W + lane, count - 1)])
-            lengths[b, lane] = load_child(guides, following, clumps, waves, i, scratch, np.int64(lane))
+        load_children(guides, following, clumps, waves, own, b * W, scratch, lengths[b])
         x = pointer(out)
         for k in range(0, W, lane_count(x)):
             follow_guides(guides, clumps, pointer(scratch), x, b, k)

@@ -36,6 +36,18 @@ def distances(x, y, z, numbers, data):
     return vector_distance(grid_of(data, int(numbers[0])), x, y, z)
 
 
+def bounds(numbers, data):
+    """That of the grid, outside of which distances are no less than to it."""
+    grid = grid_of(data, int(numbers[0]))
+    x, y, z = grid.low[0], grid.low[1], grid.low[2]
+    nz, ny, nx = grid.values.shape
+    return (
+        x, y, z,
+        x + grid.spacing * np.float32(nx - 1), y + grid.spacing * np.float32(ny - 1),
+        z + grid.spacing * np.float32(nz - 1),
+    )  # fmt: skip
+
+
 def normal(x, y, z, numbers, data):
     """The gradient of the grid's distances; where it has no direction, towards the nearest point of the surface or
     from there."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...jit import device
+from ...jit import device, inlined
 from ...simd import floor, gather2, pointer, sqrt, where
 
 
@@ -80,7 +80,7 @@ def distance(grid, x, y, z):
     return distance_and_gradient(grid, x, y, z)[0]
 
 
-@device
+@inlined
 def vector_distance(grid, x, y, z):
     """`distance` of vectors of points."""
     values, spacing = grid.values, grid.spacing

@@ -12,18 +12,21 @@ edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j 
 
 Without that reaction the force is no gradient, and strands of many curls gain energy from nothing. It enters through
 c̄, so that the matrix of the step stays as it is: by Euler's method that of the edges before the step. BDF2, which such
-a delay would drive, extrapolates it, with all rest shapes, from that of the edges before this step and of those before
-the last. What an oscillation grows by that a step is (ω h)⁴ / 4, and damping takes a multiple of (ω h)²: strands bear
-it in steps that are short against the time in which they stretch. In others, iterations begin with the reaction that
-the step before ended with, and go on with that of the edges where the first of them has led to.
+a delay would drive, takes it, with all rest shapes, from where the strand's motion leads its edges (`rod_start.lead`).
+What an oscillation grows by that a step is (ω h)⁴ / 4, and damping takes a multiple of (ω h)²: strands bear it in steps
+that are short against the time in which they stretch. In others, iterations begin with the reaction that the step
+before ended with, and go on with that of the edges where the first of them has led to.
 
 Oval sections bend less easily along their wide axis n, from which ψ is measured, than along the thin one, n', where the
 rigidity is (1 − σ) κ: the energy is less by σ κ (n'·e_j − n'·m_j)² / 2. Its force is that of the rest vector
 
-    m_j + σ (n'·e_j − n'·m_j) n',
+    m_j + σ (n'·e_j − n'·m_j) n'.
 
-set anew between iterations. Forces along the thin axis are then found as by the stiffer matrix, with an error that each
-iteration multiplies by σ κ h² / (M + κ h²) at the most (Hunter & Lange 2004, majorisation); what is at rest has none.
+It is that of the edges to which motion leads, and is corrected by those of the step's first solution, which leaves
+σ κ h² / (M + κ h²) of the error (Hunter & Lange 2004, majorisation); what is at rest has none. A matrix that is too
+stiff bears it: with x + Δt v in place of the x that a step of BDF2 leads to, and that is 5/2 x_n − 2 x_{n−1} +
+1/2 x_{n−2}, linear motion loses amplitude at any step and any σ < 1, and hardly any where steps are short. In steps
+that are too long to be led, rests are set anew between iterations, each of which leaves the same share of the error.
 """
 
 from __future__ import annotations
@@ -31,10 +34,10 @@ from __future__ import annotations
 from ...constants import FOLD
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3
-from . import rod_held
-from .records import DAMPING, SOFT, STEP, TIP_JOINT, TORSION
-from .rod_frames import CLAMP, carried, cross, first_normal, rotated_before, unit_edge
-from .rod_scratch import AXES, FIRST_SEGMENT, INNOVATION, LOAD, MOVED_SHARE, PACK, REST_BEND, SEGMENT
+from . import rod_held, rod_lead, rod_oval
+from .records import DAMPING, ROUNDING, SOFT, STEP, TIP_JOINT, TORSION
+from .rod_frames import CLAMP, carried, cross, first_normal, unit_edge
+from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT
 from .rod_tension import particle_gain
 from .turning import cosine_sine, cosine_sine_of_small
 
@@ -57,15 +60,9 @@ def set_rest(s, at, state, material, forcing, scheme, kept):
     """Add the rest shape to c̄, and update the twist. ``kept``: whether it is kept for the next step, and whether c̄
     has what was kept before, which is replaced."""
     numbers, held, soft = forcing.numbers, scheme.ends.held, softness(forcing.numbers, scheme.oval)
-    x, y, z = load3(s, CLAMP, 1)
-    if scheme.led:
-        u, v, w = load3(forcing.directions, at.strand // PACK * AXES + at.strand % PACK, PACK)
-        u, v, w = rotated_before(forcing.pose, u, v, w)
-        store3(s, CLAMP, 1, u, v, w)
-    transport_frames(s, at, state, material, forcing, scheme.led, held, soft)
+    transport_frames(s, at, state, material, forcing, scheme, kept[1], soft)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
-    add_reactions(s, at, state, material, (numbers[TORSION], soft), share, held, (*kept, scheme.led))
-    store3(s, CLAMP, 1, x, y, z)
+    add_reactions(s, at, state, material, (numbers[TORSION], soft), share, held, kept)
 
 
 @device
@@ -77,27 +74,33 @@ def softness(numbers, oval):
 
 
 @device
-def transport_frames(s, at, state, material, forcing, led, held, soft):
+def transport_frames(s, at, state, material, forcing, scheme, anew, soft):
     """Transport frames from the root to the tip: set `TARGET` by the ψ before the step, and eliminate the torques about
     edges, linearised in ψ. ``led``: as in `Scheme`; ``soft``: `softness`."""
+    held = scheme.ends.held
     torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
     tx, ty, tz = load3(s, CLAMP, 1)
-    ax, ay, az = first_normal(forcing.pose, bends, bend, led)
+    ax, ay, az = first_normal(forcing.pose, bends, bend)
     zero = broadcast(s, 0.0)
     angle = zero
     a = zero
     b = zero
+    way, far = rod_lead.way_of(s, forcing.numbers, scheme)
     for j in range(n):
         o = FIRST_SEGMENT + j * SEGMENT
         free = particle_gain(n, j)
         _, v, w = load3(bends, bend + (j + 1) * AXES, PACK)
         c, d = cosine_sine(angle)
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
-        ex, ey, ez = unit_edge(s, o)
+        if anew is None:
+            (ex, ey, ez), far = first_edge(at, j, state, way, far, forcing.numbers, scheme.led)
+            store3(s, o + EDGE, 1, ex, ey, ez)
+        else:
+            ex, ey, ez = unit_edge(s, o)
         if soft is not None:
             x, y, z = c * ax + d * bx, c * ay + d * by, c * az + d * bz
-            turn, stiff = oval_torque(
+            turn, stiff = rod_oval.torque(
                 (ex, ey, ez), (x, y, z), (c * bx - d * ax, c * by - d * ay, c * bz - d * az), v, w, soft
             )
         else:
@@ -132,12 +135,19 @@ def transport_frames(s, at, state, material, forcing, led, held, soft):
 
 
 @inlined
-def oval_torque(e, wide, thin, v, w, soft):
-    """Torque about the edge before a joint by the bend of an oval section, over κ, and how it falls with ψ. v, w: the
-    rest along both axes."""
-    x = e[0] * wide[0] + e[1] * wide[1] + e[2] * wide[2]
-    y = e[0] * thin[0] + e[1] * thin[1] + e[2] * thin[2]
-    return v * y - (w + soft * (y - w)) * x, v * x + (1.0 - soft) * w * y + soft * (y * y - x * x)
+def edge_at(s, o, anew):
+    """The edge at place o, of unit length; where rest shapes are set ``anew``, to first order."""
+    if anew is None:
+        return load3(s, o + EDGE, 1)
+    return unit_edge(s, o)
+
+
+@inlined
+def first_edge(at, j, state, way, far, numbers, led):
+    """The edge that a step's first rest shapes are set by, and how far its end is led."""
+    if led:
+        return rod_lead.led_edge(at, j, state, way, far, numbers[ROUNDING])
+    return load3(state.edges, at.edge + j * AXES, PACK), far
 
 
 @device
@@ -153,13 +163,13 @@ def add_reactions(s, at, state, material, rigid, share, held, kept):
     bx, by, bz = zero, zero, zero  # sum of the forces on edges so far
     after = zero  # q / (1 + e·e') of the joint after
     angle = zero
-    ex, ey, ez = unit_edge(s, FIRST_SEGMENT + (n - 1) * SEGMENT)
+    ex, ey, ez = edge_at(s, FIRST_SEGMENT + (n - 1) * SEGMENT, kept[1])
     if held is not None:
         (nx, ny, nz), after, angle = rod_held.beyond(s, n)
     for j in range(n - 1, -1, -1):
         o = FIRST_SEGMENT + j * SEGMENT
         free = particle_gain(n, j)
-        px, py, pz = unit_edge(s, o - SEGMENT)
+        px, py, pz = edge_at(s, o - SEGMENT, kept[1])
         past = load(s, o + PAST_TWIST)
         now = zero
         q = zero
@@ -181,7 +191,7 @@ def add_reactions(s, at, state, material, rigid, share, held, kept):
         bz += fz + f * (nz - ez) + g * sz
         # this joint's rest vector
         bend = at.bend + (j + 1) * AXES
-        x, y, z = rest_vector(s, o, (px, py, pz), (ex, ey, ez), now - past, soft, material.bends, bend)
+        x, y, z = rest_vector(s, o, free, (px, py, pz), (ex, ey, ez), now - past, soft, material.bends, bend)
         f = joint[j]
         sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
         f = 1.0 / joint[j]
@@ -192,7 +202,7 @@ def add_reactions(s, at, state, material, rigid, share, held, kept):
 
 
 @inlined
-def rest_vector(s, o, before, edge, turned, soft, bends, bend):
+def rest_vector(s, o, free, before, edge, turned, soft, bends, bend):
     """The rest vector of the joint at place o, between the edges ``before`` and ``edge``, after its frame has
     ``turned`` by an angle. ``bend``: place of its bend in ``bends``."""
     px, py, pz = before
@@ -202,7 +212,10 @@ def rest_vector(s, o, before, edge, turned, soft, bends, bend):
     if soft is not None:
         u, v, w = load3(bends, bend, PACK)
         fx, fy, fz = c * wx - d * x, c * wy - d * y, c * wz - d * z  # the thin axis
-        w += soft * (fx * edge[0] + fy * edge[1] + fz * edge[2] - w)
+        f = fx * edge[0] + fy * edge[1] + fz * edge[2]
+        store3(s, free, 1, fx, fy, fz)
+        store(s, o + rod_oval.BEND, f)
+        w += soft * (f - w)
         x = u * px + v * (c * x + d * wx) + w * fx
         y = u * py + v * (c * y + d * wy) + w * fy
         z = u * pz + v * (c * z + d * wz) + w * fz
@@ -218,19 +231,13 @@ def rest_vector(s, o, before, edge, turned, soft, bends, bend):
 def set_rest_bend(s, o, row, state, share, kept, rest):
     """Add ``rest`` times ``share`` to c̄ of the segment at place o; where it is ``kept``, for the next step too, and
     perhaps in place of what has been kept."""
-    x, y, z = load3(s, o + REST_BEND, 1)
     u, v, w = rest
-    keep, before, led = kept
-    if keep:
+    keep, before = kept
+    x, y, z = share * u, share * v, share * w
+    if before is not None:
         px, py, pz = load3(state.rest, row, PACK)
+        cx, cy, cz = load3(s, o + REST_BEND, 1)
+        x, y, z = cx + (x - share * px), cy + (y - share * py), cz + (z - share * pz)
+    if keep:
         store3(state.rest, row, PACK, u, v, w)
-        if before:
-            x -= share * px
-            y -= share * py
-            z -= share * pz
-        if led:
-            f = 3.0 * load(s, MOVED_SHARE)  # 1, or 0 in lanes that go by Euler's method
-            u += f * (u - px)
-            v += f * (v - py)
-            w += f * (w - pz)
-    store3(s, o + REST_BEND, 1, x + share * u, y + share * v, z + share * w)
+    store3(s, o + REST_BEND, 1, x, y, z)

@@ -42,11 +42,9 @@ def rotated_before(pose, x, y, z):
 
 
 @inlined
-def first_normal(pose, bends, bend, led):
+def first_normal(pose, bends, bend):
     """The normal that frames begin with at the clamp, in the world; that before the step where rests are ``led``."""
     x, y, z = load3(bends, bend, PACK)
-    if led:
-        return rotated_before(pose, x, y, z)
     return (
         pose[ROTATION] * x + pose[ROTATION + 1] * y + pose[ROTATION + 2] * z,
         pose[ROTATION + 3] * x + pose[ROTATION + 4] * y + pose[ROTATION + 5] * z,

@@ -12,7 +12,7 @@ from __future__ import annotations
 from ...constants import FOLD
 from ...jit import device
 from ...simd import load, load3, sqrt, store, store3
-from .records import TIP_JOINT, TURN
+from .records import DAMPING, STEP, TIP_JOINT, TURN
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, PACK, REST_BEND, SEGMENT, STIFFNESS, TENSION
 from .rod_tension import TINY
 from .turning import cosine_sine
@@ -27,12 +27,13 @@ TURNS = 4
 
 
 @device
-def place_clamp(s, at, material, forcing, damping, edge):
-    """Set direction, rest and rigidity of the joint. ``edge``: the last one, before the step; ``damping``: as in
-    `rod_start.fill_scratch`."""
+def place_clamp(s, at, state, material, forcing):
+    """Set direction, rest and rigidity of the joint, and what damping adds to the rest by the last edge before the
+    step."""
     o = FIRST_SEGMENT + at.segments * SEGMENT
+    damping = forcing.numbers[DAMPING] / forcing.numbers[STEP]
     share = damping / (1 + damping)
-    ex, ey, ez = edge
+    ex, ey, ez = load3(state.edges, at.edge + (at.segments - 1) * AXES, PACK)
     x, y, z = load3(forcing.tips, at.tip, PACK)
     store3(s, o + EDGE, 1, x, y, z)
     store3(s, o + REST_BEND, 1, share * (x - ex), share * (y - ey), share * (z - ez))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...jit import device
 from ...simd import any_lane, broadcast, load, sqrt, store, where
-from . import rod, rod_curl, rod_elimination, rod_start, rod_tension
+from . import rod, rod_curl, rod_elimination, rod_oval, rod_start, rod_tension
 from .records import ROUNDS, TOLERANCE
 from .rod_scratch import AXES, FIRST_SEGMENT, INDEFINITE, SEGMENT, TENSION
 
@@ -63,6 +63,9 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
             ahead = sets_rest(scheme, count, least)
             if ahead:  # before iterations that never are left out
                 rod_curl.set_rest(s, at, state, material, forcing, scheme, (True, True))
+            corrected = corrects(scheme, count)
+            if corrected:
+                rod_oval.correct(s, n, joint, forcing.numbers)
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR
@@ -73,7 +76,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
                     past_energy = where(chosen, energy, past_energy)
             elif ahead:
                 rod_elimination.set_loads(s, n, mass, joint, ends)
-            rod_tension.filter_forward(s, n, mass, ends.loose, far or ahead)
+            rod_tension.filter_forward(s, n, mass, ends.loose, far or ahead or corrected)
             if quadratic:
                 indefinite = rod_elimination.change_tension(s, n, mass, joint, ends)
                 worst, total = apply_step(s, n, ends, step)
@@ -94,7 +97,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
 def least_of(scheme, numbers):
     """Iterations at the least."""
     if scheme.oval is not None:
-        return 1 + int(numbers[ROUNDS])
+        return 1 if scheme.led else 1 + int(numbers[ROUNDS])
     return 2 if scheme.ahead else 1
 
 
@@ -106,6 +109,14 @@ def sets_rest(scheme, count, least):
     if scheme.ahead:
         return count == least
     return False
+
+
+@device
+def corrects(scheme, count):
+    """Whether rests of oval sections are corrected before an iteration."""
+    if scheme.oval is None:
+        return False
+    return scheme.led and count == 1
 
 
 @device

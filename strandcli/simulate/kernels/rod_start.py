@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3, where
-from . import rod_held, rod_loose
-from .records import AIR, DAMPING, DRAG, GRAVITY, LED, MOVED, STEP, VELOCITY_STEP
+from . import rod_loose
+from .records import AIR, DAMPING, DRAG, GRAVITY, STEP, VELOCITY_STEP
 from .rod_scratch import (
     ACCELERATION_SCALE,
     ADDED_VELOCITY,
@@ -37,15 +37,6 @@ OLD_GAIN = BLEND / 3 / VELOCITY_RATE
 """Shares of the last change of velocity that v̂ goes on by, and of the one before it that it stays behind by."""
 FARTHEST = 1e10
 """Segments that a free particle moves in a step at the most."""
-
-
-@device
-def follow_of(second, curled, numbers):
-    """`Scheme.ahead` and `Scheme.led`; None without BDF2."""
-    if second is None:
-        return None, None
-    turns = second and curled and numbers[MOVED] > 0
-    return turns and numbers[LED] <= 0, turns and numbers[LED] > 0
 
 
 @device
@@ -95,7 +86,6 @@ def fill_scratch(s, at, state, material, forcing, scheme):
     Damping pulls each joint toward the bend that it had: it multiplies κ by 1 + δ/Δt and adds δ/Δt κ c to κ c̄.
     """
     # one pass, since the state of long strands comes from far
-    set_coefficients(s, at, state, material, forcing, scheme)
     damping = forcing.numbers[DAMPING] / forcing.numbers[STEP]
     square = load(s, SQUARE)
     share = damping / (1 + damping)
@@ -110,14 +100,15 @@ def fill_scratch(s, at, state, material, forcing, scheme):
         if scheme.ahead:
             u, v, w = load3(state.rest, row, PACK)
             cx, cy, cz = cx + (1 - share) * u, cy + (1 - share) * v, cz + (1 - share) * w
+        if scheme.begun:  # what `rod_curl.set_rest` has left
+            u, v, w = load3(s, o + REST_BEND, 1)
+            cx, cy, cz = cx + u, cy + v, cz + w
         store3(s, o + REST_BEND, 1, cx, cy, cz)
         px = x
         py = y
         pz = z
         x, y, z = predict(s, row, state, scheme)
         store3(s, o + INERTIAL, 1, x, y, z)
-    if scheme.ends.held is not None:
-        rod_held.place_clamp(s, at, material, forcing, damping, (px, py, pz))
     if scheme.ends.loose is not None:
         rod_loose.begin(s, forcing, predict(s, rod_loose.row_of(at), rod_loose.body_of(state), scheme))
 

@@ -28,7 +28,7 @@ from ...simd import (
     vector_pointer_at,
     where,
 )
-from . import rod, rod_curl, rod_loose, rod_newton, rod_start, rod_sweep
+from . import rod, rod_curl, rod_held, rod_lead, rod_loose, rod_newton, rod_start, rod_sweep
 from .records import (
     FRICTION,
     MOVED,
@@ -145,16 +145,6 @@ def flags_of(descriptor, second, crowded, held, loose, oval):
 
 
 @device
-def keeps(flags):
-    """Whether rest shapes are kept for the next step, or for the next iteration."""
-    if flags.oval is not None:
-        return True
-    if flags.second is None:
-        return False
-    return flags.second
-
-
-@device
 def solids_of(kind, descriptor):
     """Solids as `contact_shapes.nearest` takes them, of a floating type."""
     return (
@@ -246,16 +236,19 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         if flags.loose is None:
             place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
-        ahead, led = rod_start.follow_of(flags.second, flags.curled, numbers)
+        ahead = rod_lead.ahead_of(flags.second, flags.curled, numbers)
+        led = rod_lead.led_of(rod_lead.either(flags.second, flags.oval), flags.curled, numbers)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
-            ahead, led, flags.curled,
+            ahead, led, flags.curled, rod_lead.begins(flags.curled, ahead),
             Ends(flags.held, flags.loose), flags.oval,
         )  # fmt: skip
+        rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
+        if flags.held is not None:
+            rod_held.place_clamp(scratch, at, state, material, forcing)
+        if scheme.begun:
+            rod_curl.set_rest(scratch, at, state, material, forcing, scheme, (rod_lead.keeps(flags, led), None))
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
-        now = False if scheme.ahead else flags.curled
-        if now:
-            rod_curl.set_rest(scratch, at, state, material, forcing, scheme, (keeps(flags), False))
         rod_start.give_way(scratch)
         worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations)
         # | |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both

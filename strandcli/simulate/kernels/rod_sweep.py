@@ -182,16 +182,16 @@ def prefetch_segment(n, j, strand, state, bends, scheme, solids):
     prefetch(state.tension, segment * PACK + strand % PACK)
     prefetch3(state.positions, position_of(strand, n) + (j + 2) * ROW, W)
     if scheme.curled:
-        prefetch_rest(n, j, strand, state, bends, scheme.second)
+        prefetch_rest(n, j, strand, state, bends, scheme.ahead)
 
 
 @device
-def prefetch_rest(n, j, strand, state, bends, second):
+def prefetch_rest(n, j, strand, state, bends, ahead):
     """Prefetch the rest shape of segment j of a strand, and its twist."""
     pack, lane = strand // PACK, strand % PACK
     prefetch3(bends, (pack * (n + 1) + j + 1) * AXES + lane, PACK)
     prefetch(state.twist, (pack * n + j) * PACK + lane)
-    if second:
+    if ahead:
         prefetch3(state.rest, (pack * n + j) * AXES + lane, PACK)
 
 

@@ -144,7 +144,7 @@ def _parts(form):
 
 
 def takes_vectors(solids):
-    """Whether `lowest_sines` can be called: all of these have distances of vectors."""
+    """Whether `begin` and `walk` can be called: all of these have distances of vectors."""
 
 
 @overload(takes_vectors)
@@ -154,19 +154,32 @@ def _takes_vectors(solids):
     return lambda solids: found
 
 
-def lowest_sines(solids, least, point, way, light):
-    """`soft_edge.least_sines` of all of these; ``least`` where they have no distances of vectors."""
+def begin(solids, m, point, way, light):
+    """`soft_edge.begin` of number m of these; nothing to walk where they have no distances of vectors."""
 
 
-@overload(lowest_sines)
-def _lowest_sines(solids, least, point, way, light):
+@overload(begin)
+def _begin(solids, m, point, way, light):
     form = form_of(solids)
     if form is None or form.distances_in_own is None:
-        return lambda solids, least, point, way, light: least
+        return lambda solids, m, point, way, light: (
+            (point[0], point[1], point[2], way[0], way[1], way[2]), light[0], light[0]
+        )  # fmt: skip
+    bounds, among, parts = form.bounds, form.among, _parts(form)
+    return lambda solids, m, point, way, light: soft_edge.begin(bounds, parts, among(solids), m, point, way, light)
+
+
+def walk(solids, m, some, others, most):
+    """`soft_edge.walk` of number m of these."""
+
+
+@overload(walk)
+def _walk(solids, m, some, others, most):
+    form = form_of(solids)
+    if form is None or form.distances_in_own is None:
+        return lambda solids, m, some, others, most: (some[1], some[3], others[1], others[3])
     distances, among, parts = form.distances_in_own, form.among, _parts(form)
-    return lambda solids, least, point, way, light: soft_edge.least_sines_of_all(
-        distances, parts, among(solids), least, point, way, light
-    )
+    return lambda solids, m, some, others, most: soft_edge.walk(distances, parts, among(solids), m, some, others, most)
 
 
 def outside(solids, x, y, z, clear):

@@ -1,7 +1,8 @@
 """How near a light is to the edge of solids by their signed distance: the angle that soft shadows follow from.
 
 `distance_in_own(p, m, u, v, w)` is that of a written module (`strandcli.solids.shapes.other_code`): the distance of a
-point of the frame of solid m; `distances_in_own` takes vectors of `strandcli.simd`. The rest is as in `distance_field`.
+point of the frame of solid m; `distances_in_own` takes vectors of `strandcli.simd`; `bounds(p, m)` is the solid's box
+there. The rest is as in `distance_field`.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import numpy as np
 from ...jit import inlined
 from ...simd import any_lane, where
 from ..shapes.other import REACH, X, Y, Z
-from .distance_field import HALF, ONE, number, own, own_direction
+from .distance_field import HALF, INF, ONE, ZERO, number, own, own_direction
 
 ACROSS = 64
 """Parts of the way through a solid's ball that a search for its edge looks at, at the least."""
@@ -19,6 +20,8 @@ FINE_ACROSS = 256
 """The same for shapes with data, which have more detail."""
 CLEAR = np.float32(2.0)
 """More than any sine."""
+SLOW = np.float32(1e-3)
+"""How fast, metres a metre, a cone must leave a face at the least: slower, rounding would tell where."""
 
 
 @inlined
@@ -37,7 +40,7 @@ def least_sine(distance_in_own, parts, p, m, x, y, z, way, light):
     cz = number(p, m, Z) - z
     middle = cx * lx + cy * ly + cz * lz
     end = min(middle + number(p, m, REACH), reach)
-    step = (number(p, m, REACH) + number(p, m, REACH)) / np.float32(parts)
+    step = step_of(p, m, parts)
     t = max(middle - number(p, m, REACH), HALF * step)
     least = CLEAR
     per = ONE / (ONE + radius)
@@ -61,30 +64,75 @@ def least_sine_of_all(distance_in_own, parts, p, x, y, z, way, light):
 
 
 @inlined
-def least_sines(distances_in_own, parts, p, m, least, point, way, light):
-    """`least_sine` of vectors, and not more than ``least``: below minus the radius there is nothing to look for."""
-    x, y, z = point
-    lx, ly, lz = way
-    reach, radius, skin = light
-    middle = (number(p, m, X) - x) * lx + (number(p, m, Y) - y) * ly + (number(p, m, Z) - z) * lz
-    end = min(middle + number(p, m, REACH), reach)
-    step = (number(p, m, REACH) + number(p, m, REACH)) / np.float32(parts)
-    t = max(middle - number(p, m, REACH), HALF * step)
-    per = ONE / (radius + ONE)
-    u, v, w = own(p, m, x, y, z)
-    du, dv, dw = own_direction(p, m, lx, ly, lz)
-    while True:
-        on = (t < end) & (least > -radius)
-        if not any_lane(on):
-            return least
-        away = distances_in_own(p, m, u + t * du, v + t * dv, w + t * dw) + skin
-        least = where(on, min(least, away / t), least)
-        t = where(on, t + max(max(abs(away) * HALF, step), (away - radius * t) * per), t)
+def free_from(bounds, point, way, radius):
+    """How far along unit vectors the cones of light about them, ``radius`` the sines of their half angles, are free of
+    a solid within `bounds` from there on: past a face, and going away from it faster than they widen."""
+    u, v, w = point
+    du, dv, dw = way
+    x = past_face(bounds[0], bounds[3], u, du, radius)
+    y = past_face(bounds[1], bounds[4], v, dv, radius)
+    return min(min(x, y), past_face(bounds[2], bounds[5], w, dw, radius))
 
 
 @inlined
-def least_sines_of_all(distances_in_own, parts, p, least, point, way, light):
-    """`least_sines` of all of these solids."""
-    for m in range(p.rows.shape[0]):
-        least = least_sines(distances_in_own, parts, p, m, least, point, way, light)
-    return least
+def past_face(low, high, at, along, radius):
+    """The same, past the face across an axis that is ahead; at, along: coordinates of the point and of the vector."""
+    ahead = where(along > ZERO, high - at, at - low)
+    apart = abs(along) - radius
+    return where(apart > SLOW, ahead / apart, INF)
+
+
+@inlined
+def begin(bounds, parts, p, m, point, way, light):
+    """Of vectors of rays, in the frame of solid m: where they begin and their directions, six numbers; and the first
+    and the last place of `walk`, where the cones have left the solid's `bounds` for good."""
+    x, y, z = point
+    lx, ly, lz = way
+    reach, radius, _ = light
+    middle = (number(p, m, X) - x) * lx + (number(p, m, Y) - y) * ly + (number(p, m, Z) - z) * lz
+    u, v, w = own(p, m, x, y, z)
+    du, dv, dw = own_direction(p, m, lx, ly, lz)
+    t = max(middle - number(p, m, REACH), HALF * step_of(p, m, parts))
+    free = free_from(bounds(p, m), (u, v, w), (du, dv, dw), radius)
+    return (u, v, w, du, dv, dw), t, min(min(middle + number(p, m, REACH), reach), free)
+
+
+@inlined
+def walk(distances_in_own, parts, p, m, some, others, most):
+    """`least_sine` of two vectors of rays at once, as each step waits for the one before, in so many steps at the most:
+    where they have come to, and the least angles. Of each: `begin`'s first three; the least angle so far, below minus
+    the radius of which there is nothing to look for; and the light."""
+    one, s, s_end, s_least, s_light = some
+    two, t, t_end, t_least, t_light = others
+    step = step_of(p, m, parts)
+    for _ in range(most):
+        s_on = (s < s_end) & (s_least > -s_light[1])
+        t_on = (t < t_end) & (t_least > -t_light[1])
+        if not any_lane(s_on | t_on):
+            break
+        s_away = away_at(distances_in_own, p, m, one, s) + s_light[2]
+        t_away = away_at(distances_in_own, p, m, two, t) + t_light[2]
+        s_least = where(s_on, min(s_least, s_away / s), s_least)
+        t_least = where(t_on, min(t_least, t_away / t), t_least)
+        s = where(s_on, s + pace(s_away, s, step, s_light[1]), s)
+        t = where(t_on, t + pace(t_away, t, step, t_light[1]), t)
+    return s, s_least, t, t_least
+
+
+@inlined
+def away_at(distances_in_own, p, m, along, t):
+    """The distances at places of rays."""
+    u, v, w, du, dv, dw = along
+    return distances_in_own(p, m, u + t * du, v + t * dv, w + t * dw)
+
+
+@inlined
+def pace(away, t, step, radius):
+    """How far rays go on from a place where the solid is so far away, as in `least_sine`."""
+    return max(max(abs(away) * HALF, step), (away - radius * t) * (ONE / (radius + ONE)))
+
+
+@inlined
+def step_of(p, m, parts):
+    """The least step through solid m, metres."""
+    return (number(p, m, REACH) + number(p, m, REACH)) / np.float32(parts)

@@ -87,6 +87,8 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
         "has_drift": "drift_of" if _any(kinds, "drift") else "None",
         "has_look": "look" if _looks(kinds) else "None",
         "distances": _distances(kinds),
+        "bounds": _chosen([_bounds(one) for one in kinds]),
+        "reach": REACH,
         "has_distances": "distances_in_own" if _distances(kinds).strip() else "None",
         "detailed": any(has_data(one.shape) for one in kinds),
         "folds": tuple(bool(getattr(one.shape, "folds", False)) for one in kinds),
@@ -133,7 +135,8 @@ def _imports(kind: Kind) -> str:
         if function is None:
             continue
         lines.append(_import(shape, part, function, place))
-        lines.append(f"{part}_{place} = device({part}_{place})\n")
+        way = "inlined" if part == "distances" else "device"  # vectors, which calls would write to memory
+        lines.append(f"{part}_{place} = {way}({part}_{place})\n")
     if has_data(shape):
         lines.append(_import(shape, "Data", shape.Data, place))
     return "".join(lines)
@@ -163,6 +166,12 @@ def _given(kind: Kind) -> str:
         return f"({numbers})"
     arrays = ", ".join(f"p.{field}" for field in fields_of([kind]))
     return f"({numbers}), Data_{kind.place}({arrays})"
+
+
+def _bounds(kind: Kind) -> str:
+    if not _has(kind.shape, "bounds"):
+        return "-around, -around, -around, around, around, around"
+    return f"bounds_{kind.place}({_given(kind)})"
 
 
 def _normal(kind: Kind) -> str:

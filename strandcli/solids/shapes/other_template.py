@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from strandcli.constants import W
-from strandcli.jit import device, function
+from strandcli.jit import device, function, inlined
 from strandcli.solids.kernels.distance_field import gradient, look_in_world, looks_in_world, march, number, outward, own
 from strandcli.solids.kernels.distance_field import FINE, hides_by_distance, in_world, own_direction, put_outside
 from strandcli.solids.kernels.distance_field import ray_in_own, rounded
@@ -65,6 +65,12 @@ def distance(p, m, x, y, z):
     return distance_in_own(p, m, u, v, w)
 {distances}
 @device
+def bounds(p, m):
+    """Low and high corner, in the frame of solid m, of a box that no point is nearer to the solid than to."""
+    around = number(p, m, {reach})
+{bounds}
+
+@device
 def normal(p, m, x, y, z):
     """Its unit outward normal where the surface is nearest to a point."""
     u, v, w = own(p, m, x, y, z)
@@ -89,7 +95,7 @@ Solids, SeparateSolids, LoneSolids = {name}, Separate{name}, Lone{name}
 Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
 Solids.hides, Solids.among, Solids.look, Solids.folds = hides, among, {has_look}, {folds}
 Solids.distance_in_own, Solids.distances_in_own = distance_in_own, {has_distances}
-Solids.detailed = {detailed}
+Solids.bounds, Solids.detailed = bounds, {detailed}
 Solids.kinds = {kinds}
 drift = {has_drift}
 
@@ -122,7 +128,7 @@ def catch(x, parent, grandparent, root, length, p, i, n):
 RAY = "    u, v, w, a, b, c = ray_in_own(p, m, x, y, z, way[0], way[1], way[2])\n"
 DISTANCES = '''
 
-@device
+@inlined
 def distances_in_own(p, m, u, v, w):
     """Distances of vectors of points, in the frame of solid m, from its surface."""
 {distances}

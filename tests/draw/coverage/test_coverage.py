@@ -11,7 +11,7 @@ from reference.bands import covered
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.coverage.kernels import tiles
-from strandcli.draw.coverage.kernels.tiles import PLACES
+from strandcli.draw.coverage.kernels.tiles import STEP
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.solids.edges import none
 
@@ -204,12 +204,12 @@ def test_tiles_leave_no_trace() -> None:
 
 def test_the_place_of_a_fragment_belongs_to_its_own_piece() -> None:
     for stride in (1, 2, 16):
-        bits = PLACES - (stride.bit_length() - 1)
-        for past in range(stride):
+        bits = STEP - (stride.bit_length() - 1)
+        for past in range(2 * stride):
             for t in (0.0, 0.3, 1.0):
                 kept = tiles.fixed_point(np.float32(t), past, bits)
                 assert kept >> bits == past
-                assert kept / 2**PLACES == pytest.approx((past + t) / stride, abs=2.0 ** (1 - bits))
+                assert kept / 2**STEP == pytest.approx((past + t) / stride, abs=2.0 ** (1 - bits))
 
 
 def test_solids_hide_what_is_behind_them() -> None:

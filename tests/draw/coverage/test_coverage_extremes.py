@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.coverage.kernels import strand_extents
+from strandcli.draw.coverage.kernels.segments import WIDE
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.kernels.screen_lines import ScreenLines
 from strandcli.draw.solids.edges import none
@@ -74,7 +75,7 @@ def test_what_wide_strands_take_is_known_before(line: list[list[float]], wide: f
     screen = np.column_stack([line, [0.5, 0.5]]).astype(np.float32)
     toil = np.zeros(1, np.float32)
     lines = ScreenLines(np.array([0, 2]), screen, np.full(2, wide, np.float32))
-    strand_extents.count_wide_pixels(lines, 64, 48, toil)
+    strand_extents.count_wide_pixels(lines, 64, 48, WIDE, toil)
     assert toil[0] == pytest.approx(places, rel=1e-3)
 
 

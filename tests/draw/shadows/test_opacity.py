@@ -229,7 +229,7 @@ def test_portions_add_up() -> None:
     maps.divide(Scratch())
     for part in parts:
         maps.accumulate_layers(part, 2, Scratch())
-    maps.finish()
+    maps.finish(Scratch())
     np.testing.assert_allclose(maps.stacks, both.stacks, rtol=1e-5, atol=1e-7)
 
 

@@ -159,14 +159,15 @@ def test_what_is_told_to_be_aside_without_a_root_is_aside(name: str) -> None:
 
 @pytest.mark.parametrize("point", [0, 1])
 def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
-    """The same bits, for solids of all kinds, points that no light reaches, and a batch that is not full."""
-    solids_ = list(SCENES.values())[:5]
+    """The same bits, for solids of all kinds, points that no light reaches, batches that are not full, and one from
+    which no capsule is seen before the light."""
+    solids_ = [*list(SCENES.values())[:5], "{kind: capsule, radius: 0.1, length: 0.2, position: [0.4, 0.3, 0]}"]
     packed = packed_of(", ".join(solids_) + ", {kind: plane, position: [0, -1.2, 0], rotation: [0, 0, 20]}")
     generator = np.random.default_rng(11)
     shares = []
-    for count in (W, 53):
+    for count, inward in ((W, 0.8), (53, 0.8), (20, -9.0)):
         where = generator.normal(size=(count, 3)).astype(np.float32)
-        ways = generator.normal(size=(count, 3)) - 0.8 * where
+        ways = generator.normal(size=(count, 3)) - inward * where
         ways = (ways / np.linalg.norm(ways, axis=1)[:, None]).astype(np.float32)
         reach = generator.uniform(0.1, 5, count).astype(np.float32) if point else np.full(count, FAR)
         arrives = generator.integers(0, 3, count).astype(np.float32)

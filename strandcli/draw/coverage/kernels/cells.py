@@ -103,6 +103,8 @@ class Target(NamedTuple):
     """(PIXELS,) scratch, as these in `crowds.list_by_pixel`."""
     slices: NDArray[np.float32]
     """(`crowds.SLICES`,) scratch."""
+    windows: NDArray[np.float32]
+    """(`windows.WINDOWS`,) depth numbers behind which nothing in parts of the tile is visible."""
 
 
 class Work(NamedTuple):
@@ -115,7 +117,7 @@ class Work(NamedTuple):
     numbers: NDArray[np.int32]
     """(INTEGERS * CELLS,) integers of cells."""
     ribbon: NDArray[np.float32]
-    """(`ribbon.ROWS` * `ribbon.LISTED`,) pixels of a wide segment."""
+    """(`ribbon.ROWS` * `ribbon.ROW`,) pixels of a wide segment."""
 
 
 @inlined

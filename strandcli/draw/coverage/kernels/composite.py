@@ -8,7 +8,7 @@ from ....jit import device, inlined
 from ...common.kernels.bits import popcount
 from .masks import ALL_POINTS, NO_POINTS, POINTS, covered_points
 from .segments import WIDE
-from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, ROW_BITS, TILE_WIDTH, UNIT
+from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, ROW_BITS, STEP, TILE_WIDTH, UNIT, alone
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -22,6 +22,8 @@ PART = np.float32(0.5)
 NO_VERTEX = np.int64(-9)
 """A vertex next to none."""
 FOUR = np.uint64(NUMBERS)
+BETWEEN = np.int64((1 << STEP) - 1)
+"""Bits of a position that tell how far it is from a lit vertex to the next."""
 
 
 @inlined
@@ -39,10 +41,12 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
     end.
 
     fragments, counts, ends, order: from `sorting.sort_pixels`; vertices: number of vertices of all strands; tile:
-    `tiles.Tile`; out: `tiles.Fragments`; marks (V,): set at the lit vertices before visible fragments.
+    `tiles.Tile`; out: `tiles.Fragments`; marks (V,): set at the vertices that they take light from.
 
     Segments that follow each other in their strand and in depth are parts of one surface: their opacities add up. All
-    others cover the pixel independently.
+    others cover the pixel independently. A fragment of less weight than `tiles.Fragments.slight` takes the light of
+    that end of its part of the strand whose rank among lit vertices is even, so that fewer vertices are lit; this
+    depends on nothing but the fragment, so that neither layers nor a crop window change a pixel.
     """
     base = tile.number * PIXELS
     bits = out.place_bits
@@ -54,6 +58,7 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
         front = ONE
         room = ONE
         previous = NO_VERTEX
+        total = ZERO
         while (m < end) & (through >= OPAQUE):
             alpha, identity, t = numbers(fragments, order[np.uint64(m)])
             m += 1
@@ -64,29 +69,44 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
             alpha = min(alpha, room)
             room -= alpha
             through = front * room
+            share = front * alpha
+            along = np.float32(t & BETWEEN) * UNIT
             if identity < vertices:
-                identity -= t >> bits
+                identity -= (t >> bits) & (out.stride - 1)
+                odd = t >> STEP
+                if share < out.slight:
+                    identity += odd * out.stride
+                    along = alone(along - np.float32(odd))
+                else:
+                    marks[np.uint64(identity + out.stride)] = 1
                 marks[np.uint64(identity)] = 1
             to = np.uint64(o)
             out.vertex[to] = np.uint32(identity)
-            out.weight[to] = front * alpha
-            out.along[to] = np.float32(t) * UNIT
+            out.weight[to] = share
+            total += share
+            out.along[to] = along
             o += 1
         out.counts[np.uint64(base) + p] = o - begin
-        close(out, tile, np.int64(p), begin, o)
+        if o > begin:
+            close(out, tile, np.int64(p), total)
     return o
 
 
 @inlined
-def close(out, tile, p, begin, end):
-    """Store whether the fragments begin … end − 1 of pixel p of a tile let nothing through, as `resolve.blend` has
-    it."""
-    if end > begin:
-        total = ZERO
-        for i in range(begin, end):
-            total += out.weight[np.uint64(i)]
-        at = (tile.top + (p >> ROW_BITS)) * out.width + tile.left + (p & (TILE_WIDTH - 1))
-        out.closed[np.uint64(at)] = np.uint8(ONE - total < OPAQUE)
+def close(out, tile, p, total):
+    """Store whether the fragments of pixel p of a tile let nothing through, as `resolve.blend` has it; total: of their
+    weights, from the first to the last."""
+    at = (tile.top + (p >> ROW_BITS)) * out.width + tile.left + (p & (TILE_WIDTH - 1))
+    out.closed[np.uint64(at)] = np.uint8(ONE - total < OPAQUE)
+
+
+@inlined
+def total_weight(out, begin, end):
+    """Return the sum of the weights of the fragments begin … end − 1, from the first to the last."""
+    total = ZERO
+    for i in range(begin, end):
+        total += out.weight[np.uint64(i)]
+    return total
 
 
 @inlined
@@ -94,7 +114,7 @@ def write(out, to, vertex, share, t, points):
     """Write fragment number `to` of `Fragments` with masks."""
     out.vertex[to] = np.uint32(vertex)
     out.weight[to] = share
-    out.along[to] = np.float32(t) * UNIT
+    out.along[to] = np.float32(t & BETWEEN) * UNIT
     out.points[to] = points
 
 
@@ -152,8 +172,8 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
             share = min(share, ONE - total)  # areas are exact, but hidden parts are counted in points
             if share > ZERO:
                 if identity < vertices:
-                    identity -= t >> bits
-                    marks[np.uint64(identity)] = 1
+                    identity -= (t >> bits) & (out.stride - 1)
+                    marks[np.uint64(identity)] = marks[np.uint64(identity + out.stride)] = 1
                 # areas across a narrow strand are more exact than points, where nothing hides it
                 points = ALL_POINTS if narrow & (visible == mine) else visible
                 write(out, np.uint64(o), identity, share, t, points)
@@ -165,5 +185,6 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
             for i in range(begin, o):
                 out.weight[i] /= total
         out.counts[np.uint64(base) + p] = o - begin
-        close(out, tile, np.int64(p), begin, o)
+        if o > begin:
+            close(out, tile, np.int64(p), total_weight(out, begin, o))
     return o

@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device
-from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, NUMBERS, PIXELS, ROW_BITS
+from ....simd import load, quadruple_pointer, store
+from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, NUMBERS, PIXELS
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -25,7 +26,7 @@ SLACK = np.float32(1.01)
 SAFE = np.float32(1 - 1e-6)
 """Factor of depth numbers and of transmittances, so that rounding hides nothing visible."""
 TINY = np.float32(1e-30)
-FOUR = np.uint64(NUMBERS)
+ONE_MORE, FOUR = np.uint64(1), np.uint64(NUMBERS)
 IN_PIXEL = np.int32(PIXELS - 1)
 """Mask of the pixel in the column `AT_PLACE`."""
 
@@ -42,13 +43,13 @@ def list_by_pixel(fragments, n, counts, ends, depths, listed):
     for p in range(PIXELS):
         ends[p] = total
         total += counts[p]
+    given, out = quadruple_pointer(fragments), quadruple_pointer(listed)
     for i in range(np.uint64(n)):
         p = np.uint64(fragments[i * FOUR + AT_PLACE] & IN_PIXEL)
         at = np.uint64(ends[p])
-        ends[p] += 1
+        ends[p] = np.int32(at + ONE_MORE)
         depths[at] = np.int32(fragments[i * FOUR + AT_DEPTH]).view(np.float32)
-        for column in range(FOUR):
-            listed[at * FOUR + column] = fragments[i * FOUR + column]
+        store(out, at * FOUR, load(given, i * FOUR))
 
 
 @device
@@ -83,13 +84,11 @@ def keep_visible(listed, depths, first, n, farthest):
     """Keep those of the list of n fragments from index `first` on that are not behind the depth number `farthest`, in
     their order; return their number."""
     o = np.uint64(first)
+    fragments = quadruple_pointer(listed)
     for i in range(np.uint64(first), np.uint64(first + n)):
         depth = depths[i]
         depths[o] = depth
-        one, two = listed[i * FOUR], listed[i * FOUR + np.uint64(1)]
-        three, four = listed[i * FOUR + np.uint64(2)], listed[i * FOUR + np.uint64(3)]
-        listed[o * FOUR], listed[o * FOUR + np.uint64(1)] = one, two
-        listed[o * FOUR + np.uint64(2)], listed[o * FOUR + np.uint64(3)] = three, four
+        store(fragments, o * FOUR, load(fragments, i * FOUR))
         o += np.uint64(depth >= farthest)
     return np.int64(o) - np.int64(first)
 
@@ -100,6 +99,7 @@ def leave_out_hidden(target, n):
     pixels that have many; return the number that is left. target: `cells.Target`."""
     found, listed, depths, counts = target.found, target.listed, target.depths, target.counts
     occlusion = target.occlusion_depth
+    kept, fragments = quadruple_pointer(found), quadruple_pointer(listed)
     list_by_pixel(found, n, counts, target.ends, depths, listed)
     o = np.uint64(0)
     for p in range(PIXELS):
@@ -111,18 +111,7 @@ def leave_out_hidden(target, n):
                 occlusion[p] = farthest
                 size = keep_visible(listed, depths, first, size, farthest)
                 counts[p] = size
-        for i in range(np.uint64(first) * FOUR, np.uint64(first + size) * FOUR):
-            found[o] = listed[i]
-            o += np.uint64(1)
-    return np.int64(o // FOUR)
-
-
-@device
-def least_occlusion(target):
-    """Return the depth number behind which nothing in a tile can be seen, that of the pixel where it is least."""
-    least = np.int32(np.float32(np.inf).view(np.int32))
-    for y in range(target.bottom - target.top):
-        row = np.uint64(y << ROW_BITS)
-        for x in range(np.uint64(target.right - target.left)):  # floats that are not negative compare as their bits do
-            least = min(least, np.int32(np.float32(target.occlusion_depth[row + x]).view(np.int32)))
-    return np.int32(least).view(np.float32)
+        for i in range(np.uint64(first), np.uint64(first + size)):
+            store(kept, o * FOUR, load(fragments, i * FOUR))
+            o += ONE_MORE
+    return np.int64(o)

@@ -13,16 +13,18 @@ from ....simd import half_width_pointer, load, pointer, prefetch, store
 from . import cells
 from . import segments as seg
 from .cells import CELLS, LANES, add_fragment, cover_cells
-from .crowds import least_occlusion, leave_out_hidden
+from .crowds import leave_out_hidden
+from .joined import measure_joints
 from .ribbon import cover_ribbon
 from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, keep_last, load_vertices, measure_segments
 from .tile_binning import LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
-from .tiles import ROW_BITS
+from .tiles import ROW_BITS, TILE_HEIGHT, TILE_WIDTH
+from .windows import find_windows
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-AHEAD = np.int64(2)
+AHEAD = np.int64(8)
 """Rows of segments that memory is prefetched ahead of their use."""
 FAR_AHEAD = np.int64(20)
 """Rows of segments that where they begin and end is prefetched ahead of their use."""
@@ -31,8 +33,8 @@ LINE = np.int64(16)
 FULL = np.int64(32768)
 """Fragments of a tile from which on those that cannot be seen are left out, before others are found."""
 STEPS = np.arange(LANES, dtype=np.float32)
-SAFE = np.float32(1 - 1e-6)
-"""Factor of the depth number behind which a tile is hidden, so that rounding hides nothing visible."""
+NEAREST = np.float32(np.inf)
+"""Depth number in front of which nothing is."""
 
 
 class Strands(NamedTuple):
@@ -86,12 +88,8 @@ def find_fragments(strands, solids, pool, slots, width, work, target, marks):
     compositing writes to it soon.
     """
     target.counts[:] = 0
-    hidden = ZERO  # depth number behind which nothing in the tile is visible
-    if solids.hides.shape[0] == 0:
-        target.occlusion_depth[:] = ZERO
-    else:
-        copy_occlusion(solids.hides, width, target)
-        hidden = least_occlusion(target) * SAFE
+    copy_occlusion(solids.hides, width, target)
+    find_windows(target.occlusion_depth, target.ends, target.windows)
     n = np.int64(0)
     m = add_solids(solids, strands.screen.shape[0], width, target)
     room = target.depths.shape[0]
@@ -107,10 +105,10 @@ def find_fragments(strands, solids, pool, slots, width, work, target, marks):
             pool[slot, START_AND_FIRST] & LOW, pool[slot, STRAND_AND_LAST] & LOW,
             np.uint32(pool[slot, START_AND_FIRST] >> SHIFT).view(np.float32),
         )  # fmt: skip
-        n, m = add_row(row, strands, strands.widths, hidden, work, n, target, m)
+        n, m = add_row(row, strands, strands.widths, work, n, target, m)
         if examined <= m <= room:
             m = leave_out_hidden(target, m)
-            hidden = least_occlusion(target) * SAFE
+            find_windows(target.occlusion_depth, target.ends, target.windows)
             examined = max(FULL, 2 * m)
     return cover_cells(work, n, target, m)
 
@@ -119,12 +117,15 @@ def find_fragments(strands, solids, pool, slots, width, work, target, marks):
 def prefetch_row(pool, slot, strands, widths, marks):
     """Prefetch the vertices of the row of segments at index `slot` of the pool."""
     low = (pool[slot, START_AND_FIRST] & LOW) - 1
+    high = pool[slot, STRAND_AND_LAST] & LOW
     prefetch(pointer(strands.first), pool[slot, STRAND_AND_LAST] >> SHIFT)
     prefetch(pointer(strands.screen), 3 * low)
     prefetch(pointer(strands.screen), 3 * low + LINE)
+    prefetch(pointer(strands.screen), 3 * high + 2)
     prefetch(pointer(marks), low)
     if widths is not None:
         prefetch(pointer(widths), low)
+        prefetch(pointer(widths), high)
 
 
 @device
@@ -142,16 +143,18 @@ def add_solids(solids, base, width, target):
 
 
 @inlined
-def add_row(row, strands, widths, hidden, work, n, target, m):
+def add_row(row, strands, widths, work, n, target, m):
     """Collect the cells of a row's thin segments and draw its wide ones; return the new numbers n of collected cells
     and m of fragments.
 
-    row: `SegmentRow`; widths: of the strands; hidden: depth number behind which nothing in the tile is visible; other
-    arguments as in `find_fragments`. A thin segment is drawn when the next segment is known, which tells whether its
-    run ends; segments without length are skipped.
+    row: `SegmentRow`; widths: of the strands; other arguments as in `find_fragments`. A thin segment is drawn when the
+    next segment is known, which tells whether its run ends; segments without length are skipped, and those that lie
+    behind all that can be seen in their part of the tile.
     """
     rows = work.segments
     points = half_width_pointer(strands.screen)
+    left, top = np.float32(target.left), np.float32(target.top)
+    far = from_axis(target, strands.depth_slope)
     run = RIBBON
     start = row.start
     v = row.low - 1
@@ -160,7 +163,9 @@ def add_row(row, strands, widths, hidden, work, n, target, m):
     while True:
         count = min(max(row.high + 1 - base, 0) + 1, min(row.end - base, SEGMENTS))
         load_vertices(points, widths, base - 1, count + 1, rows)
-        measure_segments(rows, count, strands.opacity)
+        ribbons = measure_segments(rows, count, strands.opacity, left, top, far, strands.depth_slope, target.windows)
+        if ribbons:
+            measure_joints(points, base, count, row.begin, row.end, rows)
         ends = np.int64(base + count == row.end)
         if ends:
             rows[seg.KIND + count + 1] = BEHIND
@@ -170,13 +175,13 @@ def add_row(row, strands, widths, hidden, work, n, target, m):
                 continue
             after = base + i - 1
             if widths is not None:  # noqa: SIM102  a condition of its own is pruned if widths is None
-                if (run != RIBBON) & (run != BEHIND) & (not rows[seg.NEAREST + k] < hidden):
-                    place = ((v - 1 - row.begin) & (strands.stride - 1)) << target.place_bits
+                if (run != RIBBON) & (run != BEHIND) & (not rows[seg.NEAREST + k] < rows[seg.HIDDEN + k]):
+                    place = ((v - 1 - row.begin) & (2 * strands.stride - 1)) << target.place_bits
                     n, m = list_cells(work, k, v, place, run, start, kind != run, n, target, m)
             if after > row.high:
                 return n, m
-            if kind == RIBBON:
-                m = cover_ribbon(strands, widths, after, row.begin, row.end, work.ribbon, target, m)
+            if (kind == RIBBON) & (not rows[seg.NEAREST + i] < rows[seg.HIDDEN + i]):
+                m = cover_ribbon(strands, widths, after, row.begin, i, work, target, m)
             if kind != run:
                 start = rows[seg.BEGIN + i] if v >= row.low else start
                 run = kind
@@ -233,12 +238,22 @@ def list_cells(work, k, v, place, run, start, closing, n, target, m):
     return n, m
 
 
+@inlined
+def from_axis(target, depth_slope):
+    """Return the sum of the greatest distances from the view's axis in x and in y of a place in the tile, pixels."""
+    x, y = depth_slope.axis_x, depth_slope.axis_y
+    across = max(abs(np.float32(target.left) - x), abs(np.float32(target.right) - x))
+    return across + max(abs(np.float32(target.top) - y), abs(np.float32(target.bottom) - y))
+
+
 @device
 def copy_occlusion(hides, width, target):
-    """Copy the depth numbers behind which solids hide all to the tile."""
+    """Copy the depth numbers behind which solids hide all to the tile; nothing is visible outside the picture."""
     depth = target.occlusion_depth
+    if hides.shape[0] == 0 or target.bottom - target.top < TILE_HEIGHT or target.right - target.left < TILE_WIDTH:
+        depth[:] = NEAREST
     for y in range(target.top, target.bottom):
         to = np.uint64((y - target.top) << ROW_BITS)
         at = np.uint64(y * width + target.left)
         for x in range(np.uint64(target.right - target.left)):
-            depth[to + x] = hides[at + x]
+            depth[to + x] = hides[at + x] if hides.shape[0] > 0 else ZERO

@@ -13,6 +13,7 @@ from .fragments import Strands, find_fragments
 from .row_order import count_rows, list_rows
 from .sorting import RUN, sort_pixels
 from .tiles import NUMBERS, PIXELS, TILE_WIDTH, tile_at
+from .windows import WINDOWS
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -31,7 +32,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
     `TileSegments` of the rows of `out`; table: from `strandcli.draw.coverage.masks.half_planes`, for
     `composite.composite_masked`, or None, for `composite.composite`; tasks: number of tasks, which share the tiles and
     the memory evenly; out: `Fragments`, written; found (tiles,) int64, written: number of all fragments, visible or
-    not, negative if there was no room; marks (V,) uint8: set at the lit vertices before visible fragments.
+    not, negative if there was no room; marks (V,) uint8: set at the vertices that visible fragments take light from.
     """
     share = np.int64(out.vertex.shape[0] // tasks)
     opaque = OPAQUE if table is None else ZERO  # a strand with a mask hides points, and no share of the others
@@ -43,11 +44,11 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
         depths, ranks = np.empty(room + RUN, np.float32), np.empty(RUN, np.float32)
         order, spare = np.empty(room + RUN, np.uint32), np.empty(room, np.uint32)
         slots, unordered, row_depths = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32)
-        occlusion = np.zeros(PIXELS, np.float32)
+        occlusion, hidden = np.zeros(PIXELS, np.float32), np.empty(WINDOWS, np.float32)
         strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
         work = cells.Work(
             np.empty(segments.ROWS * segments.ROW, np.float32), np.empty(cells.ROWS * cells.CELLS, np.float32),
-            np.empty(cells.INTEGERS * cells.CELLS, np.int32), np.empty(ribbon.ROWS * ribbon.LISTED, np.float32),
+            np.empty(cells.INTEGERS * cells.CELLS, np.int32), np.empty(ribbon.ROWS * ribbon.ROW, np.float32),
         )  # fmt: skip
         o = task * share
         end = o + share
@@ -63,7 +64,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
             while True:  # one call of find_fragments, which is the greater part of what is compiled
                 target = cells.Target(
                     tile.top, tile.bottom, tile.left, tile.right, out.place_bits, occlusion, fragments, counts,
-                    opaque, listed, depths[:room], ends, ranks[:SLICES],
+                    opaque, listed, depths[:room], ends, ranks[:SLICES], hidden,
                 )  # fmt: skip
                 n = find_fragments(strands, solids, segments_.pool, slots[:rows], out.width, work, target, marks)
                 if n <= room or n > end - o:
@@ -137,15 +138,16 @@ def blend_tile(fragments, tile, radiance, light, image):
             total = ZERO
             for i in range(at, at + n):
                 v = np.uint64(vertex[i])
-                w = fragments.weight[i]
+                w, along = fragments.weight[i], fragments.along[i]
                 later = THREE * np.uint64(vertex[min(i + AHEAD, last)])
                 prefetch(pointer(radiance), later)
                 prefetch(pointer(radiance), later + step + TWO)
                 if v < vertices:
                     # weights of the lit vertices after and before the fragment
-                    far = w * fragments.along[i]
+                    far = w * max(along, ZERO)
                     near = w - far
-                    colour += near * load(colours, THREE * v) + far * load(colours, THREE * v + step)
+                    after = v * THREE + (step if along >= ZERO else NONE)
+                    colour += near * load(colours, THREE * v) + far * load(colours, after)
                 else:
                     colour += w * load(edges, THREE * (v - vertices))
                 total += w

@@ -12,9 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ....constants import VECTOR
 from ....jit import device, inlined
-from ....simd import half_width_pointer, lane_count, load, sqrt, store, where
-from ...geometry.kernels.ribbon import cross_section, measure_ribbon
+from ....simd import half_width_pointer, lane_count, load, pointer, sqrt, store, where
+from ...geometry.kernels.ribbon import cross_section, make_ribbon
+from . import joined
 from .tiles import (
     AT_DEPTH,
     AT_OPACITY,
@@ -46,8 +48,12 @@ LISTED = 64
 """Greatest number of pixels that are looked at together."""
 # Rows of listed pixels: the coordinates a and b of `Ribbon`; position along the segment, 0 to 1; depth number; opacity;
 # number of the pixel in the tile.
-COLUMN, LINE, ALONG, DEPTH, ALPHA, PIXEL = (i * LISTED for i in range(6))
+LANES = VECTOR // 2 // 4
+"""Lanes of the vectors of a `half_width_pointer`."""
+ROW = LISTED + LANES
+COLUMN, LINE, ALONG, DEPTH, ALPHA, PIXEL = (i * ROW for i in range(6))
 ROWS = 6
+STEPS = np.arange(LANES, dtype=np.float32)
 
 
 class Band(NamedTuple):
@@ -81,36 +87,41 @@ class Cells(NamedTuple):
 
 
 @device
-def cover_ribbon(strands, widths, v, begin, end, work, target, m):
-    """Append the fragments of the segment from vertex v − 1 to v of the strand begin … end − 1 to the m found so far;
-    return their new number.
+def cover_ribbon(strands, widths, v, begin, i, scratch, target, m):
+    """Append the fragments of the segment from vertex v − 1 to v to the m found so far; return their new number.
 
-    strands: `fragments.Strands`; widths: of the strands, None: one pixel; work (`ROWS` * `LISTED`,): scratch; target:
-    `cells.Target`.
+    strands: `fragments.Strands`; widths: of the strands, None: one pixel; begin: first vertex of its strand; i: its
+    number in the rows of `joined`; scratch: `cells.Work`; target: `cells.Target`.
     """
+    work, joints = scratch.ribbon, pointer(scratch.segments)
     screen = strands.screen
     w0 = ONE if widths is None else widths[v - 1]
     w1 = ONE if widths is None else widths[v]
     flat = abs(screen[v, 0] - screen[v - 1, 0]) >= abs(screen[v, 1] - screen[v - 1, 1])
-    ribbon = measure_ribbon(screen, v, begin, end, w0, w1, flat)
+    ribbon = make_ribbon(
+        screen, v, w0, w1, flat, (joints[joined.DX + i], joints[joined.DY + i], joints[joined.PER_LENGTH + i]),
+        (joints[joined.MX0 + i], joints[joined.MY0 + i]), (joints[joined.MX1 + i], joints[joined.MY1 + i]),
+    )  # fmt: skip
     band = measure_band(ribbon)
     cells = find_cells(ribbon, w0, w1, target)
-    past_lit = (v - 1 - begin) & (strands.stride - 1)
+    past_lit = (v - 1 - begin) & (2 * strands.stride - 1)
     c = np.int64(cells.a_low)
     row = stop = np.int64(0)
+    rows, steps = half_width_pointer(work), load(half_width_pointer(STEPS), 0)
     while True:
         n = np.int64(0)
-        while True:
-            listed = min(stop - row, LISTED - n)
-            for i in range(listed):
-                work[COLUMN + n + i] = np.float32(c - 1)
-                work[LINE + n + i] = np.float32(row + i)
+        while n < LISTED:
+            if row == stop:
+                if c >= cells.a_high:
+                    break
+                row, stop = rows_of_cell(ribbon, band, c, cells)
+                c += 1
+            # a whole vector is written, and the next one overwrites the excess
+            store(rows, COLUMN + n, np.float32(c - 1))
+            store(rows, LINE + n, steps + np.float32(row))
+            listed = min(stop - row, LISTED - n, LANES)
             n += listed
             row += listed
-            if row < stop or c >= cells.a_high:
-                break
-            row, stop = rows_of_cell(ribbon, band, c, cells)
-            c += 1
         if n > 0:
             cover_listed(work, n, ribbon, band, strands, target)
             m = add_listed(work, n, v - 1, past_lit, target, m)
@@ -201,8 +212,8 @@ def add_listed(work, n, vertex, past_lit, target, m):
     """Append those of the first n listed pixels that a ribbon covers and nothing hides to the m fragments found so far;
     return their new number.
 
-    vertex: the ribbon's first; past_lit: vertices from the lit one before it to that. An opaque fragment becomes the
-    pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before. Each
+    vertex: the ribbon's first; past_lit: vertices from the lit one of even rank before it. An opaque fragment becomes
+    the pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before. Each
     fragment is written, and the end of the list advances only past visible ones, as in `cells.cover_cells`.
     """
     found = target.found

@@ -5,8 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, inlined
-from ....simd import broadcast, deinterleave, floor, half_width_pointer, lane_count, load, sqrt, store, where
+from ....simd import (
+    any_lane,
+    broadcast,
+    deinterleave,
+    floor,
+    gather,
+    half_width_pointer,
+    lane_count,
+    load,
+    sqrt,
+    store,
+    where,
+)
 from .tiles import THIN
+from .windows import window_of
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -20,6 +33,12 @@ ALONG_X, ALONG_Y = np.float32(1.0), np.float32(2.0)
 RIBBON, BEHIND, NO_LENGTH = np.float32(0.0), np.float32(8.0), np.float32(9.0)
 """Kinds of other segments: wide, behind the eye, or shorter than `POINT`."""
 
+REACH = np.float32(1.1)
+"""Pixels that a segment extends beyond its ends in addition to its width: its rise within a cell."""
+ROUND = np.float32(1.51)
+"""Greatest share of a half width in front of an axis, `forward` 1 and `tilt` 1/2, and something for rounding."""
+MITRE = np.float32(0.7072)
+"""Share of its width that a segment extends beyond its ends: half the width over the cosine of a mitre's slant."""
 SEGMENTS = 64
 """Greatest number of segments at once."""
 ROW = SEGMENTS + 16
@@ -30,13 +49,16 @@ X, Y, DEPTH, WIDTH = (i * ROW for i in range(4))
 # KIND: see above. BEGIN, END: its ends, along; FIRST, LAST: the cells that contain them. ACROSS: its beginning, across;
 # SLOPE: rise across a pixel along. PER_LENGTH: one over its length along. HEIGHT: half the height of its band across.
 # STRETCH: opacity × its length a pixel along. BEGIN_DEPTH, DEPTH_RISE: depth number at its beginning, and the increase
-# to its end; NEAREST: the greater of both ends. BEGIN_WIDTH, WIDENING: width at its beginning, and the increase.
+# to its end; NEAREST: a bound on that of all it shows. BEGIN_WIDTH, WIDENING: width at its beginning, and the increase.
+# HIDDEN: depth number behind which nothing is visible where it lies in the tile.
 (
     KIND, BEGIN, END, FIRST, LAST, ACROSS, SLOPE, PER_LENGTH, HEIGHT, STRETCH, BEGIN_DEPTH, DEPTH_RISE, NEAREST,
-    BEGIN_WIDTH, WIDENING,
-) = (i * ROW for i in range(4, 19))  # fmt: skip
-ROWS = 19
-SEGMENT_ROWS = 15
+    BEGIN_WIDTH, WIDENING, HIDDEN,
+) = (i * ROW for i in range(4, 20))  # fmt: skip
+JOINED = 20 * ROW
+"""Where the rows of `joined` begin."""
+ROWS = 30
+SEGMENT_ROWS = 16
 """Rows with one number a segment."""
 
 
@@ -67,10 +89,40 @@ def along(kind, x, y):
     return where(kind > ZERO, u, -u)
 
 
+@inlined
+def reach_of(kind, wide):
+    """Return how far segments extend beyond their ends in x and in y; wide: their greater width. Vectors."""
+    reach = REACH + MITRE * wide
+    # along its axis, a thin segment does not extend beyond the cells of its ends
+    across_x = where(abs(abs(kind) - ALONG_X) <= ZERO, ZERO, reach)
+    across_y = where(abs(abs(kind) - ALONG_Y) <= ZERO, ZERO, reach)
+    return across_x, across_y
+
+
+@inlined
+def rounding(near, rise, wide, per, far, depth_slope):
+    """Return a bound on how far wide segments' round sides are in front of their axes, depth numbers: that on `forward`
+    and `tilt` of `geometry.kernels.ribbon.depth_offsets`. Vectors.
+
+    near: greater depth number; rise: from end to end; wide: greater width; per: one over the length along; far: sum of
+    the distances from the view's axis in x and in y, pixels, of a place in the tile.
+    """
+    half = HALF * wide
+    aside = (far + wide) * depth_slope.per_depth  # the axis may lie outside the tile
+    steep = abs(rise) * min(half * abs(per), ONE) * (ONE + aside)
+    return ROUND * (half * max(depth_slope.per_depth * near + depth_slope.constant, ZERO) + steep)
+
+
 @device
-def measure_segments(work, count, opacity):
-    """Store the rows from `KIND` on of the segments between count + 1 vertices."""
+def measure_segments(work, count, opacity, left, top, far, depth_slope, windows):
+    """Store the rows from `KIND` on of the segments between count + 1 vertices; return whether any may be wide.
+
+    opacity: of the material; left, top: of the tile; far, depth_slope: as in `rounding`; windows: as in
+    `windows.find_windows`.
+    """
     rows = half_width_pointer(work)
+    depths = half_width_pointer(windows)
+    ribbons = False
     for k in range(0, count, lane_count(rows)):
         x0, y0, q0, w0 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         k += 1
@@ -84,6 +136,7 @@ def measure_segments(work, count, opacity):
         per = ONE / (end - begin)
         slope = (where(flat, y1, x1) - across) * per
         stretch = sqrt(ONE + slope * slope)
+        ribbons |= any_lane(abs(kind) < HALF)
         store(rows, KIND + k, kind)
         store(rows, BEGIN + k, begin)
         store(rows, END + k, end)
@@ -96,9 +149,15 @@ def measure_segments(work, count, opacity):
         store(rows, STRETCH + k, stretch * opacity)
         store(rows, BEGIN_DEPTH + k, q0)
         store(rows, DEPTH_RISE + k, q1 - q0)
-        store(rows, NEAREST + k, max(q0, q1))
+        near = max(q0, q1)
+        store(rows, NEAREST + k, where(wide > WIDE, near + rounding(near, q1 - q0, wide, per, far, depth_slope), near))
         store(rows, BEGIN_WIDTH + k, w0)
         store(rows, WIDENING + k, w1 - w0)
+        reach_x, reach_y = reach_of(kind, wide)
+        x0, x1, y0, y1 = x0 - left, x1 - left, y0 - top, y1 - top
+        here = window_of(min(x0, x1) - reach_x, max(x0, x1) + reach_x, min(y0, y1) - reach_y, max(y0, y1) + reach_y)
+        store(rows, HIDDEN + k, gather(depths, 0, here, 1, ZERO))
+    return ribbons
 
 
 @inlined

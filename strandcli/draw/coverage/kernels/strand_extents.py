@@ -49,12 +49,12 @@ def find_extents(first, screen, widths, width, out):
 
 
 @parallel
-def count_wide_pixels(lines, width, height, out):
-    """Write an estimate of the pixels that are visited for the wide segments of each strand.
+def count_wide_pixels(lines, width, height, broad, out):
+    """Write an estimate of the pixels that are visited for the segments of each strand that are wider than `broad`.
 
-    For each segment it is the length of its bounding box along its longer screen axis, times the height across of its
-    band, or of the picture if that is less. lines: `ScreenLines` with widths; width, height: of the picture; out (S,)
-    float32.
+    For each it is the length of its bounding box along its longer screen axis, times the height across of its band, or
+    of the picture if that is less. lines: `ScreenLines` with widths; width, height: of the picture; broad: float32;
+    out (S,) float32.
     """
     first, screen, widths = lines
     for s in prange(first.shape[0] - 1):
@@ -63,7 +63,7 @@ def count_wide_pixels(lines, width, height, out):
             w = max(widths[v - 1], widths[v])
             dx = abs(screen[v, 0] - screen[v - 1, 0])
             dy = abs(screen[v, 1] - screen[v - 1, 1])
-            if w > WIDE and max(dx, dy) >= POINT and screen[v - 1, 2] > ZERO and screen[v, 2] > ZERO:
+            if w > broad and max(dx, dy) >= POINT and screen[v - 1, 2] > ZERO and screen[v, 2] > ZERO:
                 size = np.float32(math.sqrt(dx * dx + dy * dy))
                 across = inside(screen[v - 1, 0], screen[v, 0], HALF * w * dy / size, np.float32(width))
                 down = inside(screen[v - 1, 1], screen[v, 1], HALF * w * dx / size, np.float32(height))

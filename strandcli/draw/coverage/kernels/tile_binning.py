@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 from ....jit import device, inlined, parallel, prange
 from ....simd import floor, half_width_pointer, lane_count, load, store, where
 from .segments import (
-    ALONG_X,
-    ALONG_Y,
     BEGIN,
     BEHIND,
     DEPTH,
@@ -30,6 +28,7 @@ from .segments import (
     along,
     kind_of,
     load_vertices,
+    reach_of,
 )
 from .strand_extents import GREATEST_Y, LEAST_Y
 from .tiles import TILE_HEIGHT, TILE_WIDTH
@@ -51,10 +50,6 @@ START_AND_FIRST, STRAND_AND_LAST = 0, 1
 SHIFT = np.int64(32)
 LOW = np.int64(0xFFFFFFFF)
 """Bits and mask of the lower half of a number of the pool."""
-REACH = np.float32(1.1)
-"""Pixels that a segment extends beyond its ends in addition to its width: its rise within a cell."""
-MITRE = np.float32(0.7072)
-"""Share of its width that a segment extends beyond its ends: half the width over the cosine of a mitre's slant."""
 
 
 # Rows of the scratch array: X, Y, DEPTH, WIDTH, KIND and BEGIN of `segments`, and the tiles that each segment can
@@ -189,10 +184,7 @@ def find_tiles(work, count, above, wide, tall):
         store(rows, BEGIN + k, along(kind, x0, y0))
         y0 -= above
         y1 -= above
-        # along its axis, a thin segment does not extend beyond the cells of its ends
-        reach = REACH + MITRE * w
-        reach_x = where(abs(abs(kind) - ALONG_X) <= ZERO, ZERO, reach)
-        reach_y = where(abs(abs(kind) - ALONG_Y) <= ZERO, ZERO, reach)
+        reach_x, reach_y = reach_of(kind, w)
         there = kind < BEHIND
         store(rows, LEFT + k, tile_of(there, min(x0, x1) - reach_x, ZERO, wide, PER_X, ZERO))
         store(rows, UP + k, tile_of(there, min(y0, y1) - reach_y, ZERO, tall, PER_Y, ZERO))

@@ -22,7 +22,9 @@ TILE_WIDTH = 32
 TILE_HEIGHT = 32
 PIXELS = TILE_WIDTH * TILE_HEIGHT
 PLACES = 22
-"""Bits of a fragment's position along a strand, from a lit vertex to the next."""
+"""Bits of a fragment's position along a strand, from a lit vertex of even rank to the next of even rank."""
+STEP = PLACES - 1
+"""Bits of the position from a lit vertex to the next; that of the highest is 1 after one of odd rank."""
 NUMBERS = 4
 """32-bit numbers of a fragment."""
 AT_DEPTH, AT_OPACITY, AT_VERTEX, AT_PLACE = (np.uint64(column) for column in range(NUMBERS))
@@ -32,8 +34,11 @@ PIXEL_BITS = 32 - PLACES
 """Bits of the pixel within the tile."""
 ROW_BITS = 5
 """Bits of the pixel's column, below its row."""
-UNIT = np.float32(2.0**-PLACES)
+UNIT = np.float32(2.0**-STEP)
 """Factor from a fixed-point position to 0 … 1."""
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TWO = np.float32(2.0)
 THIN = np.float32(1 / 16)
 """Least half height of a band that is drawn, pixels (see `cells`)."""
 
@@ -48,11 +53,13 @@ class Fragments(NamedTuple):
     counts: NDArray[np.uint32]
     """(tiles * PIXELS,) number of fragments of each pixel."""
     vertex: NDArray[np.uint32]
-    """(F,) lit vertex before the fragment, or V + e for pixel number e at a solid's edge."""
+    """(F,) lit vertex before the fragment, or V + e for pixel number e at a solid's edge; where ``along`` is negative,
+    the only vertex that it takes light from."""
     weight: NDArray[np.float32]
     """(F,) share of the pixel's light that comes from the fragment."""
     along: NDArray[np.float32]
-    """(F,) position from that lit vertex to the next, 0 to 1."""
+    """(F,) position from that lit vertex to the next, 0 to 1; of fragments that take light from one vertex alone,
+    from `alone`."""
     points: NDArray[np.uint64]
     """(F,) mask of the points of its sample that the fragment shows (see `masks`); (0,): all show all points."""
     closed: NDArray[np.uint8]
@@ -60,11 +67,14 @@ class Fragments(NamedTuple):
     stride: int
     """Every stride-th vertex of a strand is lit; a power of two."""
     place_bits: int
-    """Bits of the position along one segment; the rest of `PLACES` is the segment's number after the lit vertex."""
+    """Bits of the position along one segment; the rest of `PLACES` is the segment's number after the lit vertex of even
+    rank."""
     top: int
     bottom: int
     width: int
     """Width of the picture, samples."""
+    slight: np.float32
+    """Weight below which a fragment takes light from one vertex alone."""
 
 
 class Tile(NamedTuple):
@@ -79,8 +89,8 @@ class Tile(NamedTuple):
 
 @function
 def fixed_point(t, past, bits):
-    """Return the fixed-point position of a fragment from the lit vertex before it to the next, in 2^−`PLACES`; t:
-    position along its segment, 0 to 1; past: segments from the lit vertex; bits: `Fragments.place_bits`."""
+    """Return the fixed-point position of a fragment from the lit vertex of even rank before it, in lit vertices times
+    2^`STEP`; t: position along its segment, 0 to 1; past: segments from that vertex; bits: `Fragments.place_bits`."""
     most = np.int64(1) << bits
     return past << bits | min(np.int64(t * np.float32(most)), most - 1)
 
@@ -92,3 +102,20 @@ def tile_at(number, fragments):
     top = fragments.top + number // across * TILE_HEIGHT
     left = number % across * TILE_WIDTH
     return Tile(number, top, min(top + TILE_HEIGHT, fragments.bottom), left, min(left + TILE_WIDTH, fragments.width))
+
+
+@inlined
+def alone(offset):
+    """Return the position, negative, that stands for an `offset` in [−1, 1) from the only vertex that a fragment takes
+    light from, in lit vertices."""
+    return -TWO - offset
+
+
+@inlined
+def between(vertex, along, stride):
+    """Return the lit vertex before a fragment and the position from there to the next, 0 to 1, of what `Fragments`
+    hold."""
+    if along >= ZERO:
+        return vertex, along
+    offset = -TWO - along
+    return (vertex, offset) if offset >= ZERO else (vertex - stride, offset + ONE)

@@ -278,8 +278,8 @@ def add_to_fragments(fragments, table, profiles, image):
             while f < end:
                 v = np.int64(vertex[f])
                 prefetch(pointer(slots), np.int64(vertex[min(f + AHEAD, vertex.shape[0] - 1)]))
-                # greater numbers are edges of solids; of a picture's strands, few are wide
-                if v < slots.shape[0] and (slots[v] >= 0 or slots[v + fragments.stride] >= 0):
+                # greater numbers are edges of solids; of a picture's strands, few are wide; what weighs little is left
+                if v < slots.shape[0] and along[f] >= ZERO and (slots[v] >= 0 or slots[v + fragments.stride] >= 0):
                     part = VisiblePart(
                         tile.left + p % TILE_WIDTH, tile.top + p // TILE_WIDTH, v, along[f], fragments.stride,
                         weight[f], ALL_POINTS if points.shape[0] == 0 else points[f],

@@ -29,7 +29,7 @@ from ...common.kernels.view_columns import (
     UP_Z,
 )
 from ...coverage.kernels.composite import OPAQUE
-from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, tile_at
+from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, between, tile_at
 from ...lighting.kernels.light import toward
 from ...shadows.kernels import opacity, penumbra
 from ...shadows.kernels.minmax import transmittance
@@ -105,9 +105,10 @@ def front(fragments, vertices, screen, least, keys, mask):
             share = strands_ / total if ONE - total < OPAQUE else strands_
             mask[y * width + x] = share
             if share >= least:
-                past = min(np.int64(along[best] * np.float32(stride)), stride - 1)
-                v = np.int64(vertex[best]) + past
-                t = along[best] * np.float32(stride) - np.float32(past)
+                v, t = between(np.int64(vertex[best]), along[best], stride)
+                past = min(np.int64(t * np.float32(stride)), stride - 1)
+                v += past
+                t = t * np.float32(stride) - np.float32(past)
                 q = max(screen[v, 2] + t * (screen[v + 1, 2] - screen[v, 2]), ZERO)
                 depth = np.uint64(np.float32(q).view(np.uint32))
                 keys[y * width + x] = ((LOW - depth) << SHIFT) | np.uint64(v)

@@ -53,11 +53,21 @@ class Ribbon(NamedTuple):
 def measure_ribbon(screen, v, begin, end, w0, w1, flat):
     """Return the `Ribbon` from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 pixels wide; screen: as in
     `ScreenLines`; flat: whether a is x."""
+    dx, dy, per_length = direction(screen, v)
+    joint0 = mitre(screen, v - 2, begin, end, dx, dy, HALF * w0, per_length)
+    joint1 = mitre(screen, v, begin, end, dx, dy, HALF * w1, per_length)
+    return make_ribbon(screen, v, w0, w1, flat, (dx, dy, per_length), joint0, joint1)
+
+
+@inlined
+def make_ribbon(screen, v, w0, w1, flat, directed, joint0, joint1):
+    """Return the `Ribbon` from vertex v − 1 to v; directed: from `direction`; joint0, joint1: from `joints.mitre`, at
+    its beginning and at its end; other arguments as in `measure_ribbon`."""
     x0, y0, q0 = screen[v - 1, 0], screen[v - 1, 1], screen[v - 1, 2]
     x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
-    dx, dy, per_length = direction(screen, v)
-    mx0, my0 = mitre(screen, v - 2, begin, end, dx, dy, HALF * w0, per_length)
-    mx1, my1 = mitre(screen, v, begin, end, dx, dy, HALF * w1, per_length)
+    dx, dy, per_length = directed
+    mx0, my0 = joint0
+    mx1, my1 = joint1
     a0, b0, ma0, mb0 = (x0, y0, mx0, my0) if flat else (y0, x0, my0, mx0)
     a1, b1, ma1, mb1 = (x1, y1, mx1, my1) if flat else (y1, x1, my1, mx1)
     da, db = (dx, dy) if flat else (dy, dx)

@@ -17,20 +17,12 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device, parallel, prange
-from ....simd import broadcast, lane_count, load, load3, pointer, store, where
-from ....solids.kernels import capsule, other, sphere
-from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.outside import count as count_solids
-from ....solids.kernels.outside import outside
+from ...common.kernels import batch
 from ...common.kernels.approximations import exp
-from ...shadows.kernels import penumbra
-from ...solids.kernels import rays
 from .occlusion_columns import (
     DENSITY,
     MEAN,
-    MIDDLE_X,
-    MIDDLE_Y,
-    MIDDLE_Z,
     SLOPE_X,
     SLOPE_Y,
     SLOPE_Z,
@@ -41,6 +33,8 @@ from .occlusion_columns import (
     YZ,
     ZZ,
 )
+from .occlusion_solids import ROWS as FAN
+from .occlusion_solids import Grid, Listed, hide
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -48,19 +42,6 @@ ONE = np.float32(1.0)
 NEXT = np.uint64(1)
 THREE = np.float32(3.0)
 LEVELS = np.float32(255.0)
-FAR = np.float32(1e30)
-LX, LY, LZ, LIGHT = (i * W for i in range(4))
-ROWS = 4
-"""Rows of numbers, one a direction: unit vector to the light, and transmitted light."""
-
-
-class Grid(NamedTuple):
-    """Size of the grid."""
-
-    counts: NDArray[np.int64]
-    """(3,) cells along each axis."""
-    sides: NDArray[np.float32]
-    """(3,) sides of a cell, metres."""
 
 
 class Planes(NamedTuple):
@@ -157,123 +138,40 @@ def combine(cells, counts, sides, box, ways, left, solids, volume):
     """Write the linear fit V(ω) = v₀ + v · ω of each cell's visibility past strands and solids to volume (V, 4): v₀ is
     the mean over directions, v three times the mean of visibility times direction.
 
-    Arguments as in `sweep`; solids: packed. For a cell whose centre is inside of a solid, the nearest point of the
-    surface counts. Solids are tested only for cells near strands or surfaces, since no others are looked up.
+    Arguments as in `sweep`, where `left` is set to 0 where solids hide the sky (`hide`); solids: packed.
     """
-    wide = math.sqrt(sides[0] * sides[0] + sides[1] * sides[1] + sides[2] * sides[2])
-    skin = np.float32(1e-3) * wide
-    per = ONE / (LEVELS * np.float32(ways.shape[0]))
+    size = counts[1] * counts[2]
     solid = count_solids(solids) > 0
     for slab in prange(counts[0]):
         i = np.int64(slab)
-        work = np.zeros(ROWS * W, np.float32)
-        for j in range(counts[1]):
-            for k in range(counts[2]):
-                cell = (i * counts[1] + j) * counts[2] + k
-                x = box[MIDDLE_X] + np.float32(i) * sides[0]
-                y = box[MIDDLE_Y] + np.float32(j) * sides[1]
-                z = box[MIDDLE_Z] + np.float32(k) * sides[2]
-                near = False
-                if solid:
-                    ox, oy, oz = outside(x, y, z, wide, solids)
-                    near = (ox != x) | (oy != y) | (oz != z) | occupied(cells, counts, i, j, k)
-                    if near:
-                        x, y, z = outside(x, y, z, skin + skin, solids)
-                mean = ZERO
-                vx = ZERO
-                vy = ZERO
-                vz = ZERO
-                for low in range(0, ways.shape[0], W):
-                    n = min(ways.shape[0] - low, W)
-                    for d in range(n):
-                        work[LX + d] = ways[low + d, 0]
-                        work[LY + d] = ways[low + d, 1]
-                        work[LZ + d] = ways[low + d, 2]
-                        work[LIGHT + d] = np.float32(left[low + d, cell])
-                    if near:
-                        occlude(work, n, x, y, z, solids, skin)
-                    for d in range(n):
-                        light = work[LIGHT + d]
-                        mean += light
-                        vx += light * work[LX + d]
-                        vy += light * work[LY + d]
-                        vz += light * work[LZ + d]
-                volume[cell, MEAN] = mean * per
-                volume[cell, SLOPE_X] = THREE * vx * per
-                volume[cell, SLOPE_Y] = THREE * vy * per
-                volume[cell, SLOPE_Z] = THREE * vz * per
+        if solid:
+            listed = Listed(
+                np.zeros(FAN * W, np.float32), np.zeros(batch.ROWS * W, np.float32), np.empty(W, np.int64),
+                left.reshape(-1),
+            )  # fmt: skip
+            hide(cells, Grid(counts, sides), box, ways, listed, solids, i)
+        work = np.empty(4 * W, np.float32)
+        for low in range(0, size, W):
+            fit(ways, left, i * size + low, min(size - low, W), work, volume)
 
 
 @device
-def occlude(work, n, x, y, z, solids, skin):
-    """Set the row `LIGHT` of the first n directions to 0 where a solid occludes the light: vectorised
-    `rays.visibility`."""
-    past_round(solids, work, n, x, y, z, skin)
-    by_lanes = other.takes_vectors(solids)
-    if by_lanes:
-        past_distances(work, n, x, y, z, solids, skin)
-    further = flat_or_other(solids)
-    for d in range(n):
-        if further and work[LIGHT + d] > ZERO:
-            lx, ly, lz = work[LX + d], work[LY + d], work[LZ + d]
-            ox, oy, oz = x + skin * lx, y + skin * ly, z + skin * lz
-            if by_lanes:
-                work[LIGHT + d] *= rays.visibility_past_planes(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
-            else:
-                work[LIGHT + d] *= rays.visibility_past_flat(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
-
-
-@device
-def past_distances(work, n, x, y, z, solids, skin):
-    """Set the row `LIGHT` to 0 where solids of other shapes occlude the light, by their distances along rays: as soft
-    shadows do, of a light without a size. That takes a tenth of the time of rays that meet triangles, and is as exact
-    as light that varies from cell to cell needs."""
-    rows = pointer(work)
-    for d in range(n, -(-n // lane_count(rows)) * lane_count(rows)):  # nothing to look for
-        work[LIGHT + d] = ZERO
-    for d in range(0, n, lane_count(rows)):
-        light = load(rows, LIGHT + d)
-        way = load3(rows, LX + d, W)
-        point = broadcast(light, x), broadcast(light, y), broadcast(light, z)
-        reach, size = broadcast(light, FAR), broadcast(light, penumbra.SHARP)
-        least = where(light > ZERO, ONE, -ONE * size)
-        least = other.lowest_sines(solids, least, point, way, (reach, size, skin))
-        store(rows, LIGHT + d, where(least > ZERO, light, ZERO))
-
-
-@device_if_built_in(lambda solids: True)
-def flat_or_other(solids):
-    """Return whether there are other solids than spheres and capsules."""
-    return count_solids(solids) > solids.spheres.shape[0] + solids.capsules.shape[0]
-
-
-@device_if_built_in(lambda solids, work, n, x, y, z, skin: None)
-def past_round(solids, work, n, x, y, z, skin):
-    """Set the row `LIGHT` to 0 where a sphere or a capsule occludes the light."""
-    for s in range(solids.spheres.shape[0]):
-        for d in range(n):
-            work[LIGHT + d] *= sphere.visibility(
-                solids.spheres, s, x, y, z, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
-            )
-    for s in range(solids.capsules.shape[0]):
-        beside = np.int64(0)
-        for d in range(n):
-            ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-            free = capsule.misses_ball(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
-            beside += np.int64(free | (work[LIGHT + d] == ZERO))
-        if beside < n:
-            for d in range(n):
-                ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-                t = capsule.meet(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
-                work[LIGHT + d] *= ZERO if (skin < t) & (t < FAR) else ONE
-
-
-@device
-def occupied(cells, counts, i, j, k):
-    """Return whether a cell or one of its neighbours contains strands."""
-    for a in range(max(i - 1, 0), min(i + 2, counts[0])):
-        for b in range(max(j - 1, 0), min(j + 2, counts[1])):
-            for c in range(max(k - 1, 0), min(k + 2, counts[2])):
-                if cells[(a * counts[1] + b) * counts[2] + c, DENSITY] > ZERO:
-                    return True
-    return False
+def fit(ways, left, first, n, work, volume):
+    """Run `combine` for n cells; work: 4 W numbers."""
+    per = ONE / (LEVELS * np.float32(ways.shape[0]))
+    first, n = np.uint64(first), np.uint64(n)
+    mean, slope_x, slope_y, slope_z = work[:W], work[W : 2 * W], work[2 * W : 3 * W], work[3 * W :]
+    work[:] = ZERO
+    for d in range(ways.shape[0]):
+        x, y, z = ways[d, 0], ways[d, 1], ways[d, 2]
+        for q in range(n):
+            light = np.float32(left[d, first + q])
+            mean[q] += light
+            slope_x[q] += light * x
+            slope_y[q] += light * y
+            slope_z[q] += light * z
+    for q in range(n):
+        volume[first + q, MEAN] = mean[q] * per
+        volume[first + q, SLOPE_X] = THREE * slope_x[q] * per
+        volume[first + q, SLOPE_Y] = THREE * slope_y[q] * per
+        volume[first + q, SLOPE_Z] = THREE * slope_z[q] * per

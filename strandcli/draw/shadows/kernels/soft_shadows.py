@@ -12,7 +12,6 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
-from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import other
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.shapes import capsule, plane, sphere
@@ -39,11 +38,14 @@ from ...common.kernels.soft_rows import (
     WZ,
 )
 from . import penumbra
+from .soft_distances import by_distances
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 
+FEW = 2
+"""Capsules that are looked at without asking first whether any of them may be seen before the light."""
 MOVED = 8
 """Rows from `LIST` on that describe a listed point."""
 
@@ -64,7 +66,7 @@ def soft_shadows(work, n, lights, i, solids, skin):
     past_built_in(solids, work, n, skin)
     if other.count(solids) > 0:
         if other.takes_vectors(solids):
-            by_vectors(work, n, solids, skin)
+            by_distances(work, n, solids, skin, skin)
         else:
             by_distance(work, n, solids, skin)
     for k in range(n):
@@ -77,8 +79,9 @@ def past_built_in(solids, work, n, skin):
     for m in range(solids.spheres.shape[0]):
         x, y, z = solids.spheres[m, sphere.X], solids.spheres[m, sphere.Y], solids.spheres[m, sphere.Z]
         by_ball(work, n, x, y, z, solids.spheres[m, sphere.RADIUS] - skin, skin)
-    for m in range(solids.capsules.shape[0]):
-        by_capsule(work, n, solids.capsules, m, skin)
+    if solids.capsules.shape[0] <= FEW or any_may_see(work, n, solids.capsules, skin):
+        for m in range(solids.capsules.shape[0]):
+            by_capsule(work, n, solids.capsules, m, skin)
     for m in range(solids.planes.shape[0]):
         x, y, z = solids.planes[m, plane.X], solids.planes[m, plane.Y], solids.planes[m, plane.Z]
         by_plane(work, n, x, y, z, solids.planes[m, plane.HEIGHT], skin)
@@ -89,6 +92,36 @@ def past_built_in(solids, work, n, skin):
                 ray = penumbra.LightRay(x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k])
                 least = penumbra.box(solids.boxes, m, ray, skin, work[RADIUS + k])
                 work[LEAST + k] = min(work[LEAST + k], least)
+
+
+@device
+def any_may_see(work, n, capsules, skin):
+    """Return whether there is a point from which any of the capsules may cover the light: a ball about all of them
+    does."""
+    x = y = z = ZERO
+    for m in range(capsules.shape[0]):
+        x += capsules[m, capsule.X] + HALF * capsules[m, capsule.AXIS_X]
+        y += capsules[m, capsule.Y] + HALF * capsules[m, capsule.AXIS_Y]
+        z += capsules[m, capsule.Z] + HALF * capsules[m, capsule.AXIS_Z]
+    per = ONE / np.float32(capsules.shape[0])
+    x, y, z = per * x, per * y, per * z
+    r = ZERO
+    for m in range(capsules.shape[0]):
+        ax, ay, az = (
+            HALF * capsules[m, capsule.AXIS_X],
+            HALF * capsules[m, capsule.AXIS_Y],
+            HALF * capsules[m, capsule.AXIS_Z],
+        )
+        dx, dy, dz = capsules[m, capsule.X] + ax - x, capsules[m, capsule.Y] + ay - y, capsules[m, capsule.Z] + az - z
+        half = math.sqrt(ax * ax + ay * ay + az * az)
+        r = max(r, capsules[m, capsule.RADIUS] + half + math.sqrt(dx * dx + dy * dy + dz * dz))
+    found = np.int32(0)
+    for k in range(n):
+        px, py, pz = lifted(work, k, skin)
+        radius = work[RADIUS + k]
+        free = penumbra.aside(r, x - px, y - py, z - pz, work[LX + k], work[LY + k], work[LZ + k], radius)
+        found |= np.int32(ZERO if free | (work[LEAST + k] <= -radius) else ONE)
+    return found != 0
 
 
 @inlined
@@ -129,21 +162,6 @@ def by_distance(work, n, solids, skin):
 
 
 @device
-def by_vectors(work, n, solids, skin):
-    """`by_distance`, many points at once."""
-    rows = pointer(work)
-    for k in range(n, -(-n // lane_count(rows)) * lane_count(rows)):  # nothing to look for
-        work[LEAST + k] = ZERO
-        work[RADIUS + k] = ZERO
-    for k in range(0, n, lane_count(rows)):
-        way = lx, ly, lz = load3(rows, LX + k, W)
-        x, y, z = load3(rows, X + k, W)
-        point = x + lx * skin, y + ly * skin, z + lz * skin
-        light = load(rows, REACH + k), load(rows, RADIUS + k), skin
-        store(rows, LEAST + k, other.lowest_sines(solids, load(rows, LEAST + k), point, way, light))
-
-
-@device
 def by_capsule(work, n, capsules, m, skin):
     """Reduce the rows `LEAST` to the sines of the angles to the edge of row m of the capsules."""
     r = capsules[m, capsule.RADIUS] - skin
@@ -153,6 +171,7 @@ def by_capsule(work, n, capsules, m, skin):
     bx, by, bz = capsules[m, capsule.AXIS_X], capsules[m, capsule.AXIS_Y], capsules[m, capsule.AXIS_Z]
     bb = bx * bx + by * by + bz * bz
     around = r + HALF * math.sqrt(bb)
+    found = np.int32(0)
     for k in range(n):
         x, y, z = lifted(work, k, skin)
         radius = work[RADIUS + k]
@@ -160,13 +179,15 @@ def by_capsule(work, n, capsules, m, skin):
             around, ax - x + HALF * bx, ay - y + HALF * by, az - z + HALF * bz,
             work[LX + k], work[LY + k], work[LZ + k], radius,
         )  # fmt: skip
-        work[ASKED + k] = ZERO if free | (work[LEAST + k] <= -radius) else ONE
+        asked = ZERO if free | (work[LEAST + k] <= -radius) else ONE
+        work[ASKED + k] = asked
+        found |= np.int32(asked)
+    if found == 0:
+        return
     count = np.int64(0)
     for k in range(n):
         work[LIST + count] = np.float32(k)
         count += np.int64(work[ASKED + k])
-    if count == 0:
-        return
     for j in range(count):
         k = np.int64(work[LIST + j])
         x, y, z = lifted(work, k, skin)

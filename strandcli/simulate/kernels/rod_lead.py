@@ -1,0 +1,113 @@
+"""Where motion leads the edges of a strand in a step, and which steps' rest shapes are set by such edges.
+
+Rest shapes are forces that the matrix of a step knows nothing of. Edges before the step are too late for BDF2, and
+those after it take another iteration; those that a strand has when it goes on as it moves are as good as these, to the
+second order.
+"""
+
+from __future__ import annotations
+
+from ...jit import device, inlined
+from ...simd import any_lane, load, load3, sqrt, where
+from .records import LEAD, LED, MOVED
+from .rod_frames import NEARLY
+from .rod_scratch import AXES, INVERSE_LENGTH, MOVED_SHARE, PACK, ROOT_SHIFT
+from .rod_tension import TINY
+
+GREATEST_TURN = 1.0
+"""Tangent of the angle that an edge is led by at the most."""
+
+
+@device
+def ahead_of(second, curled, numbers):
+    """`Scheme.ahead`; None without BDF2."""
+    if second is None:
+        return None
+    return second and curled and numbers[MOVED] > 0 and numbers[LED] <= 0
+
+
+@device
+def led_of(able, curled, numbers):
+    """`Scheme.led`; None where what is ``able`` to is None."""
+    if able is None:
+        return None
+    return curled and numbers[LED] > 0
+
+
+@device
+def either(a, b):
+    """The first of two flags that is not None, else None."""
+    if a is None:
+        return b
+    return a
+
+
+@device
+def begins(curled, ahead):
+    """Whether a step begins with rest shapes of its own."""
+    if ahead is None:
+        return curled
+    return curled and not ahead
+
+
+@device
+def keeps(flags, led):
+    """Whether rest shapes are kept for the next step, or for the next iteration."""
+    if led is None:
+        return False
+    if flags.oval is not None:
+        return not led
+    return flags.second and not led
+
+
+@device
+def way_of(s, numbers, scheme):
+    """Factors of velocities and of last displacements in how far particles go on, in segments, and whether the latter
+    are read; and how far the root comes in this step.
+
+    By BDF2 particles move on as in the step before; a share `LEAD` of the way is that of their velocities. By Euler's
+    method, which both are the same for, it is the latter; lanes that go by it among others stay.
+    """
+    before = numbers[MOVED] > 0 and numbers[LEAD] < 1.0  # else there may be no step before
+    on = load(s, INVERSE_LENGTH)
+    if numbers[MOVED] > 0:
+        on *= 3.0 * load(s, MOVED_SHARE)  # 1, or 0 in lanes that go by Euler's method
+    far = on * scheme.duration
+    if before:
+        far *= numbers[LEAD]
+    x, y, z = load3(s, ROOT_SHIFT, 1)
+    return (far, on * (1.0 - numbers[LEAD]), before), (on * x, on * y, on * z)
+
+
+@inlined
+def led_edge(at, j, state, way, last, rounding):
+    """Edge j of a strand that goes on as it moves, of unit length, and how far its end comes. ``way``: of `way_of`;
+    ``last``: how far its beginning comes."""
+    far, near, before = way
+    row = at.edge + j * AXES
+    u, v, w = load3(state.velocity, row, PACK)
+    u, v, w = far * u, far * v, far * w
+    if before:
+        x, y, z = load3(state.moved, row, PACK)
+        u, v, w = u + near * x, v + near * y, w + near * z
+    x, y, z = load3(state.edges, row, PACK)
+    px, py, pz = last
+    return turned(x, y, z, u - px, v - py, w - pz, rounding), (u, v, w)
+
+
+@inlined
+def turned(x, y, z, u, v, w, rounding):
+    """The direction of an edge after a change (u, v, w), of which no more than `GREATEST_TURN` counts."""
+    q = u * u + v * v + w * w
+    far = q > GREATEST_TURN * GREATEST_TURN
+    if any_lane(far):
+        f = where(far, GREATEST_TURN / sqrt(max(q, TINY)), 1.0)
+        u, v, w = f * u, f * v, f * w
+    x, y, z = x + u, y + v, z + w
+    q = x * x + y * y + z * z
+    off = abs(q - 1.0)
+    f = where(off < rounding, 1.0, 1.5 - 0.5 * q)  # rounded anew, strands at rest would move
+    far = off > NEARLY
+    if any_lane(far):
+        f = where(far, 1.0 / sqrt(max(q, TINY)), f)
+    return f * x, f * y, f * z

@@ -1,0 +1,92 @@
+"""Fragments of little weight, which take light from one vertex alone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.coverage.coverage import SLIGHT, Coverage
+from strandcli.draw.coverage.kernels.tiles import alone, between
+from strandcli.draw.geometry.curves import Polylines
+
+SIZE = (48, 40)
+VERTICES = 8
+"""Of a strand: the last has an odd rank."""
+
+
+def strands(count: int) -> np.ndarray:
+    """(count, VERTICES, 3) of x, y and depth number: at random."""
+    rng = np.random.default_rng(3)
+    across = np.linspace(2, 44, VERTICES) + np.zeros((count, 1))
+    down = rng.uniform(2, 38, (count, 1)) + rng.normal(0, 3, (count, VERTICES)).cumsum(1)
+    return np.stack([across, down, rng.uniform(0.2, 0.9, (count, 1)) + 0 * across], 2).astype(np.float32)
+
+
+def drawn(
+    lines: np.ndarray, width: float, colours: np.ndarray, room: int = 400_000, exact: bool = False
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """The picture of strands of one width on black, the vertices that were lit, and the number of layers."""
+    screen = np.ascontiguousarray(lines.reshape(-1, 3))
+    first = np.arange(0, len(screen) + 1, lines.shape[1])
+    widths = np.full(len(screen), width, np.float32)
+    image, lit, layers = np.zeros((*SIZE[::-1], 3), np.float32), np.zeros(len(screen), bool), 0
+    more: dict[str, Any] = {"exact": exact}
+    for layer in Coverage(SIZE, 1.0, room).layers(
+        Polylines(first, screen), screen, widths, None, 1, Scratch(), **more
+    ):  # fmt: skip
+        lit |= layer.marks != 0
+        seen = np.where(lit[:, None], colours, np.nan).astype(np.float32)
+        layer.blend(seen, image)
+        layers += 1
+    return image, lit.reshape(lines.shape[:2]), layers
+
+
+def test_strands_of_little_weight_are_lit_at_every_second_vertex() -> None:
+    lines = strands(40)
+    white = np.ones((lines.size // 3, 3), np.float32)
+    thin, lit, _ = drawn(lines, 0.3 * float(SLIGHT), white)
+    assert lit[:, ::2].mean() > 0.95
+    assert not lit[:, 1::2].any()
+    assert np.isfinite(thin).all()
+    assert drawn(lines, 0.5, white)[1].mean() > 0.95  # some leave the picture
+    exact, all_lit, _ = drawn(lines, 0.3 * float(SLIGHT), white, exact=True)
+    assert all_lit.mean() > 0.95
+    np.testing.assert_allclose(thin, exact, atol=1e-6)
+
+
+def test_light_is_that_of_the_nearer_even_vertex() -> None:
+    """Where it rises along strands, it is right in the mean; nowhere is it farther off than one vertex."""
+    lines = strands(30)
+    rise = np.tile(np.arange(VERTICES, dtype=np.float32)[:, None], (len(lines), 3))
+    thin, _, _ = drawn(lines, 0.002, rise)
+    exact, _, _ = drawn(lines, 0.002, rise, exact=True)
+    cover, _, _ = drawn(lines, 0.002, np.ones_like(rise))
+    off = (thin - exact)[cover > 0] / cover[cover > 0]
+    assert 0.9 < np.abs(off).max() <= 1.001
+    inner = slice(8, 32)  # as much before even vertices as after them
+    assert abs((thin - exact)[:, inner].sum() / cover[:, inner].sum()) < 0.05
+
+
+def test_neither_layers_nor_the_order_of_strands_change_a_bit() -> None:
+    lines = strands(150)
+    colours = np.random.default_rng(4).uniform(0, 1, (lines.size // 3, 3)).astype(np.float32)
+    image, lit, layers = drawn(lines, 0.022, colours)
+    assert layers == 1
+    assert 0.5 < lit.mean() < 0.95
+    in_parts, lit_in_parts, parts = drawn(lines, 0.022, colours, room=4000)
+    assert parts > 1
+    np.testing.assert_array_equal(in_parts, image)
+    np.testing.assert_array_equal(lit_in_parts, lit)
+    turned, _, _ = drawn(lines[::-1], 0.022, colours.reshape(-1, VERTICES, 3)[::-1].reshape(-1, 3))
+    np.testing.assert_allclose(turned, image, atol=1e-6)
+
+
+def test_the_place_of_such_a_fragment_is_kept() -> None:
+    for vertex, place in ((6, 0.0), (6, 0.75), (5, 0.0), (5, 0.75)):
+        even = vertex + vertex % 2
+        told = alone.py_func(np.float32(vertex - even + place))
+        assert told < 0
+        assert between.py_func(even, told, 1) == (vertex, place)
+    assert between.py_func(3, np.float32(0.25), 1) == (3, np.float32(0.25))
