@@ -64,7 +64,7 @@ class ShadowModel:
         """Return the bytes of one light's maps; a light that is not directional has six."""
         side, layers = self.side_of(shadow), self.layers(shadow)
         # a quarter of the cells contain strands; a box covers at most 1 / √3 of the map fitted to its bounding sphere
-        cell = 4 * (2 + 4 * (layers + 1)) / 4 * (0.6 if directional else 1)
+        cell = 4 * (6 + 4 * (layers + 1)) / 4 * (0.6 if directional else 1)
         return int((4 + cell if layers else 8) * side**2) * (1 if directional else 6)
 
     def vertex_bytes(self, vertices: int) -> int:

@@ -18,10 +18,9 @@ from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows import shadow
-from strandcli.draw.shadows.kernels import minmax as minmax
 from strandcli.draw.shadows.kernels import opacity
 from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
-from strandcli.draw.shadows.kernels.strand_shadows import count_behind
+from strandcli.draw.shadows.kernels.strand_shadows import count_behind, count_in_front
 from strandcli.draw.shadows.shadow import ShadowMaps, map_arrays, plan_maps
 from strandcli.draw.shadows.strands_in_map import parts_in_map, parts_of, view_numbers
 from strandcli.draw.zbuffer.raster import to_screen
@@ -37,8 +36,9 @@ WIDE = Thickness(0.01, 0.5)
 
 
 @njit(error_model="numpy")
-def behind(work, n, shadows, layers):
-    count_behind(work, n, shadows, 0, layers, np.float32(0), np.float32(0))
+def behind(work, n, shadows, layers, over):
+    count_in_front(work, n, shadows, 0, layers, np.float32(0), np.float32(0), over, 1)
+    count_behind(work, n, shadows, 0, np.float32(0), np.float32(0))
 
 
 def straight(count: int, seed: int = 0, pieces: int = 8) -> Polylines:
@@ -136,14 +136,16 @@ def test_parts_in_the_order_of_their_places_are_all_of_the_strands(segments: int
 def test_all_that_a_map_holds_is_counted_between_its_texels() -> None:
     """Vectors of places against the totals of the four texels about each, and their bilinear mean."""
     maps = maps_of(SUN, straight(300, 4))
-    size, layers = int(maps.sizes[0]), maps.layers[0]
-    total = splatted(maps, straight(300, 4), WIDE)[..., -1]
-    n, rng = 100, np.random.default_rng(0)
-    u, v = rng.uniform(0, size - 1.001, (2, n)).astype(np.float32)
-    work = np.zeros(batch.ROWS * W, np.float32)
-    for row, numbers in ((batch.U, u), (batch.V, v), (batch.INSIDE, 1)):
+    size, layers, total = int(maps.sizes[0]), maps.layers[0], splatted(maps, straight(300, 4), WIDE)[..., -1]
+    u, v = np.random.default_rng(0).uniform(0, size - 1.001, (2, 100)).astype(np.float32)
+    work, view, n = np.zeros(batch.ROWS * W, np.float32), maps.views[0], len(u)
+    axes = (u + 0.5 - 0.5 * size, 0.5 * size - 0.5 - v)
+    points = view.eye + sum(a[:, None] * axis for a, axis in zip(axes, (view.right, view.up), strict=True)) / view.focal
+    for row, numbers in zip((batch.X, batch.Y, batch.Z), (points + (view.near + 1e-3) * view.forward).T, strict=True):
         work[row : row + n] = numbers
-    behind(work, n, map_arrays(maps), layers)
+    behind(work, n, map_arrays(maps), layers, np.float32(maps.over))
+    np.testing.assert_array_equal(work[batch.INSIDE : batch.INSIDE + n] + work[batch.PASSED : batch.PASSED + n], 1)
+    u, v = work[batch.U : batch.U + n], work[batch.V : batch.V + n]
     column, row = u.astype(int), v.astype(int)
     a, b = u - column, v - row
     expected = (1 - b) * ((1 - a) * total[row, column] + a * total[row, column + 1])

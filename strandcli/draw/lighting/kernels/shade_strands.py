@@ -248,9 +248,9 @@ def past_strands(work, n, lights, i, shadows, dual):
     width = rows[i, STRAND_WIDTH]
     over = rows[i, PER_FALL]
     for one in range(int(rows[i, FIRST_MAP]), int(rows[i, FIRST_MAP] + rows[i, MAP_COUNT])):
-        count_in_front(work, n, shadows, one, layers, bias, width, over)
+        count_in_front(work, n, shadows, one, layers, bias, width, over, dual)
         if dual is not None:
-            count_behind(work, n, shadows, one, layers, bias, width)
+            count_behind(work, n, shadows, one, bias, width)
     for k in range(n):
         work[UNBLOCKED + k] = work[ARRIVES + k]
     if lights.clear.shape[0] == 0 or rows[i, CLEAR_ROW] == ZERO:

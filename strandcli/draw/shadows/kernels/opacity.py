@@ -14,9 +14,10 @@ density estimate with an adaptive window. The layers that measure the distance s
 because a thin layer contains one strand or none. A strand's own contribution in front of itself, half of what it adds
 at the window's centre, is subtracted.
 
-A cell with strands is a row of numbers: nearest depth, n (1 + h / D), and then for each layer boundary the τ in front
-of it in each of the four texels. Within a layer τ is linear. A map is one flat array: a table of
-the row number of each cell, followed by the rows. All empty cells, nine tenths of a ponytail's map, share row 0.
+A cell with strands is a row of numbers: nearest depth, n (1 + h / D), τ of all strands in each of the four texels, and
+then for each layer boundary the τ in front of it, in each of them. Within a layer τ is linear. A map is one flat array:
+a table of the row number of each cell, followed by the rows. All empty cells, nine tenths of a ponytail's map, share
+row 0.
 """
 
 from __future__ import annotations
@@ -38,7 +39,9 @@ ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
 START, SCALE = 0, 1
 """Offsets in a row of the nearest depth, metres, and of n (1 + h / D), one after the other."""
-HEAD = 2
+WHOLE = 2
+"""Offset of τ in front of the last layer's end, in each of the four texels: beside what every look-up reads."""
+HEAD = 6
 """Numbers of a row before its layer boundaries."""
 TEXELS = 4
 """Texels of a cell, and so numbers of a layer boundary."""
@@ -76,12 +79,17 @@ def cell_of(row, column, start, size, layers, stacks):
 
 
 @inlined
-def layers_at(d, rows, start, number, over, layers):
-    """Return, for the depths d in the rows `number`: layer index, position within the layer (0 to 1), number of layers
-    that end in front (may exceed `layers`), and layers a metre. Vectors; rows: `pointer` to the maps; start: first row
-    of the map; over: 1 / h, 1/m."""
-    stride = HEAD + TEXELS * (layers + 1)
-    front, most = gather2(rows, start, number, stride, np.float32(START))
+def head_of(rows, start, number, layers):
+    """Return nearest depth and `SCALE` of the rows `number`, and τ of all strands in each of the four texels. Vectors;
+    rows: `pointer` to the maps; start: first row of the map."""
+    return gather8(rows, start, number, HEAD + TEXELS * (layers + 1), np.float32(START))[:HEAD]
+
+
+@inlined
+def layers_at(d, head, over, layers):
+    """Return, for the depths d in rows with this `head_of`: layer index, position within the layer (0 to 1), number of
+    layers that end in front (may exceed `layers`), and layers a metre. Vectors; over: 1 / h, 1/m."""
+    front, most = head[START], head[SCALE]
     far = max(ZERO, (d - front) * over)
     near = ONE / (far + ONE)
     gone = most * (far * near)
@@ -121,10 +129,11 @@ def growth_at(rows, start, number, k, dense, reach, layers):
 
 
 @inlined
-def in_front(u, v, d, scale, rows, start, size, over, layers):
-    """Return τ in front of points, interpolated between texels and between cell means, and the latter's growth, 1/m.
-    u, v: column and row, integers at texel centres; d: depth, metres; scale: texels a metre there; start: first index
-    of the map; over: 1 / h, 1/m. Vectors; rows: `pointer` to the maps."""
+def in_front(u, v, d, scale, rows, start, size, over, layers, behind):
+    """Return τ in front of points, interpolated between texels and between cell means, and the latter's growth, 1/m;
+    and τ of all strands, between texels, but the same again where `behind` is None. u, v: column and row, integers at
+    texel centres; d: depth, metres; scale: texels a metre there; start: first index of the map; over: 1 / h, 1/m.
+    Vectors; rows: `pointer` to the maps."""
     half = size >> 1
     last = np.float32(half - 2)
     body = start + half * half
@@ -136,23 +145,24 @@ def in_front(u, v, d, scale, rows, start, size, over, layers):
     wide_v = min(max(wide_v - up, ZERO), ONE)
     a, b = gather2(rows, start, up, half, left)
     c, e = gather2(rows, start, up + ONE, half, left)
-    k_a, part_a, gone_a, dense_a = layers_at(d, rows, body, a, over, layers)
-    k_b, part_b, gone_b, dense_b = layers_at(d, rows, body, b, over, layers)
-    k_c, part_c, gone_c, dense_c = layers_at(d, rows, body, c, over, layers)
-    k_e, part_e, gone_e, dense_e = layers_at(d, rows, body, e, over, layers)
+    head_a = head_of(rows, body, a, layers)
+    k_a, part_a, gone_a, dense_a = layers_at(d, head_a, over, layers)
+    head_b = head_of(rows, body, b, layers)
+    k_b, part_b, gone_b, dense_b = layers_at(d, head_b, over, layers)
+    head_c = head_of(rows, body, c, layers)
+    k_c, part_c, gone_c, dense_c = layers_at(d, head_c, over, layers)
+    head_e = head_of(rows, body, e, layers)
+    k_e, part_e, gone_e, dense_e = layers_at(d, head_e, over, layers)
     column, row = floor(u), floor(v)
     right, low = column - (left + left), row - (up + up)  # of the first texel, from that of the first cell: 0, 1 or 2
     texels_a, mean_a, thick_a = passed_in(rows, body, a, k_a, part_a, layers)
     texels_b, mean_b, thick_b = passed_in(rows, body, b, k_b, part_b, layers)
-    first, second = beside(right, texels_a, texels_b)
     texels_c, mean_c, thick_c = passed_in(rows, body, c, k_c, part_c, layers)
     texels_e, mean_e, thick_e = passed_in(rows, body, e, k_e, part_e, layers)
-    third, fourth = beside(right, texels_c, texels_e)
-    texels = bilinear(
-        u - column, v - row,
-        among(low, first[0], second[0], third[0]), among(low, first[1], second[1], third[1]),
-        among(low, second[0], third[0], fourth[0]), among(low, second[1], third[1], fourth[1]),
-    )  # fmt: skip
+    texels = between(u - column, v - row, right, low, texels_a, texels_b, texels_c, texels_e)
+    whole = texels
+    if behind is not None:
+        whole = between(u - column, v - row, right, low, head_a[WHOLE:], head_b[WHOLE:], head_c[WHOLE:], head_e[WHOLE:])
     reach = REACH / scale
     farthest = max(max(dense_a, dense_b), max(dense_c, dense_e))
     if any_lane(reach * farthest >= ONE):
@@ -167,7 +177,7 @@ def in_front(u, v, d, scale, rows, start, size, over, layers):
         growth_c = where(gone_c < most, thick_c * dense_c, ZERO)
         growth_e = where(gone_e < most, thick_e * dense_e, ZERO)
     cells = bilinear(wide_u, wide_v, mean_a, mean_b, mean_c, mean_e)
-    return texels, cells, bilinear(wide_u, wide_v, growth_a, growth_b, growth_c, growth_e)
+    return texels, cells, bilinear(wide_u, wide_v, growth_a, growth_b, growth_c, growth_e), whole
 
 
 @inlined
@@ -179,6 +189,19 @@ def passed_in(rows, start, number, k, part, layers):
     low, high = mean((p, q, r, s)), mean((p_end, q_end, r_end, s_end))
     texels = p + part * (p_end - p), q + part * (q_end - q), r + part * (r_end - r), s + part * (s_end - s)
     return texels, low + part * (high - low), high - low
+
+
+@inlined
+def between(u, v, right, low, a, b, c, e):
+    """Interpolate between the texels of four cells, four numbers each, from those in column `right` and row `low` on,
+    0 to 2. Vectors."""
+    first, second = beside(right, a, b)
+    third, fourth = beside(right, c, e)
+    return bilinear(
+        u, v,
+        among(low, first[0], second[0], third[0]), among(low, first[1], second[1], third[1]),
+        among(low, second[0], third[0], fourth[0]), among(low, second[1], third[1], fourth[1]),
+    )  # fmt: skip
 
 
 @inlined
@@ -195,26 +218,6 @@ def beside(right, a, b):
 def among(number, a, b, c):
     """Return a, b or c: number 0, 1 or 2. Vectors."""
     return where(number > ONE, c, where(number > ZERO, b, a))
-
-
-@inlined
-def total_depth(u, v, rows, start, size, layers):
-    """Return τ of all strands at columns u and rows v of a map. Vectors; arguments as in `in_front`."""
-    half = size >> 1
-    body, stride = start + half * half, HEAD + TEXELS * (layers + 1)
-    end = np.float32(HEAD + TEXELS * layers)
-    column, row = floor(u), floor(v)
-    first, upper = floor(HALF * column), floor(HALF * row)
-    right, low = column - (first + first), row - (upper + upper)  # 1 where they are odd
-    across, lower = first + right, upper + low
-    here, there = end + (low + low), end + ((ONE - low) + (ONE - low))
-    return bilinear(
-        u - column, v - row,
-        gather(rows, body, gather(rows, start, upper, half, first), stride, here + right),
-        gather(rows, body, gather(rows, start, upper, half, across), stride, here + (ONE - right)),
-        gather(rows, body, gather(rows, start, lower, half, first), stride, there + right),
-        gather(rows, body, gather(rows, start, lower, half, across), stride, there + (ONE - right)),
-    )  # fmt: skip
 
 
 @device
@@ -243,10 +246,10 @@ def optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views):
         scale = views[one, FOCAL] / d if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
         d -= lights[i, BIAS]
         rows = pointer(stacks)
-        texels, cells, growth = in_front(
+        texels, cells, growth, _ = in_front(
             broadcast(rows, u), broadcast(rows, v), broadcast(rows, d), broadcast(rows, scale), rows, starts[one],
             sizes[one],
-            lights[i, PER_FALL], layers,
+            lights[i, PER_FALL], layers, None,
         )  # fmt: skip
         return corrected_depth(reduce_max(texels), reduce_max(cells), reduce_max(growth), width, scale)
     return ZERO

@@ -10,7 +10,7 @@ from ...zbuffer.kernels.lines import Window
 from . import cell_extents, map_segments, splats
 from .map_parts import AT, BOTTOM, COUNT, TOP
 from .minmax import FARTHEST, NEAREST
-from .opacity import HEAD, SCALE, START, TEXELS
+from .opacity import HEAD, SCALE, START, TEXELS, WHOLE
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -137,7 +137,8 @@ def divide(extents, layers, least, over, rows, stacks):
 
 @parallel
 def sum_layers(cells, layers, stacks):
-    """Replace the τ of each layer by the cumulative τ in front of its end.
+    """Replace the τ of each layer by the cumulative τ in front of its end, and store that of the last one
+    in the row's head, too.
 
     cells: number of the map's cells; stacks (`opacity.numbers_of`,): changed in place.
     """
@@ -155,3 +156,6 @@ def sum_layers(cells, layers, stacks):
             stacks[at + NEXT + NEXT] = three
             stacks[at + NEXT + NEXT + NEXT] = four
             at += np.uint64(TEXELS)
+        begin = np.uint64(cells + (row + 1) * stride + WHOLE)
+        for texel in range(np.uint64(TEXELS)):
+            stacks[begin + texel] = stacks[at - np.uint64(TEXELS) + texel]

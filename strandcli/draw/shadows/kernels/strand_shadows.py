@@ -67,11 +67,12 @@ def locate(work, n, views, one, size, bias):
 
 
 @device
-def count_in_front(work, n, shadows, one, layers, bias, width, over):
+def count_in_front(work, n, shadows, one, layers, bias, width, over, behind):
     """Add the optical depth between the light and each of the first n vertices to the rows `PASSED`, from opacity map
     number `one` of `ShadowArrays`, for vertices that no earlier map contains.
 
-    bias: metres; width: mean width of strands, metres; over: 1 / h of `opacity`, 1/m.
+    bias: metres; width: mean width of strands, metres; over: 1 / h of `opacity`, 1/m; behind: None where `count_behind`
+    is not called then.
     """
     stacks, start, size, views = shadows.stacks, shadows.starts[one], shadows.sizes[one], shadows.views
     if size < 2:
@@ -86,9 +87,11 @@ def count_in_front(work, n, shadows, one, layers, bias, width, over):
         scale = broadcast(rows, views[one, FOCAL])
         if near:
             scale = scale / (depth + bias)
-        texels, cells, growth = opacity.in_front(
-            load(rows, U + k), load(rows, V + k), depth, scale, maps, start, size, over, layers
+        texels, cells, growth, whole = opacity.in_front(
+            load(rows, U + k), load(rows, V + k), depth, scale, maps, start, size, over, layers, behind
         )
+        if behind is not None:
+            store(rows, TEXELS + 3 * W + k, whole)
         store3(rows, TEXELS + k, W, texels, cells, growth)
     for k in range(n):
         scale = scale_at(work, k, views, one, bias)
@@ -104,16 +107,13 @@ def scale_at(work, k, views, one, bias):
 
 
 @device
-def count_behind(work, n, shadows, one, layers, bias, width):
+def count_behind(work, n, shadows, one, bias, width):
     """Add the optical depth of the strands behind each vertex to the rows `LEFT`; call `count_in_front` of the same map
     before."""
-    stacks, start, size, views = shadows.stacks, shadows.starts[one], shadows.sizes[one], shadows.views
-    if size < 2:
+    views = shadows.views
+    if shadows.sizes[one] < 2:
         return
-    rows, maps = pointer(work), pointer(stacks)
-    for k in range(0, n, lanes(rows)):
-        store(rows, TEXELS + k, opacity.total_depth(load(rows, U + k), load(rows, V + k), maps, start, size, layers))
     for k in range(n):
         own = TWICE * opacity.OWN * width * scale_at(work, k, views, one, bias)
-        total = max(work[TEXELS + k] - own - work[PASSED + k], ZERO)
+        total = max(work[TEXELS + 3 * W + k] - own - work[PASSED + k], ZERO)
         work[LEFT + k] += total if work[INSIDE + k] > ZERO else ZERO
