@@ -114,10 +114,9 @@ def correct(s, n, joint, numbers, scheme, count):
     """Correct rests of oval sections before the first iteration; returns whether there are loads by that."""
     if scheme.oval is None:
         return False
-    due = scheme.led and count == 1
-    if due:
-        rod_oval.correct(s, n, joint, numbers)
-    return due
+    if scheme.led and count == 1:
+        return rod_oval.correct(s, n, joint, numbers)
+    return False
 
 
 @device

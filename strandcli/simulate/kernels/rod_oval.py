@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import broadcast, load, load3, store, store3
-from .records import DAMPING, SOFT, STEP
+from ...simd import any_lane, broadcast, load, load3, store, store3
+from .records import DAMPING, ROUNDING, SOFT, STEP
 from .rod_scratch import (
     EDGE,
     EDGE_FACTOR,
@@ -20,7 +20,10 @@ from .rod_scratch import (
 from .rod_tension import particle_gain
 
 BEND = INNOVATION
-"""Bend along the thin axis, which is in place of the particle's gain, by the edges that set the rest."""
+"""Bend along the thin axis, which is in place of the particle's gain, by the edges that set the rest; then by how much
+that of the first solution is more."""
+SLIGHT = 1e-4
+"""Greatest change of a strand's bends along the thin axes, over the greatest of these, that is left out."""
 
 
 @inlined
@@ -35,18 +38,19 @@ def torque(e, wide, thin, v, w, soft):
 @device
 def correct(s, n, joint, numbers):
     """Correct rests of oval sections by the bends along the thin axes that the first solution has led to, and set the
-    loads to what that changes of those of the solution, which have none left."""
+    loads to what that changes of those of the solution, which have none left. Returns False where it is left out, as
+    the changes are `SLIGHT` in all lanes."""
+    if not any_lane(change_bends(s, n, numbers[ROUNDING])):
+        return False
     zero = broadcast(s, 0.0)
     share = numbers[SOFT] / (1 + numbers[DAMPING] / numbers[STEP])
     stiffness = load(s, STIFFNESS)
-    ex, ey, ez = load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + EDGE, 1)
     after = zero, zero, zero, zero
     x, y, z = after, after, after
     for j in range(n - 1, -1, -1):
         o = FIRST_SEGMENT + j * SEGMENT
-        px, py, pz = load3(s, o - SEGMENT + EDGE, 1)
         u, v, w = load3(s, particle_gain(n, j), 1)
-        f = share * (u * (ex - px) + v * (ey - py) + w * (ez - pz) - load(s, o + BEND))
+        f = share * load(s, o + BEND)
         u, v, w = f * u, f * v, f * w
         cx, cy, cz = load3(s, o + REST_BEND, 1)
         store3(s, o + REST_BEND, 1, cx + u, cy + v, cz + w)
@@ -55,7 +59,26 @@ def correct(s, n, joint, numbers):
         x = add_load(s, o, k * u, (i, f, g), x)
         y = add_load(s, o + 1, k * v, (i, f, g), y)
         z = add_load(s, o + 2, k * w, (i, f, g), z)
-        ex, ey, ez = px, py, pz
+    return True
+
+
+@inlined
+def change_bends(s, n, rounding):
+    """Set each `BEND` to its change, and return the lanes in which these count."""
+    most = broadcast(s, 0.0)
+    changed = most
+    px, py, pz = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
+    for j in range(n):
+        o = FIRST_SEGMENT + j * SEGMENT
+        x, y, z = load3(s, o + EDGE, 1)
+        u, v, w = load3(s, particle_gain(n, j), 1)
+        bend = load(s, o + BEND)
+        change = u * (x - px) + v * (y - py) + w * (z - pz) - bend
+        store(s, o + BEND, change)
+        most = max(most, abs(bend))
+        changed = max(changed, abs(change))
+        px, py, pz = x, y, z
+    return changed > SLIGHT * most + rounding
 
 
 @inlined
