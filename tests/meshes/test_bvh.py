@@ -10,6 +10,7 @@ import mesh_kit as kit
 from strandcli.jit import parallel, prange
 from strandcli.meshes.bvh import Bvh, make_bvh, moved
 from strandcli.meshes.closest import closest
+from strandcli.meshes.kernels.ray_packet import RAYS, first_hits
 from strandcli.meshes.kernels.rays import any_hit, first_hit
 from strandcli.meshes.kernels.winding import winding
 from strandcli.meshes.make import make_mesh
@@ -41,6 +42,12 @@ def rays(bvh: Bvh, origins: np.ndarray, directions: np.ndarray, t_max: float = n
     return found
 
 
+@parallel
+def cast_together(bvh, packets, found):
+    for i in prange(packets.shape[0]):
+        first_hits(bvh, packets[i], found[i])
+
+
 def tree(mesh: TriangleMesh) -> Bvh:
     return make_bvh(mesh.vertices, mesh.triangles)
 
@@ -66,6 +73,27 @@ def test_first_hits_are_those_of_all_triangles(name: str) -> None:
     np.testing.assert_allclose(t[rows], first[met], rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(found[met, 1:], np.stack([u[rows], v[rows]], axis=1), atol=1e-6)
     assert (triangles[~met] == -1).all()
+
+
+@pytest.mark.parametrize("name", MESHES[:-1])
+def test_rays_that_go_together_hit_what_each_hits(name: str) -> None:
+    mesh = kit.mesh(name)
+    generator = np.random.default_rng(2)
+    origins, directions = np.repeat(generator.normal(size=(2, 60, 3)), RAYS, axis=1)
+    aims = mesh.vertices[mesh.triangles[generator.integers(mesh.triangles.shape[0], size=60)]].mean(axis=1)
+    directions[::2] = np.repeat(aims, RAYS, axis=0)[::2] - origins[::2]
+    directions += 0.03 * generator.normal(size=directions.shape)
+    directions[:RAYS, :2] = 0.0
+    bvh = tree(mesh)
+    alone = rays(bvh, origins, directions)[0][:, 0].reshape(-1, RAYS)
+    limits = np.full((60, RAYS), np.inf)
+    limits[:, 3], limits[::2, 7] = -1.0, 0.5
+    limits[:, 5] = alone[:, 5]
+    packets = np.concatenate([origins.reshape(60, RAYS, 3), directions.reshape(60, RAYS, 3)], axis=2)
+    found = limits.copy()
+    cast_together(bvh, np.ascontiguousarray(packets.transpose(0, 2, 1)).reshape(60, -1), found)
+    assert np.isfinite(alone).sum() > 100
+    assert np.array_equal(found, np.where(limits < 0, limits, np.minimum(alone, limits)))
 
 
 def test_rays_stop_where_they_are_told() -> None:

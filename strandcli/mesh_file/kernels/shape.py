@@ -11,6 +11,7 @@ from ...jit import device
 from ...meshes.kernels.distance import distance as grid_distance
 from ...meshes.kernels.distance import distance_and_gradient, vector_distance
 from ...meshes.kernels.nearest import apart, nearest, on_triangle
+from ...meshes.kernels.ray_packet import first_hits
 from ...meshes.kernels.rays import first_hit
 from ...simd import array_at
 from .arrays import PAST, grid_of, spacing_of, surface_of, tree_of
@@ -67,6 +68,11 @@ def normal(x, y, z, numbers, data):
 def meet(x, y, z, dx, dy, dz, numbers, data):
     """By the tree of triangles; both sides count."""
     return first_hit(tree_of(data, int(numbers[0])), x, y, z, dx, dy, dz, np.inf)[0]
+
+
+def meets(rays, found, numbers, data):
+    """The same of the rays of a pixel, together."""
+    first_hits(tree_of(data, int(numbers[0])), rays, found)
 
 
 def hides(x, y, z, dx, dy, dz, reach, skin, numbers, data):

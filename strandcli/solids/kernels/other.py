@@ -11,7 +11,7 @@ from numba.extending import overload
 
 from ..shapes.other import KIND
 from . import distance_field as field
-from . import segment_depth, soft_edge
+from . import pixel_rays, segment_depth, soft_edge
 
 
 def form_of(solids):
@@ -44,6 +44,21 @@ def _meet(solids, m, ox, oy, oz, dx, dy, dz):
     return lambda solids, m, ox, oy, oz, dx, dy, dz: field.trace(
         distance, first, among(solids), m, ox, oy, oz, dx, dy, dz
     )
+
+
+def trace_rays(solids, m, rays, found):
+    """`meet` of the rays of a pixel: `pixel_rays.trace_rays` of number m of these, or one by one."""
+
+
+@overload(trace_rays)
+def _trace_rays(solids, m, rays, found):
+    form = form_of(solids)
+    if form is None:
+        return lambda solids, m, rays, found: None
+    distance, first, meets, among = form.distance, form.meet, form.meets, form.among
+    if meets is None:
+        return lambda solids, m, rays, found: pixel_rays.trace_each(distance, first, among(solids), m, rays, found)
+    return lambda solids, m, rays, found: pixel_rays.trace_rays(distance, meets, among(solids), m, rays, found)
 
 
 def normal(solids, m, x, y, z):

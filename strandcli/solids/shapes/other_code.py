@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...scene.solid_shape import OPTIONAL, has_data, shape_of
 from .other import KIND, NUMBERS, REACH, ROW_X, count_of, data_of, kinds_of
-from .other_template import DISTANCES, DRIFT, LOOK, MODULE, RAY
+from .other_template import DISTANCES, DRIFT, LOOK, MEETS, MODULE, RAY
 
 
 class Kind(NamedTuple):
@@ -88,6 +88,8 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
         "has_look": "look" if _looks(kinds) else "None",
         "distances": _distances(kinds),
         "bounds": _chosen([_bounds(one) for one in kinds]),
+        "meets": _meets(kinds),
+        "has_meets": "meets" if _meets(kinds).strip() else "None",
         "reach": REACH,
         "has_distances": "distances_in_own" if _distances(kinds).strip() else "None",
         "detailed": any(has_data(one.shape) for one in kinds),
@@ -112,6 +114,13 @@ def _distances(kinds: Sequence[Kind]) -> str:
     if not all(_has(one.shape, "distances") for one in kinds):
         return "\n"
     return DISTANCES.format(distances=_chosen([f"distances_{one.place}(u, v, w, {_given(one)})" for one in kinds]))
+
+
+def _meets(kinds: Sequence[Kind]) -> str:
+    """Code of rays that go together; nothing where a kind lacks it."""
+    if not all(_has(one.shape, "meets") for one in kinds):
+        return "\n"
+    return MEETS.format(meets=_chosen([f"meets_{one.place}(rays, found, {_given(one)})" for one in kinds]))
 
 
 def _any(kinds: Sequence[Kind], part: str) -> bool:

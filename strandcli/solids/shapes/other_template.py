@@ -86,7 +86,7 @@ def meet(p, m, x, y, z, dx, dy, dz, end):
     """Where a ray that begins outside of solid m meets it, in units of |d|; inf where it does not up to `end`."""
     u, v, w, a, b, c = ray_in_own(p, m, x, y, z, dx, dy, dz)
 {meet}
-
+{meets}
 @device
 def hides(p, m, x, y, z, way, reach, skin):
     """Whether solid m stands between a point and a light at reach along a unit vector."""
@@ -95,7 +95,7 @@ Solids, SeparateSolids, LoneSolids = {name}, Separate{name}, Lone{name}
 Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
 Solids.hides, Solids.among, Solids.look, Solids.folds = hides, among, {has_look}, {folds}
 Solids.distance_in_own, Solids.distances_in_own = distance_in_own, {has_distances}
-Solids.bounds, Solids.detailed = bounds, {detailed}
+Solids.bounds, Solids.meets, Solids.detailed = bounds, {has_meets}, {detailed}
 Solids.kinds = {kinds}
 drift = {has_drift}
 
@@ -132,6 +132,13 @@ DISTANCES = '''
 def distances_in_own(p, m, u, v, w):
     """Distances of vectors of points, in the frame of solid m, from its surface."""
 {distances}
+'''
+MEETS = '''
+
+@device
+def meets(p, m, rays, found):
+    """Where rays first meet solid m, of its own frame, as `meets` of `SolidShape`."""
+{meets}
 '''
 DRIFT = '''
 

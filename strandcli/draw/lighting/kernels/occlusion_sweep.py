@@ -45,16 +45,14 @@ LEVELS = np.float32(255.0)
 
 
 class Planes(NamedTuple):
-    """Light and extinction in two slabs, padded by one cell on each side; float32."""
+    """Light in two slabs and extinction in all, padded by one cell on each side; float32."""
 
     before: NDArray[np.float32]
     """Transmitted light in the previous slab, 0 to 1."""
     after: NDArray[np.float32]
     """Transmitted light in this slab."""
     thick: NDArray[np.float32]
-    """Extinction in the previous slab, 1/m."""
-    thicker: NDArray[np.float32]
-    """Extinction in this slab."""
+    """Extinction, 1/m, slab after slab along the axis; before the first and after the last one without any."""
 
 
 @parallel
@@ -62,9 +60,10 @@ def sweep(cells, counts, sides, ways, left):
     """Write the transmittance of strands toward each direction to left (K, V) uint8, 255 for 1, at the cells' centres.
 
     cells (V, CHANNELS), 1/m; counts (3,) int64; sides (3,): sides of a cell, metres; ways (K, 3): unit vectors toward
-    the light.
+    the light, of which the second half are the opposites of the first, with the same extinction.
     """
-    for way in prange(ways.shape[0]):
+    half = ways.shape[0] // 2
+    for way in prange(half):
         d = np.int64(way)
         axis = np.int64(0)  # with a literal, Numba would compile the functions below twice
         for k in range(1, 3):
@@ -73,26 +72,44 @@ def sweep(cells, counts, sides, ways, left):
         one = 1 if axis == 0 else 0
         two = 1 if axis == 2 else 2
         size = (counts[one] + 2) * (counts[two] + 2)
-        planes = Planes(
-            np.ones(size, np.float32), np.ones(size, np.float32), np.zeros(size, np.float32), np.zeros(size, np.float32)
-        )
-        sweep_direction(cells, Grid(counts, sides), ways, d, axis, one, two, planes, left)
+        thick = np.zeros((counts[axis] + 2) * size, np.float32)
+        measure(cells, counts, ways, d, axis, one, two, thick)
+        for side in range(2):
+            planes = Planes(np.ones(size, np.float32), np.ones(size, np.float32), thick)
+            sweep_direction(Grid(counts, sides), ways, d + side * half, axis, one, two, planes, left)
 
 
 @device
-def sweep_direction(cells, grid, ways, d, axis, one, two, planes, left):
+def measure(cells, counts, ways, d, axis, one, two, thick):
+    """Write the extinction along direction d to `Planes.thick`."""
+    down, along, beside = stride_of(counts, axis), stride_of(counts, one), stride_of(counts, two)
+    x, y, z = ways[d, 0], ways[d, 1], ways[d, 2]
+    row = np.uint64(counts[two] + 2)  # as places in planes, which cannot be negative: these loops are vectors
+    size = np.uint64(counts[one] + 2) * row
+    for m in range(counts[axis]):
+        for p in range(counts[one]):
+            base = m * down + p * along
+            own = np.uint64(m + 1) * size + np.uint64(p + 1) * row + NEXT
+            for q in range(np.uint64(counts[two])):
+                cell = np.uint64(base) + q * np.uint64(beside)
+                r = cells[cell, DENSITY]
+                inside = x * x * cells[cell, XX] + y * y * cells[cell, YY] + z * z * cells[cell, ZZ]
+                inside += (ONE + ONE) * (x * y * cells[cell, XY] + x * z * cells[cell, XZ] + y * z * cells[cell, YZ])
+                thick[own + q] = math.sqrt(max(r * (r - inside), ZERO))
+
+
+@device
+def stride_of(counts, axis):
+    """Return the number of cells from one to the next along an axis."""
+    return counts[1] * counts[2] if axis == 0 else (counts[2] if axis == 1 else np.int64(1))
+
+
+@device
+def sweep_direction(grid, ways, d, axis, one, two, planes, left):
     """Run `sweep` for direction d, slab by slab along `axis`, on which it crosses most cells; one, two: other axes."""
     counts, sides = grid.counts, grid.sides
-    before, after, thick, thicker = planes.before, planes.after, planes.thick, planes.thicker
-    stride_z = np.int64(1)
-    stride_y = counts[2]
-    stride_x = counts[1] * counts[2]
-    down = stride_x if axis == 0 else (stride_y if axis == 1 else stride_z)
-    along = stride_x if one == 0 else stride_y
-    beside = stride_y if two == 1 else stride_z
-    x = ways[d, 0]
-    y = ways[d, 1]
-    z = ways[d, 2]
+    before, after, thick = planes.before, planes.after, planes.thick
+    down, along, beside = stride_of(counts, axis), stride_of(counts, one), stride_of(counts, two)
     steep = abs(ways[d, axis])
     half = HALF * sides[axis] / steep
     ratio = sides[axis] / steep
@@ -102,27 +119,24 @@ def sweep_direction(cells, grid, ways, d, axis, one, two, planes, left):
     low_g = np.int64(min(np.floor(g), ZERO))
     f -= np.float32(low_f)
     g -= np.float32(low_g)
-    row = np.uint64(counts[two] + 2)  # as places in planes, which cannot be negative: these loops are vectors
+    row = np.uint64(counts[two] + 2)
+    size = np.uint64(counts[one] + 2) * row
+    back = ways[d, axis] > ZERO
     for m in range(counts[axis]):
-        slab = (counts[axis] - 1 - m if ways[d, axis] > ZERO else m) * down
+        slab = (counts[axis] - 1 - m if back else m) * down
+        here = np.uint64(counts[axis] - m if back else m + 1) * size
+        last = here + size if back else here - size
         for p in range(counts[one]):
             base = slab + p * along
             own = np.uint64(p + 1) * row + NEXT
             up = np.uint64(p + 1 + low_f) * row + np.uint64(1 + low_g)
             for q in range(np.uint64(counts[two])):
-                cell = np.uint64(base) + q * np.uint64(beside)
-                r = cells[cell, DENSITY]
-                inside = x * x * cells[cell, XX] + y * y * cells[cell, YY] + z * z * cells[cell, ZZ]
-                inside += (ONE + ONE) * (x * y * cells[cell, XY] + x * z * cells[cell, XZ] + y * z * cells[cell, YZ])
-                thicker[own + q] = math.sqrt(max(r * (r - inside), ZERO))
-            for q in range(np.uint64(counts[two])):
                 came = mixed(before, up + q, row, f, g)
-                met = half * (thicker[own + q] + mixed(thick, up + q, row, f, g))
+                met = half * (thick[here + own + q] + mixed(thick, last + up + q, row, f, g))
                 after[own + q] = came * exp(-met)
             for q in range(np.uint64(counts[two])):
                 left[d, np.uint64(base) + q * np.uint64(beside)] = np.uint8(after[own + q] * LEVELS + HALF)
         before, after = after, before
-        thick, thicker = thicker, thick
 
 
 @device

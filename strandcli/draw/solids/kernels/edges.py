@@ -6,11 +6,13 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, parallel, prange
+from ....simd.local import local_float64
+from ....solids.kernels.pixel_rays import put_ray
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
 from . import blended, sphere_tracing
 from .rasterise import BOTTOM, LEFT, RIGHT, TOP, key_at
-from .rays import HALF, INF, ONE, ZERO, aim, meet, ray
+from .rays import HALF, INF, ONE, ZERO, aim, meet, meet_rays, ray
 
 SAMPLES = 4
 """Samples along each side of a pixel."""
@@ -56,8 +58,9 @@ def sample(pixels, width, view, solids, frames, keys, spots, counts):
                 blended.meet_all(solids, work, (end - begin) * WHOLE)
             for e in range(begin, end):
                 if inside(pixels, width, e, frames, m):
+                    meet_pixel(work, (e - begin) * WHOLE, solids, m)
                     for j in range((e - begin) * WHOLE, (e - begin + 1) * WHOLE):
-                        t = meet_one(work, j, solids, m)
+                        t = work[sphere_tracing.MET + j]
                         best[j] = min(best[j], key_at(t, view, flat, far, FIRST + np.uint64(m)))
         for e in range(begin, end):
             count_samples(pixels, width, e, best, (e - begin) * WHOLE, keys, spots, counts)
@@ -105,6 +108,23 @@ def meet_one(work, j, solids, m):
         work[sphere_tracing.OZ + j],
         work[sphere_tracing.DX + j], work[sphere_tracing.DY + j], work[sphere_tracing.DZ + j],
     )  # fmt: skip
+
+
+@device
+def meet_pixel(work, at, solids, m):
+    """Store the depths at which the samples of a pixel, from ray number `at` on, meet solid number m, as `meet_one`."""
+    if blended.blends(solids, m):
+        return
+    rays, found = local_float64(), local_float64()
+    for k in range(WHOLE):
+        j = at + k
+        put_ray(rays, k, (
+            work[sphere_tracing.OX + j], work[sphere_tracing.OY + j], work[sphere_tracing.OZ + j],
+            work[sphere_tracing.DX + j], work[sphere_tracing.DY + j], work[sphere_tracing.DZ + j],
+        ))  # fmt: skip
+    meet_rays(solids, m, rays, found)
+    for k in range(WHOLE):
+        work[sphere_tracing.MET + at + k] = found[k]
 
 
 @device

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ....jit import device, function
-from ....solids.kernels import box, built_in, capsule, other, plane, sphere
+from ....solids.kernels import box, built_in, capsule, other, pixel_rays, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ...common.kernels.view_columns import (
     EYE_X,
@@ -46,6 +46,18 @@ def meet(solids, which, ox, oy, oz, dx, dy, dz):
     if which < first:
         return meet_built_in(solids, which, ox, oy, oz, dx, dy, dz)
     return other.meet(solids, which - first, ox, oy, oz, dx, dy, dz)
+
+
+@function
+def meet_rays(solids, which, rays, found):
+    """Write to `found` what `meet` returns for each of the rays of a pixel (`pixel_rays`), which are lost."""
+    first = built_in.count(solids)
+    if not blended.blends(solids, which) and which >= first:
+        other.trace_rays(solids, which - first, rays, found)
+        return
+    for k in range(pixel_rays.RAYS):
+        ox, oy, oz, dx, dy, dz = pixel_rays.ray_of(rays, k)
+        found[k] = meet(solids, which, ox, oy, oz, dx, dy, dz)
 
 
 @device_if_built_in(lambda solids, m, ox, oy, oz, dx, dy, dz: INF)

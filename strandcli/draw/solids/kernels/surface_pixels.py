@@ -6,6 +6,8 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, inlined
+from ....simd.local import local_float64
+from ....solids.kernels.pixel_rays import put_ray
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.dither import dithered, noise_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
@@ -143,9 +145,13 @@ def fine_points(work, which, n, at, column, row, view, solids, solid):
     """Add to a batch of n points those that stand for the FINE × FINE rays of pixel number `at`: one for the rays that
     meet the solid on each side of its edge. Return how many points there are then."""
     near, far = INF, -INF
+    beams, found = local_float64(), local_float64()
     for ray in range(FINE * FINE):
         x, y = ray_at(ray, column, row)
-        t = distance(x, y, view, solids, solid)
+        put_ray(beams, ray, ray_through(x, y, view))
+    rays.meet_rays(solids, solid, beams, found)
+    for ray in range(FINE * FINE):
+        t = np.float32(found[ray])
         work[RAYS + ray] = t
         near, far = min(near, t), max(far, t if t < INF else -INF)
     middle = HALF * (near + far)
@@ -194,8 +200,14 @@ def ray_at(ray, column, row):
 @device
 def distance(x, y, view, solids, which):
     """Return the depth of solid number `which` at a screen position, metres; inf where it is missed."""
-    ox, oy, oz, dx, dy, dz = rays.ray(view, (x - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - y) / view[FOCAL])
+    ox, oy, oz, dx, dy, dz = ray_through(x, y, view)
     return rays.meet(solids, which, ox, oy, oz, dx, dy, dz)
+
+
+@inlined
+def ray_through(x, y, view):
+    """Return origin and direction of the ray through a screen position."""
+    return rays.ray(view, (x - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - y) / view[FOCAL])
 
 
 @device
