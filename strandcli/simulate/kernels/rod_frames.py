@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...jit import inlined
 from ...simd import any_lane, load3, sqrt, where
-from .records import ROTATION, TURNED
+from .records import ROTATION
 from .rod import TINY
 from .rod_scratch import EDGE, FIRST_SEGMENT, PACK, SEGMENT
 
@@ -22,23 +22,6 @@ def unit_edge(s, o):
     f = 1.5 - 0.5 * q
     good = q < 3.0
     return where(good, f * x, 0.0), where(good, f * y, 0.0), where(good, f * z, 0.0)
-
-
-@inlined
-def rotated_before(pose, x, y, z):
-    """A vector in the emitter's frame as that was before the step, in the world."""
-    now, change = ROTATION, TURNED
-    return (
-        (pose[now] - pose[change]) * x
-        + (pose[now + 1] - pose[change + 1]) * y
-        + (pose[now + 2] - pose[change + 2]) * z,
-        (pose[now + 3] - pose[change + 3]) * x
-        + (pose[now + 4] - pose[change + 4]) * y
-        + (pose[now + 5] - pose[change + 5]) * z,
-        (pose[now + 6] - pose[change + 6]) * x
-        + (pose[now + 7] - pose[change + 7]) * y
-        + (pose[now + 8] - pose[change + 8]) * z,
-    )
 
 
 @inlined
