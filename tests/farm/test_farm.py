@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cli_runs import TINY, Runner, environment
@@ -176,6 +176,7 @@ def test_a_scene_without_motion_is_not_simulated(run: Runner) -> None:
 
 
 @given(st.text(max_size=30))
+@example("0" * 13)
 def test_no_name_gets_out_of_its_comment_or_its_quotes(name: str) -> None:
     job = jobs.Job(f"$(touch x)`touch x`'\"\n{name}", "1", ("1",), "1", 1, "", ())
     for target in ("slurm", "parallel"):
@@ -183,7 +184,8 @@ def test_no_name_gets_out_of_its_comment_or_its_quotes(name: str) -> None:
             if file.endswith(".sh"):
                 code = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
                 assert "touch x)" not in "\n".join(code)
-                assert not [line for line in code if name.strip() and len(name) > 12 and name in line]
+                if not re.fullmatch(r"[\w.-]*", name, re.ASCII):  # such a name says nothing to a shell
+                    assert not [line for line in code if name.strip() and len(name) > 12 and name in line]
 
 
 @given(st.sets(st.integers(1, 5000), min_size=1, max_size=300), st.none() | st.integers(1, 40))
