@@ -39,9 +39,10 @@ NO_LIGHT = np.zeros((0, 3), np.float32)
 NOTHING = np.zeros(0, np.float32)
 NO_BITS = np.zeros(0, np.uint64)
 NO_SOLIDS = SolidPixels(NOTHING, np.zeros(0, np.int64), NOTHING, NOTHING)
-SLIGHT = np.float32(0.02)
-"""Weight below which a fragment takes light from every second lit vertex alone, and not from both about it; not under
-exact shadows, which vary along a segment. Costs `hair` .001 points of an error of 2.9 %, and `fur` .03 of 6.5 %."""
+SLIGHT = np.float32(.05)
+"""What is let through by all before a fragment, below which it takes light from every second lit vertex alone, and not
+from both about it; not under exact shadows, which vary along a segment. All such fragments have no more than this share
+of a pixel, however thin strands are: a bound of their own weights would hold for all of thin ones."""
 BROAD = np.float32(16.0)
 """Samples. Segments that are no wider have never been seen to take minutes; wider ones are counted."""
 WIDE_PIXELS_AT_MOST = 4e9

@@ -44,9 +44,9 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
     `tiles.Tile`; out: `tiles.Fragments`; marks (V,): set at the vertices that they take light from.
 
     Segments that follow each other in their strand and in depth are parts of one surface: their opacities add up. All
-    others cover the pixel independently. A fragment of less weight than `tiles.Fragments.slight` takes the light of
-    that end of its part of the strand whose rank among lit vertices is even, so that fewer vertices are lit; this
-    depends on nothing but the fragment, so that neither layers nor a crop window change a pixel.
+    others cover the pixel independently. A fragment before which less than `tiles.Fragments.slight` is let through takes
+    the light of that end of its part of the strand whose rank among lit vertices is even, so that fewer vertices are
+    lit; this depends on its pixel alone, so that neither layers nor a crop window change one.
     """
     base = tile.number * PIXELS
     bits = out.place_bits
@@ -74,7 +74,7 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
             if identity < vertices:
                 identity -= (t >> bits) & (out.stride - 1)
                 odd = t >> STEP
-                if share < out.slight:
+                if front < out.slight:
                     identity += odd * out.stride
                     along = alone(along - np.float32(odd))
                 else:

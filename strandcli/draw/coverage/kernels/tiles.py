@@ -74,7 +74,7 @@ class Fragments(NamedTuple):
     width: int
     """Width of the picture, samples."""
     slight: np.float32
-    """Weight below which a fragment takes light from one vertex alone."""
+    """What is let through before a fragment, below which it takes light from one vertex alone."""
 
 
 class Tile(NamedTuple):
