@@ -39,7 +39,7 @@ NO_LIGHT = np.zeros((0, 3), np.float32)
 NOTHING = np.zeros(0, np.float32)
 NO_BITS = np.zeros(0, np.uint64)
 NO_SOLIDS = SolidPixels(NOTHING, np.zeros(0, np.int64), NOTHING, NOTHING)
-SLIGHT = np.float32(.05)
+SLIGHT = np.float32(0.05)
 """What is let through by all before a fragment, below which it takes light from every second lit vertex alone, and not
 from both about it; not under exact shadows, which vary along a segment. All such fragments have no more than this share
 of a pixel, however thin strands are: a bound of their own weights would hold for all of thin ones."""
