@@ -178,7 +178,7 @@ class Scheme(NamedTuple):
     ahead: Any
     """Whether rest shapes begin with those of the step before, and are set where the first change of edges leads to."""
     led: Any
-    """Whether rest shapes are those of edges to which motion leads (`rod_start.lead`); None with neither BDF2 nor oval
+    """Whether rest shapes are those of edges to which motion leads (`rod_lead`); None with neither BDF2 nor oval
     sections."""
     curled: Any
     """Whether rest shapes are curved."""

@@ -12,7 +12,7 @@ edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j 
 
 Without that reaction the force is no gradient, and strands of many curls gain energy from nothing. It enters through
 c̄, so that the matrix of the step stays as it is: by Euler's method that of the edges before the step. BDF2, which such
-a delay would drive, takes it, with all rest shapes, from where the strand's motion leads its edges (`rod_start.lead`).
+a delay would drive, takes it, with all rest shapes, from where the strand's motion leads its edges (`rod_lead`).
 What an oscillation grows by that a step is (ω h)⁴ / 4, and damping takes a multiple of (ω h)²: strands bear it in steps
 that are short against the time in which they stretch. In others, iterations begin with the reaction that the step
 before ended with, and go on with that of the edges where the first of them has led to.
@@ -57,8 +57,9 @@ TWIST_OFFSET, TWIST_FACTOR, FOLD_RATE = range(3)
 
 @device
 def set_rest(s, at, state, material, forcing, scheme, kept):
-    """Add the rest shape to c̄, and update the twist. ``kept``: whether it is kept for the next step, and whether c̄
-    has what was kept before, which is replaced."""
+    """Set c̄ to the rest shape, by the edges that motion leads to or those before the step, and update the twist; or
+    replace in c̄ what was kept before, by the present edges. ``kept``: whether the rest shape is kept for the next step,
+    and True where it replaces one, else None."""
     numbers, held, soft = forcing.numbers, scheme.ends.held, softness(forcing.numbers, scheme.oval)
     transport_frames(s, at, state, material, forcing, scheme, kept[1], soft)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
@@ -76,7 +77,8 @@ def softness(numbers, oval):
 @device
 def transport_frames(s, at, state, material, forcing, scheme, anew, soft):
     """Transport frames from the root to the tip: set `TARGET` by the ψ before the step, and eliminate the torques about
-    edges, linearised in ψ. ``led``: as in `Scheme`; ``soft``: `softness`."""
+    edges, linearised in ψ. ``anew``: None at the beginning of a step, whose edges are set as `first_edge` has them;
+    ``soft``: `softness`."""
     held = scheme.ends.held
     torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
@@ -204,7 +206,8 @@ def add_reactions(s, at, state, material, rigid, share, held, kept):
 @inlined
 def rest_vector(s, o, free, before, edge, turned, soft, bends, bend):
     """The rest vector of the joint at place o, between the edges ``before`` and ``edge``, after its frame has
-    ``turned`` by an angle. ``bend``: place of its bend in ``bends``."""
+    ``turned`` by an angle. ``bend``: place of its bend in ``bends``; ``free``: of the particle's gain, which becomes
+    the thin axis of an oval section."""
     px, py, pz = before
     x, y, z = load3(s, o + TARGET, 1)
     c, d = cosine_sine_of_small(turned)
@@ -229,8 +232,8 @@ def rest_vector(s, o, free, before, edge, turned, soft, bends, bend):
 
 @inlined
 def set_rest_bend(s, o, row, state, share, kept, rest):
-    """Add ``rest`` times ``share`` to c̄ of the segment at place o; where it is ``kept``, for the next step too, and
-    perhaps in place of what has been kept."""
+    """Set c̄ of the segment at place o to ``rest`` times ``share``, or replace in it what has been kept. ``kept``: as in
+    `set_rest`."""
     u, v, w = rest
     keep, before = kept
     x, y, z = share * u, share * v, share * w
