@@ -31,6 +31,7 @@ from .kernels.tile_binning import TileSegments
 from .kernels.tiles import PIXELS, STEP, TILE_HEIGHT, TILE_WIDTH, Fragments
 from .kernels.width_profiles import Profiles, add_to_fragments
 from .masks import half_planes
+from .picture import Picture, windows_of
 
 TASKS_A_WORKER = 16
 UNSURE = 1.2
@@ -148,7 +149,8 @@ class Coverage:
         closed = scratch.borrow("closed", self.size[0] * self.size[1], np.uint8)
         closed.fill(0)
         slight = np.float32(0) if exact else SLIGHT
-        picture = _Picture(drawn, extents, lines.stride, edges, depth_slope, masked, closed, slight, scratch)
+        windows = windows_of(edges, self.size, scratch)
+        picture = Picture(drawn, extents, lines.stride, edges, windows, depth_slope, masked, closed, slight, scratch)
         if not self._rows.any():
             self._estimate(drawn, workers)
         pending = self._cuts()[::-1]
@@ -215,7 +217,7 @@ class Coverage:
             self._rows[here] = count / (here.stop - here.start)
 
     def _layer(
-        self, picture: _Picture, top: int, bottom: int, workers: int, marks: NDArray[np.uint8]
+        self, picture: Picture, top: int, bottom: int, workers: int, marks: NDArray[np.uint8]
     ) -> tuple[Layer | None, int]:
         """Return the layer of the rows top <= y < bottom, or None if there is no room, and about how many fragments it
         has."""
@@ -248,7 +250,7 @@ class Coverage:
         light = NO_LIGHT if edges is None else edges.light
         return Layer(fragments, light, TASKS_A_WORKER * workers, marks), total
 
-    def _bins(self, picture: _Picture, top: int, bottom: int, workers: int, blocks: int) -> TileSegments:
+    def _bins(self, picture: Picture, top: int, bottom: int, workers: int, blocks: int) -> TileSegments:
         """Return lists of the segments in each tile of the rows top <= y < bottom; blocks: of the pool."""
         tiles, borrow = self._tiles(top, bottom), picture.scratch.borrow
         segments = TileSegments(
@@ -257,10 +259,13 @@ class Coverage:
             np.zeros(workers, np.int64),
         )  # fmt: skip
         segments.fills.fill(0)
-        tile_binning.bin_segments(picture.lines, picture.extents, top, bottom, self.size[0], workers, segments)
+        tile_binning.bin_segments(
+            picture.lines, picture.extents, top, bottom, self.size[0], workers, segments, picture.windows,
+            picture.depth_slope,
+        )  # fmt: skip
         return segments
 
-    def _fragments(self, picture: _Picture, top: int, bottom: int, room: int) -> Fragments:
+    def _fragments(self, picture: Picture, top: int, bottom: int, room: int) -> Fragments:
         """Return arrays for so many fragments in the rows top <= y < bottom, not yet filled."""
         tiles, borrow, sparse = self._tiles(top, bottom), picture.scratch.borrow, picture.scratch.sparse
         place_bits = STEP - (picture.stride.bit_length() - 1)
@@ -275,24 +280,3 @@ class Coverage:
     def _tiles(self, top: int, bottom: int) -> int:
         """Return the number of tiles in the rows top <= y < bottom."""
         return -(-self.size[0] // TILE_WIDTH) * -(-(bottom - top) // TILE_HEIGHT)
-
-
-@dataclass(frozen=True)
-class _Picture:
-    """Input that all layers of a picture share."""
-
-    lines: ScreenLines
-    extents: NDArray[np.float32]
-    """(S, 2) from `kernels.strand_extents.find_extents`."""
-    stride: int
-    """Every stride-th vertex is lit."""
-    edges: Edges | None
-    """Edges of the solids."""
-    depth_slope: DepthSlope
-    masked: bool
-    """Whether fragments have masks of the points of a sample."""
-    closed: NDArray[np.uint8]
-    """As in `tiles.Fragments`."""
-    slight: np.float32
-    """As in `tiles.Fragments`."""
-    scratch: Scratch

@@ -16,7 +16,7 @@ from .cells import CELLS, LANES, add_fragment, cover_cells
 from .crowds import leave_out_hidden
 from .joined import measure_joints
 from .ribbon import cover_ribbon
-from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, keep_last, load_vertices, measure_segments
+from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, from_axis, keep_last, load_vertices, measure_segments
 from .tile_binning import LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
 from .tiles import ROW_BITS, TILE_HEIGHT, TILE_WIDTH
 from .windows import find_windows
@@ -154,7 +154,7 @@ def add_row(row, strands, widths, work, n, target, m):
     rows = work.segments
     points = half_width_pointer(strands.screen)
     left, top = np.float32(target.left), np.float32(target.top)
-    far = from_axis(target, strands.depth_slope)
+    far = from_axis(left, np.float32(target.right), top, np.float32(target.bottom), strands.depth_slope)
     run = RIBBON
     start = row.start
     v = row.low - 1
@@ -236,14 +236,6 @@ def list_cells(work, k, v, place, run, start, closing, n, target, m):
         n += min(stop - cell, LANES)
         cell += LANES
     return n, m
-
-
-@inlined
-def from_axis(target, depth_slope):
-    """Return the sum of the greatest distances from the view's axis in x and in y of a place in the tile, pixels."""
-    x, y = depth_slope.axis_x, depth_slope.axis_y
-    across = max(abs(np.float32(target.left) - x), abs(np.float32(target.right) - x))
-    return across + max(abs(np.float32(target.top) - y), abs(np.float32(target.bottom) - y))
 
 
 @device

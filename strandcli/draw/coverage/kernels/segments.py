@@ -113,6 +113,22 @@ def rounding(near, rise, wide, per, far, depth_slope):
     return ROUND * (half * max(depth_slope.per_depth * near + depth_slope.constant, ZERO) + steep)
 
 
+@inlined
+def nearest_of(q0, q1, wide, per, far, depth_slope):
+    """Return bounds on the depth numbers of all that segments show; q0, q1: at their ends; wide, per, far, depth_slope:
+    as in `rounding`. Vectors."""
+    near = max(q0, q1)
+    return where(wide > WIDE, near + rounding(near, q1 - q0, wide, per, far, depth_slope), near)
+
+
+@inlined
+def from_axis(left, right, top, bottom, depth_slope):
+    """Return the sum of the greatest distances from the view's axis in x and in y of a place within these sides,
+    pixels."""
+    x, y = depth_slope.axis_x, depth_slope.axis_y
+    return max(abs(left - x), abs(right - x)) + max(abs(top - y), abs(bottom - y))
+
+
 @device
 def measure_segments(work, count, opacity, left, top, far, depth_slope, windows):
     """Store the rows from `KIND` on of the segments between count + 1 vertices; return whether any may be wide.
@@ -149,8 +165,7 @@ def measure_segments(work, count, opacity, left, top, far, depth_slope, windows)
         store(rows, STRETCH + k, stretch * opacity)
         store(rows, BEGIN_DEPTH + k, q0)
         store(rows, DEPTH_RISE + k, q1 - q0)
-        near = max(q0, q1)
-        store(rows, NEAREST + k, where(wide > WIDE, near + rounding(near, q1 - q0, wide, per, far, depth_slope), near))
+        store(rows, NEAREST + k, nearest_of(q0, q1, wide, per, far, depth_slope))
         store(rows, BEGIN_WIDTH + k, w0)
         store(rows, WIDENING + k, w1 - w0)
         reach_x, reach_y = reach_of(kind, wide)

@@ -6,13 +6,13 @@ of consecutive segments of one strand whose bounding boxes all touch the tile.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, inlined, parallel, prange
-from ....simd import floor, half_width_pointer, lane_count, load, store, where
+from ....simd import any_lane, floor, gather, half_width_pointer, lane_count, load, store, where
 from .segments import (
     BEGIN,
     BEHIND,
@@ -26,12 +26,15 @@ from .segments import (
     X,
     Y,
     along,
+    from_axis,
     kind_of,
     load_vertices,
+    nearest_of,
     reach_of,
 )
 from .strand_extents import GREATEST_Y, LEAST_Y
 from .tiles import TILE_HEIGHT, TILE_WIDTH
+from .windows import PictureWindows, picture_window_of
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -94,6 +97,21 @@ class Chains(NamedTuple):
     """Tiles across the picture."""
 
 
+class Region(NamedTuple):
+    """The rows of a picture that are tiled."""
+
+    above: np.float32
+    """The first one."""
+    wide: np.float32
+    tall: np.float32
+    """Its width and height."""
+    far: np.float32
+    """As in `segments.rounding`."""
+    depth_slope: Any
+    """`strandcli.draw.view.kernels.depth_slope.DepthSlope`"""
+    windows: PictureWindows
+
+
 class TileRange(NamedTuple):
     """The tiles left <= column < right, up <= row < down, integers as float32."""
 
@@ -104,13 +122,14 @@ class TileRange(NamedTuple):
 
 
 @parallel
-def bin_segments(lines, extents, top, bottom, width, workers, segments):
-    """Append the segments that can touch the rows top <= y < bottom of a picture to the chains of their tiles.
+def bin_segments(lines, extents, top, bottom, width, workers, segments, windows, depth_slope):
+    """Append the segments that can touch the rows top <= y < bottom of a picture to the chains of their tiles, but
+    those that solids hide.
 
     lines: `ScreenLines`; extents (S, 2): from `strand_extents.find_extents`; width: of the picture; segments:
-    `TileSegments`, whose fills and used are 0 before. The first tiles begin at row `top`. Workers share strands and
-    blocks evenly. If `used` of a worker is not less than its share of the blocks, there was no room and the chains are
-    invalid.
+    `TileSegments`, whose fills and used are 0 before; windows: `PictureWindows`; depth_slope: `DepthSlope`. The first
+    tiles begin at row `top`. Workers share strands and blocks evenly. If `used` of a worker is not less than its share
+    of the blocks, there was no room and the chains are invalid.
     """
     share = segments.links.shape[0] // workers
     strands = lines.first.shape[0] - 1
@@ -122,23 +141,25 @@ def bin_segments(lines, extents, top, bottom, width, workers, segments):
             segments.pool, segments.links, segments.heads, segments.fills, segments.used, task, task * share,
             (task + 1) * share - 1, opened, across,
         )  # fmt: skip
+        wide, above, below = np.float32(width), np.float32(top), np.float32(bottom)
+        region = Region(
+            above, wide, below - above, from_axis(ZERO, wide, above, below, depth_slope), depth_slope, windows
+        )  # fmt: skip
         bin_strands(
-            task * strands // workers, (task + 1) * strands // workers, lines, extents, top, bottom, width, chains,
+            task * strands // workers, (task + 1) * strands // workers, lines, extents, region, chains,
             np.empty(ROWS * ROW, np.float32),
         )  # fmt: skip
 
 
 @device
-def bin_strands(low, high, lines, extents, top, bottom, width, chains, work):
-    """Append the segments of the strands low … high − 1 to the `Chains` of one worker; work (ROWS * ROW,) float32:
-    scratch; other arguments as in `bin_segments`."""
+def bin_strands(low, high, lines, extents, region, chains, work):
+    """Append the segments of the strands low … high − 1 to the `Chains` of one worker; region: `Region`; work
+    (ROWS * ROW,) float32: scratch; other arguments as in `bin_segments`."""
     points = half_width_pointer(lines.screen)
-    wide = np.float32(width)
-    tall = np.float32(bottom - top)
-    above = np.float32(top)
+    above, below = region.above, region.above + region.tall
     nowhere = TileRange(ZERO, ZERO, ZERO, ZERO)
     for s in range(low, high):
-        if not (extents[s, LEAST_Y] < np.float32(bottom) and extents[s, GREATEST_Y] >= above):
+        if not (extents[s, LEAST_Y] < below and extents[s, GREATEST_Y] >= above):
             continue
         end = lines.first[s + 1]
         run = RIBBON
@@ -148,7 +169,7 @@ def bin_strands(low, high, lines, extents, top, bottom, width, chains, work):
         for base in range(v + 1, end, SEGMENTS):
             count = min(end - base, SEGMENTS)
             load_vertices(points, lines.widths, base - 1, count + 1, work)
-            find_tiles(work, count, above, wide, tall)
+            find_tiles(work, count, region)
             for i in range(1, count + 1):
                 kind = work[KIND + i]
                 if kind == NO_LENGTH:
@@ -170,10 +191,11 @@ def bin_strands(low, high, lines, extents, top, bottom, width, chains, work):
 
 
 @device
-def find_tiles(work, count, above, wide, tall):
-    """Store the rows KIND, BEGIN, LEFT, RIGHT, UP and DOWN of the segments between count + 1 vertices; above, wide,
-    tall: first row, width and height of the tiled part of the picture, float32."""
+def find_tiles(work, count, region):
+    """Store the rows KIND, BEGIN, LEFT, RIGHT, UP and DOWN of the segments between count + 1 vertices; region:
+    `Region`. A hidden segment touches no tile."""
     rows = half_width_pointer(work)
+    wide, tall = region.wide, region.tall
     for k in range(0, count, lane_count(rows)):
         x0, y0, q0, w0 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         k += 1
@@ -182,14 +204,22 @@ def find_tiles(work, count, above, wide, tall):
         kind = kind_of(x1 - x0, y1 - y0, min(q0, q1), w)
         store(rows, KIND + k, kind)
         store(rows, BEGIN + k, along(kind, x0, y0))
-        y0 -= above
-        y1 -= above
         reach_x, reach_y = reach_of(kind, w)
+        left, right = min(x0, x1) - reach_x, max(x0, x1) + reach_x
+        up, down = min(y0, y1) - reach_y, max(y0, y1) + reach_y
         there = kind < BEHIND
-        store(rows, LEFT + k, tile_of(there, min(x0, x1) - reach_x, ZERO, wide, PER_X, ZERO))
-        store(rows, UP + k, tile_of(there, min(y0, y1) - reach_y, ZERO, tall, PER_Y, ZERO))
-        store(rows, RIGHT + k, tile_of(there, max(x0, x1) + reach_x, OUTSIDE, wide - HALF, PER_X, ONE))
-        store(rows, DOWN + k, tile_of(there, max(y0, y1) + reach_y, OUTSIDE, tall - HALF, PER_Y, ONE))
+        if region.windows.depths.shape[0] > 0:
+            here = picture_window_of(left, right, up, down, region.windows)
+            hidden = gather(half_width_pointer(region.windows.depths), 0, here, 1, ZERO)
+            if any_lane(max(q0, q1) < hidden):
+                per = ONE / (along(kind, x1, y1) - along(kind, x0, y0))
+                there = there & ~(nearest_of(q0, q1, w, per, region.far, region.depth_slope) < hidden)
+        up -= region.above
+        down -= region.above
+        store(rows, LEFT + k, tile_of(there, left, ZERO, wide, PER_X, ZERO))
+        store(rows, UP + k, tile_of(there, up, ZERO, tall, PER_Y, ZERO))
+        store(rows, RIGHT + k, tile_of(there, right, OUTSIDE, wide - HALF, PER_X, ONE))
+        store(rows, DOWN + k, tile_of(there, down, OUTSIDE, tall - HALF, PER_Y, ONE))
 
 
 @inlined

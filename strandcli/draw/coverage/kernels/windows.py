@@ -7,13 +7,17 @@ depth of any pixel there, nothing of it is visible.
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
-from ....jit import device, inlined
+import numpy as np
+from numpy.typing import NDArray
+
+from ....jit import device, inlined, parallel, prange
 from ....simd import floor, where
 from .tiles import ROW_BITS, TILE_HEIGHT, TILE_WIDTH
 
 ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
 BLOCK = 4
 """Pixels of a block's side."""
 ACROSS, DOWN = TILE_WIDTH // BLOCK, TILE_HEIGHT // BLOCK
@@ -27,12 +31,25 @@ SAFE = np.float32(1 - 1e-6)
 """Factor of depth numbers, so that rounding hides nothing visible."""
 PER_PIXEL = np.float32(1 / BLOCK)
 REACH = np.float32(BLOCK * SPAN)
+SPANNED = np.float32(SPAN)
 ROW_LENGTH = np.float32(ACROSS)
 LAST = np.float32(ACROSS - 1)
 TO_THE_END = np.float32(ACROSS - SPAN)
 """Number of a block from which on windows reach the tile's end."""
 ALL = np.float32(WHOLE)
 FARTHEST = np.int32(np.float32(np.inf).view(np.int32))
+MOST = 1 << 24
+"""Windows of a picture are numbered by whole numbers in single precision, which are exact up to here."""
+
+
+class PictureWindows(NamedTuple):
+    """Depths behind which solids leave nothing visible in the windows of a whole picture; none if it has no solids."""
+
+    depths: NDArray[np.float32]
+    """(down * across + 1,) depth number of each window, then 0 for boxes that fit into none; (0,): none."""
+    across: int
+    down: int
+    """Blocks of the picture."""
 
 
 @device
@@ -66,6 +83,56 @@ def find_windows(depths, blocks, windows):
             windows[np.uint64(y * ACROSS + x)] = np.int32(least).view(np.float32) * SAFE
             all_ = min(all_, least)
     windows[WHOLE] = np.int32(all_).view(np.float32) * SAFE
+
+
+@parallel
+def find_picture_windows(hides, width, blocks, across, out):
+    """Write the depth numbers of `PictureWindows`, all of them.
+
+    hides (height * width,): depth number behind which solids hide all, not negative; width: of the picture; blocks
+    (down * across,) float32: scratch; across: as in `PictureWindows`; out (down * across + 1,) float32.
+    """
+    down = blocks.shape[0] // across
+    height = hides.shape[0] // width
+    for row in prange(down):
+        y = np.int64(row)
+        columns = np.empty(width, np.float32)
+        columns[:] = np.float32(np.inf)
+        for j in range(y * BLOCK, min(y * BLOCK + BLOCK, height)):
+            at = np.uint64(j * width)
+            for x in range(np.uint64(width)):
+                columns[x] = min(columns[x], hides[at + x])
+        for i in range(across):
+            least = np.float32(np.inf)
+            for x in range(i * BLOCK, min(i * BLOCK + BLOCK, width)):
+                least = min(least, columns[x])
+            blocks[y * across + i] = least
+    for row in prange(down):
+        y = np.int64(row)
+        for x in range(across):
+            least = np.float32(np.inf)
+            for j in range(y, min(y + SPAN, down)):
+                for i in range(x, min(x + SPAN, across)):
+                    least = min(least, blocks[j * across + i])
+            out[y * across + x] = least * SAFE
+    out[down * across] = ZERO
+
+
+@inlined
+def picture_window_of(left, right, up, down, windows):
+    """Return the number of the window in which boxes lie, as `window_of` does; their sides in pixels from the picture's
+    corner; windows: `PictureWindows`. Vectors."""
+    wide, tall = np.float32(windows.across), np.float32(windows.down)
+    x, fits_x = begin_within(left, right, wide)
+    y, fits_y = begin_within(up, down, tall)
+    return where(fits_x & fits_y, y * wide + x, wide * tall)
+
+
+@inlined
+def begin_within(low, high, blocks):
+    """Return what `begin_of` does, among so many blocks. Vectors."""
+    block = floor(min(blocks - ONE, max(ZERO, low * PER_PIXEL)))
+    return block, (high < block / PER_PIXEL + REACH) | ((block >= blocks - SPANNED) & (high >= low))
 
 
 @inlined
