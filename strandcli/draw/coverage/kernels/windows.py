@@ -1,6 +1,7 @@
-"""Depths behind which nothing is visible in parts of a tile, for segments that are left out before they are drawn.
+"""Depths behind which nothing is visible in parts of a tile or picture, for segments that are left out.
 
-A tile is divided into blocks of pixels, and a window is `SPAN` blocks wide and tall, or less at the tile's right and
+Segments that solids hide are never binned into tiles; those that strands hide are left out before they are drawn. A
+tile is divided into blocks of pixels, and a window is `SPAN` blocks wide and tall, or less at the tile's right and
 lower sides. A short segment lies within the window that begins at its upper left block; if it lies behind the least
 depth of any pixel there, nothing of it is visible.
 """
