@@ -91,13 +91,13 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
         work = np.empty(ROWS * W, np.float32)
         work[EXTRA : EXTRA + 3 * W] = ZERO
         which = np.empty(W, np.int64)
+        marked = np.empty(longest(vertices.first, task * STRANDS, min((task + 1) * STRANDS, count)), np.int64)
         n = np.int64(0)  # with a literal, Numba would compile the functions below twice
         for s in range(np.uint64(task * STRANDS), np.uint64(min((task + 1) * STRANDS, count))):
             begin, end = np.uint64(vertices.first[s]), np.uint64(vertices.first[s + NEXT])
             per = ONE / np.float32(max(np.int64(end - begin) - 1, 1))
-            for v in range(begin, end):
-                if vertices.marks[v] == 0:
-                    continue
+            for at in range(find_marked(vertices.marks, begin, end, marked)):
+                v = np.uint64(marked[at])
                 load_vertex(vertices, s, v, begin, end, per, work, np.uint64(n))
                 if wide is not None:
                     start_profile(wide, v)
@@ -115,6 +115,25 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
         ambient_light(work, n, surround)
         batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
         store_radiance(work, which, n, out)
+
+
+@device
+def longest(first, begin, end):
+    """Return the number of vertices of the longest of the strands begin … end − 1."""
+    most = np.int64(0)
+    for s in range(begin, end):
+        most = max(most, first[s + 1] - first[s])
+    return most
+
+
+@inlined
+def find_marked(marks, begin, end, marked):
+    """Write the marked vertices from begin … end − 1 to ``marked``, without branches; return how many they are."""
+    n = np.uint64(0)
+    for v in range(begin, end):
+        marked[n] = v
+        n += np.uint64(marks[v] != 0)
+    return n
 
 
 @inlined

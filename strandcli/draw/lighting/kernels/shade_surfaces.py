@@ -18,6 +18,7 @@ from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import other, sphere
 from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
 from ...common.kernels.surface_batch import (
+    ACROSS,
     ALBEDO,
     COAT,
     DISTANCE,
@@ -29,6 +30,7 @@ from ...common.kernels.surface_batch import (
     SX,
     SY,
     THERE,
+    TONE,
     UNDER,
 )
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
@@ -41,7 +43,9 @@ from .reflection import deepest, gleam, reflect, reflect_from_below
 from .surface_light import arrive, as_computed, note, recall
 
 ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+INF = np.float32(np.inf)
 TINY = np.float32(1e-6)
 INV_PI = np.float32(1 / math.pi)
 PIXELS = 4096
@@ -275,10 +279,32 @@ def cover(work, n, surround, coats, which):
             r *= share
             g *= share
             b *= share
-        if coats[which, coat.MOTTLE] > ZERO:  # a pixel is wider where the surface is seen at a slant
-            tone = coat.patches(x, y, z, coats[which, coat.GRAIN], work[PIXEL + k] / max(facing, TINY))
-            under *= ONE + coats[which, coat.MOTTLE] * tone
+        work[ACROSS + k] = work[PIXEL + k] / max(facing, TINY)  # wider where the surface is seen at a slant
         work[UNDER + k] = under
         work[COAT + k] = r
         work[COAT + W + k] = g
         work[COAT + 2 * W + k] = b
+    if coats[which, coat.MOTTLE] > ZERO:
+        mottle(work, n, coats[which, coat.MOTTLE], coats[which, coat.GRAIN])
+
+
+@device
+def mottle(work, n, strength, grain):
+    """Multiply the light under a coat by that of patches; grain: width of the largest, metres."""
+    for k in range(n):
+        work[TONE + k] = ZERO
+    size, weight = grain, HALF
+    for octave in range(coat.OCTAVES):
+        least = INF
+        for k in range(n):
+            least = min(least, work[ACROSS + k])
+        if least < size:  # finer octaves are not shown at all
+            for k in range(n):
+                work[TONE + k] = coat.add_octave(
+                    work[TONE + k], work[X + k], work[Y + k], work[Z + k], size, work[ACROSS + k], weight,
+                    np.uint32(octave),
+                )  # fmt: skip
+        size *= HALF
+        weight *= coat.FAINTER
+    for k in range(n):
+        work[UNDER + k] *= ONE + strength * min(max(work[TONE + k], -ONE), ONE)
