@@ -61,6 +61,7 @@ from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shad
 from .ambient import ambient_light
 from .light import toward
 from .lit_vertices import lit_first
+from .marked_vertices import find_marked, longest
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -115,25 +116,6 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
         ambient_light(work, n, surround)
         batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
         store_radiance(work, which, n, out)
-
-
-@device
-def longest(first, begin, end):
-    """Return the number of vertices of the longest of the strands begin … end − 1."""
-    most = np.int64(0)
-    for s in range(begin, end):
-        most = max(most, first[s + 1] - first[s])
-    return most
-
-
-@inlined
-def find_marked(marks, begin, end, marked):
-    """Write the marked vertices from begin … end − 1 to ``marked``, without branches; return how many they are."""
-    n = np.uint64(0)
-    for v in range(begin, end):
-        marked[n] = v
-        n += np.uint64(marks[v] != 0)
-    return n
 
 
 @inlined

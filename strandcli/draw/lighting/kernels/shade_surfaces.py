@@ -30,22 +30,21 @@ from ...common.kernels.surface_batch import (
     SX,
     SY,
     THERE,
-    TONE,
     UNDER,
 )
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...solids.kernels import appearance, blended, coat, rays
-from ...solids.kernels.surface_pixels import average, composite, fill_batch, find_pixels, places_in
+from ...solids.kernels.pixel_squares import find_pixels, places_in
+from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import mirror, occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z, READ, WRITTEN, Coating
 from .light import SURFACE, around
+from .mottle import mottle
 from .reflection import deepest, gleam, reflect, reflect_from_below
 from .surface_light import arrive, as_computed, note, recall
 
 ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-INF = np.float32(np.inf)
 TINY = np.float32(1e-6)
 INV_PI = np.float32(1 / math.pi)
 PIXELS = 4096
@@ -286,25 +285,3 @@ def cover(work, n, surround, coats, which):
         work[COAT + 2 * W + k] = b
     if coats[which, coat.MOTTLE] > ZERO:
         mottle(work, n, coats[which, coat.MOTTLE], coats[which, coat.GRAIN])
-
-
-@device
-def mottle(work, n, strength, grain):
-    """Multiply the light under a coat by that of patches; grain: width of the largest, metres."""
-    for k in range(n):
-        work[TONE + k] = ZERO
-    size, weight = grain, HALF
-    for octave in range(coat.OCTAVES):
-        least = INF
-        for k in range(n):
-            least = min(least, work[ACROSS + k])
-        if least < size:  # finer octaves are not shown at all
-            for k in range(n):
-                work[TONE + k] = coat.add_octave(
-                    work[TONE + k], work[X + k], work[Y + k], work[Z + k], size, work[ACROSS + k], weight,
-                    np.uint32(octave),
-                )  # fmt: skip
-        size *= HALF
-        weight *= coat.FAINTER
-    for k in range(n):
-        work[UNDER + k] *= ONE + strength * min(max(work[TONE + k], -ONE), ONE)
