@@ -44,4 +44,4 @@ def shade_surfaces(
     read = written._replace(use=READ, wanted=kernel.BETWEEN)
     lighting.shade_surfaces(keys, image, hidden=hidden, rows=rows, lattice=read)
     here = hidden[top * width : bottom * width]
-    here[here == kernel.BETWEEN] = kernel.DRAWN
+    here &= kernel.HIDDEN  # `BETWEEN` becomes `DRAWN`

@@ -17,6 +17,8 @@ SHARE = layout.allocate_row("share of a pixel's light", surfaces="gather:out")
 RAYS = layout.allocate_row("distances along a pixel's rays", surfaces="gather")
 # A number that the look of a solid is looked for at (`strandcli.scene.solid_shape.SolidShape.look_after`), or −1.
 BEFORE = layout.allocate_row("where to look first", surfaces="gather:ambient")
+# Width of a pixel on the surface, metres, and patches in [−1, 1].
+ACROSS, TONE = layout.allocate("patches", 2, surfaces="ambient")
 # Noise of a pixel, in 8-bit levels.
 NOISE = layout.allocate_row("noise of a pixel", surfaces="out")
 # Light that a coat reflects, red, green and blue; its transmittance.

@@ -61,6 +61,7 @@ from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shad
 from .ambient import ambient_light
 from .light import toward
 from .lit_vertices import lit_first
+from .marked_vertices import find_marked, longest
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -91,13 +92,13 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
         work = np.empty(ROWS * W, np.float32)
         work[EXTRA : EXTRA + 3 * W] = ZERO
         which = np.empty(W, np.int64)
+        marked = np.empty(longest(vertices.first, task * STRANDS, min((task + 1) * STRANDS, count)), np.int64)
         n = np.int64(0)  # with a literal, Numba would compile the functions below twice
         for s in range(np.uint64(task * STRANDS), np.uint64(min((task + 1) * STRANDS, count))):
             begin, end = np.uint64(vertices.first[s]), np.uint64(vertices.first[s + NEXT])
             per = ONE / np.float32(max(np.int64(end - begin) - 1, 1))
-            for v in range(begin, end):
-                if vertices.marks[v] == 0:
-                    continue
+            for at in range(find_marked(vertices.marks, begin, end, marked)):
+                v = np.uint64(marked[at])
                 load_vertex(vertices, s, v, begin, end, per, work, np.uint64(n))
                 if wide is not None:
                     start_profile(wide, v)

@@ -18,6 +18,7 @@ from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import other, sphere
 from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
 from ...common.kernels.surface_batch import (
+    ACROSS,
     ALBEDO,
     COAT,
     DISTANCE,
@@ -33,10 +34,12 @@ from ...common.kernels.surface_batch import (
 )
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...solids.kernels import appearance, blended, coat, rays
-from ...solids.kernels.surface_pixels import average, composite, fill_batch, find_pixels, places_in
+from ...solids.kernels.pixel_squares import find_pixels, places_in
+from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import mirror, occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z, READ, WRITTEN, Coating
 from .light import SURFACE, around
+from .mottle import mottle
 from .reflection import deepest, gleam, reflect, reflect_from_below
 from .surface_light import arrive, as_computed, note, recall
 
@@ -275,10 +278,10 @@ def cover(work, n, surround, coats, which):
             r *= share
             g *= share
             b *= share
-        if coats[which, coat.MOTTLE] > ZERO:  # a pixel is wider where the surface is seen at a slant
-            tone = coat.patches(x, y, z, coats[which, coat.GRAIN], work[PIXEL + k] / max(facing, TINY))
-            under *= ONE + coats[which, coat.MOTTLE] * tone
+        work[ACROSS + k] = work[PIXEL + k] / max(facing, TINY)  # wider where the surface is seen at a slant
         work[UNDER + k] = under
         work[COAT + k] = r
         work[COAT + W + k] = g
         work[COAT + 2 * W + k] = b
+    if coats[which, coat.MOTTLE] > ZERO:
+        mottle(work, n, coats[which, coat.MOTTLE], coats[which, coat.GRAIN])

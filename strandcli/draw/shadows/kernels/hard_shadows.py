@@ -1,11 +1,12 @@
-"""Hard shadows of solids at a batch of points: `rays.visibility`, vectorised over points where solids are spheres."""
+"""Hard shadows of solids at a batch of points: `rays.visibility`, vectorised over points where solids are spheres and
+planes."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ....jit import device
-from ....solids.kernels import sphere
+from ....solids.kernels import plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.outside import count
 from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, X, Y, Z
@@ -21,7 +22,8 @@ def hard_shadows(work, n, solids, skin):
     Rows of `batch`; solids: `strandcli.solids.Solids`; skin: as in `rays.visibility`.
     """
     past_spheres(solids, work, n, skin)
-    if count(solids) > solids.spheres.shape[0]:
+    past_planes(solids, work, n, skin)
+    if count(solids) > solids.spheres.shape[0] + solids.planes.shape[0]:
         for k in range(n):
             if work[ARRIVES + k] > ZERO:
                 work[ARRIVES + k] *= rays.visibility_past_others(
@@ -39,3 +41,15 @@ def past_spheres(solids, work, n, skin):
                 solids.spheres, s, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k], work[LZ + k],
                 work[REACH + k], skin,
             )  # fmt: skip
+
+
+@device_if_built_in(lambda solids, work, n, skin: None)
+def past_planes(solids, work, n, skin):
+    """Set the rows `ARRIVES` to 0 where a plane occludes the light."""
+    for s in range(solids.planes.shape[0]):
+        for k in range(n):
+            lx, ly, lz = work[LX + k], work[LY + k], work[LZ + k]
+            x, y, z = work[X + k] + skin * lx, work[Y + k] + skin * ly, work[Z + k] + skin * lz
+            t = plane.meet(solids.planes, s, x, y, z, lx, ly, lz)
+            hides = (skin < t) & (t < work[REACH + k])
+            work[ARRIVES + k] = ZERO if hides else work[ARRIVES + k]

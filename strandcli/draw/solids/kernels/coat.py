@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-from ....jit import device, function
+from ....jit import device, function, inlined
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -34,6 +34,8 @@ TINY = np.float32(1e-6)
 QUARTER = np.float32(0.25)
 INV_PI = np.float32(1 / math.pi)
 OCTAVES = 5
+FAINTER = np.float32(0.7)
+"""Weight of an octave over that of the one before it."""
 BITS = np.float32(2.0**-24)
 WATER = np.float32(0.02)
 """Least reflectance of a coat that covers all of the surface, straight on."""
@@ -98,17 +100,22 @@ def patches(x, y, z, grain, pixel):
     size = grain
     weight = HALF
     for octave in range(OCTAVES):
-        # an octave is complete from a size of two pixels on, and absent at one pixel or less
-        shown = min(max(size / max(pixel, TINY) - ONE, ZERO), ONE)
-        if shown > ZERO:
-            per = ONE / size
-            total += shown * weight * lattice(x * per, y * per, z * per, np.uint32(octave))
+        total = add_octave(total, x, y, z, size, pixel, weight, np.uint32(octave))
         size *= HALF
-        weight *= np.float32(0.7)
+        weight *= FAINTER
     return min(max(total, -ONE), ONE)
 
 
-@device
+@inlined
+def add_octave(total, x, y, z, size, pixel, weight, seed):
+    """Return the noise so far with an octave added, whose patches are of this size, metres. Without branches."""
+    # an octave is complete from a size of two pixels on, and absent at one pixel or less
+    shown = min(max(size / max(pixel, TINY) - ONE, ZERO), ONE)
+    per = ONE / size if shown > ZERO else ZERO
+    return total + shown * weight * lattice(x * per, y * per, z * per, seed)
+
+
+@inlined
 def lattice(x, y, z, seed):
     """Return value noise in [−1, 1]: uniform random values at integer points, interpolated smoothly."""
     i = np.floor(x)
@@ -117,30 +124,28 @@ def lattice(x, y, z, seed):
     u = smooth(x - i)
     v = smooth(y - j)
     w = smooth(z - k)
-    a = np.int64(i)
-    b = np.int64(j)
-    c = np.int64(k)
+    a, b, c = np.uint32(np.int32(i)), np.uint32(np.int32(j)), np.uint32(np.int32(k))
     total = ZERO
     for corner in range(8):
-        p = corner & 1
-        q = (corner >> 1) & 1
-        r = corner >> 2
+        p, q, r = corner & 1, (corner >> 1) & 1, corner >> 2
         weight = (u if p else ONE - u) * (v if q else ONE - v) * (w if r else ONE - w)
-        total += weight * value(a + p, b + q, c + r, seed)
+        total += weight * value(
+            np.uint32(a + np.uint32(p)), np.uint32(b + np.uint32(q)), np.uint32(c + np.uint32(r)), seed
+        )
     return TWO * total - ONE
 
 
-@device
+@inlined
 def smooth(t):
     """Return the smoothstep 3t² − 2t³ of t in [0, 1]."""
     return t * t * (THREE - TWO * t)
 
 
-@device
+@inlined
 def value(a, b, c, seed):
-    """Return a uniform random value in [0, 1) for an integer point (Wellons's `lowbias32` hash)."""
-    bits = np.uint32(a * 73856093 ^ b * 19349663 ^ c * 83492791) + np.uint32(0x9E3779B9) * seed
-    bits = np.uint32(bits)
+    """Return a uniform random value in [0, 1) for an integer point, uint32 (Wellons's `lowbias32` hash)."""
+    bits = np.uint32(a * np.uint32(73856093)) ^ np.uint32(b * np.uint32(19349663)) ^ np.uint32(c * np.uint32(83492791))
+    bits = np.uint32(np.uint32(bits) + np.uint32(np.uint32(0x9E3779B9) * seed))
     bits = np.uint32((bits ^ (bits >> np.uint32(16))) * np.uint32(0x7FEB352D))
     bits = np.uint32((bits ^ (bits >> np.uint32(15))) * np.uint32(0x846CA68B))
     bits = np.uint32(bits ^ (bits >> np.uint32(16)))

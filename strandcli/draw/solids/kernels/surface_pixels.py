@@ -10,7 +10,7 @@ from ....simd.local import local_float64
 from ....solids.kernels.pixel_rays import put_ray
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.dither import dithered, noise_at
-from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from ...common.kernels.keys import FIRST, LOW, SHIFT
 from ...common.kernels.surface_batch import BEFORE, DISTANCE, NOISE, RAYS, SHARE, SX, SY, THERE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import appearance, blended, rays
@@ -22,46 +22,10 @@ INF = rays.INF
 FOLD = np.float32(4.0)
 """Second difference of depth between neighbouring pixels, in pixel widths, beyond which a surface is taken to have an
 edge in front of itself."""
-SIDE_BITS = np.int64(3)
-SIDE = np.int64(8)
-"""Side of a square of pixels that are shaded one after the other."""
 UNKNOWN, MOST = np.int64(-1), np.int64(1 << 24)
 """Where no triangle is known; whole numbers up to which single precision has all."""
 FINE = 4
 """Rays along each side of a pixel with such an edge."""
-
-
-@device
-def find_pixels(screen, p, end, width, found):
-    """Write to found (places,) int64 the pixels to shade among the places p … end − 1 of `pixel_at`, in their order;
-    return how many they are. Squares without any are passed over by loops without branches."""
-    keys, hidden = screen.keys, screen.hidden
-    n = np.int64(0)
-    while p < end:
-        stop = min(p + SIDE * SIDE, end)
-        if screen.spots.shape[0] > 0 or shows_solids(screen, p, width):
-            for place in range(p, stop):
-                at = pixel_at(place, screen, width)
-                key = keys[max(at, np.int64(0))]
-                shown = (at >= 0) & (key != EMPTY) & ((key & LOW) >= FIRST)
-                if hidden.shape[0] > 0:
-                    shown &= hidden[max(at, np.int64(0))] == screen.wanted
-                found[n] = at
-                n += np.int64(shown)
-        p = stop
-    return n
-
-
-@device
-def shows_solids(screen, p, width):
-    """Return whether a pixel of the square that begins at place p shows a solid."""
-    column, row = square_at(p, screen, width)
-    any_shown = False
-    for y in range(row, min(row + SIDE, np.int64(screen.end))):
-        for at in range(y * width + column, y * width + min(column + SIDE, np.int64(width))):
-            key = screen.keys[np.uint64(at)]
-            any_shown |= (key != EMPTY) & ((key & LOW) >= FIRST)
-    return any_shown
 
 
 @device
@@ -105,39 +69,6 @@ def fill_batch(screen, found, i, end, width, solids, work, which, bare):
             work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, solids, own)
         n += 1
     return end, n, solid, fine
-
-
-@inlined
-def places_in(screen, width):
-    """Return the number of places of `pixel_at`."""
-    rows, columns = np.int64(screen.end - screen.begin), np.int64(width)
-    if screen.spots.shape[0] > 0:
-        return rows * columns
-    return ((rows + SIDE - 1) >> SIDE_BITS) * ((columns + SIDE - 1) >> SIDE_BITS) * SIDE * SIDE
-
-
-@inlined
-def square_at(place, screen, width):
-    """Return column and row of the first pixel of the square that a place is in."""
-    across = (np.int64(width) + SIDE - 1) >> SIDE_BITS
-    square = place >> (2 * SIDE_BITS)
-    down = square // across
-    return (square - down * across) * SIDE, screen.begin + down * SIDE
-
-
-@inlined
-def pixel_at(place, screen, width):
-    """Return the number of the pixel at a place of an order in which sixteen pixels one after the other are a square of
-    4 × 4, and of every second pixel of every second row a square, too: they read the same texels. −1 where no pixel is.
-    Pixels with positions of their own are in their own order."""
-    if screen.spots.shape[0] > 0:
-        return screen.begin * width + place
-    column, row = square_at(place, screen, width)
-    within = place & (SIDE * SIDE - 1)
-    column += (within & 1) + ((within >> 1) & 2) + ((within >> 2) & 4)
-    row += ((within >> 1) & 1) + ((within >> 2) & 2) + ((within >> 3) & 4)
-    inside = (column < width) & (row < screen.end)
-    return row * width + column if inside else np.int64(-1)
 
 
 @device
