@@ -73,6 +73,7 @@ class DrawnStrands:
         if self.combed is not None:
             own = None if self.children is None else ids  # without children both stand as the groom does
             positions = self.combed.join(positions, at, count, self.scratch, own)
+            self.scratch.release("children")
             drawing.lap("combed")
         if whole is None:
             level = with_widths(level_of(scene, at, positions, count, places, self.thins), widths)

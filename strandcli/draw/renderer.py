@@ -41,6 +41,14 @@ from .view import lens
 from .view.camera import View, camera_view
 
 
+POSITIONS = ("children", "combed", "followers")
+"""Names of arrays that are needed until there are polylines,"""
+IN_LIGHT = ("light_screen", "map_vertices", "map_parts", "map_order", "map_places", "map_costs")
+"""until shadow maps are drawn,"""
+IN_PICTURE = ("world", "along", "screen", "widths", "slots", "colours")
+"""and until the exposure ends."""
+
+
 class Renderer:
     """Draws frames of one scene; holds everything that does not change from frame to frame."""
 
@@ -147,6 +155,7 @@ class Renderer:
         """Return one exposure, linear, (height, width, 3), and its lighting; made: lighting of an earlier exposure, of
         which shadows and occlusion are reused; pinhole: whether to ignore lens and jitter."""
         scene, drawing, at = self.scene, self._drawing, shot.at
+        self.scratch.release(*POSITIONS, *IN_LIGHT, *IN_PICTURE)
         strands = self.drawn.at(scene, at, positions, lengths, self.tones, self.ids, drawing)
         if recorder is not None:
             recorder.ids = strands.ids
@@ -162,6 +171,7 @@ class Renderer:
         lines = next(batches.lines()) if len(batches.ranges) == 1 else None
         if maps is not None and made is None:
             self._fill_maps(maps, batches, lines, workers)
+            self.scratch.release(*IN_LIGHT)
         lights = pack_lights(scene.lights, maps, bounds)
         grids = []
         if self.traced and lines is not None:
@@ -212,6 +222,7 @@ class Renderer:
         if self.coverage is not None:  # sorted strands are one batch
             maps.chances = chances_of(batches.strands.ids, batches.strands.count)
         if lines is not None:
+            self.scratch.release(*POSITIONS)
             return maps.build(lines, workers, self.scratch)
         for draw in (maps.add, maps.accumulate_layers) if maps.deep else (maps.add,):
             for polylines in batches.lines():

@@ -11,22 +11,52 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 
+LINE = 64
+"""Bytes of a line of the processor's cache, at which memory begins, as vectors do: one that lies across two lines takes
+two loads."""
+
+
 class Scratch:
     """Named buffers that grow and never shrink. The contents of a borrowed array are undefined."""
 
     def __init__(self) -> None:
         self._buffers: dict[str, NDArray[Any]] = {}
+        self._memory: dict[str, NDArray[np.uint8]] = {}
+        """Of borrowed arrays."""
+        self._released: dict[str, NDArray[np.uint8]] = {}
+        """Memory that no array is in, by the name that had it last."""
+        self._sharing: set[str] = set()
 
     def borrow(self, name: str, shape: int | tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
-        """Return an array of this shape and type. It is valid until the same name is borrowed again: both share
-        memory."""
+        """Return an array of this shape and type. It is valid until the same name is borrowed again, when both share
+        memory, or released."""
         shape = (shape,) if isinstance(shape, int) else shape
-        size = math.prod(shape)
-        buffer = self._buffers.get(name)
-        if buffer is None or buffer.size < size or buffer.dtype != dtype:
-            buffer = np.empty(size + size // 8, dtype)
-            self._buffers[name] = buffer
-        return buffer[:size].reshape(shape)
+        size = math.prod(shape) * np.dtype(dtype).itemsize
+        memory = self._memory.get(name)
+        if memory is None or len(memory) < size:
+            memory = self._memory[name] = self._found(name, size) if name in self._sharing else _aligned(size)
+        return memory[:size].view(dtype).reshape(shape)
+
+    def release(self, *names: str) -> None:
+        """End the use of borrowed arrays: others that have been released once, or are now, may take their memory."""
+        self._sharing.update(names)
+        for name in names:
+            memory = self._memory.pop(name, None)
+            if memory is not None:
+                self._released[name] = memory
+
+    def _found(self, name: str, size: int) -> NDArray[np.uint8]:
+        """Return memory of at least so many bytes, of which no more than half is left over if another name had it."""
+        released = self._released
+        fit = [one for one, memory in released.items() if size <= len(memory) <= 2 * size or one == name]
+        fit = [one for one in fit if size <= len(released[one])]
+        if fit:
+            return released.pop(name if name in fit else min(fit, key=lambda one: len(released[one])))
+        # new memory can serve in the place of what is a little too small, too
+        small = [one for one, memory in released.items() if size <= 2 * len(memory) < 2 * size]
+        if small:
+            del released[max(small, key=lambda one: len(released[one]))]
+        return _aligned(size)
 
     def sparse(self, name: str, size: int, dtype: DTypeLike) -> NDArray[Any]:
         """Return an array (size,) as `borrow` does, of which only pages that are written to take memory. Of other large
@@ -53,6 +83,12 @@ class Scratch:
         if buffer is None or len(buffer) < count:
             buffer = self._buffers["arange"] = np.arange(count + count // 8, dtype=np.int32)
         return buffer[:count]
+
+
+def _aligned(size: int) -> NDArray[np.uint8]:
+    """Return memory of so many bytes and an eighth more, which begins with a line of the cache."""
+    memory = np.empty(size + size // 8 + LINE, np.uint8)
+    return memory[-memory.ctypes.data % LINE :]
 
 
 def _in_small_pages(size: int, dtype: DTypeLike) -> NDArray[Any]:
