@@ -40,6 +40,7 @@ class DrawnStrands:
         # segments of a strand differ in length
         self._uneven = combed is not None or groom.points is not None or self._followers is not None
         self._widths = groom.widths
+        self._near: tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64]] | None = None
 
     def at(
         self, scene: Scene, at: float, positions: NDArray[np.float32], lengths: NDArray[np.float32],
@@ -95,10 +96,20 @@ class DrawnStrands:
         drawn = np.flatnonzero(level.fade)
 
         def around() -> tuple[NDArray[np.float32], int, NDArray[np.int64]]:
-            among = first_emitted(len(ids), ids)
-            some = np.union1d(among, children.near(ids, among[measured(len(among))]))
+            some, among = self._near_measured(children, ids)
             grown, _ = children.grow(positions, lengths, at, ids[some], self._around)
-            return grown, len(some), np.searchsorted(some, among)
+            return grown, len(some), among
 
         level = replace(level, fade=level.fade[drawn], scale=level.scale[drawn])
         return level, Whole(len(ids), drawn, around)
+
+    def _near_measured(
+        self, children: Children, ids: NDArray[np.int32]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:  # fmt: skip
+        """Return which children are made where the distance between strands is measured, and where those on which it is
+        are among these. Roots do not move on their surface, so they are found again only for other children."""
+        if self._near is None or self._near[0] is not ids:
+            among = first_emitted(len(ids), ids)
+            some = np.union1d(among, children.near(ids, among[measured(len(among))]))
+            self._near = ids, some, np.searchsorted(some, among)
+        return self._near[1:]
