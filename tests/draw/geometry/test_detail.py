@@ -11,8 +11,10 @@ import pytest
 
 from strand_kit import frames_of, groom_of, scene_of
 from strandcli.blocks import lanes, pack
+from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.drawn_strands import DrawnStrands
 from strandcli.draw.geometry.detail import level_of
+from strandcli.draw.geometry.spacing import first_emitted
 from strandcli.groom.children import Children
 from strandcli.plan import make_plan, needed_strands
 from strandcli.scene.detail import BAND, near_of, share_at, share_bounds, strands_needed
@@ -268,3 +270,28 @@ def test_children_that_are_not_drawn_are_not_made_and_no_pixel_differs(monkeypat
     (every,) = frames_of(scene_of(CHILDREN), 2)
     assert grown == [36000]
     np.testing.assert_array_equal(few.image, every.image)
+
+
+def test_children_where_strands_are_measured_are_found_once_and_again_for_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Some frames of a run have fewer children, which are other arrays."""
+    scene = scene_of(CHILDREN)
+    children = Children(scene, groom_of(scene))
+    drawn = DrawnStrands(groom_of(scene), children, None, True, Scratch())
+    asked: list[int] = []
+    near = Children.near
+
+    def note(self: Children, ids: Any, own: Any) -> Any:
+        asked.append(len(ids))
+        return near(self, ids, own)
+
+    monkeypatch.setattr(Children, "near", note)
+    every = children.family.ids
+    fewer = every[every < 20_000]
+    first = drawn._near_measured(children, every)
+    again, (some, among) = drawn._near_measured(children, every), drawn._near_measured(children, fewer)
+    assert asked == [36000, 20000]
+    assert again[0] is first[0]
+    assert some.max() < 20_000
+    np.testing.assert_array_equal(some[among], first_emitted(len(fewer), fewer))
