@@ -26,15 +26,15 @@ from numpy.typing import NDArray
 
 from .compiling import folder
 from .compiling.clock import clock
-from .output.state_file import FREE, DamagedError, ForeignError, read_state, state_bytes
+from .output.state_file import FREE, DamagedError, ForeignError, read_state, state_pieces
 
 __all__ = ["FREE", "Arrays", "kept"]
 
 SUFFIX = ".arrays"
-MOST_BYTES = 256 << 20
+MOST_BYTES = 512 << 20
 """Of all such files: beyond it those that no run has read for longest are removed."""
-LARGEST = 32 << 20
-"""Bytes of arrays that are kept: larger ones would take as much memory again while they are written."""
+LARGEST = 128 << 20
+"""Bytes of a file's arrays, so that a few files of this size do not drive out all others."""
 SETTINGS = ("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")
 """Variables that NumPy's bits may follow from."""
 
@@ -63,7 +63,7 @@ def kept(
     if found is None:
         found = made()
         small = sum(one.nbytes for one in found.values()) <= LARGEST
-        if small and folder.cache.write(path, state_bytes(key, found)):
+        if small and folder.cache.write(path, state_pieces(key, found)):
             _remove_oldest(path.parent)
     return list(found.values())
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, TypeVar
 
 from . import compile_ahead, runtime
 from .compiling.folder import cache
@@ -13,7 +13,7 @@ from .ordered_map import ordered_map, worker_count
 from .plan import pictures_that_fit
 from .scene.model import Scene
 from .scene.named_files import naming_files
-from .stages import FrameRenderer, Notify, Positions, RunOptions, SimulationStage
+from .stages import FrameRenderer, MovedStrands, Notify, Positions, RunOptions, SimulationStage
 
 if TYPE_CHECKING:
     from .checkpoints import Checkpoints
@@ -25,6 +25,10 @@ ONE_BY_ONE = (
     "frames are drawn one by one: with OpenMP (on Debian and Ubuntu the package libgomp1) several are drawn at once"
 )
 """What ``notify`` hears where that would take less time."""
+SOONER = 10.0
+"""How many times as long as another frame the first may take to be drawn, which loads kernels and takes memory."""
+ROUNDS = 2
+"""Frames a thread from which on they are drawn at once after the first: the memory of each worker has its price."""
 
 
 def render(
@@ -116,37 +120,82 @@ def _run(
 
 
 def _drawn(moved: SimulationStage, frames: Sequence[int], several: bool) -> Iterator[Frame]:
-    # All threads on one frame: the first compiles or loads kernels, the second tells what a frame costs.
-    renderer = FrameRenderer(moved)
-    seconds: dict[str, float] = {}
-    for number in frames[:2]:
-        begun = moved.begin(number)
+    renderer, rest = FrameRenderer(moved), list(frames)
+    simulate = draw = 0.0
+    # All threads on one frame: the first compiles or loads kernels, the second tells what a frame costs, unless that is
+    # known well enough.
+    for alone in frames[:2]:
+        begun = moved.begin(alone)
+        if alone != frames[0] and several and (at_once := _surely_at_once(moved.scene, rest, begun.frame, draw)) > 1:
+            begun.positions = begun.positions.copy()
+            yield from _drawn_at_once(moved, rest, renderer, at_once, begun)
+            return
         if moved.options.notify is not None:
-            moved.options.notify(f"drawing frame {number}")
+            moved.options.notify(f"drawing frame {alone}")
+        waited = runtime.compile_seconds()
         frame = renderer(begun)
-        seconds = frame.report["seconds"]
+        simulate, draw = _seconds(frame)
+        draw -= runtime.compile_seconds() - waited
+        rest.pop(0)
         yield frame
-    rest = frames[2:]
-    at_once = _frames_at_once(moved.scene, rest, seconds) if several and rest else 1
+    at_once = _frames_at_once(moved.scene, rest, simulate, draw) if several and rest else 1
     if at_once > 1 and not runtime.entered_by_several():
         at_once = 1
         if moved.options.notify is not None:
             moved.options.notify(ONE_BY_ONE)
-    if at_once == 1:
-        for number in rest:
-            yield renderer(moved.begin(number))
+    if at_once > 1:
+        yield from _drawn_at_once(moved, rest, renderer, at_once)
         return
+    for number in rest:
+        yield renderer(moved.begin(number))
+
+
+def _drawn_at_once(
+    moved: SimulationStage, frames: Sequence[int], renderer: FrameRenderer, at_once: int,
+    begun: MovedStrands | None = None,
+) -> Iterator[Frame]:  # fmt: skip
+    """Yield frames of which so many are drawn at once; ``begun``: the first of them, if it has been moved to."""
     import numba
 
     moved.snapshots = True
-    renderers: list[Any] = [renderer, *(FrameRenderer(moved) for _ in range(at_once - 1))]
-    share = numba.get_num_threads() // at_once
-    yield from ordered_map(rest, moved.begin, renderers, start=lambda: numba.set_num_threads(share))
+    threads = numba.get_num_threads()
+    last = frames[len(frames) - len(frames) % at_once :]
+    """Fewer than there are workers, that share all threads."""
+
+    def begin(number: int) -> MovedStrands:
+        return begun if begun is not None and number == frames[0] else moved.begin(number)
+
+    def drawing(renderer: FrameRenderer) -> Callable[[MovedStrands], Frame]:
+        def draw(job: MovedStrands) -> Frame:
+            if job.frame.number in last:
+                numba.set_num_threads(threads // len(last))
+            return renderer(job)
+
+        return draw
+
+    workers = [drawing(one) for one in (renderer, *(FrameRenderer(moved) for _ in range(at_once - 1)))]
+    yield from ordered_map(frames, begin, workers, start=lambda: numba.set_num_threads(threads // at_once))
 
 
-def _frames_at_once(scene: Scene, frames: Sequence[int], seconds: dict[str, float]) -> int:
+def _surely_at_once(scene: Scene, frames: Sequence[int], begun: Frame, draw: float) -> int:
+    """Return how many frames to draw at once, the first of which has been begun, where the time that the frame before
+    them took to draw tells: 1 unless all threads are busy however much sooner others are drawn. ``draw``: seconds."""
     import numba
 
-    simulate = seconds["simulate"] or 0.0
-    draw = sum(took for stage, took in seconds.items() if stage != "simulate")
+    if len(frames) < ROUNDS * numba.get_num_threads() or not runtime.entered_by_several():
+        return 1
+    fewest = _frames_at_once(scene, frames, begun.report["seconds"]["simulate"] or 0.0, draw / SOONER)
+    return fewest if fewest == _frames_at_once(scene, frames, 0.0, draw) else 1
+
+
+def _frames_at_once(scene: Scene, frames: Sequence[int], simulate: float, draw: float) -> int:
+    """Return how many of these frames to draw at once, one of which takes so many seconds on all threads."""
+    import numba
+
     return worker_count(numba.get_num_threads(), len(frames), simulate, draw, pictures_that_fit(scene, frames))
+
+
+def _seconds(frame: Frame) -> tuple[float, float]:
+    """Return the seconds of a frame's simulation, and of all else."""
+    seconds = frame.report["seconds"]
+    return seconds["simulate"] or 0.0, sum(took for stage, took in seconds.items() if stage != "simulate")

@@ -15,7 +15,7 @@ import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from .. import __version__
@@ -61,8 +61,8 @@ class Folder:
         """Take this folder, which another process has chosen."""
         self._path = path
 
-    def write(self, path: Path, content: bytes) -> bool:
-        """Write a file of this folder whole or not at all; returns whether it is there.
+    def write(self, path: Path, content: bytes | Iterable[bytes | memoryview]) -> bool:
+        """Write a file of this folder, whole or not at all, of bytes or pieces; returns whether it is there.
 
         The first failure is told to `warn`; no failure is raised.
         """
@@ -71,7 +71,7 @@ class Folder:
             handle, name = tempfile.mkstemp(dir=path.parent, prefix=f"{os.getpid()}-", suffix=".part")
             temporary = Path(name)
             with open(handle, "wb") as out:
-                out.write(content)
+                out.writelines([content] if isinstance(content, bytes) else content)
             os.replace(temporary, path)
             return True
         except OSError as error:

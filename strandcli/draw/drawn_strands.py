@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..groom.children import Children
 from ..groom.followers import Followers
 from ..scene.detail import strands_needed
-from .common.scratch import Scratch
+from .common.scratch import IN_LIGHT, IN_PICTURE, POSITIONS, Scratch
 from .geometry.detail import level_of, with_widths
 from .geometry.spacing import first_emitted, measured
 from .strand_batches import Strands, Whole
@@ -49,6 +49,7 @@ class DrawnStrands:
         """The strands of a scene that are drawn at a time in seconds, from simulated ones (blocks, n + 1, 3 W) with
         segment rest lengths (blocks, W). ``tones`` and ``ids`` (strands,): of those that can be drawn, their tones and
         places in the order of emission, None: 0, 1, …"""
+        self.scratch.release(*POSITIONS, *IN_LIGHT, *IN_PICTURE)  # of the exposure before
         if isinstance(self.children, Children):
             assert ids is not None
             shown = ids < max(strands_needed(scene, at), int(ids.min()) + 1)

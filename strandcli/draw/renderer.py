@@ -15,7 +15,7 @@ from ..scene.model import Scene
 from ..solids import Solids
 from .canvas import Canvas
 from .common.drawing import Drawing
-from .common.scratch import Scratch
+from .common.scratch import IN_LIGHT, POSITIONS, Scratch
 from .coverage.coverage import Coverage
 from .drawn_strands import DrawnStrands
 from .film.aovs import Recorder
@@ -39,14 +39,6 @@ from .solids.solids import packed as pack_solids
 from .strand_batches import StrandBatch, StrandBatches, Strands, divide
 from .view import lens
 from .view.camera import View, camera_view
-
-
-POSITIONS = ("children", "combed", "followers")
-"""Names of arrays that are needed until there are polylines,"""
-IN_LIGHT = ("light_screen", "map_vertices", "map_parts", "map_order", "map_places", "map_costs")
-"""until shadow maps are drawn,"""
-IN_PICTURE = ("world", "along", "screen", "widths", "slots", "colours")
-"""and until the exposure ends."""
 
 
 class Renderer:
@@ -155,7 +147,6 @@ class Renderer:
         """Return one exposure, linear, (height, width, 3), and its lighting; made: lighting of an earlier exposure, of
         which shadows and occlusion are reused; pinhole: whether to ignore lens and jitter."""
         scene, drawing, at = self.scene, self._drawing, shot.at
-        self.scratch.release(*POSITIONS, *IN_LIGHT, *IN_PICTURE)
         strands = self.drawn.at(scene, at, positions, lengths, self.tones, self.ids, drawing)
         if recorder is not None:
             recorder.ids = strands.ids
@@ -244,12 +235,8 @@ class Renderer:
         """Store the numbers of strands, segments and fragments drawn, for the report."""
         level, counts = strands.level, self._drawing.counts
         drawn = strands.count if level is None else int(np.count_nonzero(level.fade))
-        counts |= {
-            "strands": drawn,
-            "particles": drawn * (strands.positions.shape[1] - 1),
-            "segments": canvas.segments,
-            "fragments": canvas.fragments,
-        }
+        counts |= {"strands": drawn, "particles": drawn * (strands.positions.shape[1] - 1)}
+        counts |= {"segments": canvas.segments, "fragments": canvas.fragments}
         if self.coverage is not None:
             counts["fragment_bytes"] = self.coverage.peak_bytes
         if canvas.grids:

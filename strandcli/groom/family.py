@@ -83,10 +83,10 @@ def family_of(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave]) -
     small, whole = np.float32, np.int32
     like: Arrays = {
         name: np.broadcast_to(np.zeros((), kind), shape) for name, kind, shape in (
-            ("ids", whole, count), ("tones", every.tones.dtype, count), ("roots", np.float64, (count, 3)),
-            ("parents", whole, (count, used)), ("weights", small, (count, used)), ("shares", small, count),
-            ("middles", whole, (levels, count)), ("pulls", small, (levels, count)), ("radii", small, (moved, count)),
-            ("phases", small, (moved, count)), ("turns", small, (moved, count)), ("across", np.float64, (count, 3)),
+            ("ids", whole, count), ("tones", every.tones.dtype, count), ("parents", whole, (count, used)),
+            ("weights", small, (count, used)), ("shares", small, count), ("middles", whole, (count, levels)),
+            ("pulls", small, (count, levels)), ("radii", small, (count, moved)), ("phases", small, (count, moved)),
+            ("turns", small, (count, moved)), ("across", np.float64, (count, 3)),
         )
     }  # fmt: skip
     given = [
@@ -95,8 +95,16 @@ def family_of(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave]) -
         every.directions, every.roots,
     ]  # fmt: skip
     code = (__name__, *neighbours.CODE)
-    found = Family(*kept("family", code, given, like, lambda: _made(scene, groom, every, waves, where)))
-    return found._replace(**{name: np.asfortranarray(getattr(found, name)) for name in LEVELS})
+    arrays = kept("family", code, given, like, lambda: _kept_of(_made(scene, groom, every, waves, where)))
+    found = {name: one.T if name in LEVELS else one for name, one in zip(like, arrays, strict=True)}
+    return Family(roots=every.roots[found["ids"]].astype(np.float64), **found)
+
+
+def _kept_of(family: Family) -> list[NDArray[Any]]:
+    """Return the arrays that are kept, as they lie in memory: all but the roots, which are those emitted."""
+    arrays = family._asdict()
+    del arrays["roots"]
+    return [np.ascontiguousarray(one.T if name in LEVELS else one) for name, one in arrays.items()]
 
 
 def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where: NDArray[np.float32]) -> Family:

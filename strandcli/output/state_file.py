@@ -11,7 +11,8 @@ import hashlib
 import json
 import os
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -42,18 +43,13 @@ class ForeignError(Exception):
 def write_state(path: Path, key: str, arrays: Arrays) -> None:
     """Write arrays under a key, whole or not at all. Raises `RefusedError`."""
     with atomic(path) as file:
-        for piece in _pieces(key, arrays):
-            file.write(piece)
+        file.writelines(state_pieces(key, arrays))
 
 
-def state_bytes(key: str, arrays: Arrays) -> bytes:
-    """The content of such a file."""
-    return b"".join(_pieces(key, arrays))
-
-
-def _pieces(key: str, arrays: Arrays) -> Iterator[bytes | memoryview]:
+def state_pieces(key: str, arrays: Arrays) -> Iterator[bytes | memoryview]:
+    """Yield the content of such a file, an array at a time; of those that are contiguous nothing is copied."""
     whole = hashlib.sha256()
-    pieces: list[bytes | memoryview] = [MAGIC, _head(key, arrays), *map(_bytes, arrays.values())]
+    pieces: Iterable[bytes | memoryview] = chain((MAGIC, _head(key, arrays)), map(_bytes, arrays.values()))
     for piece in pieces:
         whole.update(piece)
         yield piece

@@ -154,7 +154,7 @@ def _each_more(plan: Plan, scene: Scene) -> int:
 
 
 def _plan_side_by_side(plan: Plan, scene: Scene, threads: int) -> None:
-    """Set how many frames are drawn at once, after the first two, and what they take."""
+    """Set how many frames are drawn at once, after the first ones, and what they take."""
     if threads > 1 and plan.frames > 2:
         plan.frames_at_once = min(threads, plan.frames - 2, _fitting(plan, scene))
     more = plan.frames_at_once - 1

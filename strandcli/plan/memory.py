@@ -26,6 +26,8 @@ SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 5_000_000, 25_000_000
 """Of the further kernels, and of what reads meshes, where a scene has them."""
 
 
+PARTS, PART = 4, 16
+"""Of a strand in an opacity map, as in `draw.shadows.kernels.map_parts`."""
 WAITING = 24
 """Bytes of a pixel of pictures that wait to be written."""
 NEARER, SEEN = 1.3, 0.75
@@ -114,7 +116,8 @@ def _projected_bytes(plan: Plan, scene: Scene) -> float:
     """Return the bytes for a vertex of what a light sees at once, at the most; 0 without shadow maps."""
     assert plan.sizes is not None
     found = 0.0
-    parts = 130 / (plan.sizes.segments / max(plan.sizes.made, 1) + 1)  # lists of them, and room for their ends
+    segments = plan.sizes.segments / max(plan.sizes.made, 1)
+    parts = (22 + 36 * min(segments / PART, PARTS - 1)) / (segments + 1)  # lists of them, and room for their ends
     for light in scene.lights:
         if casts_map(light, needs_counts(scene)):
             share = share_in_maps(scene, plan.sizes, side_of(scene, plan.sizes, light))

@@ -11,6 +11,7 @@ spheres) and `lines` (one-pixel lines with colours into a z-buffer).
 
 from __future__ import annotations
 
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -110,7 +111,7 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
     ends = []
     error: dict[str, Any] = {}
     counts: dict[str, int] = {}
-    share = 1
+    share = sys.maxsize
     with tempfile.TemporaryDirectory(prefix="strandcli-bench-") as folder:
         with FrameWriter(Path(folder), numbers, scene.image.drawn) as writer:
             for frame in pipeline.render(scene, numbers, threads=threads, notify=notify):
@@ -118,7 +119,7 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
                 writer.submit(frame.number, frame.image)
                 ends.append(time.perf_counter())
                 counts = frame.report["counts"]
-                share = frame.report["threads"]
+                share = min(share, frame.report["threads"])  # the last frames may have more
                 _worst(error, frame.report["error"])
                 if frame.number > 1:
                     for name, value in frame.report["seconds"].items():

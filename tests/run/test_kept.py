@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+import tracemalloc
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -151,6 +152,18 @@ def test_nothing_is_kept_where_nothing_can_be_nor_what_is_large(place: Path, mon
     assert len(list(place.iterdir())) == 1
 
 
+def test_arrays_are_written_one_by_one(place: Path) -> None:
+    arrays = {name: np.ones(1 << 18, np.float32) for name in "abc"}
+    tracemalloc.start()
+    try:
+        kept("some", CODE, (), arrays, arrays.values)
+        assert tracemalloc.get_traced_memory()[1] < 1 << 19, "half of one of them: none is copied"
+    finally:
+        tracemalloc.stop()
+    (path,) = place.iterdir()
+    assert path.stat().st_size > 3 << 20
+
+
 def same(one: Any, other: Any) -> None:
     for a, b in zip(one, other, strict=True):
         np.testing.assert_array_equal(a, b)
@@ -243,10 +256,14 @@ def test_what_children_follow_has_the_bits_and_the_layout_of_what_is_made(
     def found(scene: Scene) -> family.Family:
         return Children(scene, emit(scene.emitter, scene.seed)).family
 
+    computed: list[family.Family] = []
+    make = family._made
+    monkeypatch.setattr(family, "_made", lambda *given: computed.append(make(*given)) or computed[0])
     made = found(scene)
     assert len(list(place.iterdir())) == 1
     monkeypatch.setattr(family, "_made", refuse)
     again = found(scene)
+    same(made, computed[0])
     same(again, made)
     for one, other in zip(again, made, strict=True):  # kernels are compiled for either order
         assert (one.flags.c_contiguous, one.flags.f_contiguous) == (other.flags.c_contiguous, other.flags.f_contiguous)

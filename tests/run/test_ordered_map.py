@@ -14,8 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strand_kit import frames_of, need_frames_at_once, scene_of
+from strandcli import pipeline, runtime
+from strandcli.frame import Frame
 from strandcli.ordered_map import ordered_map, worker_count
-from tests.run.test_pipeline_extremes import EVERYTHING
+from tests.run.test_pipeline_extremes import EVERYTHING, UNLIT
 
 
 def counted(most: int, seen: list[int]) -> Iterator[int]:
@@ -95,22 +97,41 @@ def test_the_count_follows_threads_frames_memory_and_the_sequential_stage() -> N
     assert worker_count(8, 100, 0.0, 1.0, 99) == 8
 
 
+def test_the_second_frame_has_others_beside_it_where_threads_stay_busy_if_it_takes_a_tenth_of_the_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(numba, "get_num_threads", lambda: 4)
+    monkeypatch.setattr(runtime, "entered_by_several", lambda: True)
+    monkeypatch.setattr(pipeline, "pictures_that_fit", lambda *args: 99)
+    scene = scene_of(UNLIT)
+
+    def found(simulate: float | None, draw: float, frames: int = 8) -> int:
+        begun = Frame(2, None, None, {"seconds": {"simulate": simulate}})
+        return pipeline._surely_at_once(scene, range(2, 2 + frames), begun, draw)
+
+    assert (found(1.0, 31.0), found(1.0, 29.0), found(None, 1.0)) == (4, 1, 4)
+    assert found(1.0, 31.0, 7) == 1
+    monkeypatch.setattr(pipeline, "pictures_that_fit", lambda *args: 2)
+    assert (found(1.0, 11.0), found(1.0, 9.0)) == (2, 1)
+    monkeypatch.setattr(runtime, "entered_by_several", lambda: False)
+    assert found(1.0, 31.0) == 1
+
+
+@pytest.mark.parametrize("early", [False, True])
 @pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="this machine has one core")  # type: ignore[attr-defined]
-def test_frames_drawn_side_by_side_are_those_drawn_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_frames_drawn_side_by_side_are_those_drawn_one_after_the_other(
+    monkeypatch: pytest.MonkeyPatch, early: bool
+) -> None:
     need_frames_at_once()
     scene = scene_of(EVERYTHING)
     scene = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, strands=300))
-    alone = frames_of(scene, *range(1, 9), threads=1)
-    counts = []
-    import strandcli.pipeline as pipeline
-
-    def watched(*arguments: object) -> int:
-        counts.append(2)
-        return 2
-
-    monkeypatch.setattr(pipeline, "worker_count", watched)
-    together = frames_of(scene, *range(1, 9), threads=2)
-    assert counts == [2]
+    # the last frame has no other beside it
+    numbers, threads = (range(1, 9), [2, *[1] * 6, 2]) if early else (range(1, 10), [2, 2, *[1] * 6, 2])
+    alone = frames_of(scene, *numbers, threads=1)
+    monkeypatch.setattr(pipeline, "_surely_at_once", lambda *args: 1 + early)
+    monkeypatch.setattr(pipeline, "_frames_at_once", lambda *args: 2)
+    together = frames_of(scene, *numbers, threads=2)
+    assert [frame.report["threads"] for frame in together] == threads
     for a, b in zip(alone, together, strict=True):
         assert a.number == b.number
         np.testing.assert_array_equal(a.image, b.image)

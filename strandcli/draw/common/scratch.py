@@ -10,7 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-
+POSITIONS = ("children", "combed", "followers")
+"""Names of arrays that are needed until there are polylines,"""
+IN_LIGHT = ("light_screen", "map_vertices", "map_parts", "map_order", "map_places", "map_costs")
+"""until shadow maps are drawn,"""
+IN_PICTURE = ("world", "along", "screen", "widths", "slots", "colours")
+"""and until the exposure ends: see `Scratch.release`."""
 LINE = 64
 """Bytes of a line of the processor's cache, at which memory begins, as vectors do: one that lies across two lines takes
 two loads."""
@@ -48,8 +53,9 @@ class Scratch:
     def _found(self, name: str, size: int) -> NDArray[np.uint8]:
         """Return memory of at least so many bytes, of which no more than half is left over if another name had it."""
         released = self._released
-        fit = [one for one, memory in released.items() if size <= len(memory) <= 2 * size or one == name]
-        fit = [one for one in fit if size <= len(released[one])]
+        fit = [
+            one for one, memory in released.items() if size <= len(memory) and (one == name or len(memory) <= 2 * size)
+        ]
         if fit:
             return released.pop(name if name in fit else min(fit, key=lambda one: len(released[one])))
         # new memory can serve in the place of what is a little too small, too

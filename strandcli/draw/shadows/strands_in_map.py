@@ -12,7 +12,7 @@ from ..view.camera import View
 from ..zbuffer.raster import to_screen
 from .kernels import map_parts, sketches
 from .kernels.deep_strands import CELL, LEVELS, NO_SKETCH, WEIGHTS, Sketch
-from .kernels.map_parts import BITS, PARTS, MapView, PartsInMap, StrandsInMap
+from .kernels.map_parts import BITS, PART, PARTS, MapView, PartsInMap, StrandsInMap
 from .kernels.map_segments import SEGMENTS
 
 FEWEST = 4000
@@ -72,8 +72,9 @@ def parts_of(
 ) -> PartsInMap:
     """Return the parts of projected strands; arguments as in `parts_in_map`."""
     count = len(strands.first) - 1
-    parts = count * PARTS
-    room = len(strands.screen) + parts - count + SEGMENTS + 1  # vectors look beyond the last part
+    shared = min(count * (PARTS - 1), len(strands.screen) // PART)  # as `map_parts.shared_before` for all
+    parts = count + shared
+    room = len(strands.screen) + shared + SEGMENTS + 1  # vectors look beyond the last part
     kept = scratch.borrow("map_vertices", (room, 4), np.float32)
     found, order = (scratch.borrow(name, (parts, 4), np.int32) for name in ("map_parts", "map_order"))
     places = scratch.borrow("map_places", parts, np.uint16)

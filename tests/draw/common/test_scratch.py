@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.common.scratch import LINE, Scratch
 
 
 def test_a_borrowed_array_is_the_same_memory_until_a_larger_one_is_asked_for() -> None:
@@ -20,6 +20,31 @@ def test_a_borrowed_array_is_the_same_memory_until_a_larger_one_is_asked_for() -
         assert borrow("a", 5000, np.float32).shape == (5000,)
         assert borrow("a", 10, np.uint64).dtype == np.uint64
         assert borrow("b", 0, np.uint64).shape == (0,)
+
+
+def test_arrays_that_are_released_share_memory_in_turns() -> None:
+    scratch = Scratch()
+    scratch.release("a", "b", "small")
+    first = scratch.borrow("a", 1000, np.float32)
+    assert first.ctypes.data % LINE == 0
+    assert not np.shares_memory(scratch.borrow("b", 1000, np.float32), first)  # both are in use
+    scratch.release("a")
+    assert not np.shares_memory(scratch.borrow("c", 1000, np.float32), first)  # never released, it keeps its own
+    assert not np.shares_memory(scratch.borrow("small", 10, np.float32), first)  # most would be left over
+    scratch.release("b")
+    scratch.borrow("b", 900, np.int32)
+    scratch.release("c")
+    assert np.shares_memory(scratch.borrow("a", 900, np.float32), first)  # the one that had it before others
+
+
+def test_memory_that_is_a_little_too_small_is_given_up_for_larger() -> None:
+    scratch = Scratch()
+    scratch.release("a", "b")
+    scratch.borrow("a", 1000, np.float32)
+    scratch.release("a")
+    larger = scratch.borrow("b", 1500, np.float32)
+    scratch.release("b")
+    assert np.shares_memory(scratch.borrow("a", 1000, np.float32), larger)
 
 
 @pytest.mark.skipif(not hasattr(mmap, "MADV_NOHUGEPAGE"), reason="no huge pages")

@@ -90,33 +90,40 @@ def thin(strands, sketch, view, size, kept, found, places, costs):
 
     strands: `StrandsInMap`; sketch: `Sketch`, by which most strands deep in shadow are left out; view: `MapView`; size:
     texels along a side; kept: of `PartsInMap`, with room for all vertices and those that two parts share; found
-    (S * PARTS, 4) int32 out: the parts strand by strand, of which one that is not there has no vertices; places (S *
-    PARTS,) uint16 out: on the Z-curve; costs (S * PARTS,) out: of drawing.
+    (R, 4) int32 out: the parts strand by strand, of which one that is not there has no vertices; places (R,) uint16
+    out: on the Z-curve; costs (R,) out: of drawing; R: S and `shared_before` all S strands.
     """
     count = strands.first.shape[0] - 1
     for task in prange((count + STRANDS - 1) // STRANDS):
         for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, count)):
-            for part in range(s * PARTS, (s + 1) * PARTS):
-                thin_part(strands, part, sketch, view, size, kept, found, costs, strands.along)
-                if found[part, COUNT] > 0:
-                    places[part] = place_of(strands, part, size)
+            row = s + shared_before(strands.first, s)
+            for number in range(s + 1 + shared_before(strands.first, s + 1) - row):
+                thin_part(strands, s, number, sketch, view, size, kept, found, costs, strands.along)
+                if found[row + number, COUNT] > 0:
+                    places[row + number] = place_of(strands, s, number, size)
 
 
 @device
-def part_range(first, part):
-    """Return the first vertex of a part, numbered strand by strand, and the last, which is the first of the next part.
-    first: of `StrandsInMap`."""
-    s, number = part // PARTS, part % PARTS
+def shared_before(first, s):
+    """Return how many vertices two parts share at most of the strands before strand s: `PARTS` - 1 of a strand, one of
+    each `PART` vertices. first: of `StrandsInMap`."""
+    return min(s * (PARTS - 1), first[s] // PART)
+
+
+@device
+def part_range(first, s, number):
+    """Return the first vertex of a part of strand s, and the last, which is the first of the next part; the same one
+    twice for a part that is not there. first: of `StrandsInMap`."""
     last = first[s + 1] - 1
-    begin = min(first[s] + number * PART, last)
+    begin = min(first[s] + number * PART, last) if number < PARTS else last
     return begin, last if number == PARTS - 1 else min(begin + PART, last)
 
 
 @device
-def place_of(strands, part, size):
-    """Return the place on the Z-curve of the middle vertex of a part."""
-    begin, _ = part_range(strands.first, part)
-    middle = min(begin + PART // 2, (begin + strands.first[part // PARTS + 1] - 1) // 2)
+def place_of(strands, s, number, size):
+    """Return the place on the Z-curve of the middle vertex of a part of strand s."""
+    begin, _ = part_range(strands.first, s, number)
+    middle = min(begin + PART // 2, (begin + strands.first[s + 1] - 1) // 2)
     tiles = np.float32(1 << BITS) / np.float32(size)
     place = np.int64(0)
     x = np.int64(min(max(strands.screen[middle, 0] * tiles, ZERO), np.float32((1 << BITS) - 1)))
@@ -169,16 +176,16 @@ def weight_of_vertex(sketch, screen, v, view, s):
 
 
 @inlined
-def thin_part(strands, part, sketch, view, size, kept, found, costs, along):
-    """Write the vertices of a part, what is found of it, and its cost; along: of the strands."""
-    s = part // PARTS
+def thin_part(strands, s, number, sketch, view, size, kept, found, costs, along):
+    """Write the vertices of a part of strand s, what is found of it, and its cost; along: of the strands."""
     width = width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
     a = strands.first[s]
     thin = width * strands.taper / np.float32(max(strands.first[s + 1] - a - 1, 1))
     middle = HALF * np.float32(size)
-    begin, last = part_range(strands.first, part)
-    at = begin + part % PARTS + s * (PARTS - 1)
+    begin, last = part_range(strands.first, s, number)
+    shared = shared_before(strands.first, s) + number
+    part, at = s + shared, begin + shared
     found[part, AT], found[part, COUNT] = at, 0
     if begin >= last:
         return
@@ -230,8 +237,8 @@ def sort(found, places, costs, begin, loads, order, borders):
     """Write the parts that are there in their order, and borders of bands with about the same cost; return how many
     parts there are.
 
-    found, places, costs: from `thin`; begin (tiles + 1,) int64 and loads (rows,) float64: changed; order (S * PARTS,
-    4), borders (threads + 1,) out: of `PartsInMap`.
+    found, places, costs: from `thin`; begin (tiles + 1,) int64 and loads (rows,) float64: changed; order (R, 4),
+    borders (threads + 1,) out: of `PartsInMap`.
     """
     begin[:] = 0
     loads[:] = 0.0
