@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels.records import DRAG, FRICTION, LED, ROOT_MASS, TORSION, VELOCITY_STEP, Flags, Forcing, Material
+from .kernels.records import DRAG, FRICTION, LED, ROOT_MASS, VELOCITY_STEP, Forcing, Material
 from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
-from .material import LED_FLAT, LED_MOST, stretch_rates
+from .material import firmness, stretch_rates, torsion
 from .rod_pinned import HEAVY
 from .section import oval
 
@@ -24,45 +23,44 @@ TINY = 1e-9
 """Of rates and angles, what counts as none."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
-LEAST_DAMPING = {False: 0.25, True: 0.5}
-"""Share of a step that inner damping of grooms with coils is at least, by BDF2 where True. The reaction to rest shapes
-on the edges that carry them is that before the step, which rocks tight curls without it."""
-LED_DAMPING, LED_DAMPED = 0.75, 0.5
-"""The same where BDF2 is led to the reaction, from the latter share of the longest such step on; less in shorter
-ones, of which it is right to a higher order."""
+OVAL_DAMPING = 0.25
+"""Share of a step that inner damping of coils with oval sections is at least: without any they hover by a tenth of a
+metre a second, with a tenth it takes them ten seconds to calm down."""
 
 
-def longest_led(
-    rod: Rod, flags: Flags, material: Material, forcing: Forcing, edges: Sequence[NDArray[np.float64]]
-) -> float:
-    """The longest steps, in seconds, in which rest shapes are led by how strands move, by BDF2 or where sections are
-    oval; in longer ones, which coils would not bear it in, a step's iterations follow them instead. ``edges``: N arrays
-    (strands, 3) as the strands begin."""
-    if not flags.curled or not (flags.second or flags.oval):
-        return 0.0
+FIRM_FROM = 0.3
+"""Steps over the frequency at which a coil stretches from which its edges are kept with all of `firmness`. Shorter ones
+need less of it, the square; in these it would be an error."""
+LED_UP_TO, STAY_FROM = 0.3, 0.6
+"""The same up to which edges are led all the way that they move, and from which they are kept where they are: such
+steps cannot follow how coils stretch, and rounding would make these hover."""
+
+
+def stretching(material: Material, torsion: float) -> NDArray[np.float64]:
+    """Return (P, S) the angular frequencies, rad/s, at which curled strands stretch as springs do."""
     packs, rows, _ = material.bends.shape
-    bends = material.bends[:, 2:].reshape(packs, rows - 2, 3, PACK)
-    square = np.einsum("pncs,pncs->ps", bends, bends) / max(rows - 2, 1)
-    rates = stretch_rates(float(forcing.numbers[TORSION]), material.stiffness, square, rows - 1)
-    long = np.linalg.norm(np.mean(edges, axis=0), axis=1)
-    turning = np.sqrt(square).reshape(-1)[: len(long)] * (rows - 1)
-    most = np.minimum(LED_MOST, LED_FLAT * long / np.maximum(turning, TINY))
-    return float((most / np.maximum(rates.reshape(-1)[: len(long)], TINY)).min())
+    bends = material.bends[:, 2:, PACK:].reshape(packs, rows - 2, 2, PACK)
+    square = np.einsum("pncs,pncs->ps", bends, bends, dtype=np.float64) / max(rows - 2, 1)
+    return stretch_rates(torsion, material.stiffness, square, rows - 1)
 
 
 class StepNumbers:
     """Writes the numbers of steps, and nothing where they are those of the step before. ``mass`` (N,) is that of
-    particles without what drag adds; ``coiled``: whether some strand is a coil; ``longest_led``: what `longest_led`
-    returns."""
+    particles without what drag adds; ``coiled``: whether some strand is a coil. Where strands
+    yield, rest shapes are those that they begin with."""
 
     def __init__(
         self, rod: Rod, material: Material, forcing: Forcing, mass: NDArray[Any], gravity: tuple[float, ...],
-        second: bool, coiled: bool, longest_led: float,
+        coiled: bool,
     ) -> None:  # fmt: skip
         self._mass = mass
         self._rod, self._material, self._forcing = rod, material, forcing
         self._gravity = gravity
-        self._second, self._coiled, self.longest_led = second, coiled, longest_led
+        self._least_damping = OVAL_DAMPING if coiled and oval(rod) else 0.0
+        self._firmness, self._rates = 0.0, None
+        if len(forcing.led) == len(material.lengths):
+            self._firmness = firmness(rod, coiled)
+            self._rates = stretching(material, torsion(rod, coiled))
         self._last: tuple[float, bool, bool] | None = None
         self._dragged: float | None = None
 
@@ -72,18 +70,19 @@ class StepNumbers:
             return
         rod = self._rod
         h, velocity_step = (2 * dt / 3, dt / VELOCITY_RATE) if bdf2 else (dt, dt)
-        damping = max(rod.damping, self._least_damping(dt) * dt) * (h / dt)
-        share = 1 / 3 if bdf2 else 0.0
+        damping, share = max(rod.damping, self._least_damping * dt) * (h / dt), 1 / 3 if bdf2 else 0.0
         self._write(velocity_step, pinned, h, *self._gravity, 0.0, 0.0, 0.0, rod.drag, damping, share, rod.friction)
-        self._forcing.numbers[LED] = dt <= self.longest_led and (bdf2 or oval(rod))
+        self._forcing.numbers[LED] = bdf2 or oval(rod)
+        self._keep_edges(dt)
         self._last = dt, bdf2, pinned
 
-    def _least_damping(self, dt: float) -> float:
-        if not self._coiled:
-            return 0.0
-        if not self._second or dt > self.longest_led:
-            return LEAST_DAMPING[self._second]
-        return min(1.0, dt / (LED_DAMPED * self.longest_led)) * LED_DAMPING
+    def _keep_edges(self, dt: float) -> None:
+        """Set how far edges of curled strands are led in steps of ``dt`` seconds, and how firmly they are kept."""
+        if self._rates is None:
+            return
+        steps = self._rates * dt
+        self._forcing.firmness[...] = self._firmness * np.minimum(1.0, (steps / FIRM_FROM) ** 2)
+        self._forcing.led[...] = np.clip((STAY_FROM - steps) / (STAY_FROM - LED_UP_TO), 0.0, 1.0)
 
     def set_moment(self, pinned: bool) -> None:
         """Write those of `MOMENT`, without any load."""
