@@ -156,11 +156,11 @@ def stretch_rates(
     return np.asarray(coarse * np.sqrt(3 * torsion * stiffness * square) / n)
 
 
-def firmness(rod: Rod, coiled: bool) -> float:
+def firmness(torsion: float) -> float:
     """Return the rigidity that keeps edges of curled strands where motion leads them, or where they are, in units of
     κ θ² of the joints at both ends. An edge that tilts alone twists its frame by θ, which costs χ κ θ², and turns the
     rests after it, some κ θ²: halved for the two joints."""
-    return 0.5 * (torsion(rod, coiled) + FIRMEST)
+    return 0.5 * (torsion + FIRMEST)
 
 
 def stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -27,6 +27,7 @@ from .kernels.records import AIR, TOLERANCE
 from .kernels.rod_scratch import PACK
 from .material import COIL_STEP, MOST_INNER
 from .rod_clamped import pins_of
+from .rod_coils import CoilSteps
 from .rod_kernel import NOTHING, StepKernel
 from .rod_motion import Motion, change_of
 from .rod_numbers import StepNumbers
@@ -103,7 +104,8 @@ class RodSolver(Solver):
         self._gravity = tuple(self.surroundings.gravity.tolist())
         arrays = self.state, self.material, self.forcing
         self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
-        self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, shape.coiled)
+        coils = CoilSteps(*arrays[1:], self.state.edges) if shape.curled else None
+        self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, shape.coiled, coils)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)
         self._sudden = self.pins is not None and self.yielding is not None

@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kernels.records import DRAG, FRICTION, LED, ROOT_MASS, VELOCITY_STEP, Forcing, Material
-from .kernels.rod_scratch import PACK
 from .kernels.rod_start import VELOCITY_RATE
-from .material import firmness, stretch_rates, torsion
 from .rod_pinned import HEAVY
 from .section import oval
 
 if TYPE_CHECKING:
     from ..scene.model import Rod
+    from .rod_coils import CoilSteps
 
 ROOT_SHARE = 0.5
 """Relative mass of a free root."""
@@ -28,39 +27,19 @@ OVAL_DAMPING = 0.25
 metre a second, with a tenth it takes them ten seconds to calm down."""
 
 
-FIRM_FROM = 0.3
-"""Steps over the frequency at which a coil stretches from which its edges are kept with all of `firmness`. Shorter ones
-need less of it, the square; in these it would be an error."""
-LED_UP_TO, STAY_FROM = 0.3, 0.6
-"""The same up to which edges are led all the way that they move, and from which they are kept where they are: such
-steps cannot follow how coils stretch, and rounding would make these hover."""
-
-
-def stretching(material: Material, torsion: float) -> NDArray[np.float64]:
-    """Return (P, S) the angular frequencies, rad/s, at which curled strands stretch as springs do."""
-    packs, rows, _ = material.bends.shape
-    bends = material.bends[:, 2:, PACK:].reshape(packs, rows - 2, 2, PACK)
-    square = np.einsum("pncs,pncs->ps", bends, bends, dtype=np.float64) / max(rows - 2, 1)
-    return stretch_rates(torsion, material.stiffness, square, rows - 1)
-
-
 class StepNumbers:
     """Writes the numbers of steps, and nothing where they are those of the step before. ``mass`` (N,) is that of
-    particles without what drag adds; ``coiled``: whether some strand is a coil. Where strands
-    yield, rest shapes are those that they begin with."""
+    particles without what drag adds; ``coiled``: whether some strand is a coil; ``coils``: None of strands
+    that are not curled."""
 
     def __init__(
         self, rod: Rod, material: Material, forcing: Forcing, mass: NDArray[Any], gravity: tuple[float, ...],
-        coiled: bool,
+        coiled: bool, coils: CoilSteps | None,
     ) -> None:  # fmt: skip
         self._mass = mass
         self._rod, self._material, self._forcing = rod, material, forcing
-        self._gravity = gravity
+        self._gravity, self.coils = gravity, coils
         self._least_damping = OVAL_DAMPING if coiled and oval(rod) else 0.0
-        self._firmness, self._rates = 0.0, None
-        if len(forcing.led) == len(material.lengths):
-            self._firmness = firmness(rod, coiled)
-            self._rates = stretching(material, torsion(rod, coiled))
         self._last: tuple[float, bool, bool] | None = None
         self._dragged: float | None = None
 
@@ -73,16 +52,9 @@ class StepNumbers:
         damping, share = max(rod.damping, self._least_damping * dt) * (h / dt), 1 / 3 if bdf2 else 0.0
         self._write(velocity_step, pinned, h, *self._gravity, 0.0, 0.0, 0.0, rod.drag, damping, share, rod.friction)
         self._forcing.numbers[LED] = bdf2 or oval(rod)
-        self._keep_edges(dt)
+        if self.coils is not None:
+            self.coils.set(dt)
         self._last = dt, bdf2, pinned
-
-    def _keep_edges(self, dt: float) -> None:
-        """Set how far edges of curled strands are led in steps of ``dt`` seconds, and how firmly they are kept."""
-        if self._rates is None:
-            return
-        steps = self._rates * dt
-        self._forcing.firmness[...] = self._firmness * np.minimum(1.0, (steps / FIRM_FROM) ** 2)
-        self._forcing.led[...] = np.clip((STAY_FROM - steps) / (STAY_FROM - LED_UP_TO), 0.0, 1.0)
 
     def set_moment(self, pinned: bool) -> None:
         """Write those of `MOMENT`, without any load."""

@@ -78,7 +78,8 @@ def turned(x, y, z, u, v, w, rounding):
     if any_lane(far):
         f = where(far, GREATEST_TURN / sqrt(max(q, TINY)), 1.0)
         u, v, w = f * u, f * v, f * w
-    x, y, z = x + u, y + v, z + w
+    moved = q > 4.0 * rounding * rounding
+    x, y, z = x + where(moved, u, 0.0), y + where(moved, v, 0.0), z + where(moved, w, 0.0)
     q = x * x + y * y + z * z
     off = abs(q - 1.0)
     f = where(off < rounding, 1.0, 1.5 - 0.5 * q)  # rounded anew, strands at rest would move
