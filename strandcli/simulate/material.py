@@ -33,8 +33,8 @@ MOST_INNER = 20
 """Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
 times a second at the usual steps, and gives way to its weight by less than a millimetre."""
 FIRMEST = 0.75
-"""What is added to torsion in `firmness`. Of coils of 3 to 10 turns, none gains energy in steps of up to ten times over
-the frequency at which it stretches with half of it, and some do with none."""
+"""What is added to torsion in `firmness`, with which none of many coils gains energy in steps of up to ten over the
+frequency at which it stretches; with a third less some do."""
 CELLS_ACROSS = 32
 """Cells of the rule interaction along the groom's greatest extent, where the preset gives no cell."""
 MOST_SAMPLES = 64

@@ -129,7 +129,7 @@ def coils_of(solver: RodSolver) -> CoilSteps:
 
 
 @pytest.mark.parametrize("more", ["integrator: bdf2", "integrator: euler", "section: {wide: 1.5, thin: 0.5}"])
-@pytest.mark.parametrize("steps", [0.3, 1.0, 3.0, 10.0])
+@pytest.mark.parametrize("steps", [0.4, 1.0, 3.0, 10.0])
 def test_coils_calm_down_in_steps_of_every_length(steps: float, more: str) -> None:
     """Without any damping. Where no force keeps edges, they whip about for ever in steps from 1 on."""
     for form in FORMS:
@@ -144,12 +144,12 @@ def test_edges_are_kept_as_firmly_and_led_as_far_as_steps_ask_for() -> None:
     """Flat coils are kept from shorter steps on; short steps are led all the way, the longest stay."""
     for form in ((60, 3, 100), (80, 8, 100)):
         turning = 2 * math.pi * form[1] * math.sin(math.radians(form[0]))
-        firm_from = min(0.5, 10 / turning * math.cos(math.radians(form[0])))
+        firm = min(0.5, 10 / turning * math.cos(math.radians(form[0])))
         for steps, led in ((0.02, 1.0), (0.2, 1.0), (0.3, 1.0), (3.0, 0.0)):
             solver = kicked(form, steps, "torsion: 0.7")
             solver._step(1 / 24, 1 / 24)
-            firm = 0.5 * (0.7 + FIRMEST) * min(1.0, steps / firm_from) ** 2
-            assert solver.forcing.firmness[0].max() == pytest.approx(firm, rel=0.15)
+            wanted = 0.5 * (0.7 + FIRMEST) * min(max(steps / firm - 0.6, 0.0), 1.0)
+            assert solver.forcing.firmness[0].max() == pytest.approx(wanted, rel=0.1)
             assert solver.forcing.led[0].max() == pytest.approx(led, abs=1e-3)
 
 
@@ -193,11 +193,11 @@ def swung(rate: int, more: str = "torsion: 0.7") -> tuple[NDArray[np.float64], f
 
 
 def test_ringlets_that_are_swung_hardly_depend_on_the_step() -> None:
-    """Their rest shapes are those of where they move: 1.6e-4. It is 3.5e-4 where a first solution's reaction is taken,
+    """Their rest shapes are those of where they move: 1e-4. It is 3.5e-4 where a first solution's reaction is taken,
     7.7e-4 where edges are kept firmly in short steps as well."""
     (coarse, led), (fine, _) = swung(128), swung(256)
     assert led == 1
-    assert np.abs(coarse - fine).max() < 2.2e-4
+    assert np.abs(coarse - fine).max() < 1.6e-4
 
 
 def test_rest_shapes_are_led_by_bdf2() -> None:
