@@ -153,7 +153,7 @@ def set_load(s, o, c, tension, mass, stiffness, after, firm):
     p, q, bend, force = after
     edge = load(s, o + EDGE + c)
     b = stiffness * (edge - load(s, o - SEGMENT + EDGE + c) - load(s, o + REST_BEND + c))
-    f = (tension * edge - firm) + (b - bend)
+    f = tension * edge + (b - bend) - firm  # as of straight strands to the bit where firm is 0
     p -= mass * load(s, o + INERTIAL + c) + (force - f)
     sum = p + q
     store(s, o + LOAD + c, load(s, o + INVERSE_PIVOT) * sum)
