@@ -13,9 +13,12 @@ edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j 
 Without that reaction the force is no gradient, and strands of many curls gain energy from nothing. It enters through
 c̄, so that the matrix of the step stays as it is: by Euler's method that of the edges before the step. BDF2, which such
 a delay would drive, takes it, with all rest shapes, from where the strand's motion leads its edges (`rod_lead`).
-What an oscillation grows by that a step is (ω h)⁴ / 4, and damping takes a multiple of (ω h)²: strands bear it in steps
-that are short against the time in which they stretch. In others, iterations begin with the reaction that the step
-before ended with, and go on with that of the edges where the first of them has led to.
+
+That is stable where the matrix is too stiff, not where it is too soft. An edge that tilts by δ alone twists its frame
+by θ δ and turns the rests after it, χ κ θ² δ² / 2 and some κ θ² δ² / 2, of which c̄ that stays knows nothing. So an edge
+is kept where it is led, ê, by the energy σ |e − ê|² / 2 (majorisation, as below): of edges of unit length that is the
+force F = σ ê, with τ the greater by σ. It is what steps ask for that are long against the time in which a coil
+stretches (`rod_coils`).
 
 Oval sections bend less easily along their wide axis n, from which ψ is measured, than along the thin one, n', where the
 rigidity is (1 − σ) κ: the energy is less by σ κ (n'·e_j − n'·m_j)² / 2. Its force is that of the rest vector
@@ -25,8 +28,7 @@ rigidity is (1 − σ) κ: the energy is less by σ κ (n'·e_j − n'·m_j)² /
 It is that of the edges to which motion leads, and is corrected by those of the step's first solution, which leaves
 σ κ h² / (M + κ h²) of the error (Hunter & Lange 2004, majorisation); what is at rest has none. A matrix that is too
 stiff bears it: with x + Δt v in place of the x that a step of BDF2 leads to, and that is 5/2 x_n − 2 x_{n−1} +
-1/2 x_{n−2}, linear motion loses amplitude at any step and any σ < 1, and hardly any where steps are short. In steps
-that are too long to be led, rests are set anew between iterations, each of which leaves the same share of the error.
+1/2 x_{n−2}, linear motion loses amplitude at any step and any σ < 1, and hardly any where steps are short.
 """
 
 from __future__ import annotations
