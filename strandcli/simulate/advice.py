@@ -14,7 +14,7 @@ from ..scene.model import Rod
 from ..scene.motion import emitter_pose, own_pose, solid_pose
 from ..scene.touched import touched
 from ..solids.shapes import other, other_code
-from .material import coil_rates, matter_along, softened, stiffness, torsion
+from .material import matter_along, stiffness, torsion
 from .rest_shape import coiled, unit_edges
 from .sag_free import hold
 from .section import softness as softness_of_section
@@ -75,7 +75,7 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
                 f"{name}: its radius of {solid.radius:g} m is less than half a segment of {segment.max():.3g} m, so it "
                 f"passes between two particles unnoticed; {_catching(scene)}, or use more emitter.particles"
             )
-    return found + _broken_loops(scene) + softness(scene, groom) + _fast_coils(scene, groom)
+    return found + _broken_loops(scene) + softness(scene, groom)
 
 
 def _idle_rod(scene: Scene) -> list[str]:
@@ -161,23 +161,6 @@ def softness(scene: Scene, groom: Groom) -> list[str]:
         f"rod.rest: sag_free: {int(stiffer.sum()):,} of {groom.strands:,} strands are too soft to stay as they "
         f"are emitted, and are made up to {(held.stiffness / own).max():.3g} times as stiff; a greater "
         "rod.radius or rod.young, or a shape that hangs, leaves the material as it is"
-    ]
-
-
-def _fast_coils(scene: Scene, groom: Groom) -> list[str]:
-    """Return a warning if coils stretch so fast that they are made softer."""
-    if scene.solver != "rod" or scene.rod.torsion is None or scene.rod.rest != "shape":
-        return []
-    n = scene.emitter.particles - 1
-    edges = np.stack(unit_edges(groom, n)[0])
-    rates = coil_rates(scene.rod, stiffness(scene.rod, groom.lengths.astype(np.float64) / n), edges)
-    factors = softened(rates, 1 / (scene.time.fps * scene.time.substeps))
-    if not (factors < 1).any():
-        return []
-    return [
-        f"rod.torsion: {int((factors < 1).sum()):,} of {groom.strands:,} coils stretch up to "
-        f"{rates.max() / 2 / np.pi:.3g} times a second, too fast for the steps, and are made up to "
-        f"{1 / factors.min():.3g} times softer; they give way by less than a millimetre; more time.substeps change less"
     ]
 
 

@@ -28,16 +28,13 @@ more, because nothing else resists twist; coils get less, because it limits thei
 FINE_TURN = 0.5
 """Radians that a joint turns by, above which steps have to be the shorter."""
 COIL_STEP = 0.25
-"""Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion:
-the reaction to rest shapes is that before the step, or after a first solution of it, which is stable up to 0.3."""
-LED_STEP = 0.2
-"""The same where motion leads BDF2 to the reaction, which takes three quarters of the time."""
-LED_MOST, LED_FLAT = 0.3, 16.0
-"""Up to which step over that curled strands bear it, and the same times the radians by which all joints turn, of coils
-as long as their wire: flat coils of many turns bear less. Of many forms the first folds with 24 in place of it."""
+"""Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion."""
 MOST_INNER = 20
 """Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
-times a second at the usual steps, and gives way to its weight by less than a millimetre: it is made softer."""
+times a second at the usual steps, and gives way to its weight by less than a millimetre."""
+FIRMEST = 0.75
+"""What is added to torsion in `firmness`, with which none of many coils gains energy in steps of up to ten over the
+frequency at which it stretches; with a third less some do."""
 CELLS_ACROSS = 32
 """Cells of the rule interaction along the groom's greatest extent, where the preset gives no cell."""
 MOST_SAMPLES = 64
@@ -159,17 +156,11 @@ def stretch_rates(
     return np.asarray(coarse * np.sqrt(3 * torsion * stiffness * square) / n)
 
 
-def inner_step(led: float) -> float:
-    """Return the longest steps over that, of coils whose reactions may be led in steps of ``led`` over it."""
-    step = min(LED_STEP, led)
-    return step if step > 0.72 * COIL_STEP else COIL_STEP
-
-
-def softened(rates: NDArray[np.float64], step: float) -> NDArray[np.float64]:
-    """Return (strands,) the factor of stiffness with which coils of the angular frequencies ``rates`` stretch no faster
-    than `MOST_INNER` steps in one of ``step`` seconds can follow."""
-    most = MOST_INNER * COIL_STEP / step
-    return np.asarray(np.minimum(1.0, most / np.maximum(rates, most)) ** 2)
+def firmness(torsion: float) -> float:
+    """Return the rigidity that keeps edges of curled strands where motion leads them, or where they are, in units of
+    κ θ² of the joints at both ends. An edge that tilts alone twists its frame by θ, which costs χ κ θ², and turns the
+    rests after it, some κ θ²: halved for the two joints."""
+    return 0.5 * (torsion + FIRMEST)
 
 
 def stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:

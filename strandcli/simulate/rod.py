@@ -25,14 +25,16 @@ from .crowd import Crowd, Moment
 from .health import RESIDUAL_MOST
 from .kernels.records import AIR, TOLERANCE
 from .kernels.rod_scratch import PACK
-from .material import COIL_STEP, MOST_INNER, inner_step
+from .material import COIL_STEP, MOST_INNER
 from .rod_clamped import pins_of
+from .rod_coils import CoilSteps
 from .rod_kernel import NOTHING, StepKernel
 from .rod_motion import Motion, change_of
-from .rod_numbers import StepNumbers, longest_led
+from .rod_numbers import StepNumbers
 from .rod_pinned import TOLERANCE as PINNED_TOLERANCE
 from .rod_pinned import Pins
 from .rod_setup import (
+    coil_rate,
     flags_of,
     forcing_of,
     hinged,
@@ -43,7 +45,6 @@ from .rod_setup import (
     rest_of,
     shape_of,
     state_of,
-    with_coils,
     world_edges,
 )
 from .rod_teleport import begin_before_roots, carry, stop, turned, velocity_of_roots
@@ -94,7 +95,7 @@ class RodSolver(Solver):
         self.contact = StrandContact(scene, groom, touching[0]) if touching else None
         flags = flags_of(scene, shape, self.surroundings, self.deforming is not None)
         self.second, self.loose = flags.second, flags.loose
-        rest, self._coil_rate = with_coils(scene, rest, shape)
+        self._coil_rate = coil_rate(scene, rest, shape)
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
         self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags, rod, shape.coiled)
@@ -103,9 +104,8 @@ class RodSolver(Solver):
         self._gravity = tuple(self.surroundings.gravity.tolist())
         arrays = self.state, self.material, self.forcing
         self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
-        led = longest_led(rod, flags, *arrays[1:], shape.edges)
-        self._inner = inner_step(led * self._coil_rate if flags.second else 0.0)
-        self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, flags.second, shape.coiled, led)
+        coils = CoilSteps(*arrays[1:], self.state.edges) if shape.curled else None
+        self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, shape.coiled, coils)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.yielding = yielding_of(scene, self.material)
         self._sudden = self.pins is not None and self.yielding is not None
@@ -169,8 +169,7 @@ class RodSolver(Solver):
         if self._steady:
             self._step(time, dt)
             return
-        most = math.ceil(MOST_INNER * COIL_STEP / self._inner)
-        count = min(max(1, math.ceil(self._coil_rate * dt / self._inner)), most)
+        count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count
             if self.contact is None and not self._sudden:

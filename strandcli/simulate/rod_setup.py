@@ -15,12 +15,12 @@ from ..blocks import aligned, lanes, on_large_pages
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
-from .kernels.records import LEAD, NUMBERS, POSE, ROUNDING, ROUNDS, SOFT, TORSION, Flags, Forcing, Material, State
+from .kernels.records import LEAD, NUMBERS, POSE, ROUNDING, SOFT, TORSION, Flags, Forcing, Material, State
 from .kernels.rod_scratch import PACK
-from .material import coil_rates, integrator_of, matter_along, needs_double, softened, stiffness, torsion
+from .material import coil_rates, integrator_of, matter_along, needs_double, stiffness, torsion
 from .rest_shape import coiled, straight, transported, unit_edges
 from .sag_free import hold
-from .section import lead, oval, rounds, softness, wide_axes
+from .section import lead, oval, softness, wide_axes
 from .surroundings import gravity
 
 if TYPE_CHECKING:
@@ -209,7 +209,6 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         push=zeros(flags.solids),
         touching=aligned((packs if flags.solids else 1, PACK), dtype),
         twist=rest.twist,
-        rest=zeros(flags.curled and (flags.second or flags.oval)),
         crowd=zeros(flags.crowded),
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),
@@ -235,27 +234,18 @@ def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags, rod: Rod, coi
     numbers = np.zeros(NUMBERS, dtype)
     numbers[ROUNDING] = 4 * float(np.finfo(dtype).eps)
     numbers[TORSION] = torsion(rod, coiled)
-    numbers[SOFT], numbers[ROUNDS] = softness(rod), rounds(rod)
-    numbers[LEAD] = lead(rod)
+    numbers[SOFT], numbers[LEAD] = softness(rod), lead(rod)
+    of_curls = packs if flags.curled else 1
     return Forcing(
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),
         np.zeros(POSE, dtype), numbers, packed(np.zeros_like(drifting), dtype),
-        aligned((packs if flags.held else 1, 2, 3 * PACK), dtype),
+        aligned((packs if flags.held else 1, 2, 3 * PACK), dtype), aligned((of_curls, PACK), dtype),
+        aligned((of_curls, PACK), dtype),
     )  # fmt: skip
 
 
-def with_coils(scene: Scene, rest: Rest, shape: Shape) -> tuple[Rest, float]:
-    """Return the rest shapes with the stiffness of coils that steps can follow, and how fast these stretch, rad/s.
-    Raises `UsageError` where a sag-free start cannot make them softer."""
-    time = scene.time
+def coil_rate(scene: Scene, rest: Rest, shape: Shape) -> float:
+    """Return how fast the fastest coil stretches, rad/s, which steps are cut by; 0 where the torsion is not given."""
     if scene.rod.torsion is None or not shape.curled:
-        return rest, 0.0
-    rates = coil_rates(scene.rod, rest.stiffness, np.stack(shape.edges))
-    factors = softened(rates, 1 / (time.fps * time.substeps))
-    if scene.rod.rest == "sag_free" and factors.min() < 1:
-        raise UsageError(
-            f"{scene.source or 'scene'}: rod.torsion: some coils stretch {rates.max() / 2 / np.pi:.3g} times a second, "
-            "too fast for the steps, and a sag-free start cannot make them softer; use rest: shape, more "
-            "time.substeps, or no rod.torsion"
-        )
-    return rest._replace(stiffness=rest.stiffness * factors), float((rates * np.sqrt(factors)).max())
+        return 0.0
+    return float(coil_rates(scene.rod, rest.stiffness, np.stack(shape.edges)).max())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,16 +12,10 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-ROUNDS = 1.5
-"""Iterations that set rests anew, a unit of the axes' ratio. With them a bending wave along the thin axis of 24 steps a
-cycle keeps what one of a round rod keeps but for .4 % a cycle, of ratios up to 4."""
 LEADS = {False: 0.8, True: 1.0}
-"""Share of the way to the edges by which rests are set that follows velocities, of curled strands with oval sections
-and of those that are straight at rest. By velocities alone motion keeps its amplitude best: 1.1 % a cycle of 24 steps
-is lost at four to one, 3.7 % by four fifths of them. But then loose curls of that section gain energy."""
-ROUND_LEAD = 0.3
-"""The same of round sections. Without it flat coils of many turns fold sooner, with much more of it those with a
-weight at their end do."""
+"""Share of the way to the edges by which rests are set that follows velocities, of curled strands and of those with
+oval sections that are straight at rest. By velocities alone motion keeps its amplitude best, but curls gain energy;
+with half of it they lose twice as much."""
 STEEP = 1e-3
 """Sine of the angle between a strand and x below which x says nothing about its section."""
 
@@ -44,15 +37,9 @@ def softness(rod: Rod) -> float:
     return 1 - (thin / wide) ** 2
 
 
-def rounds(rod: Rod) -> int:
-    """Return how many iterations of a step set rests anew."""
-    wide, thin = axes_of(rod)
-    return math.ceil(ROUNDS * wide / thin)
-
-
 def lead(rod: Rod) -> float:
     """Return the share of the way to the edges by which rests are set that follows velocities, not the last step."""
-    return LEADS[rod.rest == "straight"] if oval(rod) else ROUND_LEAD
+    return LEADS[oval(rod) and rod.rest == "straight"]
 
 
 def twisting(rod: Rod) -> float:

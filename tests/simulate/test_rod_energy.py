@@ -34,7 +34,7 @@ def energies(held: Any, loose: Any) -> Any:
     def run(scratch: Any, mass: Any, joint: Any, out: Any) -> None:
         s = vector_pointer(scratch)
         none = broadcast(s, 0.0) > 1.0
-        store(vector_pointer(out), 0, rod.retract(s, N, mass, joint, Ends(held, loose), none))
+        store(vector_pointer(out), 0, rod.retract(s, N, mass, joint, Ends(held, loose, False), none))
 
     return run
 

@@ -29,7 +29,7 @@ def change(address, n, mass, joint):
     """Add to τ what the Newton step asks for."""
     pile = vector_pointer_at(np.float64, address)
     rod_tension.filter_forward(pile, n, mass, None, False)
-    rod_elimination.change_tension(pile, n, mass, joint, Ends(None, None))
+    rod_elimination.change_tension(pile, n, mass, joint, Ends(None, None, False))
 
 
 @pytest.mark.parametrize("n", [1, 2, 9, 40])

@@ -10,15 +10,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
-VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, ROUNDS, LED, LEAD = 14, 15, 16, 17, 18, 19, 20, 21
-NUMBERS = 22
+VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, LED, LEAD = 14, 15, 16, 17, 18, 19, 20
+NUMBERS = 21
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
 bending rigidity, h of velocities in s, angle in radians by which clamped tips are turned, relative rigidity of their
 joint, relative mass of free roots times 1 + drag h, of oval sections the share by which the softer direction's rigidity
-is less, how many iterations set their rest anew where they are not led, above 0 where rest shapes are (`Scheme.led`),
-and the share of that which follows velocities."""
+is less, above 0 where rest shapes are led (`Scheme.led`), and the share of that which follows velocities."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
@@ -51,9 +50,6 @@ class State(NamedTuple):
     """(P, S) 1 for strands with forces of contact; needed with solids."""
     twist: Any
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
-    rest: Any
-    """(P, N, 3 S) rest values of each c_j in the world, as the last step had them where these were not led; needed by
-    curled strands with BDF2 or oval sections."""
     crowd: Any
     """(P, N, 3 S) acceleration of particles by the strands around them, m/s²; needed where strands interact."""
     positions: Any
@@ -106,6 +102,11 @@ class Forcing(NamedTuple):
     """(P, 3 S) displacement of roots in the step beside that of the emitter, metres; needed by roots that deform."""
     tips: Any
     """(P, 2, 3 S) unit vectors along which tips are clamped and across that, in the world; needed by clamped tips."""
+    firmness: Any
+    """(P, S) rigidity that keeps edges where they are led, in units of κ θ² of the joints at both ends; needed, with
+    the next one, by curled strands."""
+    led: Any
+    """(P, S) share of a step's way that motion leads edges."""
 
 
 class Flags(NamedTuple):
@@ -160,6 +161,8 @@ class Ends(NamedTuple):
     """Whether tips are clamped: True, or None."""
     loose: Any
     """Whether roots are free: True, or None."""
+    firm: Any
+    """Whether forces keep edges where motion leads them (`rod_tension.firm_force`)."""
 
 
 class Scheme(NamedTuple):
@@ -175,15 +178,11 @@ class Scheme(NamedTuple):
     """Whether the strands around accelerate particles, as a change of velocity when the step begins: True, or None."""
     duration: Any
     """Of the step, seconds."""
-    ahead: Any
-    """Whether rest shapes begin with those of the step before, and are set where the first change of edges leads to."""
     led: Any
     """Whether rest shapes are those of edges to which motion leads (`rod_lead`); None with neither BDF2 nor oval
     sections."""
     curled: Any
     """Whether rest shapes are curved."""
-    begun: Any
-    """Whether the step begins with rest shapes of its own, and not with those of the step before."""
     ends: Any
     """`Ends`."""
     oval: Any

@@ -51,6 +51,7 @@ from .rod_scratch import (
     SEGMENT,
     STIFFNESS,
 )
+from .rod_tension import firm_force
 
 FAR = 0.3
 """Error of |e|² above which edges return to unit length before the next iteration."""
@@ -141,6 +142,10 @@ def retract(s, n, mass, joint, ends, chosen):
         z -= sz
         store3(s, o + INERTIAL, 1, x, y, z)
         energy += mass[j] * (x * x + y * y + z * z)
+        if ends.firm:
+            x, y, z = load3(s, o + EDGE, 1)
+            fx, fy, fz = load3(s, firm_force(n, j), 1)
+            energy += 2.0 * (sqrt(fx * fx + fy * fy + fz * fz) - (fx * x + fy * y + fz * z))
     if ends.held is not None:
         energy += rod_held.energy_beyond(s, n)
     if ends.loose is not None:

@@ -13,9 +13,12 @@ edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j 
 Without that reaction the force is no gradient, and strands of many curls gain energy from nothing. It enters through
 c̄, so that the matrix of the step stays as it is: by Euler's method that of the edges before the step. BDF2, which such
 a delay would drive, takes it, with all rest shapes, from where the strand's motion leads its edges (`rod_lead`).
-What an oscillation grows by that a step is (ω h)⁴ / 4, and damping takes a multiple of (ω h)²: strands bear it in steps
-that are short against the time in which they stretch. In others, iterations begin with the reaction that the step
-before ended with, and go on with that of the edges where the first of them has led to.
+
+That is stable where the matrix is too stiff, not where it is too soft. An edge that tilts by δ alone twists its frame
+by θ δ and turns the rests after it, χ κ θ² δ² / 2 and some κ θ² δ² / 2, of which c̄ that stays knows nothing. So an edge
+is kept where it is led, ê, by the energy σ |e − ê|² / 2 (majorisation, as below): of edges of unit length that is the
+force F = σ ê, with τ the greater by σ. It is what steps ask for that are long against the time in which a coil
+stretches (`rod_coils`).
 
 Oval sections bend less easily along their wide axis n, from which ψ is measured, than along the thin one, n', where the
 rigidity is (1 − σ) κ: the energy is less by σ κ (n'·e_j − n'·m_j)² / 2. Its force is that of the rest vector
@@ -25,8 +28,7 @@ rigidity is (1 − σ) κ: the energy is less by σ κ (n'·e_j − n'·m_j)² /
 It is that of the edges to which motion leads, and is corrected by those of the step's first solution, which leaves
 σ κ h² / (M + κ h²) of the error (Hunter & Lange 2004, majorisation); what is at rest has none. A matrix that is too
 stiff bears it: with x + Δt v in place of the x that a step of BDF2 leads to, and that is 5/2 x_n − 2 x_{n−1} +
-1/2 x_{n−2}, linear motion loses amplitude at any step and any σ < 1, and hardly any where steps are short. In steps
-that are too long to be led, rests are set anew between iterations, each of which leaves the same share of the error.
+1/2 x_{n−2}, linear motion loses amplitude at any step and any σ < 1, and hardly any where steps are short.
 """
 
 from __future__ import annotations
@@ -36,9 +38,9 @@ from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3
 from . import rod_held, rod_lead, rod_oval
 from .records import DAMPING, ROUNDING, SOFT, STEP, TIP_JOINT, TORSION
-from .rod_frames import CLAMP, carried, cross, first_normal, unit_edge
-from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT
-from .rod_tension import particle_gain
+from .rod_frames import CLAMP, carried, cross, first_normal
+from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT, STIFFNESS
+from .rod_tension import firm_force, particle_gain
 from .turning import cosine_sine, cosine_sine_of_small
 
 GREATEST_TWIST_CHANGE = 1.0
@@ -56,14 +58,12 @@ TWIST_OFFSET, TWIST_FACTOR, FOLD_RATE = range(3)
 
 
 @device
-def set_rest(s, at, state, material, forcing, scheme, kept):
-    """Set c̄ to the rest shape, by the edges that motion leads to or those before the step, and update the twist; or
-    replace in c̄ what was kept before, by the present edges. ``kept``: whether the rest shape is kept for the next step,
-    and True where it replaces one, else None."""
+def set_rest(s, at, state, material, forcing, scheme):
+    """Set c̄ to the rest shape, by the edges that motion leads to or those before the step, and update the twist."""
     numbers, held, soft = forcing.numbers, scheme.ends.held, softness(forcing.numbers, scheme.oval)
-    transport_frames(s, at, state, material, forcing, scheme, kept[1], soft)
+    transport_frames(s, at, state, material, forcing, scheme, soft)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
-    add_reactions(s, at, state, material, (numbers[TORSION], soft), share, held, kept)
+    add_reactions(s, at, state, material, (numbers[TORSION], soft, load(forcing.firmness, at.strand)), share, held)
 
 
 @device
@@ -75,10 +75,9 @@ def softness(numbers, oval):
 
 
 @device
-def transport_frames(s, at, state, material, forcing, scheme, anew, soft):
-    """Transport frames from the root to the tip: set `TARGET` by the ψ before the step, and eliminate the torques about
-    edges, linearised in ψ. ``anew``: None at the beginning of a step, whose edges are set as `first_edge` has them;
-    ``soft``: `softness`."""
+def transport_frames(s, at, state, material, forcing, scheme, soft):
+    """Set edges as `first_edge` has them, and transport frames along them from the root to the tip: set `TARGET` by the
+    ψ before the step, and eliminate the torques about edges, linearised in ψ. ``soft``: `softness`."""
     held = scheme.ends.held
     torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
@@ -88,18 +87,15 @@ def transport_frames(s, at, state, material, forcing, scheme, anew, soft):
     angle = zero
     a = zero
     b = zero
-    way, far = rod_lead.way_of(s, forcing.numbers, scheme)
+    way, far = rod_lead.way_of(s, at, forcing, scheme)
     for j in range(n):
         o = FIRST_SEGMENT + j * SEGMENT
         free = particle_gain(n, j)
         _, v, w = load3(bends, bend + (j + 1) * AXES, PACK)
         c, d = cosine_sine(angle)
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
-        if anew is None:
-            (ex, ey, ez), far = first_edge(at, j, state, way, far, forcing.numbers, scheme.led)
-            store3(s, o + EDGE, 1, ex, ey, ez)
-        else:
-            ex, ey, ez = unit_edge(s, o)
+        (ex, ey, ez), far = first_edge(at, j, state, way, far, forcing.numbers, scheme.led)
+        store3(s, o + EDGE, 1, ex, ey, ez)
         if soft is not None:
             x, y, z = c * ax + d * bx, c * ay + d * by, c * az + d * bz
             turn, stiff = rod_oval.torque(
@@ -137,41 +133,35 @@ def transport_frames(s, at, state, material, forcing, scheme, anew, soft):
 
 
 @inlined
-def edge_at(s, o, anew):
-    """The edge at place o, of unit length; where rest shapes are set ``anew``, to first order."""
-    if anew is None:
-        return load3(s, o + EDGE, 1)
-    return unit_edge(s, o)
-
-
-@inlined
 def first_edge(at, j, state, way, far, numbers, led):
-    """The edge that a step's first rest shapes are set by, and how far its end is led."""
+    """The edge that a step's rest shapes are set by, and how far its end is led."""
     if led:
         return rod_lead.led_edge(at, j, state, way, far, numbers[ROUNDING])
     return load3(state.edges, at.edge + j * AXES, PACK), far
 
 
 @device
-def add_reactions(s, at, state, material, rigid, share, held, kept):
-    """From the tip to the root: set the new ψ, and add rest vectors by it, with their reaction on edges before, to c̄.
-    ``rigid``: torsion and `softness`; ``share``: of κ, that of the material without damping; ``held``: whether tips are
-    clamped; ``kept``: as in `set_rest`."""
+def add_reactions(s, at, state, material, rigid, share, held):
+    """From the tip to the root: set the new ψ, and add rest vectors by it to c̄, with their reaction on edges before,
+    and set the forces that keep edges where they are led. ``rigid``: torsion, `softness` and firmness; ``share``: of κ,
+    that of the material without damping; ``held``: whether tips are clamped."""
     n, joint = at.segments, material.joint
-    torsion, soft = rigid
+    torsion, soft, firm = rigid
+    firm = firm * share * load(s, STIFFNESS)
     zero = broadcast(s, 0.0)
     sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after
     nx, ny, nz = zero, zero, zero  # the edge after it
     bx, by, bz = zero, zero, zero  # sum of the forces on edges so far
     after = zero  # q / (1 + e·e') of the joint after
     angle = zero
-    ex, ey, ez = edge_at(s, FIRST_SEGMENT + (n - 1) * SEGMENT, kept[1])
+    turn_after = zero  # κ θ² of the joint after
+    ex, ey, ez = load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + EDGE, 1)
     if held is not None:
         (nx, ny, nz), after, angle = rod_held.beyond(s, n)
     for j in range(n - 1, -1, -1):
         o = FIRST_SEGMENT + j * SEGMENT
         free = particle_gain(n, j)
-        px, py, pz = edge_at(s, o - SEGMENT, kept[1])
+        px, py, pz = load3(s, o - SEGMENT + EDGE, 1)
         past = load(s, o + PAST_TWIST)
         now = zero
         q = zero
@@ -193,11 +183,16 @@ def add_reactions(s, at, state, material, rigid, share, held, kept):
         bz += fz + f * (nz - ez) + g * sz
         # this joint's rest vector
         bend = at.bend + (j + 1) * AXES
-        x, y, z = rest_vector(s, o, free, (px, py, pz), (ex, ey, ez), now - past, soft, material.bends, bend)
+        (x, y, z), square = rest_vector(s, o, free, (px, py, pz), (ex, ey, ez), now - past, soft, material.bends, bend)
         f = joint[j]
         sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
-        f = 1.0 / joint[j]
-        set_rest_bend(s, o, at.edge + j * AXES, state, share, kept, (x + f * bx, y + f * by, z + f * bz))
+        turn = f * square
+        f = firm * (turn + turn_after)
+        store3(s, firm_force(n, j), 1, f * ex, f * ey, f * ez)
+        store(s, firm_force(n, j) + 3, f)
+        turn_after = turn
+        f = share / joint[j]
+        store3(s, o + REST_BEND, 1, share * x + f * bx, share * y + f * by, share * z + f * bz)
         nx, ny, nz = ex, ey, ez
         ex, ey, ez = px, py, pz
         after = q
@@ -206,8 +201,8 @@ def add_reactions(s, at, state, material, rigid, share, held, kept):
 @inlined
 def rest_vector(s, o, free, before, edge, turned, soft, bends, bend):
     """The rest vector of the joint at place o, between the edges ``before`` and ``edge``, after its frame has
-    ``turned`` by an angle. ``bend``: place of its bend in ``bends``; ``free``: of the particle's gain, which becomes
-    the thin axis of an oval section."""
+    ``turned`` by an angle, and the square of what is across the edge before it. ``bend``: place of its bend in
+    ``bends``; ``free``: of the particle's gain, which becomes the thin axis of an oval section."""
     px, py, pz = before
     x, y, z = load3(s, o + TARGET, 1)
     c, d = cosine_sine_of_small(turned)
@@ -218,29 +213,15 @@ def rest_vector(s, o, free, before, edge, turned, soft, bends, bend):
         f = fx * edge[0] + fy * edge[1] + fz * edge[2]
         store3(s, free, 1, fx, fy, fz)
         store(s, o + rod_oval.BEND, f)
+        square = v * v + w * w
         w += soft * (f - w)
         x = u * px + v * (c * x + d * wx) + w * fx
         y = u * py + v * (c * y + d * wy) + w * fy
         z = u * pz + v * (c * z + d * wz) + w * fz
     else:
         u = load(bends, bend)
+        square = x * x + y * y + z * z
         x = u * px + c * x + d * wx
         y = u * py + c * y + d * wy
         z = u * pz + c * z + d * wz
-    return x, y, z
-
-
-@inlined
-def set_rest_bend(s, o, row, state, share, kept, rest):
-    """Set c̄ of the segment at place o to ``rest`` times ``share``, or replace in it what has been kept. ``kept``: as in
-    `set_rest`."""
-    u, v, w = rest
-    keep, before = kept
-    x, y, z = share * u, share * v, share * w
-    if before is not None:
-        px, py, pz = load3(state.rest, row, PACK)
-        cx, cy, cz = load3(s, o + REST_BEND, 1)
-        x, y, z = cx + (x - share * px), cy + (y - share * py), cz + (z - share * pz)
-    if keep:
-        store3(state.rest, row, PACK, u, v, w)
-    store3(s, o + REST_BEND, 1, x, y, z)
+    return (x, y, z), square

@@ -8,7 +8,7 @@ while another waits, and what they read comes through the caches once.
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load, sqrt, store, where
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
 from . import rod_held, rod_loose, rod_tension
 from .rod_scratch import (
     EDGE,
@@ -82,8 +82,8 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
     and not stored. ``ends``: as in `Scheme`. A pivot that is too small is raised: in a definite H that does
     no harm; in another, those before it would run away to −∞.
 
-    Loads. The residual is ρ_j = M_j (u*_j − u_j) − f_j + f_{j+1} with f_j = τ_j e_j + b_j − b_{j+1} and
-    b_j = κ_j (c_j − c̄_j), where the edge before the first is the clamped direction.
+    Loads. The residual is ρ_j = M_j (u*_j − u_j) − f_j + f_{j+1} with f_j = τ_j e_j − F_j + b_j − b_{j+1}, b_j = κ_j
+    (c_j − c̄_j), where the edge before the first is the clamped direction, and F_j what keeps edges where they are led.
     """
     zero = broadcast(s, 0.0)
     none = zero, zero, zero
@@ -120,9 +120,12 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
             a -= g * h
             b = k * h
             c = raised * f
-        x = set_load(s, o, 0, t, mass[j], k, (p[0], q[0], bend[0], force[0]))
-        y = set_load(s, o, 1, t, mass[j], k, (p[1], q[1], bend[1], force[1]))
-        z = set_load(s, o, 2, t, mass[j], k, (p[2], q[2], bend[2], force[2]))
+        fx, fy, fz = none
+        if ends.firm:
+            fx, fy, fz = load3(s, rod_tension.firm_force(n, j), 1)
+        x = set_load(s, o, 0, t, mass[j], k, (p[0], q[0], bend[0], force[0]), fx)
+        y = set_load(s, o, 1, t, mass[j], k, (p[1], q[1], bend[1], force[1]), fy)
+        z = set_load(s, o, 2, t, mass[j], k, (p[2], q[2], bend[2], force[2]), fz)
         p = x[0], y[0], z[0]
         q = x[1], y[1], z[1]
         bend = x[2], y[2], z[2]
@@ -144,13 +147,13 @@ def bounded_tension(s, tension, light, stiffness):
 
 
 @inlined
-def set_load(s, o, c, tension, mass, stiffness, after):
+def set_load(s, o, c, tension, mass, stiffness, after, firm):
     """Set coordinate c of the load g of the segment at place o. ``after``: p and q of V, b and f of the segment after
-    it; returns the same of this one."""
+    it; ``firm``: what keeps the edge where it is led. Returns the same of this one."""
     p, q, bend, force = after
     edge = load(s, o + EDGE + c)
     b = stiffness * (edge - load(s, o - SEGMENT + EDGE + c) - load(s, o + REST_BEND + c))
-    f = tension * edge + (b - bend)
+    f = tension * edge + (b - bend) - firm  # as of straight strands to the bit where firm is 0
     p -= mass * load(s, o + INERTIAL + c) + (force - f)
     sum = p + q
     store(s, o + LOAD + c, load(s, o + INVERSE_PIVOT) * sum)

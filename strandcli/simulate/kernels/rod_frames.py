@@ -15,16 +15,6 @@ CLAMP = FIRST_SEGMENT - SEGMENT + EDGE
 
 
 @inlined
-def unit_edge(s, o):
-    """The edge at place o, brought to unit length to first order; one of wild length becomes 0."""
-    x, y, z = load3(s, o + EDGE, 1)
-    q = x * x + y * y + z * z
-    f = 1.5 - 0.5 * q
-    good = q < 3.0
-    return where(good, f * x, 0.0), where(good, f * y, 0.0), where(good, f * z, 0.0)
-
-
-@inlined
 def first_normal(pose, bends, bend):
     """The normal that frames begin with at the clamp, in the world; that before the step where rests are ``led``."""
     x, y, z = load3(bends, bend, PACK)

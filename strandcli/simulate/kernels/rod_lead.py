@@ -19,14 +19,6 @@ GREATEST_TURN = 1.0
 
 
 @device
-def ahead_of(second, curled, numbers):
-    """`Scheme.ahead`; None without BDF2."""
-    if second is None:
-        return None
-    return second and curled and numbers[MOVED] > 0 and numbers[LED] <= 0
-
-
-@device
 def led_of(able, curled, numbers):
     """`Scheme.led`; None where what is ``able`` to is None."""
     if able is None:
@@ -43,33 +35,16 @@ def either(a, b):
 
 
 @device
-def begins(curled, ahead):
-    """Whether a step begins with rest shapes of its own."""
-    if ahead is None:
-        return curled
-    return curled and not ahead
-
-
-@device
-def keeps(flags, led):
-    """Whether rest shapes are kept for the next step, or for the next iteration."""
-    if led is None:
-        return False
-    if flags.oval is not None:
-        return not led
-    return flags.second and not led
-
-
-@device
-def way_of(s, numbers, scheme):
+def way_of(s, at, forcing, scheme):
     """Factors of velocities and of last displacements in how far particles go on, in segments, and whether the latter
     are read; and how far the root comes in this step.
 
     By BDF2 particles move on as in the step before; a share `LEAD` of the way is that of their velocities. By Euler's
     method, which both are the same for, it is the latter; lanes that go by it among others stay.
     """
+    numbers = forcing.numbers
     before = numbers[MOVED] > 0 and numbers[LEAD] < 1.0  # else there may be no step before
-    on = load(s, INVERSE_LENGTH)
+    on = load(s, INVERSE_LENGTH) * load(forcing.led, at.strand)
     if numbers[MOVED] > 0:
         on *= 3.0 * load(s, MOVED_SHARE)  # 1, or 0 in lanes that go by Euler's method
     far = on * scheme.duration
@@ -103,7 +78,8 @@ def turned(x, y, z, u, v, w, rounding):
     if any_lane(far):
         f = where(far, GREATEST_TURN / sqrt(max(q, TINY)), 1.0)
         u, v, w = f * u, f * v, f * w
-    x, y, z = x + u, y + v, z + w
+    moved = q > 4.0 * rounding * rounding
+    x, y, z = x + where(moved, u, 0.0), y + where(moved, v, 0.0), z + where(moved, w, 0.0)
     q = x * x + y * y + z * z
     off = abs(q - 1.0)
     f = where(off < rounding, 1.0, 1.5 - 0.5 * q)  # rounded anew, strands at rest would move

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ...jit import device
 from ...simd import any_lane, broadcast, load, sqrt, store, where
-from . import rod, rod_curl, rod_elimination, rod_oval, rod_start, rod_tension
-from .records import ROUNDS, TOLERANCE
+from . import rod, rod_elimination, rod_oval, rod_start, rod_tension
+from .records import TOLERANCE
 from .rod_scratch import AXES, FIRST_SEGMENT, INDEFINITE, SEGMENT, TENSION
 
 PATIENCE = 6
@@ -42,15 +42,15 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     the present τ, not of the changed one. Energy is the merit function: a step after one that raised it is halved.
     """
     n, mass, joint, tolerance = at.segments, material.mass, material.joint, forcing.numbers[TOLERANCE]
-    ends, least = scheme.ends, least_of(scheme, forcing.numbers)
+    ends = scheme.ends
     worst = total = ever_indefinite = broadcast(s, 0.0)
     single_share = min(1.0, FINE / n)
     mean_share = EVEN / n
     step = broadcast(s, 1.0)
     past_energy = broadcast(s, rod.GREATEST_ERROR * rod.GREATEST_ERROR)
     indefinite = quadratic = False  # the latter: whether iterations are steps of quadratic programming
-    for count in range(-1, max(iterations, least) + 1):
-        if count > least and not any_lane(min(worst, max(single_share * worst, mean_share * total)) > tolerance):
+    for count in range(-1, max(iterations, 1) + 1):
+        if count > 1 and not any_lane(min(worst, max(single_share * worst, mean_share * total)) > tolerance):
             break
         if count == 0:
             if not any_lane(worst > WILD):
@@ -60,9 +60,6 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
         quadratic = count > 0 and (indefinite or quadratic)
         if count > 0:
             far = quadratic or any_lane(worst > rod.FAR)
-            ahead = sets_rest(scheme, count, least)
-            if ahead:  # before iterations that never are left out
-                rod_curl.set_rest(s, at, state, material, forcing, scheme, (True, True))
             corrected = correct(s, n, joint, forcing.numbers, scheme, count)
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
@@ -72,9 +69,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
                 if quadratic:
                     step = next_step(s, step, chosen, energy > past_energy * RISE, count)
                     past_energy = where(chosen, energy, past_energy)
-            elif ahead:
-                rod_elimination.set_loads(s, n, mass, joint, ends)
-            rod_tension.filter_forward(s, n, mass, ends.loose, far or ahead or corrected)
+            rod_tension.filter_forward(s, n, mass, ends.loose, far or corrected)
             if quadratic:
                 indefinite = rod_elimination.change_tension(s, n, mass, joint, ends)
                 worst, total = apply_step(s, n, ends, step)
@@ -89,24 +84,6 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     if quadratic:
         rod_elimination.factorise_bounded(s, n, mass, joint, ends)
     return worst
-
-
-@device
-def least_of(scheme, numbers):
-    """Iterations at the least."""
-    if scheme.oval is not None:
-        return 1 if scheme.led else 1 + int(numbers[ROUNDS])
-    return 2 if scheme.ahead else 1
-
-
-@device
-def sets_rest(scheme, count, least):
-    """Whether rest shapes are set anew before an iteration."""
-    if scheme.oval is not None:
-        return 1 < count <= least
-    if scheme.ahead:
-        return count == least
-    return False
 
 
 @device

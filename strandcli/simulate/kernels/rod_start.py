@@ -26,6 +26,7 @@ from .rod_scratch import (
     TENSION,
     VELOCITY_SCALE,
 )
+from .rod_tension import firm_force
 
 BLEND = 0.8
 """θ: share of BDF3 in the difference formula of velocities, the rest is BDF2. Two such steps, BDF2 for displacements
@@ -93,14 +94,14 @@ def fill_scratch(s, at, state, material, forcing, scheme):
     for j in range(at.segments):
         o = FIRST_SEGMENT + j * SEGMENT
         row = at.edge + j * AXES
-        store(s, o + TENSION, load(state.tension, at.tension + j * PACK) * square)
+        t = load(state.tension, at.tension + j * PACK) * square
+        if scheme.curled:
+            t += load(s, firm_force(at.segments, j) + 3)
+        store(s, o + TENSION, t)
         x, y, z = load3(state.edges, row, PACK)
         store3(s, o + EDGE, 1, x, y, z)
         cx, cy, cz = share * (x - px), share * (y - py), share * (z - pz)
-        if scheme.ahead:
-            u, v, w = load3(state.rest, row, PACK)
-            cx, cy, cz = cx + (1 - share) * u, cy + (1 - share) * v, cz + (1 - share) * w
-        if scheme.begun:  # what `rod_curl.set_rest` has left
+        if scheme.curled:  # what `rod_curl.set_rest` has left
             u, v, w = load3(s, o + REST_BEND, 1)
             cx, cy, cz = cx + u, cy + v, cz + w
         store3(s, o + REST_BEND, 1, cx, cy, cz)

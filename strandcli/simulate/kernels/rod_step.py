@@ -102,7 +102,7 @@ def state_of(kind, descriptor):
         pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
         pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
         pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
-        pointer_at(kind, descriptor[STATE + 16]), pointer_at(kind, descriptor[STATE + 17]),
+        pointer_at(kind, descriptor[STATE + 16]),
     )  # fmt: skip
 
 
@@ -123,7 +123,8 @@ def forcing_of(kind, descriptor):
         pointer_at(kind, descriptor[FORCING]), pointer_at(kind, descriptor[FORCING + 1]),
         pointer_at(kind, descriptor[FORCING + 2]), pointer_at(kind, descriptor[FORCING + 3]),
         pointer_at(kind, descriptor[FORCING + 4]), pointer_at(kind, descriptor[FORCING + 5]),
-        pointer_at(kind, descriptor[FORCING + 6]),
+        pointer_at(kind, descriptor[FORCING + 6]), pointer_at(kind, descriptor[FORCING + 7]),
+        pointer_at(kind, descriptor[FORCING + 8]),
     )  # fmt: skip
 
 
@@ -236,18 +237,16 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         if flags.loose is None:
             place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
-        ahead = rod_lead.ahead_of(flags.second, flags.curled, numbers)
         led = rod_lead.led_of(rod_lead.either(flags.second, flags.oval), flags.curled, numbers)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
-            ahead, led, flags.curled, rod_lead.begins(flags.curled, ahead),
-            Ends(flags.held, flags.loose), flags.oval,
+            led, flags.curled, Ends(flags.held, flags.loose, flags.curled), flags.oval,
         )  # fmt: skip
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
         if flags.held is not None:
             rod_held.place_clamp(scratch, at, state, material, forcing)
-        if scheme.begun:
-            rod_curl.set_rest(scratch, at, state, material, forcing, scheme, (rod_lead.keeps(flags, led), None))
+        if scheme.curled:
+            rod_curl.set_rest(scratch, at, state, material, forcing, scheme)
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         rod_start.give_way(scratch)
         worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations)

@@ -42,6 +42,7 @@ from .rod_scratch import (
     TENSION,
 )
 from .rod_start import GAIN, OLD_GAIN
+from .rod_tension import firm_force
 
 ROW = 3 * W
 """Numbers of a row of positions, which are drawn and lie in blocks."""
@@ -93,7 +94,10 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         dx, dy, dz = load3(s, o + INERTIAL, 1)
         store3(s, o + DISPLACEMENT, 1, x - dx, y - dy, z - dz)
         # the next step does not begin with compression that made H indefinite
-        t = max(load(s, o + TENSION), least)
+        t = load(s, o + TENSION)
+        if scheme.curled:
+            t -= load(s, firm_force(n, j) + 3)
+        t = max(t, least)
         store(state.tension, at.tension + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
         if scheme.pressed:
             y0, z0 = rod.finish_mobility(s, o, y0, z0)
@@ -182,17 +186,15 @@ def prefetch_segment(n, j, strand, state, bends, scheme, solids):
     prefetch(state.tension, segment * PACK + strand % PACK)
     prefetch3(state.positions, position_of(strand, n) + (j + 2) * ROW, W)
     if scheme.curled:
-        prefetch_rest(n, j, strand, state, bends, scheme.ahead)
+        prefetch_rest(n, j, strand, state, bends)
 
 
 @device
-def prefetch_rest(n, j, strand, state, bends, ahead):
+def prefetch_rest(n, j, strand, state, bends):
     """Prefetch the rest shape of segment j of a strand, and its twist."""
     pack, lane = strand // PACK, strand % PACK
     prefetch3(bends, (pack * (n + 1) + j + 1) * AXES + lane, PACK)
     prefetch(state.twist, (pack * n + j) * PACK + lane)
-    if ahead:
-        prefetch3(state.rest, (pack * n + j) * AXES + lane, PACK)
 
 
 @device

@@ -48,17 +48,26 @@ SHORT = 1 / 16
 """|e|² below which an edge has hardly a direction left: its observation then has at least this variance."""
 GAIN = 3
 """Vectors of scratch that this module adds a segment: the Kalman gain of the next particle."""
+FORCE = 4
+"""Vectors of scratch a segment after those: `firm_force`."""
 
 
 def scratch_size(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
-    return vectors_for(n) + n * GAIN
+    return vectors_for(n) + n * (GAIN + FORCE)
 
 
 @inlined
 def particle_gain(n, j):
     """Place of the gain of the particle after segment j. They lie apart, since nothing else reads them."""
     return FIRST_SEGMENT + (n + 2) * SEGMENT + j * GAIN
+
+
+@inlined
+def firm_force(n, j):
+    """Place of the force on edge j (3) that keeps it where motion leads it, in the units of τ, and of its size, by
+    which τ is the greater in a step; of strands that are not curled nothing reads them."""
+    return FIRST_SEGMENT + (n + 2) * SEGMENT + n * GAIN + j * FORCE
 
 
 @device
