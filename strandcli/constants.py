@@ -19,8 +19,8 @@ SORTED_BYTES = 12
 POINTS_BYTES = 8
 """The points of its sample that a sorted fragment shows, where shadows are exact."""
 
-PART_BYTES = 16
-"""A part of a strand in a tile: strand, first and last vertex, and where its run began."""
+PART_BYTES = 20
+"""A part of a strand in a tile: strand, first and last vertex, where its run began, and its depth."""
 
 FRAGMENT_BYTES = 2 * SORTED_BYTES + PART_BYTES
 """At most: threads do not find the same number, and a part may leave no more than one fragment."""

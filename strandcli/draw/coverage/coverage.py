@@ -109,7 +109,7 @@ class Coverage:
             np.zeros(1, np.uint8), 1, STEP, 0, 1, 1, SLIGHT,
         )  # fmt: skip
         chains, none = np.zeros((1, 1), np.int64), np.zeros((0, 2), np.int64)
-        segments = TileSegments(none, none[:, 0].copy(), chains, chains, np.zeros(1, np.int64))
+        segments = TileSegments(none, np.zeros(1, np.float32), none[:, 0].copy(), chains, chains, np.zeros(1, np.int64))
         marks, found = np.zeros(len(lines.screen), np.uint8), np.zeros(1, np.int64)
         resolve.resolve(lines, self.opacity, depth_slope, NO_SOLIDS, segments, None, 1, fragments, found, marks)
         return Layer(fragments, NO_LIGHT, 1, marks)
@@ -254,7 +254,8 @@ class Coverage:
         """Return lists of the segments in each tile of the rows top <= y < bottom; blocks: of the pool."""
         tiles, borrow = self._tiles(top, bottom), picture.scratch.borrow
         segments = TileSegments(
-            borrow("tile_segments", (blocks * tile_binning.BLOCK, 2), np.int64), borrow("links", blocks, np.int64),
+            borrow("tile_segments", (blocks * tile_binning.BLOCK, 2), np.int64),
+            borrow("tile_depths", blocks * tile_binning.BLOCK, np.float32), borrow("links", blocks, np.int64),
             borrow("heads", (workers, tiles), np.int64), borrow("fills", (workers, tiles), np.int64),
             np.zeros(workers, np.int64),
         )  # fmt: skip

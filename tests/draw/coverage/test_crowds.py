@@ -8,7 +8,7 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.coverage.kernels import strand_extents
 from strandcli.draw.coverage.kernels.row_order import list_rows
-from strandcli.draw.coverage.kernels.tile_binning import BLOCK, SHIFT, TileSegments
+from strandcli.draw.coverage.kernels.tile_binning import BLOCK, TileSegments
 from strandcli.draw.coverage.kernels.tiles import PIXELS
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.jit import function
@@ -26,11 +26,13 @@ def crowd(seed: int, count: int, low: float, high: float, wide: float) -> tuple[
     return ends, np.full((count, 2), wide)
 
 
-def drawn(ends: np.ndarray, wide: np.ndarray, light: np.ndarray, workers: int = 1) -> tuple[np.ndarray, int]:
+def drawn(
+    ends: np.ndarray, wide: np.ndarray, light: np.ndarray, workers: int = 1, opacity: float = 1.0
+) -> tuple[np.ndarray, int]:
     """The picture of strands of these lights, (count, 3), and the number of fragments found."""
     screen = ends.reshape(-1, 3).astype(np.float32)
     image = np.full((HEIGHT, WIDTH, 3), 9, np.float32)
-    coverage = Coverage((WIDTH, HEIGHT), 1.0)
+    coverage = Coverage((WIDTH, HEIGHT), opacity)
     first = np.arange(0, len(screen) + 1, 2)
     widths = wide.reshape(-1).astype(np.float32)
     for layer in coverage.layers(Polylines(first, screen), screen, widths, None, workers, Scratch()):
@@ -68,6 +70,18 @@ def test_what_stands_behind_a_crowd_changes_nothing_and_is_not_listed() -> None:
     np.testing.assert_array_equal(image[:, WIDTH // 2 + 1 :], behind[:, WIDTH // 2 + 1 :])
 
 
+def test_transparent_strands_that_hide_others_together_leave_these_out_while_they_are_found() -> None:
+    """Wide strands that let two fifths through, before others, in a tile of fewer rows than are ordered."""
+    front, wide = crowd(6, 220, 0.5, 0.6, 3.0)
+    back, back_wide = crowd(7, 150, 0.1, 0.4, 3.0)
+    light = np.random.default_rng(8).uniform(0, 1, (len(front), 3))
+    alone, few = drawn(front, wide, light, opacity=0.6)
+    both = np.concatenate([front, back]), np.concatenate([wide, back_wide]), np.concatenate([light, 0 * light[:150]])
+    image, found = drawn(*both, opacity=0.6)
+    np.testing.assert_array_equal(image, alone)
+    assert found < 1.05 * few
+
+
 def test_a_crowd_of_faint_strands_is_seen_to_its_end() -> None:
     """A thousand strands behind each other let half of the light through: all of them count."""
     ends, wide = crowd(4, 3000, 0.2, 0.9, 0.003)
@@ -82,26 +96,23 @@ def test_a_crowd_of_faint_strands_is_seen_to_its_end() -> None:
 @function
 def listed(
     segments: TileSegments,
-    screen: np.ndarray,
     slots: np.ndarray,
     rows: np.ndarray,
     depths: np.ndarray,
     ends: np.ndarray,
 ) -> None:
-    list_rows(segments, 0, screen, slots, rows, depths, ends)
+    list_rows(segments, 0, slots, rows, depths, ends)
 
 
 def test_rows_of_a_crowded_tile_are_listed_nearest_first() -> None:
     count = 2048
     depth = np.random.default_rng(5).uniform(0.1, 1, count).astype(np.float32)
-    screen = np.repeat(np.column_stack([np.zeros((count, 2), np.float32), depth]), 2, 0).astype(np.float32)
     pool = np.zeros((count, 2), np.int64)
-    pool[:, 0] = 2 * np.arange(count) + 1
-    pool[:, 1] = np.arange(count) << SHIFT
     links = np.arange(1, count // BLOCK + 1)
-    segments = TileSegments(pool, links, np.zeros((1, 1), np.int64), np.full((1, 1), count), np.array([len(links)]))
+    heads, fills = np.zeros((1, 1), np.int64), np.full((1, 1), count)
+    segments = TileSegments(pool, depth, links, heads, fills, np.array([len(links)]))
     slots, rows = np.empty(count, np.int32), np.empty(count, np.int32)
-    listed(segments, screen, slots, rows, np.empty(count, np.float32), np.empty(PIXELS, np.int32))
+    listed(segments, slots, rows, np.empty(count, np.float32), np.empty(PIXELS, np.int32))
     assert sorted(slots) == list(range(count))
     assert np.diff(depth[slots]).max() < 2 * 0.9 / (PIXELS - 1)
 

@@ -32,7 +32,8 @@ def binned(hides: np.ndarray | None, screen: np.ndarray, wide: float, top: int =
     find_extents(*lines, WIDTH, extents)
     tiles, blocks = 9, count
     segments = tile_binning.TileSegments(
-        np.full((blocks * tile_binning.BLOCK, 2), -1, np.int64), np.zeros(blocks, np.int64),
+        np.full((blocks * tile_binning.BLOCK, 2), -1, np.int64), np.zeros(blocks * tile_binning.BLOCK, np.float32),
+        np.zeros(blocks, np.int64),
         np.zeros((1, tiles), np.int64), np.zeros((1, tiles), np.int64), np.zeros(1, np.int64),
     )  # fmt: skip
     edges = None if hides is None else none(hides.reshape(-1))

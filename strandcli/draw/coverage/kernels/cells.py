@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 from ....constants import VECTOR
 from ....jit import device, inlined
 from ....simd import half_width_pointer, load, movemask, store
+from .crowds import count_visible
 from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, ROW_BITS
 
 ZERO = np.float32(0.0)
@@ -94,15 +95,13 @@ class Target(NamedTuple):
     counts: NDArray[np.int32]
     """(PIXELS,) number of fragments of each pixel."""
     opaque: np.float32
-    """Transmittance below which nothing is seen."""
-    listed: NDArray[np.int32]
-    """(capacity * `NUMBERS`,)"""
-    depths: NDArray[np.float32]
-    """(capacity,)"""
-    ends: NDArray[np.int32]
-    """(PIXELS,) scratch, as these in `crowds.list_by_pixel`."""
-    slices: NDArray[np.float32]
-    """(`crowds.SLICES`,) scratch."""
+    """Transmittance below which nothing is seen, less something for rounding; 0: all is seen."""
+    through: NDArray[np.float32]
+    """(PIXELS,) product of 1 − opacity of each pixel's latest visible fragments."""
+    least: NDArray[np.float32]
+    """(PIXELS,) least depth number of these fragments (see `crowds.count_visible`)."""
+    blocks: NDArray[np.int32]
+    """(PIXELS,) scratch."""
     windows: NDArray[np.float32]
     """(`windows.WINDOWS`,) depth numbers behind which nothing in parts of the tile is visible."""
 
@@ -159,8 +158,7 @@ def cover_cells(work, n, target, m):
         found[at + AT_OPACITY] = np.float32(cells[np.uint64(COVERED) + which]).view(np.int32)
         found[at + AT_VERTEX] = numbers[np.uint64(VERTEX) + k]
         found[at + AT_PLACE] = numbers[np.uint64(PLACE) + k] << PIXEL_BITS | pixel
-        visible = depth >= target.occlusion_depth[np.uint64(pixel)]
-        target.counts[np.uint64(pixel)] += np.int64(visible)
+        visible = count_visible(target, np.uint64(pixel), depth, cells[np.uint64(COVERED) + which])
         o += np.uint64(visible)
     return np.int64(o)
 

@@ -1,16 +1,17 @@
 """Fragments that cannot be seen, because those in front of them let no light through, left out before they are sorted.
 
 Of a pixel's fragments nearer than some depth, the light that they let through is at most the product of 1 − opacity:
-parts of one surface, whose opacities add up (see `composite`), let less through. Opacities are multiplied in `SLICES`
-of depth, which takes no sorting. What is left out is behind a slice at whose end the product is less than `OPAQUE`, so
-that compositing never reaches it, and neither pictures nor the order in which fragments are found matter.
+parts of one surface, whose opacities add up (see `composite`), let less through. While fragments are found, they are
+multiplied in the order in which they come: rows of segments come about nearest first (see `row_order`), so the farthest
+of them soon hides the rest. Long lists are then multiplied in `SLICES` of depth, which takes no sorting. Compositing
+never reaches what is left out, and neither pictures nor the order in which fragments are found matter.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device
+from ....jit import device, inlined
 from ....simd import load, quadruple_pointer, store
 from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, NUMBERS, PIXELS
 
@@ -19,16 +20,37 @@ ONE = np.float32(1.0)
 SLICES = 32
 SLICE_COUNT = np.float32(SLICES)
 LAST_SLICE = np.int32(SLICES - 1)
-MANY = 24
-"""Length from which on a pixel's list is examined while fragments are found."""
 SLACK = np.float32(1.01)
 """Slices from the beginning of one to the next, and something for rounding."""
 SAFE = np.float32(1 - 1e-6)
 """Factor of depth numbers and of transmittances, so that rounding hides nothing visible."""
+ROUNDED = np.float32(0.999)
+"""Factor of transmittances that are products of thousands of numbers."""
+NEAREST = np.float32(np.inf)
+"""Depth number in front of which nothing is."""
 TINY = np.float32(1e-30)
 ONE_MORE, FOUR = np.uint64(1), np.uint64(NUMBERS)
 IN_PIXEL = np.int32(PIXELS - 1)
 """Mask of the pixel in the column `AT_PLACE`."""
+
+
+@inlined
+def count_visible(target, pixel, depth, alpha):
+    """Return whether a fragment is in front of all that hides; if so, count it and its opacity `alpha` in its pixel.
+
+    target: `cells.Target`. Once the product of 1 − opacity falls below `target.opaque`, nothing behind the farthest of
+    the fragments in it is seen, and a product of nearer ones begins."""
+    visible = depth >= target.occlusion_depth[pixel]
+    through = target.through[pixel] * (ONE - alpha if visible else ONE)
+    least = min(target.least[pixel], depth if visible else NEAREST)
+    target.through[pixel] = through
+    target.least[pixel] = least
+    target.counts[pixel] += np.int64(visible)
+    if through < target.opaque:  # seldom, so it is predicted
+        target.occlusion_depth[pixel] = least
+        target.through[pixel] = ONE
+        target.least[pixel] = NEAREST
+    return visible
 
 
 @device
@@ -91,27 +113,3 @@ def keep_visible(listed, depths, first, n, farthest):
         store(fragments, o * FOUR, load(fragments, i * FOUR))
         o += np.uint64(depth >= farthest)
     return np.int64(o) - np.int64(first)
-
-
-@device
-def leave_out_hidden(target, n):
-    """Leave out those of a tile's n fragments that cannot be seen, and set the depth behind which none can be in the
-    pixels that have many; return the number that is left. target: `cells.Target`."""
-    found, listed, depths, counts = target.found, target.listed, target.depths, target.counts
-    occlusion = target.occlusion_depth
-    kept, fragments = quadruple_pointer(found), quadruple_pointer(listed)
-    list_by_pixel(found, n, counts, target.ends, depths, listed)
-    o = np.uint64(0)
-    for p in range(PIXELS):
-        size = np.int64(counts[p])
-        first = np.int64(target.ends[p]) - size
-        if size >= MANY:
-            farthest = farthest_visible(listed, depths, first, size, target.opaque, target.slices)
-            if farthest > occlusion[p]:
-                occlusion[p] = farthest
-                size = keep_visible(listed, depths, first, size, farthest)
-                counts[p] = size
-        for i in range(np.uint64(first), np.uint64(first + size)):
-            store(kept, o * FOUR, load(fragments, i * FOUR))
-            o += ONE_MORE
-    return np.int64(o)

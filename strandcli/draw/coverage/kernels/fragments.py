@@ -13,7 +13,6 @@ from ....simd import half_width_pointer, load, pointer, prefetch, store
 from . import cells
 from . import segments as seg
 from .cells import CELLS, LANES, add_fragment, cover_cells
-from .crowds import leave_out_hidden
 from .joined import measure_joints
 from .ribbon import cover_ribbon
 from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, from_axis, keep_last, load_vertices, measure_segments
@@ -30,8 +29,10 @@ FAR_AHEAD = np.int64(20)
 """Rows of segments that where they begin and end is prefetched ahead of their use."""
 LINE = np.int64(16)
 """32-bit numbers of a cache line."""
-FULL = np.int64(32768)
-"""Fragments of a tile from which on those that cannot be seen are left out, before others are found."""
+EVERY = np.int64(4096)
+"""Fragments after which the windows of a tile are found anew."""
+A_ROW = np.int64(8)
+"""Fragments that a row of segments counts for there, in addition to its own."""
 STEPS = np.arange(LANES, dtype=np.float32)
 NEAREST = np.float32(np.inf)
 """Depth number in front of which nothing is."""
@@ -88,13 +89,14 @@ def find_fragments(strands, solids, pool, slots, width, work, target, marks):
     compositing writes to it soon.
     """
     target.counts[:] = 0
+    target.through[:] = ONE
+    target.least[:] = NEAREST
     copy_occlusion(solids.hides, width, target)
-    find_windows(target.occlusion_depth, target.ends, target.windows)
+    find_windows(target.occlusion_depth, target.blocks, target.windows)
     n = np.int64(0)
     m = add_solids(solids, strands.screen.shape[0], width, target)
-    room = target.depths.shape[0]
-    examined = FULL if target.opaque > ZERO else room
     last = slots.shape[0] - 1
+    due = m + EVERY
     for i in range(last + 1):
         prefetch(pointer(pool), 2 * np.int64(slots[min(i + FAR_AHEAD, last)]))
         prefetch_row(pool, np.int64(slots[min(i + AHEAD, last)]), strands, strands.widths, marks)
@@ -106,10 +108,9 @@ def find_fragments(strands, solids, pool, slots, width, work, target, marks):
             np.uint32(pool[slot, START_AND_FIRST] >> SHIFT).view(np.float32),
         )  # fmt: skip
         n, m = add_row(row, strands, strands.widths, work, n, target, m)
-        if examined <= m <= room:
-            m = leave_out_hidden(target, m)
-            find_windows(target.occlusion_depth, target.ends, target.windows)
-            examined = max(FULL, 2 * m)
+        if m + A_ROW * i >= due:
+            find_windows(target.occlusion_depth, target.blocks, target.windows)
+            due = m + A_ROW * i + EVERY
     return cover_cells(work, n, target, m)
 
 

@@ -8,7 +8,7 @@ from ....jit import device, parallel, prange
 from ....simd import broadcast, load, pointer, prefetch, store, triple_pointer
 from . import cells, ribbon, segments
 from .composite import OPAQUE, composite, composite_masked
-from .crowds import SLICES, list_by_pixel
+from .crowds import ROUNDED, list_by_pixel
 from .fragments import Strands, find_fragments
 from .row_order import count_rows, list_rows
 from .sorting import RUN, sort_pixels
@@ -45,6 +45,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
         order, spare = np.empty(room + RUN, np.uint32), np.empty(room, np.uint32)
         slots, unordered, row_depths = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32)
         occlusion, hidden = np.zeros(PIXELS, np.float32), np.empty(WINDOWS, np.float32)
+        through, least = np.empty(PIXELS, np.float32), np.empty(PIXELS, np.float32)
         strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
         work = cells.Work(
             np.empty(segments.ROWS * segments.ROW, np.float32), np.empty(cells.ROWS * cells.CELLS, np.float32),
@@ -60,11 +61,11 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
                 slots, unordered, row_depths = (
                     np.empty(size, np.int32), np.empty(size, np.int32), np.empty(size, np.float32)
                 )  # fmt: skip
-            list_rows(segments_, number, lines.screen, slots[:rows], unordered, row_depths, ends)
+            list_rows(segments_, number, slots[:rows], unordered, row_depths, ends)
             while True:  # one call of find_fragments, which is the greater part of what is compiled
                 target = cells.Target(
                     tile.top, tile.bottom, tile.left, tile.right, out.place_bits, occlusion, fragments, counts,
-                    opaque, listed, depths[:room], ends, ranks[:SLICES], hidden,
+                    opaque * ROUNDED, through, least, ends, hidden,
                 )  # fmt: skip
                 n = find_fragments(strands, solids, segments_.pool, slots[:rows], out.width, work, target, marks)
                 if n <= room or n > end - o:

@@ -17,6 +17,7 @@ from ....jit import device, inlined
 from ....simd import half_width_pointer, lane_count, load, pointer, sqrt, store, where
 from ...geometry.kernels.ribbon import cross_section, make_ribbon
 from . import joined
+from .crowds import count_visible
 from .tiles import (
     AT_DEPTH,
     AT_OPACITY,
@@ -228,10 +229,9 @@ def add_listed(work, n, vertex, past_lit, target, m):
         found[at + AT_OPACITY] = np.float32(alpha).view(np.int32)
         found[at + AT_VERTEX] = vertex
         found[at + AT_PLACE] = place << PIXEL_BITS | pixel
-        hidden = target.occlusion_depth[np.uint64(pixel)]
-        visible = depth >= hidden
-        target.counts[np.uint64(pixel)] += np.int64(visible)
-        target.occlusion_depth[np.uint64(pixel)] = depth if visible & (alpha > OPAQUE) else hidden
+        visible = count_visible(target, np.uint64(pixel), depth, alpha)
+        if visible & (alpha > OPAQUE):
+            target.occlusion_depth[np.uint64(pixel)] = depth
         o += np.uint64(visible)
     return np.int64(o)
 

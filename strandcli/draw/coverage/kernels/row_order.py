@@ -2,7 +2,7 @@
 
 Where hundreds of strands lie behind each other, those in front are found first, and hide most of the others before
 these have fragments (see `crowds`). Rows are ordered by the depth of their first vertex, in `SLICES` of depth: that
-costs little, and no picture depends on the order.
+costs little, and no picture depends on the order. In fewer slices, the first fragments of a pixel are too far behind.
 """
 
 from __future__ import annotations
@@ -10,17 +10,14 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device
-from ....simd import pointer, prefetch
-from .tile_binning import BLOCK, LOW, START_AND_FIRST
+from .tile_binning import BLOCK
 from .tiles import PIXELS
 
-CROWDED = 2048
+CROWDED = 384
 """Rows of a tile from which on they are ordered."""
 SLICES = PIXELS - 1
 SLICE_COUNT = np.float32(SLICES)
 TINY = np.float32(1e-30)
-AHEAD = np.int64(16)
-"""Rows that their first vertices are prefetched ahead of their use."""
 
 
 @device
@@ -39,11 +36,10 @@ def count_rows(segments, tile):
 
 
 @device
-def list_rows(segments, tile, screen, slots, listed, depths, begin):
+def list_rows(segments, tile, slots, listed, depths, begin):
     """Write where the rows of a tile are in the pool to slots (n,) int32.
 
-    segments: `tile_binning.TileSegments`; screen (V, 3): as in `ScreenLines`; listed (n,) int32, depths (n,)
-    float32, begin (PIXELS,) int32: scratch.
+    segments: `tile_binning.TileSegments`; listed (n,) int32, depths (n,) float32, begin (PIXELS,) int32: scratch.
     """
     n = slots.shape[0]
     crowded = n >= CROWDED
@@ -62,18 +58,16 @@ def list_rows(segments, tile, screen, slots, listed, depths, begin):
                 break
             block = segments.links[block]
     if crowded:
-        order_rows(segments.pool, screen, slots, listed, depths, begin)
+        order_rows(segments.depths, slots, listed, depths, begin)
 
 
 @device
-def order_rows(pool, screen, slots, listed, depths, begin):
-    """Write listed rows to `slots`, nearest first; arguments as in `list_rows`."""
+def order_rows(row_depths, slots, listed, depths, begin):
+    """Write listed rows to `slots`, nearest first; row_depths: of `TileSegments`; others as in `list_rows`."""
     n = slots.shape[0]
     low, high = np.float32(np.inf), np.float32(-np.inf)
     for i in range(n):
-        later = listed[min(i + AHEAD, n - 1)]
-        prefetch(pointer(screen), 3 * (pool[later, START_AND_FIRST] & LOW) - 1)
-        depth = screen[(pool[listed[i], START_AND_FIRST] & LOW) - 1, 2]
+        depth = row_depths[listed[i]]
         depths[i] = depth
         low, high = min(low, depth), max(high, depth)
     per = SLICE_COUNT / max(high - low, TINY)

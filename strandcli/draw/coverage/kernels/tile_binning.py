@@ -68,6 +68,8 @@ class TileSegments(NamedTuple):
     """(blocks * BLOCK, 2) rows of segments. `START_AND_FIRST`: where the run of the first segment began (bits of a
     float32, see `cells`), above that segment's last vertex. `STRAND_AND_LAST`: the strand, above the last vertex of the
     last segment."""
+    depths: NDArray[np.float32]
+    """(blocks * BLOCK,) depth number of each row's first vertex."""
     links: NDArray[np.int64]
     """(blocks,) next block in the chain."""
     heads: NDArray[np.int64]
@@ -82,6 +84,7 @@ class Chains(NamedTuple):
     """The chains that one worker writes."""
 
     pool: NDArray[np.int64]
+    depths: NDArray[np.float32]
     links: NDArray[np.int64]
     heads: NDArray[np.int64]
     fills: NDArray[np.int64]
@@ -95,6 +98,8 @@ class Chains(NamedTuple):
     """(tiles,) `START_AND_FIRST` of the open row of segments in each tile that has one."""
     across: int
     """Tiles across the picture."""
+    screen: NDArray[np.float32]
+    """As in `ScreenLines`."""
 
 
 class Region(NamedTuple):
@@ -138,8 +143,8 @@ def bin_segments(lines, extents, top, bottom, width, workers, segments, windows,
         opened = np.empty(segments.heads.shape[1], np.int64)
         across = np.int64((width + TILE_WIDTH - 1) // TILE_WIDTH)
         chains = Chains(
-            segments.pool, segments.links, segments.heads, segments.fills, segments.used, task, task * share,
-            (task + 1) * share - 1, opened, across,
+            segments.pool, segments.depths, segments.links, segments.heads, segments.fills, segments.used, task,
+            task * share, (task + 1) * share - 1, opened, across, lines.screen,
         )  # fmt: skip
         wide, above, below = np.float32(width), np.float32(top), np.float32(bottom)
         region = Region(
@@ -245,6 +250,7 @@ def close_rows(old, new, end, chains):
             chains.fills[task, tile] = slot + 1
             chains.pool[slot, START_AND_FIRST] = chains.opened[tile]
             chains.pool[slot, STRAND_AND_LAST] = end
+            chains.depths[slot] = chains.screen[(chains.opened[tile] & LOW) - 1, 2]
 
 
 @inlined
