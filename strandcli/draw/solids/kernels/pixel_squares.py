@@ -15,8 +15,8 @@ SIDE = np.int64(8)
 WITHIN = np.arange(SIDE * SIDE)
 DOWN = (WITHIN >> 1 & 1) + (WITHIN >> 2 & 2) + (WITHIN >> 3 & 4)
 ACROSS = (WITHIN & 1) + (WITHIN >> 1 & 2) + (WITHIN >> 2 & 4)
-"""Rows down and columns across from the first pixel of a square, in an order in which sixteen pixels one after the other
-are a square of 4 × 4, and of every second pixel of every second row a square, too: they read the same texels."""
+"""Rows down and columns across from the first pixel of a square, in an order in which sixteen pixels one after the
+other are a square of 4 × 4, and of every second pixel of every second row a square, too: they read the same texels."""
 
 
 @device
