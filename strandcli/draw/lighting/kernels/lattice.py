@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....jit import device, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW
 from ...solids.kernels import appearance, blended
 from ...solids.kernels.surface_pixels import FOLD, bend, depth_at, folded, pixel_width
@@ -109,7 +109,7 @@ def spread(keys, camera, frame, asked, values):
                 asked[at] = SPREAD
 
 
-@device
+@inlined
 def between(keys, asked, at, step, right):
     """Return whether a pixel is between some whose light is known, that are so many columns to the right and left and
     so many pixels up and down, and that show its solid."""
@@ -140,17 +140,21 @@ def choose(keys, camera, solids, asked, values, frame, hidden):
         down = (y + frame.down) & ONE
         if y < down or y + down >= height:
             continue
+        solid, parts = np.int64(-1), False
         for x in range(1, width - 1):
             at = y * width + x
-            key = keys[at]
-            if hidden[at] != DRAWN or key == EMPTY or (key & LOW) < FIRST:
+            if hidden[np.uint64(at)] != DRAWN:
+                continue
+            key = keys[np.uint64(at)]
+            if key == EMPTY or (key & LOW) < FIRST:
                 continue
             right = (x + frame.right) & ONE
             step = down * width
             if not between(keys, asked, at, step, right):
                 continue
             own = np.int64((key & LOW) - FIRST)
-            parts = blended.blends(solids, own) or appearance.folds(solids, own)
+            if own != solid:
+                solid, parts = own, blended.blends(solids, own) or appearance.folds(solids, own)
             if parts and folded(keys, at, x, width, camera):
                 continue
             j, i = (y - down + frame.down) >> 1, (x - right + frame.right) >> 1
@@ -158,20 +162,22 @@ def choose(keys, camera, solids, asked, values, frame, hidden):
                 hidden[at] = BETWEEN
 
 
-@device
+@inlined
 def there(keys, asked, key, at):
     """Return whether the light of a pixel of the lattice is known, and it shows the same solid."""
-    return asked[at] != 0 and ((keys[at] ^ key) & LOW) == EVEN
+    place = np.uint64(at)
+    return asked[place] != 0 and ((keys[place] ^ key) & LOW) == EVEN
 
 
-@device
+@inlined
 def alike(values, j, i, down, right, most):
     """Return whether the light of the lattice differs by no more than `most` between places (j, i) and
     (j + down, i + right)."""
-    for light in range(values.shape[2]):
-        for c in range(3):
-            a, b = values[j, i, light, c], values[j, i + right, light, c]
-            d, e = values[j + down, i, light, c], values[j + down, i + right, light, c]
+    above, below, here, beside = np.uint64(j), np.uint64(j + down), np.uint64(i), np.uint64(i + right)
+    for light in range(np.uint64(values.shape[2])):
+        for c in range(np.uint64(3)):
+            a, b = values[above, here, light, c], values[above, beside, light, c]
+            d, e = values[below, here, light, c], values[below, beside, light, c]
             least = min(min(a, b), min(d, e))
             if least < ZERO or max(max(a, b), max(d, e)) > least + most:
                 return False
