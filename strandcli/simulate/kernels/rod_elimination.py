@@ -120,9 +120,7 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
             a -= g * h
             b = k * h
             c = raised * f
-        fx, fy, fz = none
-        if ends.firm:
-            fx, fy, fz = load3(s, rod_tension.firm_force(n, j), 1)
+        fx, fy, fz = firm_force_at(s, n, j, ends)
         x = set_load(s, o, 0, t, mass[j], k, (p[0], q[0], bend[0], force[0]), fx)
         y = set_load(s, o, 1, t, mass[j], k, (p[1], q[1], bend[1], force[1]), fy)
         z = set_load(s, o, 2, t, mass[j], k, (p[2], q[2], bend[2], force[2]), fz)
@@ -135,6 +133,16 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
             rod_loose.set_pivot(s, a)
         rod_loose.set_load(s, p, force)
     return lost
+
+
+@inlined
+def firm_force_at(s, n, j, ends):
+    """The force that keeps edge j where motion leads it; none on strands that are not curled."""
+    zero = broadcast(s, 0.0)
+    x, y, z = zero, zero, zero
+    if ends.firm:
+        x, y, z = load3(s, rod_tension.firm_force(n, j), 1)
+    return x, y, z
 
 
 @inlined

@@ -94,10 +94,7 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         dx, dy, dz = load3(s, o + INERTIAL, 1)
         store3(s, o + DISPLACEMENT, 1, x - dx, y - dy, z - dz)
         # the next step does not begin with compression that made H indefinite
-        t = load(s, o + TENSION)
-        if scheme.curled:
-            t -= load(s, firm_force(n, j) + 3)
-        t = max(t, least)
+        t = max(tension_of(s, n, j, scheme.curled), least)
         store(state.tension, at.tension + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
         if scheme.pressed:
             y0, z0 = rod.finish_mobility(s, o, y0, z0)
@@ -120,6 +117,15 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
         store(state.touching, strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), 0.0))
+
+
+@inlined
+def tension_of(s, n, j, curled):
+    """τ_j without what balances the force that keeps the edge where it is led."""
+    t = load(s, FIRST_SEGMENT + j * SEGMENT + TENSION)
+    if curled:
+        t -= load(s, firm_force(n, j) + 3)
+    return t
 
 
 @inlined
