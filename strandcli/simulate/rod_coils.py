@@ -29,6 +29,8 @@ besides its own: E is the rigidity where rests do not follow, κ θ² times the 
 turn, which is R = Θ² / (3 χ) of that of the coil."""
 HEAVY = 4.0, 20.0
 """Those masses over a coil's own, R (ω Δt)², from which edges are led by less, and by all of that."""
+EULER = 4.0
+"""How much longer steps of Euler's method may be before they need firmness, which would damp what they do not lead."""
 TINY = 1e-9
 """Radians and lengths that count as none."""
 
@@ -52,10 +54,11 @@ class CoilSteps:
         self._firm = np.minimum(FIRM * np.maximum(1.0, LOOSE / turning), flat)
         self._over = math.sqrt(3 * torsion) / turning  # 1 / sqrt(R)
 
-    def set(self, dt: float) -> None:
+    def set(self, dt: float, bdf2: bool) -> None:
         """Write those of a step of ``dt`` seconds."""
+        firm = self._firm if bdf2 else EULER * self._firm
         steps = self.rates * dt
-        self._forcing.firmness[...] = self._firmness * ramp(steps / self._firm, *SHARES)
+        self._forcing.firmness[...] = self._firmness * ramp(steps / firm, *SHARES)
         calm = np.minimum(1.0, CALM * self._over)
         calm += ramp(steps, STAY_FROM, STAY) * (1.0 - calm)
         late = ramp(steps, LED_UP_TO, LATE_FROM) * ramp((steps / self._over) ** 2, *HEAVY)

@@ -53,7 +53,7 @@ class StepNumbers:
         self._write(velocity_step, pinned, h, *self._gravity, 0.0, 0.0, 0.0, rod.drag, damping, share, rod.friction)
         self._forcing.numbers[LED] = bdf2 or oval(rod)
         if self.coils is not None:
-            self.coils.set(dt)
+            self.coils.set(dt, bdf2)
         self._last = dt, bdf2, pinned
 
     def set_moment(self, pinned: bool) -> None:

@@ -43,7 +43,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
         counts, ends = np.empty(PIXELS, np.int32), np.empty(PIXELS, np.int32)
         depths, ranks = np.empty(room + RUN, np.float32), np.empty(RUN, np.float32)
         order, spare = np.empty(room + RUN, np.uint32), np.empty(room, np.uint32)
-        slots, unordered, row_depths = rooms_for(0)
+        slots, unordered, row_depths = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32)
         occlusion, hidden = np.zeros(PIXELS, np.float32), np.empty(WINDOWS, np.float32)
         through, least = np.empty(PIXELS, np.float32), np.empty(PIXELS, np.float32)
         strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
@@ -57,7 +57,9 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
             tile = tile_at(number, out)
             rows = count_rows(segments_, number)
             if slots.shape[0] < rows:
-                slots, unordered, row_depths = rooms_for(rows + rows // 4)
+                size = rows + rows // 4
+                slots, unordered = np.empty(size, np.int32), np.empty(size, np.int32)
+                row_depths = np.empty(size, np.float32)
             list_rows(segments_, number, slots[:rows], unordered, row_depths, ends)
             while True:  # one call of find_fragments, which is the greater part of what is compiled
                 target = cells.Target(
@@ -82,12 +84,6 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
                 o = composite(listed, counts, ends, order, lines.screen.shape[0], tile, o, out, marks)
             else:
                 o = composite_masked(listed, counts, ends, order, lines, table, tile, o, out, marks)
-
-
-@device
-def rooms_for(rows):
-    """Arrays for the slots of so many rows of a tile: in order, before they are ordered, and their depths."""
-    return np.empty(rows, np.int32), np.empty(rows, np.int32), np.empty(rows, np.float32)
 
 
 # Functions of their own, because Numba drops direct writes of a parallel loop to a member of a tuple as dead code.
