@@ -32,9 +32,9 @@ WAITING = 24
 """Bytes of a pixel of pictures that wait to be written."""
 NEARER, SEEN = 1.3, 0.75
 """How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
-ROD, CROWDED, FRAMED = 80, 66, 28
+ROD, CROWDED, FRAMED = 80, 66, 16
 """Bytes of a particle of a rod, more where strands push each other, and more where strands have frames: twist, and
-rest shapes in them and in the world."""
+rest shapes in them."""
 TOUCHING, CELL, PAIR = 290, 32, 50
 """More where strands have contact: the state before the step, 120; particles at its ends, 48, boxes, 72, the cells'
 table, 50; of each cell that a segment lies in (`crowding`); of a pair of segments whose boxes meet, its numbers and
