@@ -34,7 +34,7 @@ MOST_INNER = 20
 times a second at the usual steps, and gives way to its weight by less than a millimetre."""
 FIRMEST = 0.75
 """What is added to torsion in `firmness`, with which none of many coils gains energy in steps of up to ten over the
-frequency at which it stretches; with a third less some do."""
+frequency at which it stretches; with half of that rigidity some do."""
 CELLS_ACROSS = 32
 """Cells of the rule interaction along the groom's greatest extent, where the preset gives no cell."""
 MOST_SAMPLES = 64
