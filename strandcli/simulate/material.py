@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,13 +24,15 @@ STIFFEST = 1e30
 """Upper bound of a joint's rigidity, 1/s²: beyond it no step of time shows a bend, and single precision overflows
 soon."""
 
-TORSION = {False: 4.0, True: 0.25}
-"""Torsional over bending rigidity; True: of grooms with coils. That of a round rod is about 0.75. Straight strands get
-more, because nothing else resists twist; coils get less, because it limits their step."""
+TORSION = {False: 4.0, True: 0.75}
+"""Torsional over bending rigidity; True: of grooms with coils, whose springing is that of a round rod. Straight strands
+get more, because nothing else resists twist."""
 FINE_TURN = 0.5
 """Radians that a joint turns by, above which steps have to be the shorter."""
 COIL_STEP = 0.25
-"""Steps are no longer than this over the angular frequency at which coils stretch, where presets give their torsion."""
+"""Steps are no longer than this over the angular frequency at which coils stretch."""
+COIL = math.pi
+"""Radians that the joints of a strand turn by in all, above which it is such a coil where presets give no torsion."""
 MOST_INNER = 20
 """Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
 times a second at the usual steps, and gives way to its weight by less than a millimetre."""
@@ -138,14 +142,18 @@ def torsion(rod: Rod, coiled: bool) -> float:
     return twisting(rod) * (TORSION[coiled] if rod.torsion is None else rod.torsion)
 
 
-def coil_rates(rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float64]) -> NDArray[np.float64]:
+def coil_rates(
+    rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float64], coiled: bool
+) -> NDArray[np.float64]:
     """Return (strands,) the angular frequencies, rad/s, at which strands with the joints' rigidity ``stiffness``, 1/s²,
-    and the rest edges (N, strands, 3) stretch as springs do: of N joints that each turn by θ and twist by χ κ θ as one
-    end moves, √(3 χ κ θ²) / N. 0 where the preset does not give their torsion."""
-    if rod.torsion is None or len(edges) < 2:
+    and the rest edges (N, strands, 3), ``coiled`` or not as in `torsion`, stretch as springs do: of N joints that each
+    turn by θ and twist by χ κ θ as one end moves, √(3 χ κ θ²) / N. 0 of those that turn by less than `COIL` where the
+    preset does not give their torsion."""
+    if len(edges) < 2:
         return np.zeros(len(stiffness))
     square = (np.diff(edges, axis=0) ** 2).sum(-1).mean(0)
-    return stretch_rates(torsion(rod, True), stiffness, square, len(edges))
+    rates = stretch_rates(torsion(rod, coiled), stiffness, square, len(edges))
+    return np.where((rod.torsion is None) & (np.sqrt(square) * len(edges) < COIL), 0.0, rates)
 
 
 def stretch_rates(

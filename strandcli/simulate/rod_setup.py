@@ -245,7 +245,7 @@ def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags, rod: Rod, coi
 
 
 def coil_rate(scene: Scene, rest: Rest, shape: Shape) -> float:
-    """Return how fast the fastest coil stretches, rad/s, which steps are cut by; 0 where the torsion is not given."""
-    if scene.rod.torsion is None or not shape.curled:
+    """Return how fast the fastest coil stretches, rad/s, which steps are cut by; 0 without one."""
+    if not shape.curled:
         return 0.0
-    return float(coil_rates(scene.rod, rest.stiffness, np.stack(shape.edges)).max())
+    return float(coil_rates(scene.rod, rest.stiffness, np.stack(shape.edges), shape.coiled).max())
