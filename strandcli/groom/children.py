@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
-from ..constants import W
+from ..constants import VECTOR, W
 from ..errors import SimulationError
 from ..scene.motion import emitter_pose
 from ..scene.touched import touched
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 
+VECTOR_NUMBERS = VECTOR // 4
 NEAR = 512
 """Children about a point among which its nearest are looked for."""
 
@@ -79,23 +80,30 @@ class Children:
 
         family, steps = self.family, self.steps
         n = positions.shape[1] - 1
-        particles = scratch.borrow("guides", (self.groom.strands, (n - 1) * steps + 2, 3), np.float32)
-        kernel.refine(positions, np.int64(steps), particles)
+        m = (n - 1) * steps + 1
+        size = -(-3 * (m + 1) // VECTOR_NUMBERS) * VECTOR_NUMBERS
+        offsets = scratch.borrow("guides", (self.groom.strands, size), np.float32)
+        kernel.refine(positions, np.int64(steps), offsets)
         segments = (lengths.reshape(-1)[: self.groom.strands] / np.float32(steps)).astype(np.float32)
         roots, across = self._place(at)
-        m = particles.shape[1] - 1
-        way = np.linspace(0.0, 1.0, m)
+        guides, following = Guides(offsets, segments), Following(*self._parents, roots, family.shares)
         pulling = self._pulling
-        ramps = np.array([way**clump.shape for clump in self.settings.clumps], np.float32).reshape(-1, m)[pulling]
+        way = np.linspace(0.0, 1.0, m)
+        forms = [clump.shape for clump in self.settings.clumps[pulling]]
+        ramps = np.zeros((len(forms), size), np.float32)
+        ramps[:, 3 : 3 * (m + 1)] = np.array([np.repeat(way**form, 3) for form in forms]).reshape(-1, 3 * m)
+        numbers, centres = self._centres
+        paths = scratch.borrow("clump_paths", (len(numbers), size), np.float32)
+        kernel.lay_paths(guides, following, numbers, paths)
         forms = np.array([[wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 2)
         blocks = -(-len(ids) // W)
         out = scratch.borrow("children", (blocks, m + 1, 3 * W), np.float32)
         rest = scratch.borrow("children_lengths", (blocks, W), np.float32)
         kernel.grow(
-            Guides(particles, segments),
+            guides,
             self._standing[ids],
-            Following(family.parents, family.weights, roots, family.shares),
-            Clumps(family.middles[pulling], family.pulls[pulling], ramps),
+            following,
+            Clumps(centres, family.pulls[pulling], ramps, paths),
             Waves(forms, family.radii, family.turns, family.phases, across),
             self._solids(at),
             out,
@@ -170,6 +178,27 @@ class Children:
         """The levels of clumps from the first to the last that pull any child; others are there for tones alone."""
         levels = np.flatnonzero([pulls.any() for pulls in self.family.pulls])
         return slice(levels[0], levels[-1] + 1) if len(levels) else slice(0)
+
+    @cached_property
+    def _centres(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """The children (K,) at the centres of clumps that pull, and which of them is at that of each child's (C, A)."""
+        middles = self.family.middles[self._pulling]
+        marked = np.zeros(self.count, bool)
+        marked[middles] = True
+        numbers = np.flatnonzero(marked).astype(np.int32)
+        standing = np.cumsum(marked, dtype=np.int32) - np.int32(1)
+        return numbers, standing[middles]
+
+    @cached_property
+    def _parents(self) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Guides of children and their weights, as many as `PARENTS` even where there are fewer guides."""
+        from .kernels.inputs import PARENTS
+
+        parents, weights = self.family.parents, self.family.weights
+        missing = PARENTS - parents.shape[1]
+        if missing == 0:
+            return parents, weights
+        return np.pad(parents, ((0, 0), (0, missing)), "edge"), np.pad(weights, ((0, 0), (0, missing)))
 
     @cached_property
     def _boxes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

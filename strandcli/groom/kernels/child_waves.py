@@ -1,4 +1,5 @@
-"""Waves of children, a vector of them at a time, and what comes of their segments: the strands."""
+"""Strands from the paths of children, a vector of them at a time: segments of the length that they have at rest, waves,
+and outside of solids."""
 
 from __future__ import annotations
 
@@ -6,13 +7,14 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, inlined
-from ...simd import broadcast, lane_count, load, load3, movemask, pointer, sqrt, store, store3
-from .child_path import unit
+from ...simd import broadcast, floor, gather8, lane_count, load, load3, movemask, pointer, sqrt, store, store3
 from .child_scratch import (
     ACROSS,
     COSINE,
+    FIRST_WAVE,
     RADIUS,
     REST,
+    SHARE,
     SINE,
     TURN_COSINE,
     TURN_SINE,
@@ -25,34 +27,42 @@ from .keep_out import keep_lane_out, way_on
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
+TOWARD = np.float32(0.3)
+"""Share of its lateral distance from the target path that a strand corrects within a segment."""
 
 
 @device
-def write_strands(waves, solids, solid, scratch, first, out, b, k):
-    """Turn the paths of children in the lanes from k on of block b of out (blocks, m + 1, 3 W), whose row 0 is the
-    direction before the root, into strands: with waves, segments as long as at rest, and outside of solids.
+def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
+    """Write strands to the lanes from k on of block b of out (blocks, m + 1, 3 W), metres, with row 0 one segment
+    before the root: with waves, segments as long as at rest, and outside of solids.
 
-    solid: whether there are solids; scratch: as `child_scratch` says, with the first wave at place ``first``.
+    solid: whether there are solids; paths: rows of ``size`` numbers, one a lane, as `lay_path` writes them; scratch: as
+    `child_scratch` says.
     """
     x, own = pointer(out), pointer(scratch)
     m = out.shape[1] - 1
     top = b * (m + 1) * 3 * W + k
-    rest = load(own, REST * W + k)
-    px, py, pz = load3(x, top + 3 * W, W)
-    dx, dy, dz = load3(x, top, W)
-    size = rest / sqrt(max(dx * dx + dy * dy + dz * dz, TINY))
-    store3(x, top, W, px + size * dx, py + size * dy, pz + size * dz)
+    rest, share = load(own, REST * W + k), load(own, SHARE * W + k)
+    per = TOWARD / max(rest, TINY)
+    lanes = load(pointer(LANES), 0)
+    dx, dy, dz, px, py, pz, _, _ = gather8(paths, 0, lanes, size, ZERO)
+    dx, dy, dz = unit(dx - px, dy - py, dz - pz)
+    store3(x, top, W, px + rest * dx, py + rest * dy, pz + rest * dz)
+    store3(x, top + 3 * W, W, px, py, pz)
     ax, ay, az = load3(own, ACROSS * W + k, W)
-    # previous, this and next point of the path, and the previous one with waves
+    # previous and this point of the target path; previous and this point of the path; the previous one with waves
+    qx, qy, qz = px, py, pz
     bx, by, bz = px, py, pz
     wx, wy, wz = px, py, pz
-    hx, hy, hz = load3(x, top + min(2, m) * 3 * W, W)
+    hx, hy, hz, qx, qy, qz = next_on_path(paths, size, lanes, share, m, 1, rest, per, px, py, pz, qx, qy, qz)
     for j in range(2, m + 1):
-        nx, ny, nz = load3(x, top + min(j + 1, m) * 3 * W, W)
+        nx, ny, nz = hx, hy, hz
+        if j < m:
+            nx, ny, nz, qx, qy, qz = next_on_path(paths, size, lanes, share, m, j, rest, per, hx, hy, hz, qx, qy, qz)
         vx, vy, vz = hx, hy, hz
         if waves.forms.shape[0] > 0:
             ax, ay, az, tx, ty, tz = carried_across(ax, ay, az, nx - bx, ny - by, nz - bz)
-            f, g = next_waves(waves, own, first + k, np.float32(j - 1) / np.float32(m - 1))
+            f, g = next_waves(waves, own, FIRST_WAVE * W + k, np.float32(j - 1) / np.float32(m - 1))
             vx = hx + f * ax + g * (ty * az - tz * ay)
             vy = hy + f * ay + g * (tz * ax - tx * az)
             vz = hz + f * az + g * (tx * ay - ty * ax)
@@ -74,6 +84,33 @@ def write_strands(waves, solids, solid, scratch, first, out, b, k):
                 px, py, pz = load3(x, top + j * 3 * W, W)
         bx, by, bz = hx, hy, hz
         hx, hy, hz = nx, ny, nz
+
+
+LANES = np.arange(16, dtype=np.float32)
+
+
+@inlined
+def next_on_path(paths, size, lanes, share, m, j, rest, per, px, py, pz, qx, qy, qz):
+    """Return the next points of paths after points p, and of target paths after points q: those at particle j, metres.
+
+    A segment keeps its direction, turned toward the target path in proportion to the lateral distance from it."""
+    u = min(share * np.float32(j), np.float32(m - 1))
+    low = floor(min(u, np.float32(m - 2)))
+    t = u - low
+    ax, ay, az, nx, ny, nz, _, _ = gather8(paths, 3, lanes, size, low * 3.0)
+    nx, ny, nz = ax + t * (nx - ax), ay + t * (ny - ay), az + t * (nz - az)
+    tx, ty, tz = unit(nx - qx, ny - qy, nz - qz)
+    ex, ey, ez = qx - px, qy - py, qz - pz
+    along = ex * tx + ey * ty + ez * tz
+    tx, ty, tz = unit(tx + per * (ex - along * tx), ty + per * (ey - along * ty), tz + per * (ez - along * tz))
+    return px + rest * tx, py + rest * ty, pz + rest * tz, nx, ny, nz
+
+
+@inlined
+def unit(x, y, z):
+    """Return the unit vectors of vectors."""
+    size = 1.0 / sqrt(max(x * x + y * y + z * z, TINY))
+    return x * size, y * size, z * size
 
 
 @inlined
