@@ -1,4 +1,4 @@
-"""The paths of children along their guides and clumps: one child at a time, a vector of numbers of its row at a time."""
+"""The paths of children along their guides and clumps: child by child, a vector of the numbers of a row at a time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TWO_PLACES = np.uint64(2)
 def lay_path(guides, following, i, rows, o):
     """Write the path of child i along its guides to rows from place o on, as a row of `Guides.offsets`, in metres from
     the origin."""
-    size, step = guides.offsets.shape[1], lane_count(rows)
+    step = lane_count(rows)
     a, b, c = load_triple(pointer(following.roots), np.int64(i) * 3)
     lay_third(guides, following, i, rows, o, 0, a)
     lay_third(guides, following, i, rows, o, step, b)

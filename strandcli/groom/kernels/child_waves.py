@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...constants import W
+from ...constants import VECTOR, W
 from ...jit import device, inlined
 from ...simd import broadcast, floor, gather8, lane_count, load, load3, movemask, pointer, sqrt, store, store3
 from .child_scratch import (
@@ -26,7 +26,10 @@ from .keep_out import keep_lane_out, way_on
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
+TWO = np.float32(2.0)
 TINY = np.float32(1e-30)
+LANES = np.arange(VECTOR // 4, dtype=np.float32)
+"""The numbers of lanes."""
 TOWARD = np.float32(0.3)
 """Share of its lateral distance from the target path that a strand corrects within a segment."""
 
@@ -43,22 +46,23 @@ def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
     m = out.shape[1] - 1
     top = b * (m + 1) * 3 * W + k
     rest, share = load(own, REST * W + k), load(own, SHARE * W + k)
-    per = TOWARD / max(rest, TINY)
-    lanes = load(pointer(LANES), 0)
-    dx, dy, dz, px, py, pz, _, _ = gather8(paths, 0, lanes, size, ZERO)
+    pace = rest, TOWARD / max(rest, TINY)
+    dx, dy, dz, px, py, pz, _, _ = gather8(paths, 0, load(pointer(LANES), 0), size, ZERO)
     dx, dy, dz = unit(dx - px, dy - py, dz - pz)
     store3(x, top, W, px + rest * dx, py + rest * dy, pz + rest * dz)
     store3(x, top + 3 * W, W, px, py, pz)
     ax, ay, az = load3(own, ACROSS * W + k, W)
-    # previous and this point of the target path; previous and this point of the path; the previous one with waves
-    qx, qy, qz = px, py, pz
+    # previous and this point of the path, the last one of the target path, and the previous one with waves
     bx, by, bz = px, py, pz
+    target = on_path(paths, size, share, np.float32(1), np.float32(m))
+    hx, hy, hz = next_point((px, py, pz), (px, py, pz), target, pace)
     wx, wy, wz = px, py, pz
-    hx, hy, hz, qx, qy, qz = next_on_path(paths, size, lanes, share, m, 1, rest, per, px, py, pz, qx, qy, qz)
     for j in range(2, m + 1):
         nx, ny, nz = hx, hy, hz
         if j < m:
-            nx, ny, nz, qx, qy, qz = next_on_path(paths, size, lanes, share, m, j, rest, per, hx, hy, hz, qx, qy, qz)
+            before = target
+            target = on_path(paths, size, share, np.float32(j), np.float32(m))
+            nx, ny, nz = next_point((hx, hy, hz), before, target, pace)
         vx, vy, vz = hx, hy, hz
         if waves.forms.shape[0] > 0:
             ax, ay, az, tx, ty, tz = carried_across(ax, ay, az, nx - bx, ny - by, nz - bz)
@@ -86,24 +90,29 @@ def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
         hx, hy, hz = nx, ny, nz
 
 
-LANES = np.arange(16, dtype=np.float32)
+@inlined
+def on_path(paths, size, share, j, m):
+    """Return the points of target paths, of ``m`` particles, metres, for particle j of children whose length is that
+    share of their guides'."""
+    u = min(share * j, m - ONE)
+    low = floor(min(u, m - TWO))
+    t = u - low
+    ax, ay, az, bx, by, bz, _, _ = gather8(paths, 3, load(pointer(LANES), 0), size, low * 3.0)
+    return ax + t * (bx - ax), ay + t * (by - ay), az + t * (bz - az)
 
 
 @inlined
-def next_on_path(paths, size, lanes, share, m, j, rest, per, px, py, pz, qx, qy, qz):
-    """Return the next points of paths after points p, and of target paths after points q: those at particle j, metres.
+def next_point(p, q, target, pace):
+    """Return the points that follow points p of paths, metres, where target paths go from points q to ``target``.
 
-    A segment keeps its direction, turned toward the target path in proportion to the lateral distance from it."""
-    u = min(share * np.float32(j), np.float32(m - 1))
-    low = floor(min(u, np.float32(m - 2)))
-    t = u - low
-    ax, ay, az, nx, ny, nz, _, _ = gather8(paths, 3, lanes, size, low * 3.0)
-    nx, ny, nz = ax + t * (nx - ax), ay + t * (ny - ay), az + t * (nz - az)
-    tx, ty, tz = unit(nx - qx, ny - qy, nz - qz)
-    ex, ey, ez = qx - px, qy - py, qz - pz
+    A segment has the direction of the target path, turned toward that in proportion to the lateral distance from it.
+    pace: the segments' length, and how far they turn for each metre."""
+    rest, per = pace
+    tx, ty, tz = unit(target[0] - q[0], target[1] - q[1], target[2] - q[2])
+    ex, ey, ez = q[0] - p[0], q[1] - p[1], q[2] - p[2]
     along = ex * tx + ey * ty + ez * tz
     tx, ty, tz = unit(tx + per * (ex - along * tx), ty + per * (ey - along * ty), tz + per * (ez - along * tz))
-    return px + rest * tx, py + rest * ty, pz + rest * tz, nx, ny, nz
+    return p[0] + rest * tx, p[1] + rest * ty, p[2] + rest * tz
 
 
 @inlined

@@ -1,7 +1,7 @@
 """Inputs of the kernels of children: flat tuples of arrays.
 
-A: children; C: levels of clumps, from wide to narrow; G: guides; P: guides of each child, `PARENTS`; V: waves; m: particles
-of a guide.
+A: children; C: levels of clumps, from wide to narrow; G: guides; P: guides of each child, `PARENTS`; V: waves; m:
+particles of a guide.
 """
 
 from __future__ import annotations
