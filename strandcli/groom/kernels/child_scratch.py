@@ -7,7 +7,7 @@ import numpy as np
 from ...constants import W
 from ...jit import device
 from ...simd import lane_count, load, pointer, store
-from ...simulate.kernels.turning import cosine_sine
+from ...simd.turning import cosine_sine
 
 ZERO = np.float32(0.0)
 ONE_PLACE = np.uint64(1)

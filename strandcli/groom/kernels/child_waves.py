@@ -22,7 +22,7 @@ from .child_scratch import (
     WAY,
 )
 from .inputs import ONSET, ROUNDNESS
-from .keep_out import keep_lane_out, way_on
+from .keep_out import keep_lane_out, lead_out, takes_slopes, way_on
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -78,8 +78,14 @@ def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
             way = load(own, WAY * W + k) - rest
             left = movemask(~(way > 0.0))
             if left != 0:
-                way = max(way, way_on(solids, px, py, pz, rest))
-                left = movemask(~(way > 0.0))
+                if takes_slopes(solids):
+                    px, py, pz, way, left = lead_out(
+                        solids, (px, py, pz), load3(x, top + (j - 1) * 3 * W, W), rest, way
+                    )
+                    store3(x, top + j * 3 * W, W, px, py, pz)
+                else:
+                    way = max(way, way_on(solids, px, py, pz, rest))
+                    left = movemask(~(way > 0.0))
             store(own, WAY * W + k, way)
             if left != 0:
                 for lane in range(k, k + lane_count(x)):
