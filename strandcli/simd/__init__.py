@@ -73,7 +73,6 @@ from .memory import (
     load,
     load3,
     load_deinterleaved,
-    load_triple,
     pointer,
     pointer_at,
     prefetch,
@@ -85,7 +84,7 @@ from .memory import (
     vector_pointer,
     vector_pointer_at,
 )
-from .records import gather2, gather4, gather8, store_records
+from .records import gather2, gather4, gather8, load_triple, store_records
 
 __all__ = [
     "any_lane",

@@ -218,29 +218,6 @@ def load_deinterleaved(typingctx: Any, rows: Any, o: Any) -> Any:
 
 
 @intrinsic
-def load_triple(typingctx: Any, rows: Any, o: Any) -> Any:
-    """Three vectors, one after the other, in which three numbers from place o on take turns."""
-    if not (isinstance(rows, PointerType) and isinstance(o, types.Integer)):
-        return None
-
-    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        kind = sig.args[0]
-        count = _here(context, builder, kind, *args).type.pointee.count
-        place = builder.gep(*args[:1], [args[1]])
-        triple = builder.load(
-            builder.bitcast(place, ir.VectorType(place.type.pointee, 3).as_pointer()), align=kind.dtype.bitwidth // 8
-        )
-        turns = ir.VectorType(ir.IntType(32), count)
-        out = [
-            builder.shuffle_vector(triple, triple, ir.Constant(turns, [(k + i) % 3 for k in range(count)]))
-            for i in (0, count, 2 * count)
-        ]
-        return context.make_tuple(builder, sig.return_type, out)
-
-    return types.UniTuple(vector_of(rows), 3)(rows, o), emit
-
-
-@intrinsic
 def line_pointer(typingctx: Any, array: Any) -> Any:
     """The numbers of a contiguous array from the first on that begins a cache line."""
     if not (isinstance(array, types.Array) and array.layout == "C"):

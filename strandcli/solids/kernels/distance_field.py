@@ -16,7 +16,6 @@ from numba import types
 from numba.extending import overload
 
 from ...jit import device, inlined
-from ...simd import where
 from ..shapes.other import REACH, ROW_X, ROW_Y, ROW_Z, X, Y, Z
 
 ZERO = np.float32(0.0)
@@ -275,27 +274,6 @@ def least_distance_of_all(distance, p, x, y, z):
         else:
             least = min(least, np.float32(math.sqrt(square) - reach))
     return least
-
-
-@inlined
-def nearest_slope_of_all(slopes_in_own, p, x, y, z):
-    """Return the distances of points from the nearest of these solids, metres, and their gradients there; vectors of
-    lanes."""
-    least, gx, gy, gz = slope_in_world(slopes_in_own, p, 0, x, y, z)
-    for m in range(1, p.rows.shape[0]):
-        away, ax, ay, az = slope_in_world(slopes_in_own, p, m, x, y, z)
-        nearer = away < least
-        least, gx, gy, gz = min(least, away), where(nearer, ax, gx), where(nearer, ay, gy), where(nearer, az, gz)
-    return least, gx, gy, gz
-
-
-@inlined
-def slope_in_world(slopes_in_own, p, m, x, y, z):
-    """Return the distances of points from solid m, and their gradients in the world."""
-    u, v, w = own(p, m, x, y, z)
-    away, a, b, c = slopes_in_own(p, m, u, v, w)
-    a, b, c = in_world(p, m, (a, b, c))
-    return away, a, b, c
 
 
 @inlined

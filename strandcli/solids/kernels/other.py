@@ -272,4 +272,4 @@ def _nearest_slope(solids, x, y, z):
     if form is None or form.slopes_in_own is None:
         return lambda solids, x, y, z: (x, x, x, x)
     slopes, among = form.slopes_in_own, form.among
-    return lambda solids, x, y, z: field.nearest_slope_of_all(slopes, among(solids), x, y, z)
+    return lambda solids, x, y, z: segment_depth.nearest_slope_of_all(slopes, among(solids), x, y, z)
