@@ -142,7 +142,7 @@ def resolve_contact(s, segment, q, state, contact, pressed):
         return
     inverse_length = load(s, INVERSE_LENGTH)
     n = normal_at(s, found, end, depth)
-    force = max(dot(held, n), 0.0) + depth
+    force = max(dot(held, n), 0.0) + contact.gain * depth
     near = (depth > -reach) & (force > 0.0)
     free = was & ~near
     turned = d

@@ -204,6 +204,8 @@ class Contact(NamedTuple):
     """Coulomb's coefficient."""
     rounding: Any
     """Relative rounding error of a coordinate."""
+    gain: Any
+    """Share of the depth at which a particle ends that its force makes up for in the next step."""
 
 
 class Segment(NamedTuple):

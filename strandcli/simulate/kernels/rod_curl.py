@@ -35,7 +35,7 @@ from __future__ import annotations
 
 from ...constants import FOLD
 from ...jit import device, inlined
-from ...simd import broadcast, load, load3, store, store3
+from ...simd import broadcast, load, load3, store, store3, where
 from ...simd.turning import cosine_sine, cosine_sine_of_small
 from . import rod_held, rod_lead, rod_oval
 from .records import DAMPING, ROUNDING, SOFT, STEP, TIP_JOINT, TORSION
@@ -45,6 +45,10 @@ from .rod_tension import firm_force, particle_gain
 
 GREATEST_TWIST_CHANGE = 1.0
 """Radians that ψ changes by in a step at the most."""
+PRESSED, PRESSED_BY_TURN = 0.1, 2.0
+"""Rigidity that keeps edges between the root and what a solid presses where they were, in units of κ, up to 1: that of
+all, and of θ². A force of contact is found once a step, and what is curled goes on giving way to it for many, so that
+without it curls that lean on solids twitch for ever."""
 LEAST_FOLD = 1e-6
 """1 + e·e' of two edges below which parallel transport from one to the other has no direction."""
 
@@ -63,7 +67,8 @@ def set_rest(s, at, state, material, forcing, scheme):
     numbers, held, soft = forcing.numbers, scheme.ends.held, softness(forcing.numbers, scheme.oval)
     transport_frames(s, at, state, material, forcing, scheme, soft)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
-    add_reactions(s, at, state, material, (numbers[TORSION], soft, load(forcing.firmness, at.strand)), share, held)
+    rigid = numbers[TORSION], soft, load(forcing.firmness, at.strand)
+    add_reactions(s, at, state, material, rigid, share, held, scheme.pressed)
 
 
 @device
@@ -141,10 +146,10 @@ def first_edge(at, j, state, way, far, numbers, led):
 
 
 @device
-def add_reactions(s, at, state, material, rigid, share, held):
+def add_reactions(s, at, state, material, rigid, share, held, pressed):
     """From the tip to the root: set the new ψ, and add rest vectors by it to c̄, with their reaction on edges before,
     and set the forces that keep edges where they are led. ``rigid``: torsion, `softness` and firmness; ``share``: of κ,
-    that of the material without damping; ``held``: whether tips are clamped."""
+    that of the material without damping; ``held``: whether tips are clamped; ``pressed``: as in `Scheme`."""
     n, joint = at.segments, material.joint
     torsion, soft, firm = rigid
     firm = firm * share * load(s, STIFFNESS)
@@ -155,6 +160,7 @@ def add_reactions(s, at, state, material, rigid, share, held):
     after = zero  # q / (1 + e·e') of the joint after
     angle = zero
     turn_after = zero  # κ θ² of the joint after
+    leaning = zero > 0.0
     ex, ey, ez = load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + EDGE, 1)
     if held is not None:
         (nx, ny, nz), after, angle = rod_held.beyond(s, n)
@@ -190,12 +196,36 @@ def add_reactions(s, at, state, material, rigid, share, held):
         f = firm * (turn + turn_after)
         store3(s, firm_force(n, j), 1, f * ex, f * ey, f * ez)
         store(s, firm_force(n, j) + 3, f)
+        if pressed:
+            f = joint[j] * min(PRESSED + PRESSED_BY_TURN * square, 1.0)
+            leaning = keep_pressed(s, at, j, state, load(s, STIFFNESS) * f, leaning)
         turn_after = turn
         f = share / joint[j]
         store3(s, o + REST_BEND, 1, share * x + f * bx, share * y + f * by, share * z + f * bz)
         nx, ny, nz = ex, ey, ez
         ex, ey, ez = px, py, pz
         after = q
+
+
+@inlined
+def is_pressed(at, j, state):
+    """Whether solids press particle j."""
+    x, y, z = load3(state.push, at.edge + j * AXES, PACK)
+    return abs(x) + abs(y) + abs(z) > 0.0
+
+
+@device
+def keep_pressed(s, at, j, state, rigidity, before):
+    """Add the force that keeps edge j where it was before the step, of ``rigidity``, in lanes where solids press its end
+    or, as ``before`` says, what comes after. Return that of the edge before."""
+    pressed = before | is_pressed(at, j, state)
+    f = where(pressed, rigidity, broadcast(s, 0.0))
+    x, y, z = load3(state.edges, at.edge + j * AXES, PACK)
+    o = firm_force(at.segments, j)
+    u, v, w = load3(s, o, 1)
+    store3(s, o, 1, u + f * x, v + f * y, w + f * z)
+    store(s, o + 3, load(s, o + 3) + f)
+    return pressed
 
 
 @inlined

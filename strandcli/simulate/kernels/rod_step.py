@@ -57,6 +57,9 @@ from .work_queue import TASKS, call_beside, take
 SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
 SETTLED = 5
 """Flags that are tested at run time."""
+CURLED_GAIN = 0.1
+"""`Contact.gain` of curled strands, which go on giving way to a force for many steps: their matrix is that of rests that
+stay, which is stiffer than a coil."""
 SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, STATE = range(9, 15)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
@@ -221,6 +224,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
     contact = Contact(
         solids, flags.solids, flags.segments,
         numbers[STEP] * (1 + 1.5 * numbers[MOVED]), numbers[FRICTION], 0.25 * numbers[ROUNDING],
+        CURLED_GAIN if flags.curled else 1.0,
     )  # fmt: skip
     for lane in range(0, PACK, lane_count(scratch)):
         strand = pack * PACK + lane

@@ -55,6 +55,9 @@ LONG = 300
 of the step has read is gone by its end."""
 AHEAD = 24
 """Segments that are fetched ahead then."""
+CALM = 0.2
+"""What `State.touching` of curled strands falls by in a step without force, from 1: one that a solid has pressed, and
+that springs off, is `pressed` for as long, or it would bounce for ever."""
 
 
 @function
@@ -116,7 +119,10 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         else:
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
-        store(state.touching, strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), 0.0))
+        after = broadcast(s, 0.0)
+        if scheme.curled:
+            after = max(load(state.touching, strand) - CALM, 0.0)
+        store(state.touching, strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), after))
 
 
 @inlined
