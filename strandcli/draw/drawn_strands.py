@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..groom.children import Children
+from ..groom.children import Children, Leading
 from ..groom.followers import Followers
 from ..scene.detail import strands_needed
 from .common.scratch import IN_LIGHT, IN_PICTURE, POSITIONS, Scratch
@@ -57,16 +57,21 @@ class DrawnStrands:
                 tones, ids = tones[shown], ids[shown]
         elif ids is None:  # and so those that level of detail draws are the first
             tones = tones[: strands_needed(scene, at)]
-        level = whole = None
-        if self._chooses and ids is not None:
-            level, whole = self._choose(scene, at, positions, lengths, ids)
+        level = whole = leading = None
+        if isinstance(self.children, Children):
+            leading = self.children.lead(positions, lengths, at, self.scratch)
+        if self._chooses and leading is not None and ids is not None:
+            level, whole = self._choose(scene, at, leading, ids)
             if whole is not None:
                 tones, ids = tones[whole.numbers], ids[whole.numbers]
         count = len(tones)
         places, widths = ids, self._widths
         if self.children is not None:
             assert ids is not None
-            positions, lengths = self.children.grow(positions, lengths, at, ids, self.scratch)
+            if isinstance(self.children, Children) and leading is not None:
+                positions, lengths = self.children.grow_along(leading, ids, self.scratch)
+            else:
+                positions, lengths = self.children.grow(positions, lengths, at, ids, self.scratch)
             if self._followers is not None:
                 places, widths = self._followers.standing_of(ids)
                 drawing.follow_stretch_max = max(float(lengths.max()), drawing.follow_stretch_max or 0.0)
@@ -82,8 +87,7 @@ class DrawnStrands:
         return Strands(positions, None if self._uneven else lengths, count, level, tones, ids, whole)
 
     def _choose(
-        self, scene: Scene, at: float, positions: NDArray[np.float32], lengths: NDArray[np.float32],
-        ids: NDArray[np.int32],
+        self, scene: Scene, at: float, leading: Leading, ids: NDArray[np.int32]
     ) -> tuple[Level | None, Whole | None]:  # fmt: skip
         """Return the level of detail of those children of some, by their numbers, that are drawn, and which these are;
         None, None where all are."""
@@ -98,7 +102,7 @@ class DrawnStrands:
 
         def around() -> tuple[NDArray[np.float32], int, NDArray[np.int64]]:
             some, among = self._near_measured(children, ids)
-            grown, _ = children.grow(positions, lengths, at, ids[some], self._around)
+            grown, _ = children.grow_along(leading, ids[some], self._around)
             return grown, len(some), among
 
         level = replace(level, fade=level.fade[drawn], scale=level.scale[drawn])

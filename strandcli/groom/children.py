@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
-from ..constants import W
+from ..constants import VECTOR, W
 from ..errors import SimulationError
 from ..scene.motion import emitter_pose
 from ..scene.touched import touched
@@ -31,10 +31,25 @@ from .record import Groom
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
+    from .kernels.inputs import Clumps, Following, Guides, Waves
 
 
+NUMBERS = VECTOR // 4
+"""Numbers of a vector in single precision."""
 NEAR = 512
 """Children about a point among which its nearest are looked for."""
+
+
+class Leading(NamedTuple):
+    """What children follow at a moment, as in `kernels.inputs`."""
+
+    particles: int
+    """Of each child."""
+    guides: Guides
+    following: Following
+    clumps: Clumps
+    waves: Waves
+    solids: solids.Solids
 
 
 class Children:
@@ -74,34 +89,52 @@ class Children:
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
         """Return the children numbered ``ids`` in the order of emission, at a time in seconds: positions (blocks, rows,
         3 W) and segment lengths (blocks, W), from guides in the same layout."""
+        return self.grow_along(self.lead(positions, lengths, at, scratch), ids, scratch)
+
+    def lead(
+        self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, scratch: Any
+    ) -> Leading:  # fmt: skip
+        """Return what all children follow at a time in seconds, as `grow` has it. It is valid until it is asked for
+        again with the same ``scratch``."""
         from .kernels import children as kernel
         from .kernels.inputs import Clumps, Following, Guides, Waves
 
         family, steps = self.family, self.steps
-        n = positions.shape[1] - 1
-        particles = scratch.borrow("guides", (self.groom.strands, (n - 1) * steps + 2, 3), np.float32)
-        kernel.refine(positions, np.int64(steps), particles)
+        m = (positions.shape[1] - 2) * steps + 1
+        size = -(-3 * (m + 1) // NUMBERS) * NUMBERS
+        offsets = scratch.borrow("guides", (self.groom.strands, size), np.float32)
+        kernel.refine(positions, np.int64(steps), offsets)
         segments = (lengths.reshape(-1)[: self.groom.strands] / np.float32(steps)).astype(np.float32)
         roots, across = self._place(at)
-        m = particles.shape[1] - 1
-        way = np.linspace(0.0, 1.0, m)
-        pulling = self._pulling
-        ramps = np.array([way**clump.shape for clump in self.settings.clumps], np.float32).reshape(-1, m)[pulling]
+        guides, following = Guides(offsets, segments), Following(*self._parents, roots, family.shares)
+        numbers, centres = self._centres
+        paths = scratch.borrow("clump_paths", (len(numbers), size), np.float32)
+        kernel.lay_paths(guides, following, numbers, paths)
+        clumps = Clumps(centres, family.pulls[self._pulling], self._ramps(m, size), paths)
         forms = np.array([[wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 2)
+        waves = Waves(forms, family.radii, family.turns, family.phases, across)
+        return Leading(m, guides, following, clumps, waves, self._solids(at))
+
+    def grow_along(
+        self, leading: Leading, ids: NDArray[np.int32], scratch: Any
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
+        """Return the children numbered ``ids`` as `grow` does, from what `lead` returned."""
+        from .kernels import children as kernel
+
         blocks = -(-len(ids) // W)
-        out = scratch.borrow("children", (blocks, m + 1, 3 * W), np.float32)
+        out = scratch.borrow("children", (blocks, leading.particles + 1, 3 * W), np.float32)
         rest = scratch.borrow("children_lengths", (blocks, W), np.float32)
-        kernel.grow(
-            Guides(particles, segments),
-            self._standing[ids],
-            Following(family.parents, family.weights, roots, family.shares),
-            Clumps(family.middles[pulling], family.pulls[pulling], ramps),
-            Waves(forms, family.radii, family.turns, family.phases, across),
-            self._solids(at),
-            out,
-            rest,
-        )
+        kernel.grow(leading.guides, self._standing[ids], *leading[2:], out, rest)
         return out, rest
+
+    def _ramps(self, m: int, size: int) -> NDArray[np.float32]:
+        """Return how much of their pull clumps have along a path of m particles, as `Clumps.ramps`."""
+        way = np.linspace(0.0, 1.0, m)
+        clumps = self.settings.clumps[self._pulling]
+        ramps = np.zeros((len(clumps), size), np.float32)
+        for ramp, clump in zip(ramps, clumps, strict=True):
+            ramp[3 : 3 * (m + 1)] = np.repeat(way**clump.shape, 3)
+        return ramps
 
     def roots(self, ids: NDArray[np.int32], at: float) -> NDArray[np.float32]:
         """Return the roots of the children numbered ``ids`` at a time in seconds, as rows (blocks, 2, 3 W) of which the
@@ -170,6 +203,27 @@ class Children:
         """The levels of clumps from the first to the last that pull any child; others are there for tones alone."""
         levels = np.flatnonzero([pulls.any() for pulls in self.family.pulls])
         return slice(levels[0], levels[-1] + 1) if len(levels) else slice(0)
+
+    @cached_property
+    def _centres(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """The children (K,) at the centres of clumps that pull, and which of them is at that of each child's (C, A)."""
+        middles = self.family.middles[self._pulling]
+        marked = np.zeros(self.count, bool)
+        marked[middles] = True
+        numbers = np.flatnonzero(marked).astype(np.int32)
+        standing = np.cumsum(marked, dtype=np.int32) - np.int32(1)
+        return numbers, standing[middles]
+
+    @cached_property
+    def _parents(self) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Guides of children and their weights, as many as `PARENTS` even where there are fewer guides."""
+        from .kernels.inputs import PARENTS
+
+        parents, weights = self.family.parents, self.family.weights
+        missing = PARENTS - parents.shape[1]
+        if missing == 0:
+            return parents, weights
+        return np.pad(parents, ((0, 0), (0, missing)), "edge"), np.pad(weights, ((0, 0), (0, missing)))
 
     @cached_property
     def _boxes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from .model.solids import SHAPES
 
-OPTIONAL = ("meet", "meets", "normal", "hides", "look", "look_after", "distances", "bounds", "drift")
+OPTIONAL = ("meet", "meets", "normal", "hides", "look", "look_after", "distances", "slopes", "bounds", "drift")
 """Compiled functions that a shape may have."""
 
 
@@ -40,6 +40,8 @@ class SolidShape(Protocol):
       back as ``before`` with a point nearby, and may make it quicker to look at, but change nothing; at first it is -1.
     * ``distances(x, y, z, numbers)``: `distance` of vectors of `strandcli.simd`, which have no branches. Soft shadows
       look it up many times for each point. Else points are taken one by one.
+    * ``slopes(x, y, z, numbers)``: `distances`, and as three more vectors their gradients, which may be 0 and need not
+      be of length 1. Drawn strands that touch it are moved along its surface by them, many at once. Else one by one.
     * ``bounds(numbers)``: x, y, z of the low and of the high corner of a box in the solid's own frame, float32, whose
       distance from a point is never more than `distance`. Soft shadows look no further. Else they look through the
       ball.

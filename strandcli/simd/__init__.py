@@ -12,6 +12,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     rows = pointer_at(np.float32, a); pile = vector_pointer_at(np.float32, a)
                                      the same of numbers that begin at an address; products in sums are fused (FMA)
     rows[o]                          a number
+    rows = line_pointer(array)       those of a contiguous array from the first on that begins a cache line
     array_at(np.int32, a, (n, 3))    an array of numbers that begin at an address
     lane_count(rows)                 numbers in a vector
     x = load(rows, o)                a vector from place o on
@@ -22,6 +23,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     store_records(rows, o, eight)    eight vectors as records: the first number of each, the second of each, ...
     x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
     x, y, z = load_deinterleaved(rows, o)   vectors of every third number from places o, o + 1 and o + 2 on
+    a, b, c = load_triple(rows, o)   three vectors one behind the other, in which three numbers take turns
     deinterleave(rows, o, count, work, to, stride)   the same of so many triples, into an array
     x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x),
     power_of_two(x)
@@ -67,6 +69,7 @@ from .memory import (
     gather,
     half_width_pointer,
     lane_count,
+    line_pointer,
     load,
     load3,
     load_deinterleaved,
@@ -81,7 +84,7 @@ from .memory import (
     vector_pointer,
     vector_pointer_at,
 )
-from .records import gather2, gather4, gather8, store_records
+from .records import gather2, gather4, gather8, load_triple, store_records
 
 __all__ = [
     "any_lane",
@@ -98,9 +101,11 @@ __all__ = [
     "has_fma",
     "lane",
     "lane_count",
+    "line_pointer",
     "load",
     "load3",
     "load_deinterleaved",
+    "load_triple",
     "movemask",
     "no_fma",
     "pointer",

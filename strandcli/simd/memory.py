@@ -218,6 +218,21 @@ def load_deinterleaved(typingctx: Any, rows: Any, o: Any) -> Any:
 
 
 @intrinsic
+def line_pointer(typingctx: Any, array: Any) -> Any:
+    """The numbers of a contiguous array from the first on that begins a cache line."""
+    if not (isinstance(array, types.Array) and array.layout == "C"):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, value=args[0]).data
+        word = ir.IntType(64)
+        address = builder.add(builder.ptrtoint(data, word), word(VECTOR - 1))
+        return builder.inttoptr(builder.and_(address, word(-VECTOR)), data.type)
+
+    return PointerType(array.dtype, False, VECTOR, fused=False)(array), emit
+
+
+@intrinsic
 def prefetch(typingctx: Any, rows: Any, o: Any) -> Any:
     """Have the processor fetch the cache line of place o, and go on meanwhile."""
     if not (isinstance(rows, PointerType) and isinstance(o, types.Integer)):

@@ -135,6 +135,29 @@ gather8: Any = intrinsic(_of_records(8))
 
 
 @intrinsic
+def load_triple(typingctx: Any, rows: Any, o: Any) -> Any:
+    """Three vectors, one after the other, in which three numbers from place o on take turns."""
+    if not (isinstance(rows, PointerType) and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = sig.args[0]
+        count = context.get_value_type(vector_of(kind)).count
+        place = builder.gep(args[0], [args[1]])
+        triple = builder.load(
+            builder.bitcast(place, ir.VectorType(place.type.pointee, 3).as_pointer()), align=kind.dtype.bitwidth // 8
+        )
+        turns = ir.VectorType(ir.IntType(32), count)
+        out = [
+            builder.shuffle_vector(triple, triple, ir.Constant(turns, [(k + i) % 3 for k in range(count)]))
+            for i in (0, count, 2 * count)
+        ]
+        return context.make_tuple(builder, sig.return_type, out)
+
+    return types.UniTuple(vector_of(rows), 3)(rows, o), emit
+
+
+@intrinsic
 def interleaved(typingctx: Any, x: Any, y: Any) -> Any:
     """Two vectors, one behind the other, in which numbers of two take turns."""
     if not (isinstance(x, VectorType) and x == y):

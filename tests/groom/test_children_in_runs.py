@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from mesh_kit import obj, sphere
 from strand_kit import frames_of, scene_of
 from strandcli.blocks import lanes, pack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.errors import SimulationError
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
+from strandcli.meshes.make import make_mesh
 from strandcli.scene.model import Camera
-from tests.groom.test_children import LOCKS, SCENE, WAVES, bent, emitted, family, grown
+from tests.groom.test_children import LOCKS, SCENE, WAVES, bent, emitted, family, grown, steps
 
 
 def test_children_go_along_from_frame_to_frame() -> None:
@@ -52,6 +55,29 @@ def test_children_stay_out_of_the_solids_of_collisions() -> None:
     clear = depth(free) < -1e-3
     assert clear.any()
     np.testing.assert_array_equal(kept[clear], free[clear])
+
+
+def test_children_slide_along_a_mesh_with_their_lengths(tmp_path: Path) -> None:
+    """Where they touch it they are as far off as they keep, and their segments are as long as at rest."""
+    vertices, triangles = sphere(4)
+    (tmp_path / "ball.obj").write_bytes(obj(make_mesh(0.25 * vertices, triangles)))
+    mesh = f"{{kind: mesh, file: {tmp_path / 'ball.obj'}, position: [0.2, 1.3, 0], rotation: [30, 0, 50]}}"
+    scene = scene_of(SCENE[: SCENE.index("solids:")] + f"solids: [{mesh}]\n")
+    scene = dataclasses.replace(scene, children=dataclasses.replace(scene.children, clumps=LOCKS))
+    guides, rest = bent(scene)
+    free, _ = grown(family(clumps=LOCKS)[1], guides, rest)
+    kept, lengths = grown(Children(scene, emit(scene.emitter, scene.seed)), guides, rest)
+
+    def away(strands: np.ndarray) -> np.ndarray:
+        return np.asarray(np.linalg.norm(strands - [0.2, 1.3, 0], axis=2) - 0.25)[:, 2:]
+
+    touching = (away(kept) < 0.12 * lengths[:, None]) & (away(free) < 0)
+    assert touching.sum() > 500
+    assert (away(kept) > -1e-3).all()  # flat triangles and a grid stand for the ball
+    np.testing.assert_allclose(steps(kept) / lengths[:, None], 1.0, atol=1e-4)
+    before = np.minimum.accumulate(away(free), 1) > 0.02  # up to where they come near it
+    assert before.sum() > 500
+    np.testing.assert_array_equal(kept[:, 2:][before], free[:, 2:][before])
 
 
 def test_children_of_a_guide_that_is_lost_are_left_out_and_no_others() -> None:

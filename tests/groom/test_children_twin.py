@@ -32,28 +32,21 @@ def unit(x: np.ndarray) -> np.ndarray:
     return np.asarray(x / np.linalg.norm(x))
 
 
-def on_guides(family: Family, guides: np.ndarray, i: int, u: float) -> np.ndarray:
-    """The point of child i at place u, in particles of its guides, (G, m, 3) from the root on."""
-    low = int(min(u, guides.shape[1] - 2))
-    at = guides[family.parents[i]]
-    moved = at[:, low] + (u - low) * (at[:, low + 1] - at[:, low]) - at[:, 0]
-    return np.asarray(family.roots[i] + family.weights[i].astype(float) @ moved)
+def along_guides(family: Family, offsets: np.ndarray, i: int) -> np.ndarray:
+    """The particles (m, 3) of child i along its guides, whose particles (G, m, 3) are told from their roots."""
+    return np.asarray(family.roots[i] + np.tensordot(family.weights[i].astype(float), offsets[family.parents[i]], 1))
 
 
-def path_of(family: Family, children: Children, guides: np.ndarray, i: int, rest: float) -> np.ndarray:
+def path_of(family: Family, children: Children, offsets: np.ndarray, i: int, rest: float) -> np.ndarray:
     """Particles of child i, (m, 3), pulled to the centres of its clumps, with segments of length ``rest``."""
-    m = guides.shape[1]
-    target = []
-    for j in range(m):
-        u = min(float(family.shares[i]) * j, m - 1.0)
-        low = int(min(u, m - 2))
-        x = on_guides(family, guides, i, u)
-        for level in reversed(range(len(family.middles))):
-            ramp = np.linspace(0, 1, m) ** children.settings.clumps[level].shape
-            pull = family.pulls[level, i] * (ramp[low] + (u - low) * (ramp[low + 1] - ramp[low]))
-            x = x + pull * (on_guides(family, guides, int(family.middles[level, i]), u) - x)
-        target.append(x)
-    path = target[:1]
+    m = offsets.shape[1]
+    whole = along_guides(family, offsets, i)
+    for level in reversed(range(len(family.middles))):
+        pull = family.pulls[level, i] * np.linspace(0, 1, m) ** children.settings.clumps[level].shape
+        whole = whole + pull[:, None] * (along_guides(family, offsets, int(family.middles[level, i])) - whole)
+    places = float(family.shares[i]) * np.arange(m)
+    target = np.stack([np.interp(places, np.arange(m), whole[:, c]) for c in range(3)], 1)
+    path = [target[0]]
     for before, after in pairwise(target):
         t = unit(after - before)
         error = before - path[-1]
@@ -106,16 +99,17 @@ def test_children_are_those_of_the_formulas(clumps: Any, waves: Any) -> None:
 
     from strandcli.groom.kernels.children import refine
 
-    fine = np.empty((60, (n - 1) * children.steps + 2, 3), np.float32)
+    m = (n - 1) * children.steps + 1
+    fine = np.empty((60, -(-3 * (m + 1) // 16) * 16), np.float32)
     refine(packed, np.int64(children.steps), fine)
+    offsets = fine[:, : 3 * (m + 1)].reshape(60, m + 1, 3).astype(float)
     ways = np.linalg.norm(np.diff(guides, axis=1), axis=2)[:, 1]
     for i in range(0, len(ids), 3):
         own = float(family.weights[i].astype(float) @ ways[family.parents[i]] * family.shares[i]) / children.steps
         assert lengths.reshape(-1)[i] == pytest.approx(own, rel=1e-5)
-        path = path_of(family, children, fine[:, 1:].astype(float), i, own)
+        path = path_of(family, children, offsets[:, 1:], i, own)
         if waves:
             path = with_waves(family, waves, path, i, own)
         np.testing.assert_allclose(found[i, 1:], path, atol=4e-6)
-        parents = fine[family.parents[i]].astype(float)
-        back = family.weights[i].astype(float) @ (parents[:, 0] - parents[:, 1])
+        back = family.weights[i].astype(float) @ offsets[family.parents[i], 0]
         np.testing.assert_allclose(found[i, 0], path[0] + own * unit(back), atol=4e-6)

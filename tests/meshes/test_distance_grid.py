@@ -12,9 +12,14 @@ from strandcli.jit import function, parallel, prange
 from strandcli.meshes.bvh import make_bvh
 from strandcli.meshes.closest import closest
 from strandcli.meshes.distance_grid import DistanceGrid, make_distance_grid
-from strandcli.meshes.kernels.distance import distance, distance_and_gradient, vector_distance
+from strandcli.meshes.kernels.distance import (
+    distance,
+    distance_and_gradient,
+    vector_distance,
+    vector_distance_and_gradient,
+)
 from strandcli.meshes.mesh import TriangleMesh
-from strandcli.simd import lane_count, load3, pointer, store
+from strandcli.simd import lane_count, load3, pointer, store, store3
 
 
 @parallel
@@ -164,6 +169,37 @@ def in_vectors(grid, points, found):
     for i in range(0, found.shape[0], lane_count(rows)):
         x, y, z = load3(rows, i, points.shape[1])
         store(out, i, vector_distance(grid, x, y, z))
+
+
+@function
+def slopes_one_by_one(grid, points, found):
+    for i in range(found.shape[1]):
+        found[0, i], found[1, i], found[2, i], found[3, i] = distance_and_gradient(
+            grid, points[0, i], points[1, i], points[2, i]
+        )
+
+
+@function
+def slopes_in_vectors(grid, points, found):
+    rows, out = pointer(points), pointer(found)
+    for i in range(0, found.shape[1], lane_count(rows)):
+        x, y, z = load3(rows, i, points.shape[1])
+        d, gx, gy, gz = vector_distance_and_gradient(grid, x, y, z)
+        store(out, i, d)
+        store3(out, i + found.shape[1], found.shape[1], gx, gy, gz)
+
+
+def test_gradients_in_vectors_are_those_of_numbers() -> None:
+    grid = grid_of(kit.mesh("bowl"), 32)
+    points = (np.random.default_rng(6).normal(size=(3, 4096)) * 1.5).astype(np.float32)
+    found, expected = np.empty((2, 4, points.shape[1]), np.float32)
+    slopes_in_vectors(grid, points, found)
+    slopes_one_by_one(grid, points, expected)
+    assert found[0].tobytes() == expected[0].tobytes()
+    beyond = (np.abs(points) > 1.6).any(0)
+    assert beyond.sum() > 1000
+    assert (~beyond).sum() > 500
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-6)
 
 
 def test_vectors_have_the_bits_of_numbers() -> None:

@@ -24,8 +24,10 @@ from strandcli.simd import (  # fmt: skip
     half_width_pointer,
     has_fma,
     lane_count,
+    line_pointer,
     load,
     load3,
+    load_triple,
     movemask,
     no_fma,
     pointer,
@@ -251,6 +253,36 @@ def test_triples_are_dealt_out_and_nothing_beyond_them(dtype: Any, count: int) -
     for row in range(3):
         expected[3 + 30 * row :][:count] = given[2 + row :: 3][:count]
     np.testing.assert_array_equal(work, expected)
+
+
+@njit
+def triples(given, out):
+    rows = pointer(given)
+    for i, x in enumerate(load_triple(rows, 1)):
+        store(pointer(out), i * lane_count(rows), x)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_three_numbers_take_turns_in_three_vectors(dtype: Any) -> None:
+    out = np.zeros(3 * VECTOR // np.dtype(dtype).itemsize, dtype)
+    triples(np.array([9.0, 1.0, 2.0, 3.0], dtype), out)
+    np.testing.assert_array_equal(out, np.tile([1.0, 2.0, 3.0], len(out) // 3))
+
+
+@njit
+def mark_line(array):
+    store(line_pointer(array), 0, 7.0)
+
+
+def test_a_line_begins_where_the_cache_has_one() -> None:
+    for begin in range(17):
+        whole = np.zeros(96, np.float32)
+        array = whole[begin : begin + 48]
+        mark_line(array)
+        marked = np.flatnonzero(whole)
+        assert len(marked) == VECTOR // 4
+        assert (whole.ctypes.data + 4 * marked[0]) % VECTOR == 0
+        assert begin <= marked[0] < begin + VECTOR // 4
 
 
 def test_a_number_that_is_none_comes_out_where_it_comes_first() -> None:

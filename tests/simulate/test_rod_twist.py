@@ -15,9 +15,9 @@ from strandcli.blocks import aligned
 from strandcli.constants import VECTOR
 from strandcli.groom.emit import emit
 from strandcli.simd import load, store, vector_pointer
+from strandcli.simd.turning import cosine_sine, cosine_sine_of_small
 from strandcli.simulate.advice import warnings
 from strandcli.simulate.kernels.records import LED
-from strandcli.simulate.kernels.turning import cosine_sine, cosine_sine_of_small
 from strandcli.simulate.material import COIL_STEP, FIRMEST, MOST_INNER
 from strandcli.simulate.rod import RodSolver
 from strandcli.simulate.rod_coils import CoilSteps

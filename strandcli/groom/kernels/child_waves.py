@@ -1,18 +1,20 @@
-"""Waves of children, a vector of them at a time, and what comes of their segments: the strands."""
+"""Strands from the paths of children, a vector of them at a time: segments of the length that they have at rest, waves,
+and outside of solids."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ...constants import W
+from ...constants import VECTOR, W
 from ...jit import device, inlined
-from ...simd import broadcast, lane_count, load, load3, movemask, pointer, sqrt, store, store3
-from .child_path import unit
+from ...simd import broadcast, floor, gather8, lane_count, load, load3, movemask, pointer, sqrt, store, store3
 from .child_scratch import (
     ACROSS,
     COSINE,
+    FIRST_WAVE,
     RADIUS,
     REST,
+    SHARE,
     SINE,
     TURN_COSINE,
     TURN_SINE,
@@ -20,39 +22,51 @@ from .child_scratch import (
     WAY,
 )
 from .inputs import ONSET, ROUNDNESS
-from .keep_out import keep_lane_out, way_on
+from .keep_out import keep_lane_out, lead_out, takes_slopes, way_on
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
+TWO = np.float32(2.0)
 TINY = np.float32(1e-30)
+LANES = np.arange(VECTOR // 4, dtype=np.float32)
+"""The numbers of lanes."""
+TOWARD = np.float32(0.3)
+"""Share of its lateral distance from the target path that a strand corrects within a segment."""
 
 
 @device
-def write_strands(waves, solids, solid, scratch, first, out, b, k):
-    """Turn the paths of children in the lanes from k on of block b of out (blocks, m + 1, 3 W), whose row 0 is the
-    direction before the root, into strands: with waves, segments as long as at rest, and outside of solids.
+def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
+    """Write strands to the lanes from k on of block b of out (blocks, m + 1, 3 W), metres, with row 0 one segment
+    before the root: with waves, segments as long as at rest, and outside of solids.
 
-    solid: whether there are solids; scratch: as `child_scratch` says, with the first wave at place ``first``.
+    solid: whether there are solids; paths: rows of ``size`` numbers, one a lane, as `lay_path` writes them; scratch: as
+    `child_scratch` says.
     """
     x, own = pointer(out), pointer(scratch)
     m = out.shape[1] - 1
     top = b * (m + 1) * 3 * W + k
-    rest = load(own, REST * W + k)
-    px, py, pz = load3(x, top + 3 * W, W)
-    dx, dy, dz = load3(x, top, W)
-    size = rest / sqrt(max(dx * dx + dy * dy + dz * dz, TINY))
-    store3(x, top, W, px + size * dx, py + size * dy, pz + size * dz)
+    rest, share = load(own, REST * W + k), load(own, SHARE * W + k)
+    pace = rest, TOWARD / max(rest, TINY)
+    dx, dy, dz, px, py, pz, _, _ = gather8(paths, 0, load(pointer(LANES), 0), size, ZERO)
+    dx, dy, dz = unit(dx - px, dy - py, dz - pz)
+    store3(x, top, W, px + rest * dx, py + rest * dy, pz + rest * dz)
+    store3(x, top + 3 * W, W, px, py, pz)
     ax, ay, az = load3(own, ACROSS * W + k, W)
-    # previous, this and next point of the path, and the previous one with waves
+    # previous and this point of the path, the last one of the target path, and the previous one with waves
     bx, by, bz = px, py, pz
+    target = on_path(paths, size, share, np.float32(1), np.float32(m))
+    hx, hy, hz = next_point((px, py, pz), (px, py, pz), target, pace)
     wx, wy, wz = px, py, pz
-    hx, hy, hz = load3(x, top + min(2, m) * 3 * W, W)
     for j in range(2, m + 1):
-        nx, ny, nz = load3(x, top + min(j + 1, m) * 3 * W, W)
+        nx, ny, nz = hx, hy, hz
+        if j < m:
+            before = target
+            target = on_path(paths, size, share, np.float32(j), np.float32(m))
+            nx, ny, nz = next_point((hx, hy, hz), before, target, pace)
         vx, vy, vz = hx, hy, hz
         if waves.forms.shape[0] > 0:
             ax, ay, az, tx, ty, tz = carried_across(ax, ay, az, nx - bx, ny - by, nz - bz)
-            f, g = next_waves(waves, own, first + k, np.float32(j - 1) / np.float32(m - 1))
+            f, g = next_waves(waves, own, FIRST_WAVE * W + k, np.float32(j - 1) / np.float32(m - 1))
             vx = hx + f * ax + g * (ty * az - tz * ay)
             vy = hy + f * ay + g * (tz * ax - tx * az)
             vz = hz + f * az + g * (tx * ay - ty * ax)
@@ -64,8 +78,14 @@ def write_strands(waves, solids, solid, scratch, first, out, b, k):
             way = load(own, WAY * W + k) - rest
             left = movemask(~(way > 0.0))
             if left != 0:
-                way = max(way, way_on(solids, px, py, pz, rest))
-                left = movemask(~(way > 0.0))
+                if takes_slopes(solids):
+                    px, py, pz, way, left = lead_out(
+                        solids, (px, py, pz), load3(x, top + (j - 1) * 3 * W, W), rest, way
+                    )
+                    store3(x, top + j * 3 * W, W, px, py, pz)
+                else:
+                    way = max(way, way_on(solids, px, py, pz, rest))
+                    left = movemask(~(way > 0.0))
             store(own, WAY * W + k, way)
             if left != 0:
                 for lane in range(k, k + lane_count(x)):
@@ -74,6 +94,38 @@ def write_strands(waves, solids, solid, scratch, first, out, b, k):
                 px, py, pz = load3(x, top + j * 3 * W, W)
         bx, by, bz = hx, hy, hz
         hx, hy, hz = nx, ny, nz
+
+
+@inlined
+def on_path(paths, size, share, j, m):
+    """Return the points of target paths, of ``m`` particles, metres, for particle j of children whose length is that
+    share of their guides'."""
+    u = min(share * j, m - ONE)
+    low = floor(min(u, m - TWO))
+    t = u - low
+    ax, ay, az, bx, by, bz, _, _ = gather8(paths, 3, load(pointer(LANES), 0), size, low * 3.0)
+    return ax + t * (bx - ax), ay + t * (by - ay), az + t * (bz - az)
+
+
+@inlined
+def next_point(p, q, target, pace):
+    """Return the points that follow points p of paths, metres, where target paths go from points q to ``target``.
+
+    A segment has the direction of the target path, turned toward that in proportion to the lateral distance from it.
+    pace: the segments' length, and how far they turn for each metre."""
+    rest, per = pace
+    tx, ty, tz = unit(target[0] - q[0], target[1] - q[1], target[2] - q[2])
+    ex, ey, ez = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+    along = ex * tx + ey * ty + ez * tz
+    tx, ty, tz = unit(tx + per * (ex - along * tx), ty + per * (ey - along * ty), tz + per * (ez - along * tz))
+    return p[0] + rest * tx, p[1] + rest * ty, p[2] + rest * tz
+
+
+@inlined
+def unit(x, y, z):
+    """Return the unit vectors of vectors."""
+    size = 1.0 / sqrt(max(x * x + y * y + z * z, TINY))
+    return x * size, y * size, z * size
 
 
 @inlined

@@ -15,14 +15,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...constants import W
+from ...constants import VECTOR, W
 from ...jit import parallel, prange
-from ...simd import lane_count, pointer
+from ...simd import lane_count, line_pointer, pointer
 from ...solids.kernels.outside import count as count_solids
-from .child_path import follow_guides, restore_lengths
-from .child_scratch import TURNING, first_wave, load_children
+from .child_path import lay_path, pull_path
+from .child_scratch import FIRST_WAVE, TURNING, load_children
 from .child_waves import write_strands
 
+ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 
@@ -30,29 +31,40 @@ ONE = np.float32(1.0)
 @parallel
 def refine(positions, steps, out):
     """Write guides (blocks, n + 1, 3 W), subdivided into `steps` parts a segment on cubic Hermite curves with central
-    differences, to out (G, (n − 1) steps + 2, 3)."""
+    differences, to out (G, S) as `Guides.offsets`."""
     n = positions.shape[1] - 1
     per = ONE / np.float32(steps)
     for s in prange(out.shape[0]):
-        block = positions[s // W]
+        block, row = positions[s // W], out[s]
         lane = s % W
+        row[((n - 1) * steps + 2) * 3 :] = ZERO
         for c in range(3):
             k = c * W + lane
-            a = block[1, k]
-            out[s, 0, c] = a + (block[0, k] - a) * per
-            out[s, 1, c] = a
+            root = block[1, k]
+            a = ZERO
+            row[c] = (block[0, k] - root) * per
+            row[3 + c] = ZERO
             first = HALF * (block[2, k] - block[0, k])
             for i in range(1, n):
-                b = block[i + 1, k]
-                last = HALF * (block[i + 2, k] - a) if i + 1 < n else b - a
+                b = block[i + 1, k] - root
+                last = HALF * (block[i + 2, k] - root - a) if i + 1 < n else b - a
                 e = b - a
+                at = (1 + (i - 1) * steps) * 3 + c
                 for j in range(1, steps):
                     t = np.float32(j) * per
                     bend = (first + last - e - e) * t + (e + e + e - first - first - last)
-                    out[s, 1 + (i - 1) * steps + j, c] = a + t * (first + t * bend)
-                out[s, 1 + i * steps, c] = b
+                    row[at + 3 * j] = a + t * (first + t * bend)
+                row[at + 3 * steps] = b
                 first = last
                 a = b
+
+
+@parallel
+def lay_paths(guides, following, numbers, out):
+    """Write the paths of children by their numbers (K,) int32, along their guides, to out (K, S), as
+    `Clumps.paths`."""
+    for c in prange(out.shape[0]):
+        lay_path(guides, following, np.uint64(numbers[c]), pointer(out), np.int64(c) * out.shape[1])
 
 
 @parallel
@@ -64,11 +76,14 @@ def grow(guides, own, following, clumps, waves, solids, out, lengths):
     """
     for block in prange(out.shape[0]):
         b = np.int64(block)  # the index is unsigned, and would have functions compiled twice
-        first = first_wave(clumps)
-        scratch = np.empty(first + waves.forms.shape[0] * TURNING * W, np.float32)
-        load_children(guides, following, clumps, waves, own, b * W, scratch, lengths[b])
-        x = pointer(out)
-        for k in range(0, W, lane_count(x)):
-            follow_guides(guides, clumps, pointer(scratch), x, b, k)
-            restore_lengths(pointer(scratch), x, b, k, out.shape[1])
-            write_strands(waves, solids, count_solids(solids) > 0, scratch, first, out, b, k)
+        scratch = np.empty((FIRST_WAVE + waves.forms.shape[0] * TURNING) * W, np.float32)
+        load_children(guides, following, waves, own, b * W, scratch, lengths[b])
+        size = guides.offsets.shape[1]
+        work = np.empty((lane_count(pointer(scratch)) + 1) * size + VECTOR, np.float32)
+        paths = line_pointer(work)
+        for k in range(0, W, lane_count(paths)):
+            for lane in range(lane_count(paths)):
+                i = np.uint64(own[min(b * W + k + lane, own.shape[0] - 1)])
+                lay_path(guides, following, i, paths, lane * size)
+                pull_path(clumps, i, paths, lane * size)
+            write_strands(waves, solids, count_solids(solids) > 0, paths, size, scratch, out, b, k)

@@ -1,7 +1,7 @@
 """Inputs of the kernels of children: flat tuples of arrays.
 
-A: children; C: levels of clumps, from wide to narrow; G: guides; P: guides of each child, at most `PARENTS`; V: waves;
-m: particles of a guide.
+A: children; C: levels of clumps, from wide to narrow; G: guides; P: guides of each child, `PARENTS`; V: waves; m:
+particles of a guide.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 PARENTS = 3
-"""Guides of a child, at most."""
+"""Guides of a child."""
 ROUNDNESS, ONSET = 0, 1
 """Columns of `Waves.forms`."""
 
@@ -20,8 +20,9 @@ ROUNDNESS, ONSET = 0, 1
 class Guides(NamedTuple):
     """Guides, subdivided."""
 
-    particles: NDArray[np.float32]
-    """(G, m + 1, 3) metres; row 0 is one segment before the root."""
+    offsets: NDArray[np.float32]
+    """(G, S) metres from the root, three numbers a point: of the point one segment before the root, and of the m
+    particles; then numbers that mean nothing, so that S is a whole number of vectors."""
     segments: NDArray[np.float32]
     """(G,) length of a segment, metres."""
 
@@ -42,12 +43,14 @@ class Following(NamedTuple):
 class Clumps(NamedTuple):
     """Clumps of children."""
 
-    middles: NDArray[np.int32]
-    """(C, A) number of the child at the centre of each child's clump."""
+    centres: NDArray[np.int32]
+    """(C, A) which of the ``paths`` is at the centre of each child's clump."""
     pulls: NDArray[np.float32]
     """(C, A) share by which the distance to that child is reduced at the tip."""
     ramps: NDArray[np.float32]
-    """(C, m) factor of the pull at each particle."""
+    """(C, S) factor of the pull at each number of a path; 0 up to the root."""
+    paths: NDArray[np.float32]
+    """(K, S) paths of the children at the centres, along their guides alone: as `Guides.offsets`, from the origin."""
 
 
 class Waves(NamedTuple):

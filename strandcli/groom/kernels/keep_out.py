@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import device
-from ...simd import broadcast, pointer
+from ...jit import device, inlined
+from ...simd import any_lane, broadcast, movemask, pointer, sqrt, where
 from ...solids.kernels import box, built_in, capsule, other, plane, sphere
 from ...solids.kernels.built_in import device_if_built_in
 from ...solids.kernels.outside import outside
@@ -19,6 +19,10 @@ TINY = np.float32(1e-30)
 CLEAR = np.float32(0.1)
 """Distance of particles from solids as a share of a segment: between two particles a curve lies below the surface of a
 solid, and triangles may lie above their grid of distances."""
+SLACK = np.float32(0.1)
+"""Share of that distance by which particles may still be too near."""
+LEVEL = np.float32(1e-6)
+"""Square of a gradient that has no direction, at the most."""
 ROUNDS = 3
 SURE = np.float32(0.55)
 """Share of the distance from solids that a strand may go on unexamined: distances that are linear along the axes
@@ -39,6 +43,48 @@ def way_on(solids, x, y, z, rest):
     if not other.takes_vectors(solids):
         return rest - rest
     return min(way, max(-SURE * (other.deepen(solids, x, y, z, none) + CLEAR * rest), ZERO))
+
+
+@device
+def takes_slopes(solids):
+    """Return whether `lead_out` can be called."""
+    return other.has_slopes(solids) and built_in.count(solids) == 0
+
+
+@inlined
+def lead_out(solids, p, o, rest, way):
+    """Return particles p, moved along solids to where they are outside and at the distance ``rest`` from the particles
+    before them, o; how far strands may go on from there before any solid can be met; and in which lanes, as bits, that
+    has to be done by `keep_lane_out`. Vectors of lanes, metres; way: how far they might go on before.
+
+    A solid is taken to be flat about a particle, and looked at again where the particle has come to lie."""
+    x, y, z = p
+    clear = CLEAR * rest
+    away, nx, ny, nz = other.nearest_slope(solids, x, y, z)
+    way = max(way, max(SURE * (away - clear), ZERO))
+    touching = ~(way > ZERO)
+    lost = np.uint64(0)
+    if any_lane(touching):
+        for _ in range(ROUNDS):
+            square = nx * nx + ny * ny + nz * nz
+            lost |= movemask(touching & ~(square > LEVEL))
+            touching = touching & (square > LEVEL)
+            size = 1.0 / sqrt(max(square, LEVEL))
+            nx, ny, nz = nx * size, ny * size, nz * size
+            ex, ey, ez = x - o[0], y - o[1], z - o[2]
+            along = ex * nx + ey * ny + ez * nz
+            tx, ty, tz = ex - along * nx, ey - along * ny, ez - along * nz
+            up = min(max(along + (clear - away), -rest), rest)
+            f = sqrt(max(rest * rest - up * up, ZERO) / max(tx * tx + ty * ty + tz * tz, TINY))
+            moved = touching & (clear - away > ZERO)
+            x = where(moved, o[0] + up * nx + f * tx, x)
+            y = where(moved, o[1] + up * ny + f * ty, y)
+            z = where(moved, o[2] + up * nz + f * tz, z)
+            away, nx, ny, nz = other.nearest_slope(solids, x, y, z)
+            touching = touching & (clear - away > SLACK * clear)
+            if not any_lane(touching):
+                break
+    return x, y, z, way, lost
 
 
 @device_if_built_in(lambda solids, x, y, z, deep: deep)

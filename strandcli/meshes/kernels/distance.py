@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from ...jit import device, inlined
 from ...simd import floor, gather2, pointer, sqrt, where
 
+TINY = np.float32(1e-30)
+
 
 class DistanceGrid(NamedTuple):
     """Signed distances from a mesh at the nodes of a grid, negative inside.
@@ -83,6 +85,12 @@ def distance(grid, x, y, z):
 @inlined
 def vector_distance(grid, x, y, z):
     """`distance` of vectors of points."""
+    return vector_distance_and_gradient(grid, x, y, z)[0]
+
+
+@inlined
+def vector_distance_and_gradient(grid, x, y, z):
+    """`distance_and_gradient` of vectors of points."""
     values, spacing = grid.values, grid.spacing
     nz, ny, nx = values.shape
     per = np.float32(1) / spacing
@@ -103,9 +111,25 @@ def vector_distance(grid, x, y, z):
     ab, cd, ef, gh = a + u1 * (b - a), c + u1 * (d - c), e + u1 * (f - e), g + u1 * (h - g)
     below, above = ab + v1 * (cd - ab), ef + v1 * (gh - ef)
     near = below + w1 * (above - below)
+    gx0, gx1 = (b - a) + v1 * ((d - c) - (b - a)), (f - e) + v1 * ((h - g) - (f - e))
+    gx, gy = (gx0 + w1 * (gx1 - gx0)) * per, ((cd - ab) + w1 * ((gh - ef) - (cd - ab))) * per
+    gz = (above - below) * per
     ox, oy, oz = (u - cu) * spacing, (v - cv) * spacing, (w - cw) * spacing
     out = ox * ox + oy * oy + oz * oz
-    return where(out > np.float32(0), sqrt(out + near * near), near)
+    beyond = out > np.float32(0)
+    far = sqrt(out + near * near)
+    scale = np.float32(1) / max(far, TINY)
+    return (
+        where(beyond, far, near), vector_slope(beyond, ox, gx, near, scale), vector_slope(beyond, oy, gy, near, scale),
+        vector_slope(beyond, oz, gz, near, scale),
+    )  # fmt: skip
+
+
+@inlined
+def vector_slope(beyond, over, slope, near, scale):
+    """Return the gradient along an axis, where points beyond the grid are ``over`` its border along that."""
+    outside = where(abs(over) > np.float32(0), over * scale, slope * near * scale)
+    return where(beyond, outside, slope)
 
 
 @device

@@ -36,12 +36,12 @@ from __future__ import annotations
 from ...constants import FOLD
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3, where
+from ...simd.turning import cosine_sine, cosine_sine_of_small
 from . import rod_held, rod_lead, rod_oval
 from .records import DAMPING, ROUNDING, SOFT, STEP, TIP_JOINT, TORSION
 from .rod_frames import CLAMP, carried, cross, first_normal
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT, STIFFNESS
 from .rod_tension import firm_force, particle_gain
-from .turning import cosine_sine, cosine_sine_of_small
 
 GREATEST_TWIST_CHANGE = 1.0
 """Radians that ψ changes by in a step at the most."""

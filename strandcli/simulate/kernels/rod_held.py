@@ -12,10 +12,10 @@ from __future__ import annotations
 from ...constants import FOLD
 from ...jit import device
 from ...simd import load, load3, sqrt, store, store3
+from ...simd.turning import cosine_sine
 from .records import DAMPING, STEP, TIP_JOINT, TURN
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, PACK, REST_BEND, SEGMENT, STIFFNESS, TENSION
 from .rod_tension import TINY
-from .turning import cosine_sine
 
 # the segment after the last one has these, beside its EDGE and REST_BEND; factors and loads of it stay zeros
 RIGIDITY = TENSION

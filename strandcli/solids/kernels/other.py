@@ -249,3 +249,27 @@ def _deepen(solids, x, y, z, most):
     if distances is not None:
         return lambda solids, x, y, z, most: segment_depth.deepen_vectors(distances, among(solids), x, y, z, most)
     return lambda solids, x, y, z, most: segment_depth.deepen_lanes(distance, among(solids), x, y, z, most)
+
+
+def has_slopes(solids):
+    """Whether `nearest_slope` can be called: all of these have distances of vectors with their gradients."""
+
+
+@overload(has_slopes)
+def _has_slopes(solids):
+    form = form_of(solids)
+    found = form is not None and form.slopes_in_own is not None
+    return lambda solids: found
+
+
+def nearest_slope(solids, x, y, z):
+    """The distances of points from the nearest of these, metres, and their gradients there; vectors of lanes."""
+
+
+@overload(nearest_slope, jit_options={"forceinline": True})
+def _nearest_slope(solids, x, y, z):
+    form = form_of(solids)
+    if form is None or form.slopes_in_own is None:
+        return lambda solids, x, y, z: (x, x, x, x)
+    slopes, among = form.slopes_in_own, form.among
+    return lambda solids, x, y, z: segment_depth.nearest_slope_of_all(slopes, among(solids), x, y, z)

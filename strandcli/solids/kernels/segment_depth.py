@@ -14,7 +14,7 @@ from ...constants import W
 from ...jit import inlined
 from ...simd import any_lane, lane, lane_count, pointer, sqrt, where, with_lane
 from ..shapes.other import REACH, X, Y, Z
-from .distance_field import INF, ROUNDS, TINY, ZERO, own
+from .distance_field import INF, ROUNDS, TINY, ZERO, in_world, own
 
 PARTS = 4
 """Equal parts of a segment whose ends are tested."""
@@ -168,3 +168,24 @@ def deepen_vectors(distances_in_own, p, x, y, z, most):
             under = where(under > ZERO, -distances_in_own(p, m, u, v, w), under)
         most = max(most, under)
     return most
+
+
+@inlined
+def nearest_slope_of_all(slopes_in_own, p, x, y, z):
+    """Return the distances of points from the nearest of these solids, metres, and their gradients there; vectors of
+    lanes."""
+    least, gx, gy, gz = slope_in_world(slopes_in_own, p, 0, x, y, z)
+    for m in range(1, p.rows.shape[0]):
+        away, ax, ay, az = slope_in_world(slopes_in_own, p, m, x, y, z)
+        nearer = away < least
+        least, gx, gy, gz = min(least, away), where(nearer, ax, gx), where(nearer, ay, gy), where(nearer, az, gz)
+    return least, gx, gy, gz
+
+
+@inlined
+def slope_in_world(slopes_in_own, p, m, x, y, z):
+    """Return the distances of points from solid m, and their gradients in the world."""
+    u, v, w = own(p, m, x, y, z)
+    away, a, b, c = slopes_in_own(p, m, u, v, w)
+    a, b, c = in_world(p, m, (a, b, c))
+    return away, a, b, c

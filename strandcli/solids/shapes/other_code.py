@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...scene.solid_shape import OPTIONAL, has_data, shape_of
 from .other import KIND, NUMBERS, REACH, ROW_X, count_of, data_of, kinds_of
-from .other_template import DISTANCES, DRIFT, LOOK, MEETS, MODULE, RAY
+from .other_template import DISTANCES, DRIFT, LOOK, MEETS, MODULE, RAY, SLOPES
 
 
 class Kind(NamedTuple):
@@ -86,12 +86,13 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
         "drift": DRIFT.format(drift=_chosen([_drift(one) for one in kinds])) if _any(kinds, "drift") else "",
         "has_drift": "drift_of" if _any(kinds, "drift") else "None",
         "has_look": "look" if _looks(kinds) else "None",
-        "distances": _distances(kinds),
+        "distances": _distances(kinds) + _slopes(kinds),
         "bounds": _chosen([_bounds(one) for one in kinds]),
         "meets": _meets(kinds),
         "has_meets": "meets" if _meets(kinds).strip() else "None",
         "reach": REACH,
         "has_distances": "distances_in_own" if _distances(kinds).strip() else "None",
+        "has_slopes": "slopes_in_own" if _slopes(kinds) else "None",
         "detailed": any(has_data(one.shape) for one in kinds),
         "folds": tuple(bool(getattr(one.shape, "folds", False)) for one in kinds),
     }
@@ -114,6 +115,13 @@ def _distances(kinds: Sequence[Kind]) -> str:
     if not all(_has(one.shape, "distances") for one in kinds):
         return "\n"
     return DISTANCES.format(distances=_chosen([f"distances_{one.place}(u, v, w, {_given(one)})" for one in kinds]))
+
+
+def _slopes(kinds: Sequence[Kind]) -> str:
+    """Code of the distances of vectors with their gradients; nothing where a kind lacks them."""
+    if not all(_has(one.shape, "slopes") for one in kinds):
+        return ""
+    return SLOPES.format(slopes=_chosen([f"slopes_{one.place}(u, v, w, {_given(one)})" for one in kinds]))
 
 
 def _meets(kinds: Sequence[Kind]) -> str:
@@ -144,7 +152,7 @@ def _imports(kind: Kind) -> str:
         if function is None:
             continue
         lines.append(_import(shape, part, function, place))
-        way = "inlined" if part == "distances" else "device"  # vectors, which calls would write to memory
+        way = "inlined" if part in ("distances", "slopes") else "device"  # vectors, which calls would write to memory
         lines.append(f"{part}_{place} = {way}({part}_{place})\n")
     if has_data(shape):
         lines.append(_import(shape, "Data", shape.Data, place))

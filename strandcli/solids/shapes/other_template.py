@@ -95,6 +95,7 @@ Solids, SeparateSolids, LoneSolids = {name}, Separate{name}, Lone{name}
 Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
 Solids.hides, Solids.among, Solids.look, Solids.folds = hides, among, {has_look}, {folds}
 Solids.distance_in_own, Solids.distances_in_own = distance_in_own, {has_distances}
+Solids.slopes_in_own = {has_slopes}
 Solids.bounds, Solids.meets, Solids.detailed = bounds, {has_meets}, {detailed}
 Solids.kinds = {kinds}
 drift = {has_drift}
@@ -132,6 +133,13 @@ DISTANCES = '''
 def distances_in_own(p, m, u, v, w):
     """Distances of vectors of points, in the frame of solid m, from its surface."""
 {distances}
+'''
+SLOPES = '''
+
+@inlined
+def slopes_in_own(p, m, u, v, w):
+    """The same, and their gradients."""
+{slopes}
 '''
 MEETS = '''
 

@@ -253,13 +253,13 @@ detail: {near: 1.2, fraction: 0.05}
 
 def test_children_that_are_not_drawn_are_not_made_and_no_pixel_differs(monkeypatch: pytest.MonkeyPatch) -> None:
     grown: list[int] = []
-    grow = Children.grow
+    grow = Children.grow_along
 
-    def note(self: Children, positions: Any, lengths: Any, at: float, ids: Any, scratch: Any) -> Any:
+    def note(self: Children, leading: Any, ids: Any, scratch: Any) -> Any:
         grown.append(len(ids))
-        return grow(self, positions, lengths, at, ids, scratch)
+        return grow(self, leading, ids, scratch)
 
-    monkeypatch.setattr(Children, "grow", note)
+    monkeypatch.setattr(Children, "grow_along", note)
     (few,) = frames_of(scene_of(CHILDREN), 2)
     drawn = few.report["counts"]["strands"]
     assert 3000 < drawn < 12000

@@ -7,9 +7,9 @@ from typing import Any
 
 from numba import types
 
-from ...jit import inlined
-from ...jit.pruned import device_where
-from ...simd import floor, where
+from ..jit import inlined
+from ..jit.pruned import device_where
+from .lanes import floor, where
 
 QUARTERS_A_RADIAN = 0.6366197723675814
 """2 / π."""
