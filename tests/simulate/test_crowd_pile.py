@@ -15,7 +15,7 @@ D, ROWS, ACROSS, LENGTH = 0.002, 20, 20, 0.12
 """From strand to strand, metres; strands above and beside each other; their length, metres."""
 PILE = """
 time: {{fps: {fps}}}
-rod: {{rest: straight, radius: 5.0e-4, density: 1000, young: 3.0e+5, drag: 8, friction: 0}}
+rod: {{integrator: {method}, rest: straight, radius: 5.0e-4, density: 1000, young: 3.0e+5, drag: 8, friction: 0}}
 emitter: {{strands: 400, particles: 7, length: 0.12}}
 solids:
 - {{kind: plane, position: [0, 0, 0]}}
@@ -52,10 +52,12 @@ def layers(x: NDArray[np.float32], high: float) -> NDArray[np.float64]:
 
 
 @pytest.mark.parametrize(("fps", "most"), [(24, 1.25), (60, 1.15)])
-def test_a_pile_on_a_table_is_as_high_as_its_density_says(fps: int, most: float) -> None:
+@pytest.mark.parametrize(("method", "low"), [("euler", 0.06), ("bdf2", 0.07)])
+def test_a_pile_on_a_table_is_as_high_as_its_density_says(fps: int, most: float, method: str, low: float) -> None:
     """Strands fall by 9 (1.4) times their distance in a step. Away from the tips, where the pile ends, it is as high
-    as it is dense within 6 %, and no layer of a cell's height is denser than allowed by more than 25 % (15 %)."""
-    solver = solver_of(PILE.format(fps=fps), strands())
+    as it is dense within 6 %, by BDF2, which is slower to answer, 7 %, and no layer of a cell's height is denser than
+    allowed by more than 25 % (15 %)."""
+    solver = solver_of(PILE.format(fps=fps, method=method), strands())
     height, dense = [], []
     for frame in range(2, fps + 2):
         solver.advance(frame)
@@ -63,7 +65,7 @@ def test_a_pile_on_a_table_is_as_high_as_its_density_says(fps: int, most: float)
             x = solver.particles()
             height.append(x[:, 2:5, 1].mean())
             dense.append(layers(x, 0.008))
-    assert np.mean(height) == pytest.approx(ROWS * D / 2, rel=0.06)
+    assert np.mean(height) == pytest.approx(ROWS * D / 2, rel=low)
     assert np.mean(dense, 0).max() < most
 
 

@@ -215,10 +215,10 @@ def is_pressed(at, j, state):
 
 
 @device
-def keep_pressed(s, at, j, state, rigidity, before):
-    """Add the force that keeps edge j where it was before the step, of ``rigidity``, in lanes where solids press its end
-    or, as ``before`` says, what comes after. Return that of the edge before."""
-    pressed = before | is_pressed(at, j, state)
+def keep_pressed(s, at, j, state, rigidity, beyond):
+    """Add the force that keeps edge j where it was before the step, of ``rigidity``, in lanes where solids press its
+    end or, as ``beyond`` says, a particle after that. Return ``beyond`` of the edge before."""
+    pressed = beyond | is_pressed(at, j, state)
     f = where(pressed, rigidity, broadcast(s, 0.0))
     x, y, z = load3(state.edges, at.edge + j * AXES, PACK)
     o = firm_force(at.segments, j)

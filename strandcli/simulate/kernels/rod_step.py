@@ -58,8 +58,8 @@ SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
 SETTLED = 5
 """Flags that are tested at run time."""
 CURLED_GAIN = 0.1
-"""`Contact.gain` of curled strands, which go on giving way to a force for many steps: their matrix is that of rests that
-stay, which is stiffer than a coil."""
+"""`Contact.gain` of curled strands, which go on giving way to a force for many steps: their matrix is that of rests
+that stay, which is stiffer than a coil."""
 SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, STATE = range(9, 15)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
