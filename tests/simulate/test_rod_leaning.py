@@ -16,7 +16,8 @@ def test_curls_that_lean_on_a_ball_come_to_rest(more: str) -> None:
     scene = scene_of(
         f"solver: rod\nrod: {{rest: shape, radius: 6.0e-5, drag: 1.5, damping: 0.0005, friction: 0.2, {more}}}\n"
         "emitter: {shape: {kind: sphere, radius: 0.1}, strands: 128, particles: 64, length: 0.3, curl_turns: 8, "
-        "curl_angle: 56, comb: [0.85, -0.55, -0.15], lift: 30}\nsolids: [{kind: sphere, radius: 0.1}]\nrules: [gravity, collision]\n"
+        "curl_angle: 56, comb: [0.85, -0.55, -0.15], lift: 30}\n"
+        "solids: [{kind: sphere, radius: 0.1}]\nrules: [gravity, collision]\n"
     )
     solver = RodSolver(scene, emit(scene.emitter, scene.seed))
     tips = []
@@ -34,7 +35,8 @@ def test_strands_that_interact_swing_as_long_as_alone() -> None:
     for rule in ("", ", interaction: {density: 1.0e+9, friction: 0, cell: 0.05}"):
         scene = scene_of(
             "solver: rod\nrod: {rest: straight, drag: 0, damping: 0}\nemitter: {shape: {kind: disc, radius: 0.05}, "
-            f"strands: 64, particles: 8, length: 0.25, rotation: [150, 0, 0]}}\ntime: {{fps: 24}}\nrules: [gravity{rule}]\n"
+            "strands: 64, particles: 8, length: 0.25, rotation: [150, 0, 0]}\ntime: {fps: 24}\n"
+            f"rules: [gravity{rule}]\n"
         )
         solver = RodSolver(scene, emit(scene.emitter, scene.seed))
         tips = []
