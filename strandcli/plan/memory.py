@@ -26,7 +26,7 @@ SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 5_000_000, 25_000_000
 """Of the further kernels, and of what reads meshes, where a scene has them."""
 
 
-PARTS, PART = 4, 16
+PARTS, PART = 4, 48
 """Of a strand in an opacity map, as in `draw.shadows.kernels.map_parts`."""
 WAITING = 24
 """Bytes of a pixel of pictures that wait to be written."""

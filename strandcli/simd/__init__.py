@@ -24,6 +24,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
     x, y, z = load_deinterleaved(rows, o)   vectors of every third number from places o, o + 1 and o + 2 on
     a, b, c = load_triple(rows, o)   three vectors one behind the other, in which three numbers take turns
+    a, b, c, d = load_quadruples(rows, o)   vectors of every fourth number, likewise
     deinterleave(rows, o, count, work, to, stride)   the same of so many triples, into an array
     x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x),
     power_of_two(x)
@@ -84,7 +85,7 @@ from .memory import (
     vector_pointer,
     vector_pointer_at,
 )
-from .records import gather2, gather4, gather8, load_triple, store_records
+from .records import gather2, gather4, gather8, load_quadruples, load_triple, store_records
 
 __all__ = [
     "any_lane",
@@ -105,6 +106,7 @@ __all__ = [
     "load",
     "load3",
     "load_deinterleaved",
+    "load_quadruples",
     "load_triple",
     "movemask",
     "no_fma",

@@ -64,17 +64,7 @@ def columns(builder: Any, records: list[Any], size: int) -> list[Any]:
     full = list(records)
     while len(full) > size:  # until each is as long as a vector of one number a record
         full = in_pairs(builder, full)
-    each = len(records) // size
-    out = []
-    for c in range(size):
-        parts = [
-            builder.shuffle_vector(a, b, _mask([size * k + c for k in range(2 * each)]))
-            for a, b in zip(full[::2], full[1::2], strict=True)
-        ]
-        while len(parts) > 1:
-            parts = in_pairs(builder, parts)
-        out.append(parts[0])
-    return out
+    return turns(builder, full, size)
 
 
 def by_lanes(builder: Any, records: list[Any], chunks: int) -> list[Any]:
@@ -155,6 +145,38 @@ def load_triple(typingctx: Any, rows: Any, o: Any) -> Any:
         return context.make_tuple(builder, sig.return_type, out)
 
     return types.UniTuple(vector_of(rows), 3)(rows, o), emit
+
+
+@intrinsic
+def load_quadruples(typingctx: Any, rows: Any, o: Any) -> Any:
+    """Four vectors, of numbers that take turns from place o on."""
+    if not (isinstance(rows, PointerType) and not rows.whole and isinstance(o, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = vector_of(sig.args[0])
+        wide = context.get_value_type(kind)
+        start = builder.bitcast(builder.gep(args[0], [args[1]]), wide.as_pointer())
+        align = kind.dtype.bitwidth // 8
+        found = [builder.load(builder.gep(start, [INDEX(k)]), align=align) for k in range(LANE)]
+        return context.make_tuple(builder, sig.return_type, turns(builder, found, LANE))
+
+    return types.UniTuple(vector_of(rows), LANE)(rows, o), emit
+
+
+def turns(builder: Any, full: list[Any], size: int) -> list[Any]:
+    """Vectors of every number out of ``size`` that take turns in as many vectors, from the first of these on."""
+    each = full[0].type.count // size
+    out = []
+    for c in range(size):
+        parts = [
+            builder.shuffle_vector(a, b, _mask([size * k + c for k in range(2 * each)]))
+            for a, b in zip(full[::2], full[1::2], strict=True)
+        ]
+        while len(parts) > 1:
+            parts = in_pairs(builder, parts)
+        out.append(parts[0])
+    return out
 
 
 @intrinsic

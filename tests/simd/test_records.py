@@ -9,7 +9,7 @@ import pytest
 from numba import njit
 
 from strandcli.constants import VECTOR
-from strandcli.simd import lane_count, load, pointer, store_records
+from strandcli.simd import lane_count, load, load_quadruples, pointer, store, store_records
 
 
 @njit
@@ -28,3 +28,20 @@ def test_the_first_number_of_a_record_is_of_the_first_vector(dtype: Any) -> None
     out = np.zeros_like(given)
     recorded(given, out)
     np.testing.assert_array_equal(out.reshape(-1, 8), given.reshape(8, -1).T)
+
+
+@njit
+def taken_in_turns(given, out):
+    """Four vectors of numbers that take turns."""
+    rows, kept = pointer(given), pointer(out)
+    vectors = load_quadruples(rows, 1)
+    for column in range(4):
+        store(kept, column * lane_count(rows), vectors[column])
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_every_fourth_number_is_of_the_same_vector(dtype: Any) -> None:
+    given = np.arange(4 * VECTOR // np.dtype(dtype).itemsize + 1).astype(dtype)
+    out = np.zeros_like(given[1:])
+    taken_in_turns(given, out)
+    np.testing.assert_array_equal(out.reshape(4, -1), given[1:].reshape(-1, 4).T)

@@ -27,8 +27,11 @@ ONE = np.float32(1.0)
 INF = np.float32(np.inf)
 TINY = np.float32(1e-6)
 """Texels."""
-PARTS, PART = 4, 16
-"""Most parts of a strand that are drawn apart, and segments of all but the last."""
+PARTS, PART = 4, 48
+"""Most parts of a strand that are drawn apart, and segments of all but the last. A part costs as much to draw as some
+six segments."""
+REST = 8
+"""Segments at the end of a strand, up to so many, that belong to the part before them."""
 GROUP = 4
 """Segments that are left out, or not, together."""
 SHORT = np.float32(0.5)
@@ -84,6 +87,15 @@ class PartsInMap(NamedTuple):
     """(threads + 1,) even rows of texels between the bands."""
 
 
+def spread_bits() -> NDArray[np.int64]:
+    """Return (2^`BITS`,) for each number its bits, each behind one that is 0."""
+    numbers = np.arange(1 << BITS)
+    return np.asarray(sum((numbers >> bit & 1) << 2 * bit for bit in range(BITS)))
+
+
+SPREAD = spread_bits()
+
+
 @parallel
 def thin(strands, sketch, view, size, kept, found, places, costs):
     """Find the vertices and places of all parts.
@@ -115,8 +127,10 @@ def part_range(first, s, number):
     """Return the first vertex of a part of strand s, and the last, which is the first of the next part; the same one
     twice for a part that is not there. first: of `StrandsInMap`."""
     last = first[s + 1] - 1
-    begin = min(first[s] + number * PART, last) if number < PARTS else last
-    return begin, last if number == PARTS - 1 else min(begin + PART, last)
+    begin = first[s] + number * PART
+    if number >= PARTS or (number > 0 and begin + REST >= last):
+        return last, last
+    return begin, last if number == PARTS - 1 or begin + PART + REST >= last else begin + PART
 
 
 @device
@@ -125,12 +139,9 @@ def place_of(strands, s, number, size):
     begin, _ = part_range(strands.first, s, number)
     middle = min(begin + PART // 2, (begin + strands.first[s + 1] - 1) // 2)
     tiles = np.float32(1 << BITS) / np.float32(size)
-    place = np.int64(0)
     x = np.int64(min(max(strands.screen[middle, 0] * tiles, ZERO), np.float32((1 << BITS) - 1)))
     y = np.int64(min(max(strands.screen[middle, 1] * tiles, ZERO), np.float32((1 << BITS) - 1)))
-    for bit in range(BITS):
-        place |= (x >> bit & 1) << 2 * bit | (y >> bit & 1) << 2 * bit + 1
-    return place
+    return SPREAD[x] | SPREAD[y] << 1
 
 
 @device

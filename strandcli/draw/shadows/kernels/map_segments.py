@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, inlined
-from ....simd import floor, gather4, lane_count, load, pointer, sqrt, store, where
+from ....simd import floor, lane_count, load, load_quadruples, pointer, sqrt, store, where
 from .map_parts import TINY
 
 ZERO = np.float32(0.0)
@@ -76,8 +76,8 @@ def segments_at(rows, first, count, window, view, texels):
     top, bottom, size = np.float32(window.top), np.float32(window.bottom), np.float32(window.width)
     lane = load(rows, NUMBERS)
     at = VERTICES + 4 * first
-    x0, y0, d0, _ = gather4(rows, at, lane, 4, ZERO)
-    x1, y1, d1, wide = gather4(rows, at + 4, lane, 4, ZERO)
+    x0, y0, d0, _ = load_quadruples(rows, at)
+    x1, y1, d1, wide = load_quadruples(rows, at + 4)
     none = ZERO * lane
     dx, dy, rise = x1 - x0, y1 - y0, d1 - d0
     steep = abs(dy) >= abs(dx)

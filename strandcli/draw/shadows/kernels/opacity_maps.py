@@ -16,7 +16,7 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 NEXT = np.uint64(1)
-AHEAD = 6
+AHEAD = 12
 """Parts of strands that are fetched before they are drawn."""
 LINE = 16
 """Numbers of a line of the processor's cache."""
