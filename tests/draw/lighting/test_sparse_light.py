@@ -64,7 +64,8 @@ def test_pixels_between_alike_ones_take_their_light(down, right, rows):
     assert needed <= there
     np.testing.assert_array_equal(found, wanted)
     counts = [np.count_nonzero(found == one) for one in (lattice.BETWEEN, lattice.SMOOTH)]
-    assert min(counts) > 2 and sum(counts) > 20
+    assert min(counts) > 2
+    assert sum(counts) > 20
 
 
 def spread_wanted(keys, values, asked, rows, frame):
