@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..common.kernels.light_columns import MAP_LAYERS
 from ..common.scratch import Scratch
 from .kernels import lattice as kernel
-from .kernels.inputs import READ, WRITTEN
+from .kernels.inputs import READ, RECALLED, WRITTEN
 from .lighting import Lattice, Lighting
 
 
@@ -29,7 +29,7 @@ def shade_surfaces(
     right, down = (np.uint8(settings.supersample * place % 4) for place in (settings.crop or (0, 0))[:2])
     frame = kernel.Frame(top, bottom, width, int(down), int(right))
     asked = scratch.borrow("asked_light", height * width, np.uint8)
-    known = scratch.borrow("known_light", (height // 2 + 3, width // 2 + 3, count, 3), np.float32)
+    known = scratch.borrow("known_light", (height // 2 + 3, width // 2 + 3, count + int(kernel.ALL), 3), np.float32)
     camera = lighting.view.pack()
     kernel.ask(keys, hidden, frame, asked)
     written = Lattice(known, down, right, WRITTEN, kernel.COARSE)
@@ -44,4 +44,7 @@ def shade_surfaces(
     read = written._replace(use=READ, wanted=kernel.BETWEEN)
     lighting.shade_surfaces(keys, image, hidden=hidden, rows=rows, lattice=read)
     here = hidden[top * width : bottom * width]
-    here &= kernel.HIDDEN  # `BETWEEN` becomes `DRAWN`
+    if (here == kernel.SMOOTH).any():
+        recalled = written._replace(use=RECALLED, wanted=kernel.SMOOTH)
+        lighting.shade_surfaces(keys, image, hidden=hidden, rows=rows, lattice=recalled)
+    here &= kernel.HIDDEN  # `BETWEEN` and `SMOOTH` become `DRAWN`

@@ -13,6 +13,7 @@ from strandcli.draw.solids.solids import NONE
 from strandcli.stages import FrameRenderer, RunOptions, SimulationStage
 
 WIDTH, HEIGHT = 23, 17
+ALL, LIT, COATED = int(lattice.ALL), int(lattice.LIT), int(lattice.COATED)
 
 
 @pytest.mark.parametrize(("down", "right"), [(0, 0), (1, 2), (2, 3), (3, 1)])
@@ -27,6 +28,7 @@ def test_pixels_between_alike_ones_take_their_light(down, right, rows):
     some = np.array([0.5, 0.5 + 0.9 * lattice.ALIKE, 0.9], np.float32)
     values = rng.choice(some, (HEIGHT, WIDTH, 1, 3), p=[0.9, 0.08, 0.02])
     values[rng.integers(0, 30, values.shape) == 0] = lattice.UNKNOWN
+    values = np.concatenate([values, radiance()], 2)
     frame = lattice.Frame(*rows, WIDTH, down, right)
     asked = np.full((HEIGHT, WIDTH), 9, np.uint8)
     lattice.ask(keys.reshape(-1), hidden.reshape(-1), frame, asked.reshape(-1))
@@ -53,14 +55,17 @@ def test_pixels_between_alike_ones_take_their_light(down, right, rows):
                 continue
             light = np.array([values[(j + down) // 2, (i + right) // 2, 0] for j, i in about])
             if light.min() >= 0 and np.all(np.ptp(light, axis=0) <= lattice.ALIKE):
-                wanted[y, x] = lattice.BETWEEN
+                known = np.array([values[(j + down) // 2, (i + right) // 2] for j, i in about])
+                wanted[y, x] = lattice.SMOOTH if even(known) else lattice.BETWEEN
     there = {(int(j), int(i)) for j, i in np.argwhere((asked != 0) & (asked != 9))}
     assert {place for place in there if place[0] in own and not coarse(*place, frame)} == {
         place for place in needed if not coarse(*place, frame)
     }
     assert needed <= there
     np.testing.assert_array_equal(found, wanted)
-    assert np.count_nonzero(found == lattice.BETWEEN) > 20
+    counts = [np.count_nonzero(found == one) for one in (lattice.BETWEEN, lattice.SMOOTH)]
+    assert min(counts) > 2
+    assert sum(counts) > 20
 
 
 def spread_wanted(keys, values, asked, rows, frame):
@@ -76,8 +81,32 @@ def spread_wanted(keys, values, asked, rows, frame):
             assert all(asked[place] == lattice.COARSE for place in about)
             light = np.array([values[(j + frame.down) // 2, (i + frame.right) // 2, 0] for j, i in about])
             if light.min() >= 0 and np.all(np.ptp(light, axis=0) <= lattice.CLOSELY):
-                values[(y + frame.down) // 2, (x + frame.right) // 2, 0] = light.mean(0)
+                known = np.array([values[(j + frame.down) // 2, (i + frame.right) // 2] for j, i in about])
+                values[(y + frame.down) // 2, (x + frame.right) // 2] = known.mean(0)
+                if not even(known):
+                    values[(y + frame.down) // 2, (x + frame.right) // 2, 1 + LIT, 0] = lattice.UNKNOWN
                 asked[y, x] = lattice.SPREAD
+
+
+def radiance():
+    """(HEIGHT, WIDTH, `ALL`, 3) in the lattice, of which little is unknown or differs."""
+    rng = np.random.default_rng(8)
+    found = np.empty((HEIGHT, WIDTH, ALL, 3), np.float32)
+    found[:, :, LIT] = rng.choice([0.5, 0.52, 0.7], (HEIGHT, WIDTH, 3), p=[0.9, 0.08, 0.02])
+    found[:, :, COATED] = rng.choice([0.03, 0.032, 0.05], (HEIGHT, WIDTH, 3), p=[0.9, 0.08, 0.02])
+    found[rng.integers(0, 30, (HEIGHT, WIDTH)) == 0, LIT, 0] = lattice.UNKNOWN
+    return found
+
+
+def even(known):
+    """Whether radiance at so many places of the lattice (places, lights + `ALL`, 3) is known, and nearly the same."""
+    light, coat = known[:, 1 + LIT], known[:, 1 + COATED]
+    if light[:, 0].min() < 0:
+        return False
+    most = max(coat.max(), lattice.FAINT * light.max())
+    return np.ptp(light, axis=0).max() <= lattice.ALIKE * light.max() and np.ptp(coat, axis=0).max() <= (
+        lattice.ALIKE * most
+    )
 
 
 def coarse(y, x, frame):

@@ -12,8 +12,9 @@ FADE, FADE_X, FADE_Y, FADE_Z = range(3, 7)
 fading."""
 
 
-COMPUTED, WRITTEN, READ = np.uint8(0), np.uint8(1), np.uint8(2)
-"""Light on solids is computed where they are seen; computed and kept at pixels of the lattice; taken from there."""
+COMPUTED, WRITTEN, READ, RECALLED = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(3)
+"""Light on solids is computed where they are seen; computed and kept at pixels of the lattice; what solids and strands
+leave of it is taken from there; all light is."""
 
 
 class Vertices(NamedTuple):
@@ -72,13 +73,13 @@ class Lights(NamedTuple):
     sized: Any
     """uint8, or None if no light needs soft shadows of solids, which are then not compiled."""
     known: NDArray[np.float32]
-    """(rows, columns, lights, 3) share of each light that solids and strands leave of it, in red, green and blue, at
-    the pixels of a `lattice` on solids; no rows without one."""
+    """(rows, columns, lights + `lattice.ALL`, 3) share of each light that solids and strands leave of it, in red, green
+    and blue, at the pixels of a `lattice` on solids, and then radiance there; no rows without a lattice."""
     down: Any
     right: Any
     """uint8: row j and column i of `known` are pixels 2 j − down and 2 i − right."""
     use: Any
-    """uint8: `COMPUTED`, `WRITTEN` or `READ`: what `known` is for."""
+    """uint8: `COMPUTED`, `WRITTEN`, `READ` or `RECALLED`: what `known` is for."""
 
 
 class WidthProfiles(NamedTuple):

@@ -25,10 +25,17 @@ FAR = THREE
 EVEN = np.uint64(0)
 ALIKE = np.float32(1.0 / 10.0)
 """Share of a light by which pixels that agree may differ."""
+FAINT = np.float32(0.1)
+"""Of the radiance under a coat: the coat's is small beside it."""
+LIT, COATED = (np.uint64(part) for part in range(2))
+"""What the lattice knows behind the shares of lights: radiance of a white surface under its coat, and of the coat."""
+ALL = np.int64(2)
+"""Their number."""
 CLOSELY = np.float32(1.0 / 32.0)
 """The same for pixels four apart, between which light may be missed."""
-DRAWN, HIDDEN, BETWEEN = np.uint8(0), np.uint8(1), np.uint8(2)
-"""What becomes of a pixel: light is computed there; it is left as it is; it has the light of the lattice."""
+DRAWN, HIDDEN, BETWEEN, SMOOTH = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(4)
+"""What becomes of a pixel: light is computed there; it is left as it is; it has the lattice's shares of each light; it
+has the lattice's light, and only its own colour."""
 COARSE, FINE, SPREAD = np.uint8(1), np.uint8(2), np.uint8(3)
 """Of pixels of the lattice whose light is needed: of those four apart; of the others; of others that have taken it from
 those four apart."""
@@ -106,6 +113,8 @@ def spread(keys, camera, frame, asked, values):
                         above = HALF * (values[j - b, i - a, light, c] + values[j - b, i + a, light, c])
                         below = HALF * (values[j + b, i - a, light, c] + values[j + b, i + a, light, c])
                         values[j, i, light, c] = HALF * (above + below)
+                if not even(values, j - b, i - a, down, right):
+                    values[j, i, np.uint64(values.shape[2] - ALL) + LIT, 0] = UNKNOWN
                 asked[at] = SPREAD
 
 
@@ -127,6 +136,12 @@ def smooth(keys, camera, at, step, right):
     here = depth_at(keys, at, camera)
     most = max(bend(keys, at, step + right, here, camera), bend(keys, at, abs(step - right), here, camera))
     return most <= FOLD * pixel_width(here, camera)
+
+
+@device
+def has_folds(solids, which):
+    """Return whether solid number `which` may have edges and creases in front of itself."""
+    return blended.blends(solids, which) or appearance.folds(solids, which)
 
 
 @parallel
@@ -154,12 +169,12 @@ def choose(keys, camera, solids, asked, values, frame, hidden):
                 continue
             own = np.int64((key & LOW) - FIRST)
             if own != solid:
-                solid, parts = own, blended.blends(solids, own) or appearance.folds(solids, own)
+                solid, parts = own, has_folds(solids, own)
             if parts and folded(keys, at, x, width, camera):
                 continue
             j, i = (y - down + frame.down) >> 1, (x - right + frame.right) >> 1
             if alike(values, j, i, down, right, ALIKE):
-                hidden[at] = BETWEEN
+                hidden[at] = SMOOTH if even(values, j, i, down, right) else BETWEEN
 
 
 @inlined
@@ -174,7 +189,7 @@ def alike(values, j, i, down, right, most):
     """Return whether the light of the lattice differs by no more than `most` between places (j, i) and
     (j + down, i + right)."""
     above, below, here, beside = np.uint64(j), np.uint64(j + down), np.uint64(i), np.uint64(i + right)
-    for light in range(np.uint64(values.shape[2])):
+    for light in range(np.uint64(values.shape[2] - ALL)):
         for c in range(np.uint64(3)):
             a, b = values[above, here, light, c], values[above, beside, light, c]
             d, e = values[below, here, light, c], values[below, beside, light, c]
@@ -182,3 +197,32 @@ def alike(values, j, i, down, right, most):
             if least < ZERO or max(max(a, b), max(d, e)) > least + most:
                 return False
     return True
+
+
+@inlined
+def even(values, j, i, down, right):
+    """Return whether radiance is known at places (j, i) to (j + down, i + right) of the lattice and differs by no more
+    than `ALIKE` of the greatest; that of coats by no more than so much of the greatest of theirs, or of `FAINT`."""
+    about = np.uint64(j), np.uint64(j + down), np.uint64(i), np.uint64(i + right)
+    above, below, here, beside = about
+    first = np.uint64(values.shape[2] - ALL)
+    low, high = min(values[above, here, first, 0], values[above, beside, first, 0]), values[below, here, first, 0]
+    if min(min(low, high), values[below, beside, first, 0]) < ZERO:
+        return False
+    lit, lit_apart = most_about(values, about, first + LIT)
+    coated, coated_apart = most_about(values, about, first + COATED)
+    return lit_apart <= ALIKE * lit and coated_apart <= ALIKE * max(coated, FAINT * lit)
+
+
+@inlined
+def most_about(values, about, part):
+    """Return the greatest of three channels over four places, and by how much one of them differs at the most."""
+    above, below, here, beside = about
+    most = apart = ZERO
+    for c in range(np.uint64(3)):
+        a, b = values[above, here, part, c], values[above, beside, part, c]
+        d, e = values[below, here, part, c], values[below, beside, part, c]
+        high = max(max(a, b), max(d, e))
+        most = max(most, high)
+        apart = max(apart, high - min(min(a, b), min(d, e)))
+    return most, apart

@@ -11,37 +11,26 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import device, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ....jit.balance import places, task_at
-from ....jit.indices import FIRST, SECOND, THIRD
-from ....simd import lane_count, load, load3, pointer, store
-from ....solids.kernels import other, sphere
-from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
+from ....solids.kernels import other
+from ...common.kernels.batch import RADIANCE
 from ...common.kernels.surface_batch import (
-    ACROSS,
     ALBEDO,
     COAT,
-    DISTANCE,
-    NX,
-    NY,
-    NZ,
-    PIXEL,
     ROWS,
-    SX,
-    SY,
     THERE,
     UNDER,
 )
-from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
-from ...solids.kernels import appearance, blended, coat, rays
+from ...solids.kernels import appearance, coat
 from ...solids.kernels.pixel_squares import find_pixels, places_in
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
-from . import mirror, occlusion
-from .inputs import FADE, FADE_X, FADE_Y, FADE_Z, READ, WRITTEN, Coating
-from .light import SURFACE, around
-from .mottle import mottle
+from . import mirror
+from .inputs import READ, RECALLED, WRITTEN, Coating
+from .lattice import has_folds
 from .reflection import deepest, gleam, reflect, reflect_from_below
-from .surface_light import arrive, as_computed, note, recall
+from .surface_light import arrive, as_computed, note, note_all, note_nothing, recall, recall_all
+from .surface_points import cover, face, fade, light_around, look, patch, surroundings
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -80,19 +69,33 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
             if n == 0:
                 continue
             look(work, n, screen.camera)
-            if bare:
+            if lights.use == RECALLED:
+                batch_between(work, n, solid, lights, solids, coating)
+                composite(work, n, which, screen, width, picture)
+                continue
+            if bare and not is_even(coating.coats, solids, solid):
                 keep(work, n, solid, strands, lights, shadows, solids, coating)
                 continue
             batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
+            if bare:
+                continue
             mirror_solids(n, solid, surround, strands, lights, shadows, solids, coating, way, coating.mirrors)
             if fine:
                 n = average(work, n, which)
             composite(work, n, which, screen, width, picture)
 
 
+@inlined
+def is_even(coats, solids, which):
+    """Return whether light on solid number `which` varies as little as its shadows do: it has neither creases nor light
+    under its surface, which depends on its colour, and mirrors no solids."""
+    plain = not (has_folds(solids, which) or appearance.looks(solids, which))
+    return plain and deepest(coats, which) == ZERO and mirror.strength(coats, which) == ZERO
+
+
 @device
 def keep(work, n, which, strands, lights, shadows, solids, coating):
-    """Write the light that arrives at the first n points of a batch to the lattice; arguments as in `batch`."""
+    """Write what arrives of the lights at the first n points of a batch to the lattice; arguments as in `batch`."""
     depth = deepest(coating.coats, which)
     if other.has_look(solids) or depth > ZERO:
         appearance.plain(work, n, coating.paint, which)
@@ -100,23 +103,13 @@ def keep(work, n, which, strands, lights, shadows, solids, coating):
     for i in range(lights.rows.shape[0]):
         arrive(work, n, i, lights, shadows, solids, strands.loss, depth)
         note(work, n, i, lights)
-
-
-@device
-def surroundings(surround, x, y, z):
-    """Return the radiance of a white surface of the unit normal (x, y, z) in unoccluded ambient light, as r, g, b."""
-    ambient, sky = surround.ambient, surround.sky
-    r, g, b = ambient[0], ambient[1], ambient[2]
-    if sky.shape[0] > 0:
-        r += around(sky, SURFACE, FIRST, x, y, z)
-        g += around(sky, SURFACE, SECOND, x, y, z)
-        b += around(sky, SURFACE, THIRD, x, y, z)
-    return r, g, b
+    note_nothing(work, n, lights)
 
 
 @device
 def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
-    """Set the rows `RADIANCE` of the first n points of a batch, which are on solid number `which`."""
+    """Set the rows `RADIANCE` of the first n points of a batch, which are on solid number `which`; or write the light
+    there to the lattice."""
     paint, coats, rows = coating.paint, coating.coats, lights.rows
     depth = deepest(coats, which)
     if other.has_look(solids) or depth > ZERO:
@@ -126,24 +119,55 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     fade(work, n, paint, which)
     if coats.shape[0] > 0:
         cover(work, n, surround, coats, which)
+        if lights.use != WRITTEN:
+            patch(work, n, coats, which)
     for i in range(rows.shape[0]):
         if lights.use == READ:
             recall(work, n, i, lights, depth)
         else:
             arrive(work, n, i, lights, shadows, solids, strands.loss, depth)
+        if lights.use == WRITTEN:
+            note(work, n, i, lights)
         if depth > ZERO:
             reflect_from_below(work, n, rows, i, coats, which)
         else:
             reflect(work, n, rows, i)
         if coats.shape[0] > 0:
             gleam(work, n, rows, i, coats, which)
+    if lights.use == WRITTEN:
+        note_all(work, n, lights, coats)
+    else:
+        colour(work, n, which, solids, coating)
+
+
+@device
+def batch_between(work, n, which, lights, solids, coating):
+    """As `batch`, with all light from the lattice: only the surface's own colours and patches are each pixel's own."""
+    paint, coats = coating.paint, coating.coats
+    if other.has_look(solids):  # of another solid
+        appearance.plain(work, n, paint, which)
+    patched = coats.shape[0] > 0 and coats[which, coat.MOTTLE] > ZERO
+    if patched:
+        face(work, n, solids, which)
+    fade(work, n, paint, which)
+    for k in range(n):
+        work[UNDER + k] = ONE
+    if patched:
+        patch(work, n, coats, which)
+    recall_all(work, n, lights, coats)
+    colour(work, n, which, solids, coating)
+
+
+@device
+def colour(work, n, which, solids, coating):
+    """Multiply the rows `RADIANCE`, of a white surface, by its colour and what passes its coat, and add the coat's."""
     for c in range(3):
-        tone = paint[which, c]
+        tone = coating.paint[which, c]
         for k in range(n):
             if other.has_look(solids):
                 tone = work[ALBEDO + c * W + k]
             under = work[RADIANCE + c * W + k]
-            if coats.shape[0] == 0:
+            if coating.coats.shape[0] == 0:
                 work[RADIANCE + c * W + k] = under * tone
             else:
                 work[RADIANCE + c * W + k] = work[UNDER + k] * under * tone + work[COAT + c * W + k]
@@ -174,114 +198,3 @@ def mirror_solids(n, which, surround, strands, lights, shadows, solids, coating,
                 there = seen[THERE + k]
             sky = surroundings(surround, ways[p], ways[W + p], ways[2 * W + p])
             mirror.add(way, p, light, there, sky, surround, strands, lights.rows, coats, which)
-
-
-@device
-def look(work, n, view):
-    """Store points, unit directions to the eye and pixel widths, metres, from screen positions and depths."""
-    focal = view[FOCAL]
-    for k in range(n):
-        right = (work[SX + k] - view[AXIS_X]) / focal
-        up = (view[AXIS_Y] - work[SY + k]) / focal
-        ox, oy, oz, dx, dy, dz = rays.ray(view, right, up)
-        t = work[DISTANCE + k]
-        far = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
-        work[X + k] = ox + t * dx
-        work[Y + k] = oy + t * dy
-        work[Z + k] = oz + t * dz
-        work[EX + k] = -far * dx
-        work[EY + k] = -far * dy
-        work[EZ + k] = -far * dz
-        work[PIXEL + k] = t / (focal * far) if view[PERSPECTIVE] > ZERO else ONE / focal
-
-
-@device
-def face(work, n, solids, which):
-    """Store the unit normals."""
-    if which < solids.spheres.shape[0] and not blended.blends(solids, which):
-        for k in range(n):
-            x = work[X + k] - solids.spheres[which, sphere.X]
-            y = work[Y + k] - solids.spheres[which, sphere.Y]
-            z = work[Z + k] - solids.spheres[which, sphere.Z]
-            size = ONE / math.sqrt(max(x * x + y * y + z * z, rays.TINY))
-            work[NX + k] = x * size
-            work[NY + k] = y * size
-            work[NZ + k] = z * size
-    elif appearance.looks(solids, which):
-        appearance.face(work, n, solids, which)
-    else:
-        for k in range(n):
-            x, y, z = rays.normal(solids, which, work[X + k], work[Y + k], work[Z + k])
-            work[NX + k] = x
-            work[NY + k] = y
-            work[NZ + k] = z
-
-
-@device
-def light_around(work, n, surround, bounce, depth):
-    """Set the radiance to that in ambient light, occluded by strands and solids. What occludes it is as light as the
-    strands, ``bounce`` (3,); for a solid with subsurface scattering (depth > 0), whose own folds do, as the solid."""
-    for k in range(n):
-        r, g, b = surroundings(surround, work[NX + k], work[NY + k], work[NZ + k])
-        work[RADIANCE + k] = r
-        work[RADIANCE + W + k] = g
-        work[RADIANCE + 2 * W + k] = b
-    if surround.volume.shape[0] > 0:
-        rows = pointer(work)
-        for k in range(0, n, lane_count(rows)):
-            share = occlusion.sky_visibilities(
-                surround.volume, surround.box, load3(rows, X + k, W), load3(rows, NX + k, W)
-            )
-            for c in range(3):
-                light = load(rows, RADIANCE + c * W + k)
-                if depth > ZERO:
-                    tone = load(rows, ALBEDO + c * W + k)
-                    store(rows, RADIANCE + c * W + k, light * (share / max(ONE - tone * (ONE - share), TINY)))
-                else:
-                    store(rows, RADIANCE + c * W + k, light * (share / max(ONE - bounce[c] * (ONE - share), TINY)))
-
-
-@device
-def fade(work, n, paint, which):
-    """Store the opacity of a solid, which fades with the distance from a centre."""
-    for k in range(n):
-        work[THERE + k] = ONE
-    if paint[which, FADE] > ZERO:
-        for k in range(n):
-            x = work[X + k] - paint[which, FADE_X]
-            y = work[Y + k] - paint[which, FADE_Y]
-            z = work[Z + k] - paint[which, FADE_Z]
-            there = max(ONE - math.sqrt(x * x + y * y + z * z) / paint[which, FADE], ZERO)
-            work[THERE + k] = there * there * (np.float32(3.0) - np.float32(2.0) * there)
-
-
-@device
-def cover(work, n, surround, coats, which):
-    """Store the ambient light that a coat mirrors, and the factor of the light under it, which includes patches."""
-    for k in range(n):
-        x, y, z = work[X + k], work[Y + k], work[Z + k]
-        nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
-        wx, wy, wz = work[EX + k], work[EY + k], work[EZ + k]
-        facing = nx * wx + ny * wy + nz * wz
-        under = ONE
-        r = g = b = ZERO
-        if coats[which, coat.COAT] > ZERO:
-            share = coat.mirrored(coats[which, coat.COAT], coats[which, coat.ROUGH], facing)
-            under = ONE - share
-            # mirror direction of the eye
-            mx = (facing + facing) * nx - wx
-            my = (facing + facing) * ny - wy
-            mz = (facing + facing) * nz - wz
-            r, g, b = surroundings(surround, mx, my, mz)
-            if surround.volume.shape[0] > 0:
-                share *= occlusion.sky_visibility(surround.volume, surround.box, x, y, z, mx, my, mz)
-            r *= share
-            g *= share
-            b *= share
-        work[ACROSS + k] = work[PIXEL + k] / max(facing, TINY)  # wider where the surface is seen at a slant
-        work[UNDER + k] = under
-        work[COAT + k] = r
-        work[COAT + W + k] = g
-        work[COAT + 2 * W + k] = b
-    if coats[which, coat.MOTTLE] > ZERO:
-        mottle(work, n, coats[which, coat.MOTTLE], coats[which, coat.GRAIN])

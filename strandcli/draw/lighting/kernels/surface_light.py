@@ -5,21 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import device
+from ....jit import device, inlined
 from ....solids.kernels import other
-from ...common.kernels.batch import ARRIVES, X, Y, Z
+from ...common.kernels.batch import ARRIVES, RADIANCE, X, Y, Z
 from ...common.kernels.light_columns import MAP_LAYERS
-from ...common.kernels.surface_batch import LEFT, PX, SHARE, SX, SY
+from ...common.kernels.surface_batch import COAT, LEFT, PX, SHARE, SX, SY, UNDER
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.minmax import transmittance
 from .inputs import COMPUTED, Lights
-from .lattice import UNKNOWN
+from .lattice import COATED, LIT, UNKNOWN
 from .light import toward
 from .reflection import bend, lift, rise, unbend
 from .shade_strands import aim, past_solids
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
+QUARTER = np.float32(0.25)
 ONE = np.float32(1.0)
 
 
@@ -76,10 +77,67 @@ def note(work, n, i, lights):
     for k in range(n):
         _, _, _, _, falloff = toward(lights.rows, i, work[X + k], work[Y + k], work[Z + k])
         share = work[ARRIVES + k] / falloff
-        x = (np.int64(work[SX + k]) + np.int64(lights.right)) >> 1
-        y = (np.int64(work[SY + k]) + np.int64(lights.down)) >> 1
+        y, x = place_of(work, k, lights)
         for c in range(3):
             lights.known[y, x, i, c] = UNKNOWN if work[SHARE + k] < ZERO else share * work[LEFT + c * W + k]
+
+
+@device
+def note_all(work, n, lights, coats):
+    """Write the light of a white surface under its coat, and that of the coat, to the lattice, behind the shares of the
+    lights, but where a solid has an edge in front of itself."""
+    first = np.uint64(lights.rows.shape[0])
+    for k in range(n):
+        y, x = place_of(work, k, lights)
+        under = work[UNDER + k] if coats.shape[0] > 0 else ONE
+        for c in range(3):
+            own = work[COAT + c * W + k] if coats.shape[0] > 0 else ZERO
+            lights.known[y, x, first + LIT, c] = under * work[RADIANCE + c * W + k]
+            lights.known[y, x, first + COATED, c] = own
+        if work[SHARE + k] < ZERO:
+            lights.known[y, x, first + LIT, 0] = UNKNOWN
+
+
+@device
+def note_nothing(work, n, lights):
+    """Write to the lattice that radiance is not known."""
+    for k in range(n):
+        y, x = place_of(work, k, lights)
+        for c in range(3):
+            lights.known[y, x, np.uint64(lights.rows.shape[0]) + LIT, c] = UNKNOWN
+            lights.known[y, x, np.uint64(lights.rows.shape[0]) + COATED, c] = ZERO
+
+
+@inlined
+def place_of(work, k, lights):
+    """Return row and column in the lattice of point number k, which is one of its pixels."""
+    x = (np.int64(work[SX + k]) + np.int64(lights.right)) >> 1
+    y = (np.int64(work[SY + k]) + np.int64(lights.down)) >> 1
+    return np.uint64(y), np.uint64(x)
+
+
+@device
+def recall_all(work, n, lights, coats):
+    """Store `RADIANCE` and `COAT` of pixels between those that `note_all` has written about."""
+    first = np.uint64(lights.rows.shape[0])
+    for k in range(n):
+        x = np.int64(work[SX + k]) + np.int64(lights.right)
+        y = np.int64(work[SY + k]) + np.int64(lights.down)
+        about = np.uint64(y >> 1), np.uint64((y + 1) >> 1), np.uint64(x >> 1), np.uint64((x + 1) >> 1)
+        for c in range(np.uint64(3)):
+            at = c * np.uint64(W) + np.uint64(k)
+            work[np.uint64(RADIANCE) + at] = mean_about(lights.known, about, first + LIT, c)
+            if coats.shape[0] > 0:
+                work[np.uint64(COAT) + at] = mean_about(lights.known, about, first + COATED, c)
+
+
+@inlined
+def mean_about(known, about, what, c):
+    """Return the mean of a channel over four places of the lattice; about: upper and lower row, left and right
+    column."""
+    up, low, left, right = about
+    above = known[up, left, what, c] + known[up, right, what, c]
+    return QUARTER * (above + (known[low, left, what, c] + known[low, right, what, c]))
 
 
 @device

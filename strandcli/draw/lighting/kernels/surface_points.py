@@ -1,0 +1,183 @@
+"""Points of a solid: where they are, their normals and opacity, and the ambient light on and in their coat."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....constants import W
+from ....jit import device
+from ....jit.indices import FIRST, SECOND, THIRD
+from ....simd import lane_count, load, load3, pointer, store
+from ....solids.kernels import sphere
+from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
+from ...common.kernels.surface_batch import (
+    ACROSS,
+    ALBEDO,
+    COAT,
+    DISTANCE,
+    NX,
+    NY,
+    NZ,
+    PIXEL,
+    SX,
+    SY,
+    THERE,
+    UNDER,
+)
+from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
+from ...solids.kernels import appearance, blended, coat, rays
+from . import occlusion
+from .inputs import FADE, FADE_X, FADE_Y, FADE_Z
+from .light import SURFACE, around
+from .mottle import mottle
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TINY = np.float32(1e-6)
+
+
+@device
+def surroundings(surround, x, y, z):
+    """Return the radiance of a white surface of the unit normal (x, y, z) in unoccluded ambient light, as r, g, b."""
+    ambient, sky = surround.ambient, surround.sky
+    r, g, b = ambient[0], ambient[1], ambient[2]
+    if sky.shape[0] > 0:
+        r += around(sky, SURFACE, FIRST, x, y, z)
+        g += around(sky, SURFACE, SECOND, x, y, z)
+        b += around(sky, SURFACE, THIRD, x, y, z)
+    return r, g, b
+
+
+@device
+def look(work, n, view):
+    """Store points, unit directions to the eye and pixel widths, metres, from screen positions and depths."""
+    focal = view[FOCAL]
+    for k in range(n):
+        right = (work[SX + k] - view[AXIS_X]) / focal
+        up = (view[AXIS_Y] - work[SY + k]) / focal
+        ox, oy, oz, dx, dy, dz = rays.ray(view, right, up)
+        t = work[DISTANCE + k]
+        far = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
+        work[X + k] = ox + t * dx
+        work[Y + k] = oy + t * dy
+        work[Z + k] = oz + t * dz
+        work[EX + k] = -far * dx
+        work[EY + k] = -far * dy
+        work[EZ + k] = -far * dz
+        work[PIXEL + k] = t / (focal * far) if view[PERSPECTIVE] > ZERO else ONE / focal
+
+
+@device
+def face(work, n, solids, which):
+    """Store the unit normals."""
+    if which < solids.spheres.shape[0] and not blended.blends(solids, which):
+        for k in range(n):
+            x = work[X + k] - solids.spheres[which, sphere.X]
+            y = work[Y + k] - solids.spheres[which, sphere.Y]
+            z = work[Z + k] - solids.spheres[which, sphere.Z]
+            size = ONE / math.sqrt(max(x * x + y * y + z * z, rays.TINY))
+            work[NX + k] = x * size
+            work[NY + k] = y * size
+            work[NZ + k] = z * size
+    elif appearance.looks(solids, which):
+        appearance.face(work, n, solids, which)
+    elif is_plane(solids, which):
+        x, y, z = rays.normal(solids, which, work[X], work[Y], work[Z])
+        for k in range(n):
+            work[NX + k] = x
+            work[NY + k] = y
+            work[NZ + k] = z
+    else:
+        for k in range(n):
+            x, y, z = rays.normal(solids, which, work[X + k], work[Y + k], work[Z + k])
+            work[NX + k] = x
+            work[NY + k] = y
+            work[NZ + k] = z
+
+
+@device
+def is_plane(solids, which):
+    """Return whether solid number `which` is a plane, whose normal is the same everywhere."""
+    first = solids.spheres.shape[0] + solids.capsules.shape[0]
+    return first <= which and which < first + solids.planes.shape[0] and not blended.blends(solids, which)
+
+
+@device
+def light_around(work, n, surround, bounce, depth):
+    """Set the radiance to that in ambient light, occluded by strands and solids. What occludes it is as light as the
+    strands, ``bounce`` (3,); for a solid with subsurface scattering (depth > 0), whose own folds do, as the solid."""
+    for k in range(n):
+        r, g, b = surroundings(surround, work[NX + k], work[NY + k], work[NZ + k])
+        work[RADIANCE + k] = r
+        work[RADIANCE + W + k] = g
+        work[RADIANCE + 2 * W + k] = b
+    if surround.volume.shape[0] > 0:
+        rows = pointer(work)
+        for k in range(0, n, lane_count(rows)):
+            share = occlusion.sky_visibilities(
+                surround.volume, surround.box, load3(rows, X + k, W), load3(rows, NX + k, W)
+            )
+            for c in range(3):
+                light = load(rows, RADIANCE + c * W + k)
+                if depth > ZERO:
+                    tone = load(rows, ALBEDO + c * W + k)
+                    store(rows, RADIANCE + c * W + k, light * (share / max(ONE - tone * (ONE - share), TINY)))
+                else:
+                    store(rows, RADIANCE + c * W + k, light * (share / max(ONE - bounce[c] * (ONE - share), TINY)))
+
+
+@device
+def fade(work, n, paint, which):
+    """Store the opacity of a solid, which fades with the distance from a centre."""
+    for k in range(n):
+        work[THERE + k] = ONE
+    if paint[which, FADE] > ZERO:
+        for k in range(n):
+            x = work[X + k] - paint[which, FADE_X]
+            y = work[Y + k] - paint[which, FADE_Y]
+            z = work[Z + k] - paint[which, FADE_Z]
+            there = max(ONE - math.sqrt(x * x + y * y + z * z) / paint[which, FADE], ZERO)
+            work[THERE + k] = there * there * (np.float32(3.0) - np.float32(2.0) * there)
+
+
+@device
+def cover(work, n, surround, coats, which):
+    """Store the ambient light that a coat mirrors, and the factor of the light under it."""
+    for k in range(n):
+        x, y, z = work[X + k], work[Y + k], work[Z + k]
+        nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
+        wx, wy, wz = work[EX + k], work[EY + k], work[EZ + k]
+        facing = nx * wx + ny * wy + nz * wz
+        under = ONE
+        r = g = b = ZERO
+        if coats[which, coat.COAT] > ZERO:
+            share = coat.mirrored(coats[which, coat.COAT], coats[which, coat.ROUGH], facing)
+            under = ONE - share
+            # mirror direction of the eye
+            mx = (facing + facing) * nx - wx
+            my = (facing + facing) * ny - wy
+            mz = (facing + facing) * nz - wz
+            r, g, b = surroundings(surround, mx, my, mz)
+            if surround.volume.shape[0] > 0:
+                share *= occlusion.sky_visibility(surround.volume, surround.box, x, y, z, mx, my, mz)
+            r *= share
+            g *= share
+            b *= share
+        work[UNDER + k] = under
+        work[COAT + k] = r
+        work[COAT + W + k] = g
+        work[COAT + 2 * W + k] = b
+
+
+@device
+def patch(work, n, coats, which):
+    """Multiply the factor of the light under a coat by that of patches."""
+    if coats[which, coat.MOTTLE] <= ZERO:
+        return
+    for k in range(n):
+        nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
+        facing = nx * work[EX + k] + ny * work[EY + k] + nz * work[EZ + k]
+        work[ACROSS + k] = work[PIXEL + k] / max(facing, TINY)  # wider where the surface is seen at a slant
+    mottle(work, n, coats[which, coat.MOTTLE], coats[which, coat.GRAIN])
