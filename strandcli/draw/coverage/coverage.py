@@ -106,7 +106,7 @@ class Coverage:
         """Return a resolved layer of one tile without fragments, so that the kernels that use layers are compiled."""
         fragments = Fragments(
             np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING, NO_BITS,
-            np.zeros(1, np.uint8), 1, STEP, 0, 1, 1, SLIGHT,
+            np.zeros(1, np.uint8), 1, STEP, 0, 1, 1, NOTHING, SLIGHT,
         )  # fmt: skip
         chains, none = np.zeros((1, 1), np.int64), np.zeros((0, 2), np.int64)
         segments = TileSegments(none, np.zeros(1, np.float32), none[:, 0].copy(), chains, chains, np.zeros(1, np.int64))
@@ -138,14 +138,14 @@ class Coverage:
         self.fragments = self.peak_bytes = 0
         marks = scratch.borrow("marks", len(screen), np.uint8)
         lit = None
-        widest = 1.0 if widths is None or not len(widths) else float(widths.max())
         drawn = ScreenLines(lines.first, screen, widths)
+        extents = scratch.borrow("extents", (len(lines.first) - 1, strand_extents.COLUMNS), np.float32)
+        strand_extents.find_extents(lines.first, screen, NOTHING if widths is None else widths, self.size[0], extents)
+        widest = float(extents[:, strand_extents.WIDEST].max(initial=0.0))
         if widths is not None and widest > float(BROAD):
-            self._require_time(drawn, widest)
+            self._require_time(drawn, extents, widest)
         # a transparent strand hides no point
         masked = exact and widths is not None and widest > float(MASKED) and float(self.opacity) == 1.0
-        extents = scratch.borrow("extents", (len(lines.first) - 1, 2), np.float32)
-        strand_extents.find_extents(lines.first, screen, NOTHING if widths is None else widths, self.size[0], extents)
         closed = scratch.borrow("closed", self.size[0] * self.size[1], np.uint8)
         closed.fill(0)
         slight = np.float32(0) if exact else SLIGHT
@@ -177,10 +177,11 @@ class Coverage:
         strand_extents.estimate_rows(lines, self.size[0], changes)
         self._rows = UNSURE * np.maximum(np.cumsum(changes.sum(0))[:-1], 0.0)
 
-    def _require_time(self, lines: ScreenLines, widest: float) -> None:
-        """Raise `RefusedError` if wide strands cover so many pixels that they would take minutes."""
+    def _require_time(self, lines: ScreenLines, extents: NDArray[np.float32], widest: float) -> None:
+        """Raise `RefusedError` if wide strands cover so many pixels that they would take minutes; extents: from
+        `strand_extents.find_extents`; widest: of the strands, samples."""
         pixels = np.empty(len(lines.first) - 1, np.float32)
-        strand_extents.count_wide_pixels(lines, *self.size, BROAD, pixels)
+        strand_extents.count_wide_pixels(lines, extents, *self.size, BROAD, pixels)
         total = float(pixels.sum(dtype=np.float64))
         if total > WIDE_PIXELS_AT_MOST:
             raise RefusedError(
@@ -275,7 +276,8 @@ class Coverage:
             sparse("fragment_vertices", room, np.uint32), sparse("fragment_weights", room, np.float32),
             sparse("fragment_along", room, np.float32),
             sparse("fragment_points", room, np.uint64) if picture.masked else NO_BITS, picture.closed,
-            picture.stride, place_bits, top, bottom, self.size[0], picture.slight,
+            picture.stride, place_bits, top, bottom, self.size[0], borrow("tiles_widest", tiles, np.float32),
+            picture.slight,
         )  # fmt: skip
 
     def _tiles(self, top: int, bottom: int) -> int:

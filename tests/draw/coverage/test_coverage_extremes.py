@@ -75,7 +75,9 @@ def test_what_wide_strands_take_is_known_before(line: list[list[float]], wide: f
     screen = np.column_stack([line, [0.5, 0.5]]).astype(np.float32)
     toil = np.zeros(1, np.float32)
     lines = ScreenLines(np.array([0, 2]), screen, np.full(2, wide, np.float32))
-    strand_extents.count_wide_pixels(lines, 64, 48, WIDE, toil)
+    extents = np.empty((1, strand_extents.COLUMNS), np.float32)
+    strand_extents.find_extents(*lines, 64, extents)
+    strand_extents.count_wide_pixels(lines, extents, 64, 48, WIDE, toil)
     assert toil[0] == pytest.approx(places, rel=1e-3)
 
 

@@ -122,8 +122,8 @@ def test_one_wide_strand_does_not_make_others_be_looked_for_far_away() -> None:
     ends = [[[5.0, 10, 1], [9, 12, 1]], [[5, 40, 1], [9, 44, 1]], [[-30, 10, 1], [-20, 10, 1]]]
     screen = np.array(ends, np.float32).reshape(-1, 3)
     widths = np.array([0.5, 0.25, 200, 100, 0.5, 0.5], np.float32)
-    out = np.empty((3, 2), np.float32)
+    out = np.empty((3, strand_extents.COLUMNS), np.float32)
     strand_extents.find_extents(np.arange(0, 7, 2), screen, widths, 32, out)
-    np.testing.assert_allclose(out, [[10 - 2.5, 12 + 2.5], [40 - 202, 44 + 202], [np.inf, -np.inf]])
+    np.testing.assert_allclose(out, [[10 - 2.5, 12 + 2.5, 0.5], [40 - 202, 44 + 202, 200], [np.inf, -np.inf, 0.5]])
     strand_extents.find_extents(np.arange(0, 7, 2), screen, np.zeros(0, np.float32), 32, out)
-    np.testing.assert_allclose(out[:2], [[10 - 3, 12 + 3], [40 - 3, 44 + 3]])
+    np.testing.assert_allclose(out[:2], [[10 - 3, 12 + 3, 1], [40 - 3, 44 + 3, 1]])

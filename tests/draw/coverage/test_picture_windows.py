@@ -8,7 +8,7 @@ import pytest
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.kernels import tile_binning, windows
 from strandcli.draw.coverage.kernels.segments import WIDE
-from strandcli.draw.coverage.kernels.strand_extents import find_extents
+from strandcli.draw.coverage.kernels.strand_extents import COLUMNS, find_extents
 from strandcli.draw.coverage.picture import windows_of
 from strandcli.draw.geometry.kernels.screen_lines import ScreenLines
 from strandcli.draw.solids.edges import none
@@ -28,7 +28,7 @@ def binned(hides: np.ndarray | None, screen: np.ndarray, wide: float, top: int =
     """Which strands of two vertices, screen (2 S, 3), have a row in some tile from row `top` on."""
     count = len(screen) // 2
     lines = ScreenLines(2 * np.arange(count + 1, dtype=np.int64), screen, np.full(2 * count, wide, np.float32))
-    extents = np.empty((count, 2), np.float32)
+    extents = np.empty((count, COLUMNS), np.float32)
     find_extents(*lines, WIDTH, extents)
     tiles, blocks = 9, count
     segments = tile_binning.TileSegments(

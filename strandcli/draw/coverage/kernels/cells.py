@@ -104,6 +104,8 @@ class Target(NamedTuple):
     """(PIXELS,) scratch."""
     windows: NDArray[np.float32]
     """(`windows.WINDOWS`,) depth numbers behind which nothing in parts of the tile is visible."""
+    widest: NDArray[np.float32]
+    """(1,) greatest width of the wide segments so far, samples."""
 
 
 class Work(NamedTuple):

@@ -91,6 +91,7 @@ def find_fragments(strands, solids, pool, slots, width, work, target, marks):
     target.counts[:] = 0
     target.through[:] = ONE
     target.least[:] = NEAREST
+    target.widest[0] = ZERO
     copy_occlusion(solids.hides, width, target)
     find_windows(target.occlusion_depth, target.blocks, target.windows)
     n = np.int64(0)

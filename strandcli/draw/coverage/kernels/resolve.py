@@ -46,6 +46,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
         slots, unordered, row_depths = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32)
         occlusion, hidden = np.zeros(PIXELS, np.float32), np.empty(WINDOWS, np.float32)
         through, least = np.empty(PIXELS, np.float32), np.empty(PIXELS, np.float32)
+        widest = np.empty(1, np.float32)
         strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
         work = cells.Work(
             np.empty(segments.ROWS * segments.ROW, np.float32), np.empty(cells.ROWS * cells.CELLS, np.float32),
@@ -64,7 +65,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
             while True:  # one call of find_fragments, which is the greater part of what is compiled
                 target = cells.Target(
                     tile.top, tile.bottom, tile.left, tile.right, out.place_bits, occlusion, fragments, counts,
-                    opaque * ROUNDED, through, least, ends, hidden,
+                    opaque * ROUNDED, through, least, ends, hidden, widest,
                 )  # fmt: skip
                 n = find_fragments(strands, solids, segments_.pool, slots[:rows], out.width, work, target, marks)
                 if n <= room or n > end - o:
@@ -77,7 +78,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
             if n == 0 or n > end - o:
                 set_empty(out, number)
                 continue
-            set_begin(out, number, o)
+            set_begin(out, number, o, widest[0])
             list_by_pixel(fragments, n, counts, ends, depths, listed)
             sort_pixels(listed, counts, ends, depths, opaque, ranks, spare, order)
             if table is None:
@@ -97,9 +98,10 @@ def set_empty(out, number):
 
 
 @device
-def set_begin(out, number, o):
-    """Store the index of a tile's first fragment."""
+def set_begin(out, number, o, widest):
+    """Store the index of a tile's first fragment, and the width of its widest segment."""
     out.begin[number] = o
+    out.widest[number] = widest
 
 
 @parallel

@@ -98,6 +98,7 @@ def cover_ribbon(strands, widths, v, begin, i, scratch, target, m):
     screen = strands.screen
     w0 = ONE if widths is None else widths[v - 1]
     w1 = ONE if widths is None else widths[v]
+    target.widest[0] = max(target.widest[0], max(w0, w1))
     flat = abs(screen[v, 0] - screen[v - 1, 0]) >= abs(screen[v, 1] - screen[v - 1, 1])
     ribbon = make_ribbon(
         screen, v, w0, w1, flat, (joints[joined.DX + i], joints[joined.DY + i], joints[joined.PER_LENGTH + i]),

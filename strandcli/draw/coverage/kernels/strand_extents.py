@@ -17,16 +17,17 @@ RISE = np.float32(1.5)
 a border of rows, half the time."""
 MARGIN = np.float32(2.0)
 """Pixels that a strand extends beyond its vertices, besides its width."""
-LEAST_Y, GREATEST_Y = 0, 1
+LEAST_Y, GREATEST_Y, WIDEST = 0, 1, 2
 """Columns of the extents of strands."""
+COLUMNS = 3
 
 
 @parallel
 def find_extents(first, screen, widths, width, out):
-    """Write the range of y that each strand can cover.
+    """Write the range of y that each strand can cover, and its greatest width.
 
     first (S + 1,) int64; screen (V, 3): as in `ScreenLines`; widths (V,): likewise, or (0,): all are one pixel; width:
-    of the picture; out (S, 2) float32: least and greatest y; inf and −inf for a strand that is not on the screen.
+    of the picture; out (S, COLUMNS) float32: least and greatest y, inf and −inf for a strand that is not on the screen; the width.
     """
     for s in prange(first.shape[0] - 1):
         low = np.float32(np.inf)
@@ -46,20 +47,21 @@ def find_extents(first, screen, widths, width, out):
         there = (right + margin >= ZERO) & (left - margin < np.float32(width))
         out[s, LEAST_Y] = low - margin if there else np.float32(np.inf)
         out[s, GREATEST_Y] = high + margin if there else np.float32(-np.inf)
+        out[s, WIDEST] = widest
 
 
 @parallel
-def count_wide_pixels(lines, width, height, broad, out):
+def count_wide_pixels(lines, extents, width, height, broad, out):
     """Write an estimate of the pixels that are visited for the segments of each strand that are wider than `broad`.
 
     For each it is the length of its bounding box along its longer screen axis, times the height across of its band, or
-    of the picture if that is less. lines: `ScreenLines` with widths; width, height: of the picture; broad: float32;
-    out (S,) float32.
+    of the picture if that is less. lines: `ScreenLines` with widths; extents: from `find_extents`; width, height: of
+    the picture; broad: float32; out (S,) float32.
     """
     first, screen, widths = lines
     for s in prange(first.shape[0] - 1):
         total = ZERO
-        for v in range(first[s] + 1, first[s + 1]):
+        for v in range(first[s] + 1, first[s + 1] if extents[s, WIDEST] > broad else 0):
             w = max(widths[v - 1], widths[v])
             dx = abs(screen[v, 0] - screen[v - 1, 0])
             dy = abs(screen[v, 1] - screen[v - 1, 1])

@@ -131,7 +131,7 @@ def bin_segments(lines, extents, top, bottom, width, workers, segments, windows,
     """Append the segments that can touch the rows top <= y < bottom of a picture to the chains of their tiles, but
     those that solids hide.
 
-    lines: `ScreenLines`; extents (S, 2): from `strand_extents.find_extents`; width: of the picture; segments:
+    lines: `ScreenLines`; extents: from `strand_extents.find_extents`; width: of the picture; segments:
     `TileSegments`, whose fills and used are 0 before; windows: `PictureWindows`; depth_slope: `DepthSlope`. The first
     tiles begin at row `top`. Workers share strands and blocks evenly. If `used` of a worker is not less than its share
     of the blocks, there was no room and the chains are invalid.

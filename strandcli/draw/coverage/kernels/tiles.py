@@ -73,6 +73,8 @@ class Fragments(NamedTuple):
     bottom: int
     width: int
     """Width of the picture, samples."""
+    widest: NDArray[np.float32]
+    """(tiles,) greatest width of the wide segments that each tile was examined for, samples; 0: there were none."""
     slight: np.float32
     """What is let through before a fragment, below which it takes light from one vertex alone."""
 

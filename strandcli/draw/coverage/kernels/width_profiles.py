@@ -21,6 +21,7 @@ from ...common.kernels.batch import ADDED, BEFORE, EX, EY, EZ, LX, LY, LZ, RADIA
 from ...common.kernels.keys import LOW
 from .column_light import COLUMNS, Crossing, column_light
 from .masks import ALL_POINTS
+from .segments import WIDE
 from .tiles import PIXELS, TILE_WIDTH, tile_at
 
 ZERO = np.float32(0.0)
@@ -264,10 +265,12 @@ def add_to_zbuffer(keys, base, per, stride, profiles, image):
 def add_to_fragments(fragments, table, profiles, image):
     """Add the departures of sorted fragments to the picture; fragments: `tiles.Fragments`; table: from
     `masks.half_planes`; profiles: `Profiles`."""
+    start = profiles.start * profiles.samples
     for one in prange(fragments.begin.shape[0]):
         number = np.int64(one)
         f = fragments.begin[number]
-        if f < 0:
+        # most tiles show no strand that is so wide; of thin segments it is not known how wide they are
+        if f < 0 or (start >= WIDE and fragments.widest[number] <= start):
             continue
         tile = tile_at(number, fragments)
         slots, shades = profiles.slots, profiles.shades
