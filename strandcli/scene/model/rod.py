@@ -89,7 +89,7 @@ class Rod:
     torsion: float | None = number(
         None, above=0, high=10,
         doc="torsional over bending rigidity of curled strands as round ones, 1 / (1 + Poisson's ratio), about 0.7: "
-        "coils are springs; steps become shorter where that takes it; absent: 4, of coils 0.25, at the usual steps",
+        "coils are springs; steps become shorter where that takes it; absent: 4, of coils 0.75",
     )  # fmt: skip
     yield_strain: float | None = number(
         None, above=0, high=10,
@@ -102,7 +102,7 @@ class Rod:
     integrator: str = choice(
         "auto", ("auto", "bdf2", "euler"),
         doc="bdf2: second order, strands that swing freely keep at it; euler: first order, calms motion down; "
-        "auto: bdf2, but euler where strands interact",
+        "auto: bdf2, but euler with the rule contact",
     )  # fmt: skip
     iterations: int = integer(200, low=1, high=1000, doc="Newton iterations a step at the most; two are usual")
     precision: str = choice("single", ("single", "double"), doc="of the solver's numbers")
