@@ -27,7 +27,8 @@ def find_extents(first, screen, widths, width, out):
     """Write the range of y that each strand can cover, and its greatest width.
 
     first (S + 1,) int64; screen (V, 3): as in `ScreenLines`; widths (V,): likewise, or (0,): all are one pixel; width:
-    of the picture; out (S, COLUMNS) float32: least and greatest y, inf and −inf for a strand that is not on the screen; the width.
+    of the picture; out (S, COLUMNS) float32: least and greatest y, inf and −inf for a strand that is not on the
+    screen; the width.
     """
     for s in prange(first.shape[0] - 1):
         low = np.float32(np.inf)
