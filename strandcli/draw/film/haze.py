@@ -7,6 +7,8 @@ so that kernels of shading are the same with and without haze.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,8 @@ from ..view.camera import View
 from .kernels import haze as kernel
 
 NO_SLOTS, NO_PROFILE = np.zeros(0, np.int32), np.zeros((0, 0, 0, 3), np.float32)
+MOST_RATE = 1e30
+"""Halvings of light a metre in the thickest haze, which single precision holds."""
 
 
 def veil_strands(
@@ -27,7 +31,8 @@ def veil_strands(
     haze: distance, metres, at which 1 / e of the light is left; screen (V, 3); marks (V,): non-zero for vertices to
     change; body: profiles of wide strands, or None."""
     slots, profile = (NO_SLOTS, NO_PROFILE) if body is None else (body.slots, body.profile)
-    kernel.veil_strands(_air(haze, view), backdrop, screen, marks, colours, slots, profile)
+    words = marks[: len(marks) // kernel.WORD * kernel.WORD].view(np.uint64)
+    kernel.veil_strands(_air(haze, view), backdrop, screen, marks, words, colours, slots, profile)
 
 
 def veil_solids(
@@ -41,4 +46,5 @@ def veil_solids(
 
 
 def _air(haze: float, view: View) -> kernel.Air:
-    return kernel.Air(float(haze), float(view.perspective), float(view.near), float(view.far - view.near))
+    rate = -min(1 / (haze * math.log(2.0)), MOST_RATE)
+    return kernel.Air(*map(np.float32, (rate, view.perspective, view.near, view.far - view.near)))
