@@ -9,7 +9,17 @@ import pytest
 from numba import njit
 
 from strandcli.constants import VECTOR
-from strandcli.simd import lane_count, load, load_quadruples, pointer, store, store_records
+from strandcli.simd import (
+    deinterleave,
+    half_width_pointer,
+    lane_count,
+    load,
+    load_quadruples,
+    load_triple,
+    pointer,
+    store,
+    store_records,
+)
 
 
 @njit
@@ -45,3 +55,35 @@ def test_every_fourth_number_is_of_the_same_vector(dtype: Any) -> None:
     out = np.zeros_like(given[1:])
     taken_in_turns(given, out)
     np.testing.assert_array_equal(out.reshape(4, -1), given[1:].reshape(-1, 4).T)
+
+
+@njit
+def deal_all(given, o, count, work, to, stride):
+    """From one array to the other."""
+    deinterleave(half_width_pointer(given), o, count, work, to, stride)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 21])
+def test_triples_are_dealt_out_and_nothing_beyond_them(dtype: Any, count: int) -> None:
+    given = np.arange(3 * count + 2, dtype=dtype)
+    work = np.full(100, -1, dtype)
+    deal_all(given, 2, count, work, 3, 30)
+    expected = np.full(100, -1, dtype)
+    for row in range(3):
+        expected[3 + 30 * row :][:count] = given[2 + row :: 3][:count]
+    np.testing.assert_array_equal(work, expected)
+
+
+@njit
+def triples(given, out):
+    rows = pointer(given)
+    for i, x in enumerate(load_triple(rows, 1)):
+        store(pointer(out), i * lane_count(rows), x)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_three_numbers_take_turns_in_three_vectors(dtype: Any) -> None:
+    out = np.zeros(3 * VECTOR // np.dtype(dtype).itemsize, dtype)
+    triples(np.array([9.0, 1.0, 2.0, 3.0], dtype), out)
+    np.testing.assert_array_equal(out, np.tile([1.0, 2.0, 3.0], len(out) // 3))

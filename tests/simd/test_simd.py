@@ -15,7 +15,6 @@ from strandcli.simd import (  # fmt: skip
     any_lane,
     broadcast,
     count_true,
-    deinterleave,
     floor,
     gather,
     gather2,
@@ -27,7 +26,6 @@ from strandcli.simd import (  # fmt: skip
     line_pointer,
     load,
     load3,
-    load_triple,
     movemask,
     no_fma,
     pointer,
@@ -235,38 +233,6 @@ def test_products_of_numbers_at_an_address_are_not_rounded(dtype: Any) -> None:
     np.testing.assert_array_equal(out[:5], np.array(expected, dtype))
     np.testing.assert_array_equal(out[5], out[0])
     assert (out[0] != 0).any()
-
-
-@njit
-def deal_all(given, o, count, work, to, stride):
-    """From one array to the other."""
-    deinterleave(half_width_pointer(given), o, count, work, to, stride)
-
-
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 21])
-def test_triples_are_dealt_out_and_nothing_beyond_them(dtype: Any, count: int) -> None:
-    given = np.arange(3 * count + 2, dtype=dtype)
-    work = np.full(100, -1, dtype)
-    deal_all(given, 2, count, work, 3, 30)
-    expected = np.full(100, -1, dtype)
-    for row in range(3):
-        expected[3 + 30 * row :][:count] = given[2 + row :: 3][:count]
-    np.testing.assert_array_equal(work, expected)
-
-
-@njit
-def triples(given, out):
-    rows = pointer(given)
-    for i, x in enumerate(load_triple(rows, 1)):
-        store(pointer(out), i * lane_count(rows), x)
-
-
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_three_numbers_take_turns_in_three_vectors(dtype: Any) -> None:
-    out = np.zeros(3 * VECTOR // np.dtype(dtype).itemsize, dtype)
-    triples(np.array([9.0, 1.0, 2.0, 3.0], dtype), out)
-    np.testing.assert_array_equal(out, np.tile([1.0, 2.0, 3.0], len(out) // 3))
 
 
 @njit

@@ -194,10 +194,8 @@ def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump(
         np.zeros((count, 3), np.float32), (way / np.linalg.norm(way, axis=1)[:, None]).astype(np.float32),
         np.full(count, 0.2, np.float32), np.zeros(count, np.float32),
     )  # fmt: skip
-    text = (
-        f"rod: {{integrator: {method}}}\nemitter: {{strands: {count}, particles: 9, length: 0.2}}\n"
-        "time: {fps: 24}\nrules: [gravity%s]"
-    )
+    rod = f"rod: {{integrator: {method}}}\nemitter: {{strands: {count}, particles: 9, length: 0.2}}\n"
+    text = rod + "time: {fps: 24}\nrules: [gravity%s]"
     solver = solver_of(text % f", interaction: {{density: {density:.1e}, cell: {cell}}}", groom)
     alone = solver_of(text % "", groom)
     past = solver.particles()

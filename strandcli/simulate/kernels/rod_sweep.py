@@ -119,10 +119,16 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         else:
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
-        after = broadcast(s, 0.0)
-        if scheme.curled:
-            after = max(load(state.touching, strand) - CALM, 0.0)
-        store(state.touching, strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), after))
+        keep_touching(s, strand, state.touching, scheme.curled)
+
+
+@inlined
+def keep_touching(s, strand, touching, curled):
+    """Store 1 where the step has left forces of contact, else 0, or `CALM` less than before."""
+    after = broadcast(s, 0.0)
+    if curled:
+        after = max(load(touching, strand) - CALM, 0.0)
+    store(touching, strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), after))
 
 
 @inlined

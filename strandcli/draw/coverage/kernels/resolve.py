@@ -45,8 +45,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
         order, spare = np.empty(room + RUN, np.uint32), np.empty(room, np.uint32)
         slots, unordered, row_depths = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32)
         occlusion, hidden = np.zeros(PIXELS, np.float32), np.empty(WINDOWS, np.float32)
-        through, least = np.empty(PIXELS, np.float32), np.empty(PIXELS, np.float32)
-        widest = np.empty(1, np.float32)
+        through, least, widest = np.empty(PIXELS, np.float32), np.empty(PIXELS, np.float32), np.empty(1, np.float32)
         strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
         work = cells.Work(
             np.empty(segments.ROWS * segments.ROW, np.float32), np.empty(cells.ROWS * cells.CELLS, np.float32),
