@@ -50,8 +50,8 @@ THROW = 1e6
 """Free fall in a step, in segments, above which single precision is not enough: tension exceeds inertia by this factor,
 which leaves inertia too few digits."""
 STEADIEST = 18
-"""Greatest number of segments with which a sag-free strand moves at most by 1e-6 of its length in single precision, in steps cut for coils too.
-Rounding of the moments moves longer ones more: by 1e-5 with 1,000 segments."""
+"""Greatest number of segments with which a sag-free strand moves at most by 1e-6 of its length in single precision,
+in steps cut for coils, too. Rounding of the moments moves longer ones more: by 1e-5 with 1,000 segments."""
 
 
 def matter(rod: Rod) -> tuple[float, float, float]:
