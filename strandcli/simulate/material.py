@@ -49,7 +49,7 @@ are a load on the second. Reached by a tip some twenty times as thick as the roo
 THROW = 1e6
 """Free fall in a step, in segments, above which single precision is not enough: tension exceeds inertia by this factor,
 which leaves inertia too few digits."""
-STEADIEST = 18
+STEADIEST = 19
 """Greatest number of segments with which a sag-free strand moves at most by 1e-6 of its length in single precision,
 in steps cut for coils, too. Rounding of the moments moves longer ones more: by 1e-5 with 1,000 segments."""
 
