@@ -22,7 +22,7 @@ class Picture:
 
     lines: ScreenLines
     extents: NDArray[np.float32]
-    """(S, 3) from `kernels.strand_extents.find_extents`."""
+    """(S, `COLUMNS`) from `kernels.strand_extents.find_extents`."""
     stride: int
     """Every stride-th vertex is lit."""
     edges: Edges | None

@@ -17,7 +17,8 @@ and in the tangent plane the same with the sliding distance, at most μ λ' (Cou
 forces times h²; w is the ratio of the effective mass of all that such forces on the strand move to the particle's: with
 H of the iterations and χ = 1 at particles with forces, 1 / w = H⁻¹ M χ. That bounds the row sums of the response to the
 forces, so all are updated at once without overshoot. At rest δ = 0, and the force is the same at each step. Depth from
-velocity alone, an impact, gives no force that is kept.
+velocity alone, an impact, gives no force that is kept. Curled strands go on giving way for many steps, so that of δ
+only the share `Contact.gain` counts.
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ class State(NamedTuple):
     push: Any
     """(P, N, 3 S) acceleration of particles by contact, m/s²; needed with solids."""
     touching: Any
-    """(P, S) 1 for strands with forces of contact; needed with solids."""
+    """(P, S) 1 for strands with forces of contact, of curled ones some steps after it less; needed with solids."""
     twist: Any
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     crowd: Any
@@ -173,7 +173,7 @@ class Scheme(NamedTuple):
     second: Any
     """Whether the state has what BDF2 needs, to be written for the next step."""
     pressed: Any
-    """Whether some strand of the vector has forces of contact of the step before."""
+    """Whether some strand of the vector is `State.touching` since the step before."""
     crowded: Any
     """Whether the strands around accelerate particles, as a change of velocity when the step begins: True, or None."""
     duration: Any

@@ -42,8 +42,8 @@ FARTHEST = 1e10
 
 @device
 def set_coefficients(s, at, state, material, forcing, scheme):
-    """Set the strand's coefficients in the scratch, by the method of each lane: Euler's in those whose strands were
-    pressed by solids in the step before, where BDF2 would go on with what contact has changed."""
+    """Set the strand's coefficients in the scratch, by the method of each lane: Euler's in those whose strands are
+    `State.touching`, where BDF2 would go on with what contact has changed."""
     numbers = forcing.numbers
     h, g = numbers[STEP], numbers[VELOCITY_STEP]
     mass = 1 + numbers[DRAG] * g  # that `Material.mass` has been multiplied by
