@@ -63,16 +63,8 @@ def matter(rod: Rod) -> tuple[float, float, float]:
 
 
 def integrator_of(scene: Scene) -> str:
-    """Return the integrator of a scene's rods, ``euler`` or ``bdf2``, where the preset leaves the choice. Raises
-    `UsageError` for one that a rule does not go with."""
-    rules = {use.name for use in scene.rules}
-    if "contact" in rules and scene.rod.integrator == "bdf2":
-        raise UsageError(
-            f"{scene.source or 'scene'}: rod.integrator: bdf2 does not go with the rule contact; use auto or euler"
-        )
-    if scene.rod.integrator != "auto":
-        return scene.rod.integrator
-    return "euler" if "contact" in rules else "bdf2"
+    """Return the integrator of a scene's rods, ``euler`` or ``bdf2``, where the preset leaves the choice."""
+    return "bdf2" if scene.rod.integrator == "auto" else scene.rod.integrator
 
 
 MARGIN = 0.5
@@ -114,7 +106,6 @@ def require_between(scene: Scene, groom: Groom) -> None:
     """Raise `UsageError` for what rods refuse, before they begin, of the rules contact and interaction."""
     if scene.solver != "rod":
         return
-    integrator_of(scene)
     for use in scene.rules:
         if use.name == "contact":
             contact_thickness(scene, groom, use.parameters.thickness)

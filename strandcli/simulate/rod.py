@@ -94,7 +94,7 @@ class RodSolver(Solver):
         touching = [use.parameters for use in scene.rules if use.name == "contact"]
         self.contact = StrandContact(scene, groom, touching[0]) if touching else None
         flags = flags_of(scene, shape, self.surroundings, self.deforming is not None)
-        self.second, self.loose = flags.second, flags.loose
+        self.second, self.curled, self.loose = flags.second, flags.curled, flags.loose
         self._coil_rate = coil_rate(scene, rest, shape)
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
@@ -127,7 +127,7 @@ class RodSolver(Solver):
         state = {f"state {name}": one for name, one in self.state._asdict().items() if one is not self.positions}
         last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
         crowd = {} if self.crowd is None else self.crowd.state_arrays()
-        found = {} if self.contact is None else {"found": np.array([self.contact.penetration])}
+        found = {} if self.contact is None else self.contact.state_arrays()
         rest = {} if self.yielding is None else {"bends": self.material.bends}
         return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd, **found, **rest}
 
@@ -150,7 +150,7 @@ class RodSolver(Solver):
         if self.crowd is not None:
             self.crowd.restore(state)
         if self.contact is not None:
-            self.contact.penetration = float(state["found"][0])
+            self.contact.restore(state)
         if self.yielding is not None:
             self.material.bends[...] = state["bends"]
 
@@ -210,7 +210,7 @@ class RodSolver(Solver):
             self._run(pose, moved.change, beside)
             short = True
         else:
-            short = self.contact.step(partial(self._run, pose, moved.change), self)
+            short = self.contact.step(partial(self._run, pose, moved.change), dt, self)
         if self._sudden:
             short = short and bool((self.state.residuals <= RESIDUAL_MOST).all())
         if self.state.positions is not self.positions:

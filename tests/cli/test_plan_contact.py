@@ -24,7 +24,6 @@ ROD = ("minimal", "--strands", "20", "--set", "solver=rod", "--set")
     ("settings", "words"),
     [
         (("rules=[gravity, {contact: {thickness: 99}}]",), "rule contact.thickness: 99 m is more than the groom"),
-        (("rules=[gravity, {contact: {}}]", "--set", "rod.integrator=bdf2"), "bdf2 does not go with the rule contact"),
         (("rules=[gravity, {interaction: {cell: 1e-9}}]",), "cell: 1e-09 m is less than a strand's thickness"),
         (("rules=[gravity, {interaction: {cell: 1e9}}]",), "cell: 1e+09 m is larger than the groom, which is at most"),
         (("rules=[gravity, {interaction: {cell: 0.001}}]",), "is less than a 64th of a segment"),

@@ -16,9 +16,9 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, Any]]:
     found: list[tuple[Any, Any]] = []
     make = StrandContact.step
 
-    def step(self: StrandContact, run: Callable[[], None], solver: Any) -> bool:
+    def step(self: StrandContact, run: Callable[[], None], dt: float, solver: Any) -> bool:
         before = self._particles(solver.state)
-        done = make(self, run, solver)
+        done = make(self, run, dt, solver)
         if done:
             found.append((before, self._particles(solver.state)))
         return done

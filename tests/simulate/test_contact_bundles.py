@@ -19,7 +19,7 @@ def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump() -> 
     text = "rod: {radius: 2.0e-4, young: 1.0e+6}\nemitter: {strands: 9, particles: 9, length: 0.2}\ntime: {fps: 24}\n"
     solver = solver_of(text + "rules: [gravity, contact: {thickness: 0.002}]", groom)
     past = solver.particles()
-    alone = solver_of(text.replace("rod: {", "rod: {integrator: euler, ") + "rules: [gravity]", groom)
+    alone = solver_of(text + "rules: [gravity]", groom)
     alone.advance(9)
     for frame in range(2, 10):
         solver.advance(frame)
@@ -90,7 +90,7 @@ def test_many_strands_that_begin_inside_each_other_are_led_apart(
         past = now
     assert solver.errors(frames)["nonfinite"] == 0
     assert len(steps) <= 4 * frames
-    alone = solver_of(text.replace(", contact: {thickness: 0.0015}", "").replace("rod: {", "rod: {integrator: euler, "))
+    alone = solver_of(text.replace(", contact: {thickness: 0.0015}", ""))
     alone.advance(frames)
     assert close_tips(past) < share * close_tips(alone.particles())
 
@@ -102,12 +102,14 @@ def close_tips(x: NDArray[Any]) -> int:
     return int((apart[np.triu_indices(len(tips), 1)] < 0.00075).sum())
 
 
-def test_contact_without_friction_adds_no_energy() -> None:
-    """Two crossed strands, one of which falls on the other: kinetic and potential energy, and that of bending of the
-    strand below, never grow from frame to frame. Where they do not touch, the step keeps it, too."""
+@pytest.mark.parametrize(("integrator", "share"), [("euler", 0.0), ("bdf2", 2e-3)])
+def test_contact_without_friction_adds_no_energy(integrator: str, share: float) -> None:
+    """Two crossed strands, one of which falls on the other: kinetic and potential energy, and that of bending, never
+    grow above the least so far by more than a share of gL. BDF2 leaves a wave in what it keeps: the same strand in free
+    fall has some of it, too."""
     groom = strands([[-0.1, -0.02, 0], [0, 0.05, -0.5]], [[1, 0, 0], [0, 0, 1]], [0.2, 1])
     text = CROSS.format(young="5.0e+9") + RULE.format(d=0.01).replace("friction: 0.5", "friction: 0")
-    solver = solver_of(text, groom)
+    solver = solver_of(text.replace("rod: {", f"rod: {{integrator: {integrator}, "), groom)
     lengths = groom.lengths.astype(float) / 10
     stiffness = solver.material.stiffness[0, :2].astype(float)
 
@@ -128,6 +130,6 @@ def test_contact_without_friction_adds_no_energy() -> None:
         solver.advance(frame)
         touched = touched or bool(solver.state.crowd.any())
         now = energy()
-        assert now < past + 1e-4 * 9.81
-        past = now
+        assert now <= past + share * 9.81
+        past = min(past, now)
     assert touched

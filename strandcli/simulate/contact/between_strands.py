@@ -4,13 +4,13 @@ A step is made without contact. Where strands would come too close or pass throu
 found with each strand's response linearised (`kernels.contact_response`, `kernels.contact_solve`), and the step is made
 anew from its begin with these forces among its loads, until it keeps strands apart: Newton's method on step and contact
 together. Lengths are exact and bending takes part, as in any step. Nothing but the strands' own state lasts from a step
-to the next. What is done here is done in the order of emission, on one thread.
+to the next, and by what they were accelerated, which tells those that meet others anew. What is done here is done in the order of emission, on one thread.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...constants import W
 from ...groom.record import Groom
 from ..health import RESIDUAL_MOST
-from ..kernels.records import STEP, State
+from ..kernels.records import State
 from ..material import MARGIN, contact_thickness
 from .contacts import NOTHING, Contacts
 from .forces import Forces
@@ -47,6 +47,12 @@ AT_ONCE = 1 << 16
 """Pairs of segments that are looked at at once: of most of them nothing is kept."""
 ANEW = 0.02
 """Excess over the thickness from which on a contact is looked for anew, if it is more than twice that at its place."""
+CHANGE = 1.0
+"""Share of the accelerations of a strand by contact in the last step that those of this one differ by, from which on it
+counts as meeting others anew: all that none touched before do. With a half of it ropes lose their swing, with 2 strands
+that lie on others are less calm."""
+MARK = 0.1
+"""`State.touching` of such a strand: in the next step it is none, of curled ones too (`rod_sweep.CALM`)."""
 SETTLED, GAIN = 3, 0.9
 """Rounds after which a crowd whose contacts yield is left as it is, if the last brought the greatest excess to no less
 than the second, as a share of that before."""
@@ -66,13 +72,31 @@ class StrandContact:
         apart = 1 + math.ceil(2 * self.thickness / float(self.lengths.min()))
         self._forces = Forces(groom, self.lengths, self.segments, self.thickness, parameters.friction)
         self._nearby = Nearby(self.segments, min(apart, self.segments))
+        self.past = np.zeros((groom.strands, self.segments, 3))
+        """(S, N, 3) accelerations of particles by the contacts of the last step, m/s²."""
         self.penetration = 0.0
         """How much closer strands were at the end of the last step than their thickness, or near their roots than these
         leave to them, metres."""
 
-    def step(self, run: Callable[[], None], solver: Any) -> bool:
-        """Make a step by ``run``, again where strands touch. ``solver``: the rod solver whose step it is. Return False
-        where rounds do not converge or some strand has come through another, for the step is too long."""
+    def step(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
+        """Make a step of ``dt`` seconds by ``run``, again where strands touch. ``solver``: the rod solver whose step it
+        is. Return False where rounds do not converge or some strand has come through another, for the step is too
+        long."""
+        self._now, self._changed = np.zeros_like(self.past), np.zeros(len(self.past), bool)
+        converged = self._rounds(run, dt, solver)
+        self.past = self._now
+        return converged
+
+    def state_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return what lasts from a step to the next."""
+        return {"found": np.array([self.penetration]), "contact": self.past}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from that."""
+        self.penetration, self.past = float(state["found"][0]), np.array(state["contact"])
+
+    def _rounds(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
+        """As `step`; set ``_now`` to the accelerations of the last round."""
         state: State = solver.state
         if solver.crowd is None:
             state.crowd[...] = 0
@@ -81,9 +105,9 @@ class StrandContact:
         held, forces, past = NOTHING, np.zeros((0, 3)), math.inf
         for iteration in range(self.iterations + 1):
             run()
-            wild = bool(len(forces)) and self._tame(run, (held, forces), before, solver)
+            wild = bool(len(forces)) and self._tame(run, (held, forces), before, dt, solver)
             end = self._particles(state)
-            found = self._look(start, end, float(solver.forcing.numbers[STEP]))
+            found = self._look(start, end, dt)
             if found is None:
                 return True
             self.penetration = found.penetration()
@@ -98,17 +122,27 @@ class StrandContact:
             if not wanted and (iteration >= ROUNDS or not len(forces)):
                 return True
             held, forces = self._merged(held, forces, found, start, end)
-            changed = self._forces.solve(held, forces, solver)
+            changed = self._forces.solve(held, forces, dt, solver)
             if not wanted and changed < 2 * tolerance:
                 return True
             for name, one in state._asdict().items():
                 one[...] = before[name]
-            self._forces.load(held, forces, solver)
+            self._load(held, forces, dt, solver)
         return True
 
+    def _load(self, held: Contacts, forces: Floats, dt: float, solver: Any) -> None:
+        """Have the next round made with these forces, and by Euler's method for strands that meet others anew: BDF2
+        would go on with what contact has changed, and they bounce."""
+        now = self._now = self._forces.load(held, forces, dt, solver)
+        if solver.second:
+            size, change = (np.einsum("snc,snc->s", one, one) for one in (self.past, now - self.past))
+            self._changed |= change > CHANGE**2 * size
+            self._forces.mark(self._changed * MARK, solver.state)
+
     def _tame(
-        self, run: Callable[[], None], held: tuple[Contacts, Floats], before: dict[str, NDArray[Any]], solver: Any
-    ) -> bool:
+        self, run: Callable[[], None], held: tuple[Contacts, Floats], before: dict[str, NDArray[Any]], dt: float,
+        solver: Any,
+    ) -> bool:  # fmt: skip
         """Where a round's forces are more than a strand's step can carry, which those of jammed contacts may become,
         take them from that strand, or from all if that is not enough, and make the step anew. Return whether that
         was so."""
@@ -121,7 +155,7 @@ class StrandContact:
             forces[mine if some else slice(None)] = 0
             for name, one in solver.state._asdict().items():
                 one[...] = before[name]
-            self._forces.load(contacts, forces, solver)
+            self._load(contacts, forces, dt, solver)
             run()
         return True
 

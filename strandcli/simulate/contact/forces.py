@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...blocks import lanes
 from ...groom.record import Groom
-from ..kernels.records import DAMPING, STEP, State
+from ..kernels.records import DAMPING, DRAG, STEP, VELOCITY_STEP, State
 from ..kernels.rod_scratch import PACK
 from .kernels import contact_response, contact_solve
 from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
@@ -35,6 +35,16 @@ IMMOBILE = 1e-9
 Floats = NDArray[np.float64]
 
 
+class Method(NamedTuple):
+    """How strands take a step, each by BDF2 or by Euler's method."""
+
+    square: Floats
+    """(S,) h² by which forces enter it, s²."""
+    reach: Floats
+    """(S,) what a force of contact moves a free particle by, over what it would by Euler's method without drag, and
+    times what drag makes of its mass."""
+
+
 class Forces:
     """Forces between the strands of a groom whose segments have ``lengths`` (S,), metres, ``segments`` a strand."""
 
@@ -42,16 +52,17 @@ class Forces:
         self.groom, self.lengths, self.segments = groom, lengths, segments
         self.thickness, self.friction = thickness, friction
 
-    def solve(self, found: Contacts, forces: Floats, solver: Any) -> float:
+    def solve(self, found: Contacts, forces: Floats, dt: float, solver: Any) -> float:
         """Change ``forces`` (m, 3) so that contacts hold; return by how much particles move by that, metres."""
         n = self.segments
         responses, own = np.empty((len(forces), 2, n, 3, 3)), np.empty((len(forces), 3, 3))
         strands = np.unique(found.pairs[:, [FIRST, SECOND]])
         places = np.zeros(len(self.lengths), np.int64)
         places[strands] = np.arange(len(strands))
-        bands = self._factors(strands, solver)
+        method = self._method(dt, solver)
+        bands = self._factors(strands, method, solver)
         contact_response.respond(
-            found.pairs, found.numbers, bands, places, self.lengths, responses, np.empty((BLOCK * n, 3))
+            found.pairs, found.numbers, bands, places, self.lengths / method.reach, responses, np.empty((BLOCK * n, 3))
         )
         contact_solve.own_responses(found.pairs, found.numbers, responses, own)
         moves, after = np.zeros((len(self.lengths), n, 3)), forces.copy()
@@ -66,20 +77,34 @@ class Forces:
         forces += share * (after - forces)
         return moved
 
-    def _factors(self, strands: NDArray[np.int64], solver: Any) -> Floats:
+    def _method(self, dt: float, solver: Any) -> Method:
+        """What `rod_start.set_coefficients` makes of a step of ``dt`` seconds."""
+        h, g, drag = (float(solver.forcing.numbers[column]) for column in (STEP, VELOCITY_STEP, DRAG))
+        state = solver.state
+        mass = (1 + drag * g) / (1 + drag * dt)
+        square, reach = np.full(len(self.lengths), h * g), np.full(len(self.lengths), h / dt)
+        if solver.second:
+            euler = self.emitted(state.touching[:, None])[:, 0, 0] > 0
+            square[euler], reach[euler] = dt * dt * mass, mass
+        return Method(square, reach)
+
+    def _factors(self, strands: NDArray[np.int64], method: Method, solver: Any) -> Floats:
         """Return the factors of some strands' responses."""
-        material, numbers = solver.material, solver.forcing.numbers
-        h, state = float(numbers[STEP]), solver.state
-        stiffness = self.emitted(material.stiffness[:, None])[:, 0, 0] * h * h * (1 + float(numbers[DAMPING]) / h)
-        tension = self.emitted(state.tension)[:, :, 0] * h * h
+        material, numbers, state, square = solver.material, solver.forcing.numbers, solver.state, method.square
+        damping = float(numbers[DAMPING] / numbers[STEP])
+        stiffness = self.emitted(material.stiffness[:, None])[:, 0, 0] * square * (1 + damping)
+        tension = self.emitted(state.tension)[:, :, 0] * square[:, None]
+        if solver.curled:
+            tension = np.maximum(tension, 0) + self._kept(solver) * (stiffness / (1 + damping))[:, None]
         bands = np.empty((len(strands), BLOCK * self.segments, BAND))
         mass, joint = material.mass.astype(np.float64), material.joint.astype(np.float64)
         loads = stiffness, tension, self._held(state)
         contact_response.factorise(strands, self.emitted(state.edges), loads, mass, joint, bands)
         return bands
 
-    def load(self, found: Contacts, forces: Floats, solver: Any) -> None:
-        """Add the accelerations of particles by the forces of contacts to those by the strands around."""
+    def load(self, found: Contacts, forces: Floats, dt: float, solver: Any) -> Floats:
+        """Add the accelerations of particles by the forces of contacts to those by the strands around, in a step of
+        ``dt`` seconds; return them, (S, N, 3) m/s²."""
         count, n = len(self.lengths), self.segments
         added = np.zeros((count * (n + 1), 3))
         alpha, beta = found.numbers[:, ALPHA, None], found.numbers[:, BETA, None]
@@ -91,12 +116,26 @@ class Forces:
             for place, part in ((at, (1 - share) * force), (at + 1, share * force)):
                 for c in range(3):
                     added[:, c] += np.bincount(place, part[:, c], len(added))
-        h = float(solver.forcing.numbers[STEP])
-        rows = added.reshape(count, n + 1, 3)[:, 1:]
-        rows = rows / (self.lengths[:, None, None] * solver.mass.astype(np.float64)[:, None] * h * h)
-        crowd, rows = solver.state.crowd, self.groom.placed(rows)
+        masses = self.lengths[:, None, None] * solver.mass.astype(np.float64)[:, None]
+        accelerations = added.reshape(count, n + 1, 3)[:, 1:] / (masses * dt * dt)
+        crowd, rows = solver.state.crowd, self.groom.placed(accelerations)
         for j in range(n):
             crowd[:, j] += lanes(rows[:, j], crowd.dtype, PACK)
+        return np.asarray(accelerations)
+
+    def mark(self, strands: Floats, state: State) -> None:
+        """Set `State.touching` of strands (S,) to so much at least."""
+        marks = lanes(self.groom.placed(strands)[:, None], state.touching.dtype, PACK)
+        np.maximum(state.touching, marks, out=state.touching)
+
+    def _kept(self, solver: Any) -> Floats:
+        """Return (S, N) the rigidity that keeps edges of curled strands where motion leads them, over κ
+        (`rod_curl.add_reactions`)."""
+        material = solver.material
+        across = self.emitted(material.bends[:, 1:])[:, :, 1:]
+        turn = material.joint.astype(np.float64) * (across**2).sum(2)
+        turn[:, :-1] += turn[:, 1:]
+        return np.asarray(self.emitted(solver.forcing.firmness[:, None])[:, :, 0] * turn)
 
     def _held(self, state: State) -> Floats:
         """Return (S, N, 3) the unit normals of solids that particles touch, or 0."""

@@ -95,8 +95,6 @@ def refusal(labels: dict[str, str]) -> str:
             return "rod.section: oval strands keep no set"
         if touching:
             return "rod.section: does not go with the rule contact"
-    if touching and labels["integrator"] == "bdf2":
-        return "bdf2 does not go with the rule contact"
     return ""
 
 
