@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.model import DiscShape, Emitter, MeshShape, SphereShape
+from ..scene.model.emitter import LEAST_LENGTH
 from ..scene.specs import SMALLEST
 from .record import Bend, Groom, frame
 from .tie import bind
@@ -62,8 +63,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved 
     if emitter.jitter > 0:
         directions = _tilt(directions, np.radians(emitter.jitter), stream(seed, 2, count), stream(seed, 3, count))
     spread = emitter.length_variation * (2.0 * stream(seed, 4, count) - 1.0)
-    # at least a millionth, because a strand without length has no direction
-    lengths = emitter.length * np.maximum(1.0 + spread, 1e-6)
+    lengths = emitter.length * np.maximum(1.0 + spread, LEAST_LENGTH)
     if ground is not None:
         lengths = lengths * ground.lengths
     tones = (2.0 * stream(seed, 5, count) - 1.0).astype(np.float32)

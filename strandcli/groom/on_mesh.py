@@ -20,14 +20,13 @@ from ..mesh_file.maps import Pieces, Place, lookup, pieces, vectors
 from ..mesh_file.read import KEPT, Version, placed, placing, version
 from ..meshes.mesh import TriangleMesh, face_vectors, unit
 from ..scene.model import Emitter, MeshShape
+from ..scene.model.emitter import LEAST_MAPPED
 from .record import Anchors
 
 Floats = NDArray[np.float64]
 
 Y = 1
 GOLDEN = 0.6180339887498949  # the golden ratio's fraction
-SHORTEST = 0.02
-"""Least factor of a strand's length."""
 BITS = 16
 """Of a coordinate along Hilbert's curve."""
 OPEN = "open:"
@@ -85,7 +84,7 @@ def ground(shape: MeshShape, start: float, count: int) -> Ground:
     lengths = np.ones(count)
     if shape.length:
         found = lookup(bed.mesh, shape.length, Place(shape.file, "emitter.shape.length"), triangles, shares)
-        lengths = np.clip(found, SHORTEST, 1.0)
+        lengths = np.clip(found, LEAST_MAPPED, 1.0)
     ways = None
     if shape.comb:
         rows = vectors(bed.mesh, shape.comb, Place(shape.file, "emitter.shape.comb"), shape.up)

@@ -11,6 +11,7 @@ from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, 
 from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
+from ..simulate.precision import needs_double, shortest_segment
 from .crowding import crowding_of
 from .grid import grid_bytes
 from .libraries import known_bytes
@@ -35,6 +36,9 @@ NEARER, SEEN = 1.3, 0.75
 ROD, CROWDED, FRAMED = 80, 66, 16
 """Bytes of a particle of a rod, more where strands push each other, and more where strands have frames: twist, and
 rest shapes in them."""
+DOUBLE, DOUBLE_CROWDED = 88, 25
+"""Bytes of a particle more in double precision, where those of frames are twice as many: the state's numbers, 64, and
+positions beside those in single precision, 24; and where strands push each other, with what moves the grid's nodes."""
 TOUCHING, CELL, PAIR = 290, 32, 50
 """More where strands have contact: the state before the step, 120; particles at its ends, 48, boxes, 72, the cells'
 table, 50; of each cell that a segment lies in (`crowding`); of a pair of segments whose boxes meet, its numbers and
@@ -66,14 +70,21 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     """Return the bytes of the strands that are simulated."""
     n = scene.emitter.particles
     blocks = -(-plan.strands // W) * W
-    rods = ROD if scene.solver == "rod" else 0
-    rods += CROWDED if rods and any(use.name == "interaction" for use in scene.rules) else 0
-    rods += FRAMED if rods and _framed(scene.rod) else 0
+    rods = _rod_bytes(scene) if scene.solver == "rod" else 0
     contact = rods and any(use.name == "contact" for use in scene.rules)
     crowding = crowding_of(scene, plan.strands)
     touching = blocks * n * TOUCHING + CELL * crowding.cells + PAIR * crowding.pairs if contact else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
     return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + round(touching) + grid_bytes(scene, plan.strands)
+
+
+def _rod_bytes(scene: Scene) -> int:
+    """Return the bytes of a particle of rods, but for those of contact."""
+    double = needs_double(scene, shortest_segment(scene.emitter))
+    total = ROD + (DOUBLE if double else 0)
+    if any(use.name == "interaction" for use in scene.rules):
+        total += CROWDED + (DOUBLE_CROWDED if double else 0)
+    return total + (FRAMED * (1 + double) if _framed(scene.rod) else 0)
 
 
 def _framed(rod: Rod) -> bool:

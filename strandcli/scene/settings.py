@@ -244,7 +244,9 @@ def _index(node: ListNode, part: str) -> int:
             known.setdefault(name.text, index)
     if part in known:
         return known[part]
-    raise Unreachable(f"no entry of this list has the name {shown(part)}; {hint(part, known, 'the names are')}")
+    unnamed = "none has a name; count them from 0" if node.items else "it is empty"
+    have = hint(part, known, "the names are") if known else unnamed
+    raise Unreachable(f"no entry of this list has the name {shown(part)}; {have}")
 
 
 def _kind(node: MapNode, otherwise: str) -> str:

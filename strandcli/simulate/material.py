@@ -43,15 +43,6 @@ CELLS_ACROSS = 32
 """Cells of the rule interaction along the groom's greatest extent, where the preset gives no cell."""
 MOST_SAMPLES = 64
 """Samples of a segment, no more than a cell apart."""
-CONTRAST = 1e5
-"""Ratio of the stiffest joint to the softest above which single precision is not enough: rounding errors of the first
-are a load on the second. Reached by a tip some twenty times as thick as the root."""
-THROW = 1e6
-"""Free fall in a step, in segments, above which single precision is not enough: tension exceeds inertia by this factor,
-which leaves inertia too few digits."""
-STEADIEST = 19
-"""Greatest number of segments with which a sag-free strand moves at most by 1e-6 of its length in single precision,
-in steps cut for coils, too. Rounding of the moments moves longer ones more: by 1e-5 with 1,000 segments."""
 
 
 def matter(rod: Rod) -> tuple[float, float, float]:
@@ -182,12 +173,3 @@ def matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.floa
     joint = radius[:-1] ** 4
     joint[0] *= 2
     return mass, joint
-
-
-def needs_double(rod: Rod, joint: NDArray[np.float64], lengths: NDArray[np.float64], fall: float) -> bool:
-    """Return whether single precision is not enough; joint: relative rigidities; lengths: of segments, metres; fall:
-    free fall in a step, metres."""
-    return (
-        float(joint.max()) > CONTRAST * float(joint.min()) or fall > THROW * float(lengths.min())
-        or (rod.rest == "sag_free" and len(joint) > STEADIEST)
-    )  # fmt: skip

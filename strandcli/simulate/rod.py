@@ -2,8 +2,8 @@
 
 See `kernels/rod.py` for the model. A rod's shape at rest does not depend on the time step, and hardly on the number of
 particles. Of a scene's rules it applies emitter motion, gravity, wind (whose strength is here the speed of the air in
-m/s) and collision. Elasticity and stiffness are its own: edges keep their length exactly, and bending follows from the
-material, as does the twist of curled strands.
+m/s), interaction, contact and collision. Elasticity and stiffness are its own: edges keep their length exactly, and
+bending follows from the material, as does the twist of curled strands.
 """
 
 from __future__ import annotations

@@ -17,7 +17,8 @@ from ..groom.record import Groom
 from ..scene.motion import Pose
 from .kernels.records import LEAD, NUMBERS, POSE, ROUNDING, SOFT, TORSION, Flags, Forcing, Material, State
 from .kernels.rod_scratch import PACK
-from .material import coil_rates, integrator_of, matter_along, needs_double, stiffness, torsion
+from .material import coil_rates, integrator_of, matter_along, stiffness, torsion
+from .precision import needs_double
 from .rest_shape import coiled, straight, transported, unit_edges
 from .sag_free import hold
 from .section import lead, oval, softness, wide_axes
@@ -90,12 +91,8 @@ def matter_of(scene: Scene, groom: Groom) -> Matter:
 
 
 def precision_of(scene: Scene, matter: Matter) -> Any:
-    """The floating type to compute in: double where the scene or its numbers ask for it, and for free roots, whose
-    momentum single precision would change by some 1e-5 a second."""
-    fall = float(np.linalg.norm(gravity(scene))) / (scene.time.fps * scene.time.substeps) ** 2
-    rod = scene.rod
-    double = rod.precision == "double" or rod.root == "free" or needs_double(rod, matter.joint, matter.lengths, fall)
-    return np.float64 if double else np.float32
+    """The floating type to compute in."""
+    return np.float64 if needs_double(scene, float(matter.lengths.min())) else np.float32
 
 
 def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from plan_figures import measured
@@ -18,6 +19,9 @@ from strandcli.plan import available_memory, checked_plan, libraries, limits, ma
 from strandcli.plan import make as making
 from strandcli.plan import require as planning
 from strandcli.plan.memory import motion_bytes
+from strandcli.scene.model import Rod
+from strandcli.simulate.material import matter_along
+from strandcli.simulate.precision import contrast, needs_double, shortest_segment
 from strandcli.simulate.rod import RodSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
 
@@ -52,6 +56,53 @@ def test_what_frames_of_rods_take_is_planned(setting: str) -> None:
         taken.append(sum(one.nbytes for one in arrays) / 2048 / 20)
         planned.append(motion_bytes(make_plan(scene, [1], draw=False), scene) / 2048 / 20)
     assert planned[1] - planned[0] == pytest.approx(taken[1] - taken[0], abs=28 / 20)  # roots have none
+
+
+@pytest.mark.parametrize(
+    ("rod", "particles", "more", "double"),
+    [
+        ("", 100, "", False), ("precision: double", 5, "", True), ("root: free, rest: straight", 5, "", True),
+        ("rest: sag_free", 20, "", False), ("rest: sag_free", 21, "", True),
+        ("tip: 0.05", 10, "", False), ("tip: 0.05", 100, "", True),
+        ("", 20, ", length_variation: 0.999999", False), ("", 20, ", length: 1e-4", True),
+    ],
+)  # fmt: skip
+def test_rods_are_planned_in_the_precision_they_are_solved_in(
+    rod: str, particles: int, more: str, double: bool
+) -> None:
+    """Double by setting, for free roots and long sag-free strands, by how rigidities differ, and by deep falls."""
+    fall = "[0, -1e4, 0]" if "1e-4" in more else "[0, -9.81, 0]"
+    scene = scene_of(
+        f"solver: rod\nrod: {{integrator: bdf2, {rod}}}\nrules: [gravity: {{acceleration: {fall}}}]\n"
+        f"emitter: {{strands: 2048, particles: {particles}{more}}}\n"
+    )
+    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
+    assert (solver.dtype == np.float64) == double
+    assert needs_double(scene, shortest_segment(scene.emitter)) == double
+
+
+@pytest.mark.parametrize("n", [1, 2, 19, 500])
+def test_contrast_is_that_of_the_rigidities(n: int) -> None:
+    for tip in (0.05, 0.3, 1.0):
+        _, joint = matter_along(Rod(tip=tip), n)
+        assert contrast(Rod(tip=tip), n) == pytest.approx(joint.max() / joint.min(), rel=1e-12)
+
+
+@pytest.mark.parametrize("rod", ["precision: double", "rest: sag_free", "end: clamped, precision: double"])
+def test_double_precision_is_planned(rod: str) -> None:
+    """As many bytes a particle as the solver's own arrays are more than those of the plainest rods."""
+    planned, taken = [], []
+    for setting in ("rest: straight", rod):
+        scene = scene_of(
+            f"solver: rod\nrod: {{integrator: bdf2, {setting}}}\nrules: [gravity]\n"
+            "emitter: {strands: 2048, particles: 40}"
+        )
+        solver = RodSolver(scene, emit(scene.emitter, scene.seed))
+        arrays = {id(one): one for one in (*solver.state, *solver.material, solver.positions)}
+        taken.append(sum(one.nbytes for one in arrays.values()) / 2048 / 40)
+        planned.append(motion_bytes(make_plan(scene, [1], draw=False), scene) / 2048 / 40)
+    assert planned[1] - planned[0] > 80
+    assert planned[1] - planned[0] == pytest.approx(taken[1] - taken[0], abs=3)
 
 
 def test_level_of_detail_saves_memory_only_where_frames_are_drawn() -> None:

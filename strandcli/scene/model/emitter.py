@@ -151,6 +151,12 @@ class Followers:
     """Metres from there to the farthest root."""
 
 
+LEAST_LENGTH = 1e-6
+"""Of the mean length, that any strand has at the least, because one without length has no direction."""
+LEAST_MAPPED = 0.02
+"""Least factor by a mesh's map of lengths."""
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Emitter:
     """Where strands grow, how many and how long, and how the whole of it moves (thesis §1)."""
@@ -207,3 +213,9 @@ class Emitter:
     def segment(self) -> float:
         """The longest distance between two particles of a strand, metres."""
         return self.length * (1 + self.length_variation) / (self.particles - 1)
+
+    @property
+    def shortest_segment(self) -> float:
+        """A lower bound of the distances between two particles of grown strands, metres."""
+        mapped = LEAST_MAPPED if isinstance(self.shape, MeshShape) and self.shape.length else 1.0
+        return mapped * self.length * max(1 - self.length_variation, LEAST_LENGTH) / (self.particles - 1)

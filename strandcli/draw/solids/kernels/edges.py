@@ -7,6 +7,8 @@ import numpy as np
 from ....constants import W
 from ....jit import device, parallel, prange
 from ....simd.local import local_float64
+from ....solids.kernels import box, built_in, capsule, plane, sphere
+from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.pixel_rays import put_ray
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
@@ -18,8 +20,14 @@ SAMPLES = 4
 """Samples along each side of a pixel."""
 WHOLE = SAMPLES * SAMPLES
 PER = np.float32(1 / SAMPLES)
+IN_ROW, ROW_BITS = np.uint64(SAMPLES - 1), np.uint64(SAMPLES.bit_length() - 1)
+"""Mask of a sample's column in its number, and bits below its row."""
 TOGETHER = W // WHOLE
 """Pixels whose samples fill one batch."""
+AT_OX, AT_OY, AT_OZ = (np.uint64(row) for row in (sphere_tracing.OX, sphere_tracing.OY, sphere_tracing.OZ))
+AT_DX, AT_DY, AT_DZ = (np.uint64(row) for row in (sphere_tracing.DX, sphere_tracing.DY, sphere_tracing.DZ))
+AT_MET = np.uint64(sphere_tracing.MET)
+"""Rows of a batch, for indices that cannot be negative."""
 SLOTS = 4
 """Solids that are distinguished within a pixel; further ones count as the last of them."""
 
@@ -47,9 +55,10 @@ def sample(pixels, width, view, solids, frames, keys, spots, counts):
         work = np.zeros(sphere_tracing.ROWS * W, np.float32)
         best = np.empty(W, np.uint64)
         for e in range(begin, end):
-            for i in range(WHOLE):
-                j = (e - begin) * WHOLE + i
-                column, row = spot(pixels, width, e, i)
+            x, y = np.float32(pixels[e] % width), np.float32(pixels[e] // width)
+            for i in range(np.uint64(WHOLE)):
+                j = np.uint64((e - begin) * WHOLE) + i
+                column, row = spot(x, y, i)
                 aim(work, j, view, (column - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - row) / view[FOCAL])
                 best[j] = EMPTY
         for m in range(frames.shape[0]):
@@ -59,21 +68,21 @@ def sample(pixels, width, view, solids, frames, keys, spots, counts):
             for e in range(begin, end):
                 if inside(pixels, width, e, frames, m):
                     meet_pixel(work, (e - begin) * WHOLE, solids, m)
-                    for j in range((e - begin) * WHOLE, (e - begin + 1) * WHOLE):
-                        t = work[sphere_tracing.MET + j]
-                        best[j] = min(best[j], key_at(t, view, flat, far, FIRST + np.uint64(m)))
+                    identity = FIRST + np.uint64(m)
+                    for i in range(np.uint64(WHOLE)):
+                        j = np.uint64((e - begin) * WHOLE) + i
+                        t = work[np.uint64(sphere_tracing.MET) + j]
+                        best[j] = min(best[j], key_at(t, view, flat, far, identity))
         for e in range(begin, end):
             count_samples(pixels, width, e, best, (e - begin) * WHOLE, keys, spots, counts)
             place_at_mean(e, view, flat, far, solids, keys, spots, counts)
 
 
 @device
-def spot(pixels, width, e, i):
-    """Return the screen position of sample number i of pixel number e of the list."""
-    x = pixels[e] % width
-    y = pixels[e] // width
-    column = np.float32(x) + (np.float32(i % SAMPLES) + HALF) * PER
-    return column, np.float32(y) + (np.float32(i // SAMPLES) + HALF) * PER
+def spot(x, y, i):
+    """Return the screen position of sample number i of the pixel of column x and row y."""
+    across, down = np.uint64(i) & IN_ROW, np.uint64(i) >> ROW_BITS
+    return x + (np.float32(across) + HALF) * PER, y + (np.float32(down) + HALF) * PER
 
 
 @device
@@ -115,16 +124,53 @@ def meet_pixel(work, at, solids, m):
     """Store the depths at which the samples of a pixel, from ray number `at` on, meet solid number m, as `meet_one`."""
     if blended.blends(solids, m):
         return
+    if m < built_in.count(solids):
+        meet_built_in(solids, m, work, np.uint64(at))
+        return
     rays, found = local_float64(), local_float64()
     for k in range(WHOLE):
-        j = at + k
-        put_ray(rays, k, (
-            work[sphere_tracing.OX + j], work[sphere_tracing.OY + j], work[sphere_tracing.OZ + j],
-            work[sphere_tracing.DX + j], work[sphere_tracing.DY + j], work[sphere_tracing.DZ + j],
-        ))  # fmt: skip
+        put_ray(rays, k, ray_at(work, np.uint64(at + k)))
     meet_rays(solids, m, rays, found)
     for k in range(WHOLE):
         work[sphere_tracing.MET + at + k] = found[k]
+
+
+@device_if_built_in(lambda solids, m, work, at: None)
+def meet_built_in(solids, m, work, at):
+    """Store the depths of `meet_pixel` of a solid that has kernels of its own. A loop for each shape has no branches,
+    so LLVM makes vectors of it."""
+    spheres, capsules, planes = solids.spheres, solids.capsules, solids.planes
+    end = at + np.uint64(WHOLE)
+    if m < spheres.shape[0]:
+        for j in range(at, end):
+            ox, oy, oz, dx, dy, dz = ray_at(work, j)
+            work[AT_MET + j] = sphere.meet(spheres, m, ox, oy, oz, dx, dy, dz)
+        return
+    m -= spheres.shape[0]
+    if m < capsules.shape[0]:
+        for j in range(at, end):
+            ox, oy, oz, dx, dy, dz = ray_at(work, j)
+            work[AT_MET + j] = capsule.meet(capsules, m, ox, oy, oz, dx, dy, dz)
+        return
+    m -= capsules.shape[0]
+    if m < planes.shape[0]:
+        for j in range(at, end):
+            ox, oy, oz, dx, dy, dz = ray_at(work, j)
+            work[AT_MET + j] = plane.meet(planes, m, ox, oy, oz, dx, dy, dz)
+        return
+    m -= planes.shape[0]
+    for j in range(at, end):
+        ox, oy, oz, dx, dy, dz = ray_at(work, j)
+        work[AT_MET + j] = box.meet(solids.boxes, m, ox, oy, oz, dx, dy, dz)
+
+
+@device
+def ray_at(work, j):
+    """Return origin and direction of ray number j of a batch."""
+    return (
+        work[AT_OX + j], work[AT_OY + j], work[AT_OZ + j],
+        work[AT_DX + j], work[AT_DY + j], work[AT_DZ + j],
+    )  # fmt: skip
 
 
 @device
@@ -135,13 +181,14 @@ def count_samples(pixels, width, e, best, at, keys, spots, counts):
         counts[e, slot] = 0
         spots[e, slot, 0] = ZERO
         spots[e, slot, 1] = ZERO
+    x, y = np.float32(pixels[e] % width), np.float32(pixels[e] // width)
     for i in range(WHOLE):
         own = best[at + i]
         if own != EMPTY:
             slot = 0
             while slot < SLOTS - 1 and keys[e, slot] != EMPTY and (keys[e, slot] & LOW) != (own & LOW):
                 slot += 1
-            column, row = spot(pixels, width, e, i)
+            column, row = spot(x, y, i)
             keys[e, slot] = min(own, keys[e, slot])
             counts[e, slot] += 1
             spots[e, slot, 0] += column
