@@ -36,6 +36,20 @@ def strands(roots: Any, ways: Any, lengths: Any) -> Groom:
     )  # fmt: skip
 
 
+def laid_pair(n: int, turns: float, radius: float, length: float) -> Groom:
+    """Two strands about each other, which hang down a ``length``."""
+    angles = 2 * np.pi * turns * np.arange(n + 1) / n
+    down = -length * np.arange(n + 1) / n
+    points = [np.stack([s * radius * np.cos(angles), down, s * radius * np.sin(angles)], 1) for s in (1, -1)]
+    ways = np.stack([np.diff(p, axis=0) for p in points])
+    lengths = np.linalg.norm(ways, axis=2).sum(1)
+    ways /= np.linalg.norm(ways, axis=2)[:, :, None]
+    return Groom(
+        np.array([p[0] for p in points], np.float32), ways[:, 0].astype(np.float32), lengths.astype(np.float32),
+        np.zeros(2, np.float32), ways=ways,
+    )  # fmt: skip
+
+
 def solver_of(text: str, groom: Groom | None = None) -> RodSolver:
     one = scene_of("solver: rod\n" + text)
     return RodSolver(one, groom or emit(one.emitter, one.seed))
@@ -211,42 +225,6 @@ def test_any_number_of_threads_and_a_restart_give_the_same_bits() -> None:
         found.append(again.particles())
     for one in found:
         np.testing.assert_array_equal(one, found[0])
-
-
-def laid_pair(n: int, turns: float, radius: float, length: float) -> Groom:
-    """Two strands about each other, which hang down a ``length``."""
-    angles = 2 * np.pi * turns * np.arange(n + 1) / n
-    down = -length * np.arange(n + 1) / n
-    points = [np.stack([s * radius * np.cos(angles), down, s * radius * np.sin(angles)], 1) for s in (1, -1)]
-    ways = np.stack([np.diff(p, axis=0) for p in points])
-    lengths = np.linalg.norm(ways, axis=2).sum(1)
-    ways /= np.linalg.norm(ways, axis=2)[:, :, None]
-    return Groom(
-        np.array([p[0] for p in points], np.float32), ways[:, 0].astype(np.float32), lengths.astype(np.float32),
-        np.zeros(2, np.float32), ways=ways,
-    )  # fmt: skip
-
-
-def test_a_rope_goes_on_swinging() -> None:
-    """Two strands laid about each other, which touch all the time: after four cycles at 24 steps a second they swing by
-    three quarters of what steps a sixteenth as long leave, and by Euler's method by a fortieth."""
-    groom = laid_pair(24, 2.5, 0.0025, 0.25)
-    text = (
-        "rod: {rest: shape, radius: 3.0e-4, young: 1.0e+7, drag: 0, damping: 0}\ntime: {fps: 24, substeps: %d}\n"
-        "emitter: {strands: 2, particles: 25, length: 1, keys: [{time: 0, rotation: [25, 0, 0]}, {time: 0.1}]}\n"
-        "rules: [emitter_motion, gravity, contact: {thickness: 0.005}]"
-    )
-    swings = []
-    for substeps in (1, 16):
-        solver = solver_of(text % substeps, groom)
-        tips, touched = [], 0
-        for frame in range(2, 98):
-            solver.advance(frame)
-            tips.append(solver.particles()[:, -1, 2].mean())
-            touched += bool(solver.state.crowd.any())
-        assert touched > 60
-        swings.append(np.ptp(tips[-24:]))
-    assert swings[0] > 0.7 * swings[1]
 
 
 @pytest.mark.parametrize(

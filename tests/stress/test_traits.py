@@ -78,7 +78,7 @@ def test_the_small_matrix_has_pinned_tips_and_each_refusal() -> None:
 def test_what_should_be_refused_and_is_not_has_failed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(traits, "refusal", lambda labels: "no such words")
     assert verdicts.judge("rod", {}, traits.check_traits("rod", labels=PINNED)).failed == ("refused",)
-    with pytest.raises(UsageError, match="rod.yield_strain: does not go"):
+    with pytest.raises(UsageError, match=r"rod\.yield_strain: does not go"):
         traits.check_traits("rod", labels=PINNED | {"between": "thin", "yield": "low"})
 
 

@@ -4,7 +4,8 @@ A step is made without contact. Where strands would come too close or pass throu
 found with each strand's response linearised (`kernels.contact_response`, `kernels.contact_solve`), and the step is made
 anew from its begin with these forces among its loads, until it keeps strands apart: Newton's method on step and contact
 together. Lengths are exact and bending takes part, as in any step. Nothing but the strands' own state lasts from a step
-to the next, and by what they were accelerated, which tells those that meet others anew. What is done here is done in the order of emission, on one thread.
+to the next, and by what they were accelerated, which tells those that meet others anew. What is done here is done in
+the order of emission, on one thread.
 """
 
 from __future__ import annotations
@@ -47,10 +48,9 @@ AT_ONCE = 1 << 16
 """Pairs of segments that are looked at at once: of most of them nothing is kept."""
 ANEW = 0.02
 """Excess over the thickness from which on a contact is looked for anew, if it is more than twice that at its place."""
-CHANGE = 1.0
-"""Share of the accelerations of a strand by contact in the last step that those of this one differ by, from which on it
-counts as meeting others anew: all that none touched before do. With a half of it ropes lose their swing, with 2 strands
-that lie on others are less calm."""
+CHANGE = 2.0
+"""By how many times the accelerations of a strand by contact in the last step those of this one differ from them, from
+which on it counts as meeting others anew, as all that touched none do. With a half of it ropes lose their swing."""
 MARK = 0.1
 """`State.touching` of such a strand: in the next step it is none, of curled ones too (`rod_sweep.CALM`)."""
 SETTLED, GAIN = 3, 0.9
