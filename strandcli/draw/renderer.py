@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from .film.aovs import Recorder
 from .film.film import backdrop_of, curve_of, grain_of
 from .film.kernels import film
 from .geometry.curves import Polylines
-from .geometry.extent import Thickness, bounds_of, thickness_of
+from .geometry.extent import Thickness, bounds_of, extents_of, thickness_of
 from .geometry.spacing import first_emitted, spacing_of
 from .lighting import occlusion
 from .lighting.environment import sky_of
@@ -30,6 +31,7 @@ from .lighting.lighting import Lighting
 from .lighting.occlusion import Occlusion
 from .lighting.pack_lights import pack_lights
 from .lighting.palette import Palette
+from .needed_strands import can_leave_out, needed_strands
 from .shadows.needs import needs_counts
 from .shadows.shadow import ShadowMaps, map_arrays, plan_maps
 from .shadows.shadow_model import casts_map, counts_strands, model_of, shades_vertices
@@ -57,10 +59,8 @@ class Renderer:
     ) -> None:  # fmt: skip
         """``children``, ``combed``: of this scene and groom, if they exist already."""
         self.scene = scene
-        if isinstance(children, Followers):
-            groom = children.groom
-        self.tones = groom.tones
-        self.scratch = Scratch()
+        groom = children.groom if isinstance(children, Followers) else groom
+        self.tones, self.scratch = groom.tones, Scratch()
         deep = any(counts_strands(light) for light in scene.lights)
         if children is None and scene.children is not None:
             children = Children(scene, groom)
@@ -100,8 +100,7 @@ class Renderer:
             self.tones, self.ids = self.children.select(positions)
         recorder = Recorder(scene.image) if scene.image.aovs else None
         if not lens.is_sampled(camera):
-            shot = lens.Exposure(at, 1.0)
-            image, made = self._expose(positions, lengths, shot, workers, self._made, recorder)
+            image, made = self._expose(positions, lengths, lens.Exposure(at, 1.0), workers, self._made, recorder)
             self._made = made if self.keeps_light else None
         else:
             image = self._average(positions, before, lengths, at, workers)
@@ -150,7 +149,8 @@ class Renderer:
         strands = self.drawn.at(scene, at, positions, lengths, self.tones, self.ids, drawing)
         if recorder is not None:
             recorder.ids = strands.ids
-        bounds = bounds_of(strands.positions, strands.count, None if strands.level is None else strands.level.fade)
+        extents = None if strands.level is None else extents_of(strands.positions)
+        bounds = bounds_of(strands.positions, strands.count, strands.fade, extents)
         view = self._view(shot, bounds, pinhole)
         solids, thickness = self.solids(at), thickness_of(scene.material, view, bounds)
         if made is None:
@@ -159,6 +159,8 @@ class Renderer:
             maps, hidden = made.maps, made.occlusion
         drawing.lap("shadow")
         batches = self._batches(strands, view, maps is not None)
+        if can_leave_out(scene) and not self.keeps_light:
+            batches = replace(batches, fade=needed_strands(scene, at, strands, extents, bounds, view, maps))
         lines = next(batches.lines()) if len(batches.ranges) == 1 else None
         if maps is not None and made is None:
             self._fill_maps(maps, batches, lines, workers)
@@ -205,7 +207,7 @@ class Renderer:
         ranges = [(0, strands.count)] if whole else divide(strands.count, segments, self.scene.curves)
         return StrandBatches(
             self.scene, strands, view, self._thins, ranges, mapped or bool(self.traced), len(self.traced),
-            self._drawing, self.scratch,
+            self._drawing, self.scratch, strands.fade,
         )  # fmt: skip
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:

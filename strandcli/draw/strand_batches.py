@@ -60,6 +60,11 @@ class Strands:
         return self.count if self.whole is None else self.whole.count
 
     @property
+    def fade(self) -> NDArray[np.float32] | None:
+        """(count,) from the level of detail; None: all strands are drawn whole."""
+        return None if self.level is None else self.level.fade
+
+    @property
     def numbers(self) -> NDArray[np.int64] | None:
         """(count,) where these are among them all; None: 0, 1, …"""
         return None if self.whole is None else self.whole.numbers
@@ -100,6 +105,8 @@ class StrandBatches:
     """Number of lights with exact shadows, which vary along a segment, so that every vertex is lit."""
     drawing: Drawing
     scratch: Scratch
+    fade: NDArray[np.float32] | None
+    """(count,) from the level of detail, 0 for strands that are left out; None: all are drawn whole."""
 
     def lines(self) -> Iterator[Polylines]:
         """Yield the polylines of each batch; they are valid until the next are requested."""
@@ -131,7 +138,7 @@ class StrandBatches:
         """Return the polylines of the strands begin <= s < end."""
         strands, blocks = self.strands, slice(begin // W, -(-end // W))
         level = strands.level
-        fade = None if level is None else level.fade[begin:end]
+        fade = None if self.fade is None else self.fade[begin:end]
         curves = self.scene.curves
         if self.traced and curves.mode == "thinned":  # exact shadows take vertices to be evenly spaced
             curves = replace(curves, mode="off")

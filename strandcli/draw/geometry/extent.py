@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,13 +33,31 @@ class Thickness:
         return self.width * (1 - self.taper / 2)
 
 
+class Extents(NamedTuple):
+    """Bounding boxes of strands, from the root on, metres."""
+
+    low: NDArray[np.float32]
+    """(blocks, 3 W)"""
+    high: NDArray[np.float32]
+    """(blocks, 3 W)"""
+
+
+def extents_of(positions: NDArray[np.float32]) -> Extents:
+    """Return the bounding box of each strand of positions (blocks, n + 1, 3 W), metres."""
+    extents = Extents(*np.empty((2, len(positions), 3 * W), np.float32))
+    bounds.find(positions, *extents)
+    return extents
+
+
 def bounds_of(
-    positions: NDArray[np.float32], strands: int, fade: NDArray[np.float32] | None = None
-) -> NDArray[np.float64]:
+    positions: NDArray[np.float32], strands: int, fade: NDArray[np.float32] | None = None,
+    extents: Extents | None = None,
+) -> NDArray[np.float64]:  # fmt: skip
     """Return the bounding box (2, 3) of the first ``strands`` of positions (blocks, n + 1, 3 W), metres.
 
     Other strands do not count, so that a frame does not depend on those that other frames need. ``fade`` (strands,):
-    strands that fade extend the box in proportion, so that it does not jump."""
+    strands that fade extend the box in proportion, so that it does not jump. ``extents``: from `extents_of`, if they
+    are known."""
     if fade is None:
         rows = positions.reshape(*positions.shape[:2], 3, W)[:, 1:]
         whole = strands // W
@@ -48,8 +66,7 @@ def bounds_of(
         # first over blocks: over several axes at once NumPy takes ten times as long
         low = np.min([part.min(0).min((0, 2)) for part in parts], 0)
         return np.stack([low, np.max([part.max(0).max((0, 2)) for part in parts], 0)]).astype(np.float64)
-    low, high = np.empty((2, len(positions), 3 * W), np.float32)
-    bounds.find(positions, low, high)
+    low, high = extents_of(positions) if extents is None else extents
     lanes = np.full((len(positions), W), -1, np.float32)
     lanes.reshape(-1)[:strands] = fade
     box, beyond = np.empty((2, 3 * W), np.float32), np.empty((2, 3 * W))

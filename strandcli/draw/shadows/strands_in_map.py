@@ -54,6 +54,18 @@ def chances_of(ids: NDArray[np.int32] | None, strands: int) -> NDArray[np.float3
     return ((mixed ^ (mixed >> np.uint32(16))) >> np.uint32(8)).astype(np.float32) * np.float32(2.0**-24)
 
 
+def sketched_share(strands: int) -> np.float32:
+    """Return the share of so many strands that is in a sketch."""
+    return np.float32(min(0.25, SKETCHED / strands))
+
+
+def mark_sketched(chances: NDArray[np.float32], marks: NDArray[np.bool_]) -> None:
+    """Set the marks (strands,) of those that the sketches of maps have, where they have any; chances: from
+    `chances_of`."""
+    if len(chances) >= FEWEST:
+        sketches.mark(chances, sketched_share(len(chances)), marks)
+
+
 def sketch_of(
     strands: StrandsInMap, view: MapView, side: int, chances: NDArray[np.float32], over: float, scratch: Scratch
 ) -> Sketch:
@@ -63,7 +75,7 @@ def sketch_of(
     before = scratch.borrow("sketch", cells * cells * (LEVELS + 1), np.float32)
     deep = scratch.borrow("sketch_deep", (cells * cells, 2), np.float32)
     sketch = Sketch(chances, nearest, before, deep, WEIGHTS, cells, np.float32(over))
-    part = sketches.draw(strands, view, np.float32(min(0.25, SKETCHED / len(chances))), sketch)
+    part = sketches.draw(strands, view, sketched_share(len(chances)), sketch)
     return sketch if part > WORTH else NO_SKETCH
 
 
