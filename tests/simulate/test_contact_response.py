@@ -26,7 +26,7 @@ def test_curls_answer_a_force_as_their_response_says(integrator: str, fps: int, 
     them: without that in the response stiff curls move by a third of what it says. An error that steps have, too: rest
     shapes follow what it takes to stay."""
     text = (
-        f"rod: {{rest: shape, precision: double, radius: 2.0e-4, young: {young}, integrator: {integrator}, drag: 0.5}}\n"
+        f"rod: {{rest: shape, precision: double, radius: 2.0e-4, young: {young}, integrator: {integrator}}}\n"
         f"time: {{fps: {fps}}}\nemitter: {{strands: 2, particles: {SEGMENTS + 1}, length: 0.3, curl_turns: 4, "
         "curl_angle: 50, shape: {kind: disc, radius: 0.3}}\nrules: [gravity, contact: {thickness: 0.0005}]"
     )
