@@ -170,12 +170,13 @@ class RodSolver(Solver):
             self._step(time, dt)
             return
         count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
+        halvings = TAUT if self.contact is None else math.ceil(math.log2(count))  # no part is the shorter for coils
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count
             if self.contact is None and not self._sudden:
                 self._step(end, part)
             else:
-                in_parts(self, self._step, end, part, TAUT if self.contact is None else 0)
+                in_parts(self, self._step, end, part, halvings)
 
     def _step(self, time: float, dt: float) -> bool:
         """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0. Return False where it is too
