@@ -33,8 +33,11 @@ def needs_double(scene: Scene, shortest: float) -> bool:
 
 def contrast(rod: Rod, n: int) -> float:
     """Return the rigidity of the stiffest of ``n`` joints over that of the softest, as `material.matter_along` has
-    them: 2 at the root, and the fourth power of the radius where a segment begins."""
-    return 1.0 if n == 1 else 2.0 / (1 + (rod.tip - 1) * (n - 1) / n) ** 4
+    them: 2 at the root, and after it the fourth power of the radius where a segment begins, which grows or shrinks
+    evenly."""
+    along = ((1 + (rod.tip - 1) * j / n) ** 4 for j in (1, n - 1) if 0 < j < n)
+    joints = 2.0, *along
+    return max(joints) / min(joints)
 
 
 def _fall(scene: Scene) -> float:
