@@ -105,8 +105,8 @@ def close_tips(x: NDArray[Any]) -> int:
 @pytest.mark.parametrize(("integrator", "share"), [("euler", 0.0), ("bdf2", 2e-3)])
 def test_contact_without_friction_adds_no_energy(integrator: str, share: float) -> None:
     """Two crossed strands, one of which falls on the other: kinetic and potential energy, and that of bending, never
-    grow above the least so far by more than a share of gL. BDF2 leaves a wave in what it keeps: the same strand in free
-    fall has some of it, too."""
+    grow above the least so far by more than a share of gL. BDF2, which does not damp, leaves a wave of
+    .0011 of it at 24 steps a second, and of 5e-5 at 60."""
     groom = strands([[-0.1, -0.02, 0], [0, 0.05, -0.5]], [[1, 0, 0], [0, 0, 1]], [0.2, 1])
     text = CROSS.format(young="5.0e+9") + RULE.format(d=0.01).replace("friction: 0.5", "friction: 0")
     solver = solver_of(text.replace("rod: {", f"rod: {{integrator: {integrator}, "), groom)

@@ -45,9 +45,10 @@ class State(NamedTuple):
     tension: Any
     """(P, N, S) force densities of the last step over h², 1/s²."""
     push: Any
-    """(P, N, 3 S) acceleration of particles by contact, m/s²; needed with solids."""
+    """(P, N, 3 S) acceleration of particles by contact with solids, m/s²; needed with them and with the rule contact."""
     touching: Any
-    """(P, S) 1 for strands with forces of contact, of curled ones some steps after it less; needed with solids."""
+    """(P, S) 1 for strands with forces of contact, of curled ones some steps after it less, and for those that meet
+    strands anew; needed with solids and with the rule contact."""
     twist: Any
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     crowd: Any
@@ -120,7 +121,7 @@ class Flags(NamedTuple):
     curled: Any
     """Whether rest shapes are curved."""
     solids: Any
-    """Whether there are solids."""
+    """Whether there are solids, or the rule contact, which marks strands as touching."""
     segments: Any
     """Whether solids keep whole segments out, and not only particles."""
     deforming: Any
