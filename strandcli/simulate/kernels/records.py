@@ -45,7 +45,7 @@ class State(NamedTuple):
     tension: Any
     """(P, N, S) force densities of the last step over h², 1/s²."""
     push: Any
-    """(P, N, 3 S) acceleration of particles by contact with solids, m/s²; needed with them and with the rule contact."""
+    """(P, N, 3 S) acceleration of particles by contact with solids, m/s²; needed with these or the rule contact."""
     touching: Any
     """(P, S) 1 for strands with forces of contact, of curled ones some steps after it less, and for those that meet
     strands anew; needed with solids and with the rule contact."""
