@@ -19,7 +19,7 @@ STEPS = np.arange(ROW, dtype=np.float32)
 X, Y, DEPTH, DX, DY, PER_LENGTH, MX0, MY0, MX1, MY1 = (JOINED + i * ROW for i in range(10))
 
 
-@device
+@inlined
 def measure_joints(points, base, count, begin, end, work):
     """Store the rows from `DX` on of the segments that `segments.measure_segments` has measured.
 

@@ -87,7 +87,7 @@ class Cells(NamedTuple):
     b_high: int
 
 
-@device
+@inlined
 def cover_ribbon(strands, widths, v, begin, i, scratch, target, m):
     """Append the fragments of the segment from vertex v − 1 to v to the m found so far; return their new number.
 

@@ -129,7 +129,7 @@ def from_axis(left, right, top, bottom, depth_slope):
     return max(abs(left - x), abs(right - x)) + max(abs(top - y), abs(bottom - y))
 
 
-@device
+@inlined
 def measure_segments(work, count, opacity, left, top, far, depth_slope, windows):
     """Store the rows from `KIND` on of the segments between count + 1 vertices; return whether any may be wide.
 
