@@ -15,7 +15,7 @@ from strandcli.draw.coverage.kernels.tiles import STEP
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.solids.edges import none
 
-WIDTHS = [0.003, 0.01, 0.05, 0.2, 0.5, 0.69, 0.71, 1.0, 2.0, 4.0]
+WIDTHS = [0.003, 0.01, 0.05, 0.2, 0.5, 0.69, 0.71, 1.0, 1.6, 2.0, 4.0]
 
 
 def drawn(
@@ -104,6 +104,19 @@ def test_a_straight_band_is_exact_in_every_pixel(slope: float, wide: float) -> N
     assert np.abs(got - exact).max() < blur * min(1, 8 * wide)
     turned = white([line[:, [1, 0, 2]]], [np.full(2, wide)], (20, 20))
     np.testing.assert_allclose(turned.T, got, atol=2e-6)
+
+
+@pytest.mark.parametrize("slope", [0.1, 0.4, 0.8])
+def test_a_blade_narrows_from_ribbon_to_point_as_points_say(slope: float) -> None:
+    """In one piece, a ribbon, and in seven, of which the last are thin; where these begin, pixels are less exact."""
+    for pieces in (1, 7):
+        along = np.linspace(0, 1, pieces + 1)[:, None]
+        line = np.array([-4.0, 8.3, 0.5]) + along * np.array([60, 60 * slope, 0])
+        widths = 3.6 * (1 - along[:, 0])
+        points = covered(line[:, :2], widths, 64, 64, 24)
+        columns = np.abs(white([line], [widths], (64, 64)) - points)[:, 2:50].max(0)
+        assert columns.max() < 0.15
+        assert np.sort(columns)[-4] < 0.04
 
 
 def test_joints_of_a_straight_strand_leave_no_trace() -> None:

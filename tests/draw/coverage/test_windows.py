@@ -53,7 +53,7 @@ def test_nothing_in_front_of_what_is_hidden_where_a_segment_lies_is_left_out(ste
     for k in range(COUNT):
         size = abs(vertices[k + 1, :2] - vertices[k, :2])
         # along its axis a thin segment has no other cells than those of its ends
-        reach = (1 + 0.7 * wide) * ((size < size.max()) | (wide > seg.WIDE))
+        reach = (1 + 0.7 * wide) * ((size < size.max()) | (rows[seg.KIND][k] == seg.RIBBON))
         low = vertices[k : k + 2, :2].min(0) - [LEFT, TOP] - reach
         high = vertices[k : k + 2, :2].max(0) - [LEFT, TOP] + reach
         if (high < 0).any() or (low > 31).any():

@@ -7,7 +7,7 @@ import numpy as np
 from ....jit import device, inlined
 from ...common.kernels.bits import popcount
 from .masks import ALL_POINTS, NO_POINTS, POINTS, covered_points
-from .segments import WIDE
+from .segments import is_ribbon
 from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, ROW_BITS, STEP, TILE_WIDTH, UNIT, alone
 
 ZERO = np.float32(0.0)
@@ -119,6 +119,13 @@ def write(out, to, vertex, share, t, points):
 
 
 @inlined
+def is_narrow(screen, widths, v):
+    """Return whether the segment after vertex v is drawn as cells."""
+    dx, dy = screen[v + 1, 0] - screen[v, 0], screen[v + 1, 1] - screen[v, 1]
+    return not is_ribbon(dx, dy, np.sqrt(dx * dx + dy * dy), max(widths[v], widths[v + 1]))
+
+
+@inlined
 def strand_points(table, screen, widths, v, x, y, alpha, narrow):
     """Return the mask of the points that a fragment of the segment after vertex v covers; none if it is not known.
 
@@ -154,7 +161,7 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
             m += 1
             mine, narrow = NO_POINTS, False
             if identity < vertices and widths[identity] > MASKED:  # from `vertices` on: solids' edges
-                narrow = max(widths[identity], widths[identity + 1]) <= WIDE
+                narrow = is_narrow(screen, widths, identity)
                 mine = strand_points(table, screen, widths, identity, x, y, alpha, narrow)
             if mine != NO_POINTS:
                 visible = mine & free

@@ -17,7 +17,7 @@ from .joined import measure_joints
 from .ribbon import cover_ribbon
 from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, from_axis, keep_last, load_vertices, measure_segments
 from .tile_binning import LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
-from .tiles import ROW_BITS, TILE_HEIGHT, TILE_WIDTH
+from .tiles import ROW_BITS, THIN, TILE_HEIGHT, TILE_WIDTH
 from .windows import find_windows
 
 ZERO = np.float32(0.0)
@@ -229,7 +229,7 @@ def list_cells(work, k, v, place, run, start, closing, n, target, m):
         width = p[seg.BEGIN_WIDTH + k] + t * p[seg.WIDENING + k]
         store(floats, cells.AREA + n, p[seg.STRETCH + k] * length * width)
         store(floats, cells.RISE + n, abs(p[seg.SLOPE + k]) * length)
-        store(floats, cells.H + n, p[seg.HEIGHT + k])
+        store(floats, cells.H + n, max(p[seg.HEIGHT + k] + t * p[seg.GROWTH + k], THIN))
         store(floats, cells.ALONG + n, t)
         store(floats, cells.CELL + n, sign * here - back)
         store(integers, cells.PLACE + n, place)

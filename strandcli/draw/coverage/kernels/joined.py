@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device, inlined
+from ....jit import inlined
 from ....simd import deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
 from .segments import JOINED, ROW, WIDTH
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....constants import VECTOR
-from ....jit import device, inlined
+from ....jit import inlined
 from ....simd import half_width_pointer, lane_count, load, pointer, sqrt, store, where
 from ...geometry.kernels.ribbon import cross_section, make_ribbon
 from . import joined

@@ -25,7 +25,11 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 WIDE = np.float32(0.7)
-"""Pixels. A wider segment is drawn as a ribbon; a cell of a thinner one touches at most three rows."""
+"""Pixels. Segments that are no wider are thin whatever their slope; wider ones have the height of their band from point
+to point, and the depth of their round side."""
+TALL = np.float32(1.8)
+"""Pixels. A segment whose band is taller within a cell is drawn as a ribbon; that of a thin one touches at most three
+rows of a cell, with slopes as `cells` has them."""
 POINT = np.float32(1e-6)
 """Pixels. A shorter segment draws nothing."""
 ALONG_X, ALONG_Y = np.float32(1.0), np.float32(2.0)
@@ -47,18 +51,19 @@ X, Y, DEPTH, WIDTH = (i * ROW for i in range(4))
 # Rows with one number a segment; entry 0 is the segment before those loaded. Along: on the screen axis to which the
 # segment is more nearly parallel, in the direction of travel; across: on the other axis.
 # KIND: see above. BEGIN, END: its ends, along; FIRST, LAST: the cells that contain them. ACROSS: its beginning, across;
-# SLOPE: rise across a pixel along. PER_LENGTH: one over its length along. HEIGHT: half the height of its band across.
+# SLOPE: rise across a pixel along. PER_LENGTH: one over its length along. HEIGHT, GROWTH: half the height of its band
+# across at its beginning, and the increase to its end.
 # STRETCH: opacity × its length a pixel along. BEGIN_DEPTH, DEPTH_RISE: depth number at its beginning, and the increase
 # to its end; NEAREST: a bound on that of all it shows. BEGIN_WIDTH, WIDENING: width at its beginning, and the increase.
 # HIDDEN: depth number behind which nothing is visible where it lies in the tile.
 (
     KIND, BEGIN, END, FIRST, LAST, ACROSS, SLOPE, PER_LENGTH, HEIGHT, STRETCH, BEGIN_DEPTH, DEPTH_RISE, NEAREST,
-    BEGIN_WIDTH, WIDENING, HIDDEN,
-) = (i * ROW for i in range(4, 20))  # fmt: skip
-JOINED = 20 * ROW
+    BEGIN_WIDTH, WIDENING, HIDDEN, GROWTH,
+) = (i * ROW for i in range(4, 21))  # fmt: skip
+JOINED = 21 * ROW
 """Where the rows of `joined` begin."""
-ROWS = 30
-SEGMENT_ROWS = 16
+ROWS = 31
+SEGMENT_ROWS = 17
 """Rows with one number a segment."""
 
 
@@ -72,12 +77,20 @@ def load_vertices(points, widths, v, count, work):
 
 
 @inlined
+def is_ribbon(dx, dy, size, wide):
+    """Return whether segments are drawn as ribbons, from their extent (dx, dy), length and greater width: h + s / 2 of
+    `cells`, times twice the extent along, is compared. Vectors or numbers."""
+    run = max(abs(dx), abs(dy))
+    return (wide > WIDE) & (wide * size + min(abs(dx), abs(dy)) > TALL * run)
+
+
+@inlined
 def kind_of(dx, dy, near, wide):
     """Return the kind of segments from their extent (dx, dy), lesser depth number and greater width. Vectors."""
     du = where(abs(dx) >= abs(dy), dx, dy)
     kind = where(abs(dx) >= abs(dy), broadcast(dx, ALONG_X), ALONG_Y)
     kind = where(du > ZERO, kind, -kind)
-    kind = where(wide > WIDE, RIBBON, kind)
+    kind = where(is_ribbon(dx, dy, sqrt(dx * dx + dy * dy), wide), RIBBON, kind)
     kind = where(abs(du) < POINT, NO_LENGTH, kind)
     return where(near > ZERO, kind, BEHIND)
 
@@ -111,6 +124,13 @@ def rounding(near, rise, wide, per, far, depth_slope):
     aside = (far + wide) * depth_slope.per_depth  # the axis may lie outside the tile
     steep = abs(rise) * min(half * abs(per), ONE) * (ONE + aside)
     return ROUND * (half * max(depth_slope.per_depth * near + depth_slope.constant, ZERO) + steep)
+
+
+@inlined
+def in_front(q, wide, depth_slope):
+    """Return how far the round side of segments is in front of their axis, depth numbers, in the middle of their width
+    and as if they were parallel to the picture; q: depth number. Vectors."""
+    return HALF * wide * max(depth_slope.per_depth * q + depth_slope.constant, ZERO)
 
 
 @inlined
@@ -161,9 +181,11 @@ def measure_segments(work, count, opacity, left, top, far, depth_slope, windows)
         store(rows, ACROSS + k, across)
         store(rows, SLOPE + k, slope)
         store(rows, PER_LENGTH + k, per)
-        store(rows, HEIGHT + k, max(HALF * stretch * wide, THIN))
+        # of narrow ones, the greater height all along is near enough
+        store(rows, HEIGHT + k, where(wide > WIDE, HALF * stretch * w0, max(HALF * stretch * wide, THIN)))
+        store(rows, GROWTH + k, where(wide > WIDE, HALF * stretch * (w1 - w0), ZERO))
         store(rows, STRETCH + k, stretch * opacity)
-        store(rows, BEGIN_DEPTH + k, q0)
+        store(rows, BEGIN_DEPTH + k, q0 + where(wide > WIDE, in_front(q0, HALF * (w0 + w1), depth_slope), ZERO))
         store(rows, DEPTH_RISE + k, q1 - q0)
         store(rows, NEAREST + k, nearest_of(q0, q1, wide, per, far, depth_slope))
         store(rows, BEGIN_WIDTH + k, w0)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ....jit import device, parallel, prange
-from .segments import POINT, WIDE
+from .segments import POINT, is_ribbon
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -100,7 +100,9 @@ def estimate_strand(screen, widths, begin, end, width, changes):
         if screen[v - 1, 2] > ZERO and screen[v, 2] > ZERO and across + down > ZERO and low < tall and not beside:
             cells = max(across, down)
             each = cells * (w + RISE)
-            if widths is not None and w > WIDE:  # a ribbon has fragments of its own wherever it touches a pixel
+            dx, dy = x1 - x0, y1 - y0
+            # a ribbon has fragments of its own wherever it touches a pixel
+            if widths is not None and is_ribbon(dx, dy, np.sqrt(dx * dx + dy * dy), w):
                 each = (cells + ONE) * (w + ONE)
             each = min(each, wide * tall)  # a segment has one fragment a pixel
             top = np.int64(max(low, ZERO))

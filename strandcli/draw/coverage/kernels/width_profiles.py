@@ -21,7 +21,7 @@ from ...common.kernels.batch import ADDED, BEFORE, EX, EY, EZ, LX, LY, LZ, RADIA
 from ...common.kernels.keys import LOW
 from .column_light import COLUMNS, Crossing, column_light
 from .masks import ALL_POINTS
-from .segments import WIDE
+from .segments import TALL
 from .tiles import PIXELS, TILE_WIDTH, tile_at
 
 ZERO = np.float32(0.0)
@@ -270,7 +270,7 @@ def add_to_fragments(fragments, table, profiles, image):
         number = np.int64(one)
         f = fragments.begin[number]
         # most tiles show no strand that is so wide; of thin segments it is not known how wide they are
-        if f < 0 or (start >= WIDE and fragments.widest[number] <= start):
+        if f < 0 or (start >= TALL and fragments.widest[number] <= start):
             continue
         tile = tile_at(number, fragments)
         slots, shades = profiles.slots, profiles.shades
