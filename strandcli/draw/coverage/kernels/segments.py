@@ -90,7 +90,8 @@ def kind_of(dx, dy, near, wide):
     du = where(abs(dx) >= abs(dy), dx, dy)
     kind = where(abs(dx) >= abs(dy), broadcast(dx, ALONG_X), ALONG_Y)
     kind = where(du > ZERO, kind, -kind)
-    kind = where(is_ribbon(dx, dy, sqrt(dx * dx + dy * dy), wide), RIBBON, kind)
+    if any_lane(wide > WIDE):  # in many pictures none is
+        kind = where(is_ribbon(dx, dy, sqrt(dx * dx + dy * dy), wide), RIBBON, kind)
     kind = where(abs(du) < POINT, NO_LENGTH, kind)
     return where(near > ZERO, kind, BEHIND)
 
