@@ -34,6 +34,8 @@ class CrowdStrands:
         self.others = on_large_pages((packs, count, AXES), dtype)
         """(P, M, 3 S) after a step, of nodes: velocity at its begin, and `1 - HELD` of what strands around have added,
         m/s."""
+        self.pushed = on_large_pages((packs, count, AXES), dtype)
+        """As `Moving` has it."""
         self.roots = np.zeros((packs, AXES), dtype)
         """What a step's velocities of roots may be kept in."""
         self._numbers = np.empty(crowd_pack.ORIGIN + 3, dtype)
@@ -43,7 +45,8 @@ class CrowdStrands:
     def moving(self, state: State, roots: NDArray[Any], mass: NDArray[Any]) -> Moving:
         """Return what kernels take of strands."""
         return Moving(
-            state.positions, state.velocity, self._nodes, self.others, self.ends, roots, self._metres, mass
+            state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
+            self._metres, mass,
         )  # fmt: skip
 
     def lattice(self, cell: float, dt: float, before: float) -> Lattice:
