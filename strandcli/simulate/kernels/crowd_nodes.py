@@ -18,11 +18,11 @@ from .rod_scratch import AXES, PACK
 
 ROW = 3 * W
 """Numbers of a row of positions."""
-CHANGE = np.float32(0.3)
+CHANGE = np.float32(0.25)
 """Share of what strands around have accelerated a strand by that this changes by from a step to the next, from which on
 it is jolted: BDF2 would go on with that, and tips would never come to rest. Strands that hold each other off while they
 swing together stay below."""
-SLIGHT = np.float32(0.05)
+SLIGHT = np.float32(0.1)
 """Share of a strand's velocity against its tip by which that change at least changes velocities then."""
 
 
@@ -96,8 +96,9 @@ def keep_others(moving, lattice, pack, step, time, crowd):
             store3(pushed, at, PACK, u, v, w)
             past += x * x + y * y + z * z
             changed += (u - x) * (u - x) + (v - y) * (v - y) + (w - z) * (w - z)
-            a, b, c = a - of_tip[0], b - of_tip[1], c - of_tip[2]
-            speed += a * a + b * b + c * c
+            if lattice.node_first[node] > 0:  # else a part of it is the root's velocity, which is not in it
+                a, b, c = a - of_tip[0], b - of_tip[1], c - of_tip[2]
+                speed += a * a + b * b + c * c
         much = (changed > CHANGE * CHANGE * past) & (step * step * changed > SLIGHT * SLIGHT * speed)
         store(pointer(moving.jolted), pack * PACK + lane, where(much, broadcast(out, 1.0), 0.0))
 

@@ -90,7 +90,8 @@ def moving_of(kind, descriptor):
         array_at(kind, descriptor[POSITIONS], (descriptor[BLOCKS], n + 2, 1)),
         array_at(kind, descriptor[VELOCITY], (packs, n, AXES)),
         array_at(kind, descriptor[NODES], (packs, nodes, NODE * PACK)),
-        array_at(kind, descriptor[OTHERS], (packs, nodes, AXES)), array_at(kind, descriptor[PUSHED], (packs, nodes, AXES)),
+        array_at(kind, descriptor[OTHERS], (packs, nodes, AXES)),
+        array_at(kind, descriptor[PUSHED], (packs, nodes, AXES)),
         array_at(kind, descriptor[JOLTED], (packs, PACK)), array_at(kind, descriptor[ENDS], (packs, 6)),
         array_at(kind, descriptor[ROOTS], (packs, AXES)), None, None,
     )  # fmt: skip

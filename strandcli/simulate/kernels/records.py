@@ -177,6 +177,8 @@ class Scheme(NamedTuple):
     """Whether the state has what BDF2 needs, to be written for the next step."""
     pressed: Any
     """Whether some strand of the vector is `State.touching` since the step before."""
+    mixed: Any
+    """Whether some strand of the vector is `State.touching` or `State.jolted`, and takes the step by Euler's method."""
     crowded: Any
     """Whether the strands around accelerate particles, as a change of velocity when the step begins: True, or None."""
     duration: Any

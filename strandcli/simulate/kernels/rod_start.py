@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import broadcast, load, load3, store, store3, where
+from ...simd import any_lane, broadcast, load, load3, store, store3, where
 from . import rod_loose
 from .records import AIR, DAMPING, DRAG, GRAVITY, STEP, VELOCITY_STEP
 from .rod_scratch import (
@@ -47,7 +47,7 @@ def set_coefficients(s, at, state, material, forcing, scheme):
     numbers = forcing.numbers
     h, g = numbers[STEP], numbers[VELOCITY_STEP]
     mass = 1 + numbers[DRAG] * g  # that `Material.mass` has been multiplied by
-    if scheme.second and mixed(scheme) and scheme.share > 0:
+    if scheme.second and scheme.mixed and scheme.share > 0:
         calm = disturbed(s, at, state, scheme) > 0.0
         step = where(calm, broadcast(s, scheme.duration), h)
         velocity_step = where(calm, broadcast(s, scheme.duration), g)
@@ -61,9 +61,11 @@ def set_coefficients(s, at, state, material, forcing, scheme):
 
 
 @inlined
-def mixed(scheme):
-    """Whether lanes may differ in their method."""
-    return scheme.pressed or scheme.crowded is not None
+def jolted(state, strand, crowded):
+    """Whether some strand of a vector is `State.jolted`."""
+    if crowded is None:
+        return False
+    return any_lane(load(state.jolted, strand) > 0.0)
 
 
 @inlined
@@ -181,7 +183,7 @@ def predict_along(s, row, c, state, scheme):
         added += scheme.duration * load(state.crowd, place)
     if scheme.second and scheme.share > 0:
         v = load(state.ahead, place)
-        if mixed(scheme):
+        if scheme.mixed:
             v = where(load(s, MOVED_SHARE) > 0.0, v, load(state.velocity, place))
         u = scale * (v + added) + load(state.moved, place) * load(s, MOVED_SHARE) * load(s, INVERSE_LENGTH)
     else:
