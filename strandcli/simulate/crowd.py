@@ -125,7 +125,7 @@ class Crowd:
         lattice = strands.lattice(self.cell, dt, self._last_step)
         strands.note(moving, lattice, self.parts, self._last_step == 0)
         if not self._lay():
-            state.crowd[...] = 0
+            state.crowd[...], state.jolted[...] = 0, 0
             self._last_step = 0.0
             return NOTHING
         whole = self.boxes[-1]
@@ -175,7 +175,7 @@ class Crowd:
         """Return what a step takes from the one before: pressure and its box; and the densities that are reported."""
         numbers = np.array([math.nan if self.density is None else self.density, self.found, self._last_step])
         pressure = {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1]}
-        return {**pressure, "others": self.strands.others, "crowd": numbers}
+        return {**pressure, "others": self.strands.others, "pushed": self.strands.pushed, "crowd": numbers}
 
     def check(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Raise `ValueError` where pressure is not of its box."""
@@ -189,7 +189,8 @@ class Crowd:
         self.boxes[-1] = box
         self.pressure = state["free pressure"].reshape(box[SIZE : SIZE + 3][::-1])
         self._empty_grid()
-        self.strands.others[...], self.strands.noted = state["others"], False
+        self.strands.others[...], self.strands.pushed[...] = state["others"], state["pushed"]
+        self.strands.noted = False
         density, self.found, self._last_step = state["crowd"].tolist()
         self.density = None if math.isnan(density) else density
 

@@ -34,16 +34,20 @@ class CrowdStrands:
         self.others = on_large_pages((packs, count, AXES), dtype)
         """(P, M, 3 S) after a step, of nodes: velocity at its begin, and `1 - HELD` of what strands around have added,
         m/s."""
+        self.pushed = on_large_pages((packs, count, AXES), dtype)
+        """As `Moving` has it."""
         self.roots = np.zeros((packs, AXES), dtype)
         """What a step's velocities of roots may be kept in."""
         self._numbers = np.empty(crowd_pack.ORIGIN + 3, dtype)
         self._shares: tuple[tuple[Any, ...], NDArray[Any]] = (), self._numbers
         self._descriptor: tuple[NDArray[np.int64], tuple[Any, ...]] | None = None
+        self._targets: NDArray[Any] | None = None
 
     def moving(self, state: State, roots: NDArray[Any], mass: NDArray[Any]) -> Moving:
         """Return what kernels take of strands."""
         return Moving(
-            state.positions, state.velocity, self._nodes, self.others, self.ends, roots, self._metres, mass
+            state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
+            self._metres, mass,
         )  # fmt: skip
 
     def lattice(self, cell: float, dt: float, before: float) -> Lattice:
@@ -75,11 +79,13 @@ class CrowdStrands:
         """Return what sets accelerations, ``crowd``, in the step of rods that is about to be run, and the nodes of the
         next one. ``given``: as `crowd_pack.descriptor_of` takes it."""
         whole, targets, scratch, shares = given
-        kept = moving.positions, targets, shares
+        kept = moving.positions, shares
         if self._descriptor is None or any(a is not b for a, b in zip(self._descriptor[1][0], kept, strict=True)):
             made = crowd_pack.descriptor_of(moving, lattice, whole, targets, scratch, shares, self._numbers, crowd)
             self._descriptor = made, (kept, moving, lattice, given, crowd)  # which must outlive the step
         descriptor = self._descriptor[0]
+        if targets is not self._targets:
+            descriptor[crowd_pack.TARGETS], self._targets = targets.ctypes.data, targets
         crowd_pack.set_numbers(lattice, self._numbers)
         descriptor[crowd_pack.ROOTS] = moving.roots.ctypes.data
         self._roots = moving.roots  # which must outlive the step, too

@@ -203,8 +203,10 @@ class RodSolver(Solver):
             strength = rod.drag * (float(gust.mean()) if gust is not None else 1.0)
             x, y, z = moved.air
             moment = Moment(time, dt, (strength * x, strength * y, strength * z), self._gravity, around.packed())
-            roots = velocity_of_roots(self.forcing, self.pose, pose, dt, self.crowd.strands.roots)
-            beside = self.crowd.prepare(self.state, self.mass, roots, moment, self.contact is None)
+            roots = velocity_of_roots(self.forcing, moved.change, dt, self.crowd.strands.roots)
+            beside = self.crowd.prepare(
+                self.state, self.mass, roots, moment, self.contact is None and self.pins is None
+            )
         self.numbers.set(dt, bdf2, self.pins is not None)
         self._air[:] = moved.wind
         if self.contact is None:
@@ -251,7 +253,7 @@ class RodSolver(Solver):
         tension = state.tension.copy()
         self.forcing.drift[...] = 0
         self.surroundings.solids(time, 0.0)
-        state.crowd[...] = 0
+        state.crowd[...], state.jolted[...] = 0, 0
         self.numbers.set_moment(self.pins is not None)
         self._run(self.pose, change_of(self.pose, self.pose, self.dtype))
         state.tension[...] = tension

@@ -64,9 +64,10 @@ class Pins:
         way = goals - tips(state)
         numbers = forcing.numbers.astype(np.float64)
         h, g, drag = numbers[STEP], numbers[VELOCITY_STEP], numbers[DRAG]  # h_x, h_v and γ of docs/solvers.md
-        if len(state.touching) == len(way):  # strands that touch a solid take Euler's method
-            touching = state.touching[:, None] > 0
-            h, g = np.where(touching, dt, h), np.where(touching, dt, g)
+        for marks in (state.touching, state.jolted):  # strands that take Euler's method
+            if len(marks) == len(way):
+                marked = marks[:, None] > 0
+                h, g = np.where(marked, dt, h), np.where(marked, dt, g)
         air = drag * forcing.gust[:, None] * numbers[AIR : AIR + 3, None]
         velocity = way * (1 + drag * g) / h - g * (numbers[GRAVITY : GRAVITY + 3, None] + air)
         for member in (state.velocity, state.ahead):  # arrays that a scene does not need are empty

@@ -209,6 +209,7 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         touching=aligned((packs if flags.solids else 1, PACK), dtype),
         twist=rest.twist,
         crowd=zeros(flags.crowded),
+        jolted=aligned((packs if flags.crowded else 1, PACK), dtype),
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),
         turned=aligned((packs if flags.held else 1, PACK), dtype),

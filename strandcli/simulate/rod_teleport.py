@@ -12,7 +12,7 @@ from ..constants import W
 from ..groom.record import Groom
 from ..scene.motion import Pose
 from .kernels.crowd_nodes import move_roots
-from .kernels.records import Forcing, State
+from .kernels.records import TURNED, Forcing, State
 from .kernels.rod_scratch import PACK
 
 LENGTHS = 2.0
@@ -56,13 +56,11 @@ def stop(*arrays: NDArray[Any]) -> None:
         one[...] = 0
 
 
-def velocity_of_roots(forcing: Forcing, last: Pose, pose: Pose, dt: float, out: NDArray[Any]) -> NDArray[Any]:
-    """Set ``out`` (P, 3 S) to the velocity of roots that move from one pose to another in a step of ``dt`` seconds,
-    m/s, and return it."""
-    kind, roots = forcing.roots.dtype.type, forcing.roots
-    turn = np.array(pose.rotation, kind) - np.array(last.rotation, kind)
-    moved = np.subtract(pose.translation, last.translation).astype(kind)
-    move_roots(np.append(turn, moved), forcing.drift, kind(dt), roots, out)
+def velocity_of_roots(forcing: Forcing, change: memoryview, dt: float, out: NDArray[Any]) -> NDArray[Any]:
+    """Set ``out`` (P, 3 S) to the velocity of roots in a step of ``dt`` seconds with this ``change``, as
+    `Forcing.pose`, m/s, and return it."""
+    kind = forcing.roots.dtype.type
+    move_roots(np.frombuffer(change, kind)[TURNED:], forcing.drift, kind(dt), forcing.roots, out)
     return out
 
 

@@ -60,7 +60,7 @@ def drop_far(box, near, pressure):
 
 @parallel
 def accelerate(moving, lattice, parts, box, targets, work, shares, crowd):
-    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and `Moving.others`. ``work``: scratch, as
+    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and what `keep_others` does. ``work``: scratch, as
     `crowd_grid.deposit` takes it; ``shares`` (samples, greatest count): of a sample's
     change that its particles have, 1/s."""
     scratch, found = work
@@ -68,7 +68,7 @@ def accelerate(moving, lattice, parts, box, targets, work, shares, crowd):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             rows = scratch[part], found[part]
             accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), rows, shares, crowd)
-            keep_others(moving, lattice, pack, lattice.seen * lattice.step, crowd)
+            keep_others(moving, lattice, pack, lattice.step, lattice.seen * lattice.step, crowd)
 
 
 @device

@@ -11,13 +11,19 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, function, parallel, prange
-from ...simd import any_lane, broadcast, lane_count, load, load3, no_fma, pointer, reduce_max, store, store3
+from ...simd import any_lane, broadcast, lane_count, load, load3, no_fma, pointer, reduce_max, store, store3, where
 from .crowd_records import FIRST, LAST, NODE
 from .records import ROTATION, TRANSLATION
 from .rod_scratch import AXES, PACK
 
 ROW = 3 * W
 """Numbers of a row of positions."""
+CHANGE = np.float32(0.25)
+"""Share of what strands around have accelerated a strand by that this changes by from a step to the next, from which on
+it is jolted: BDF2 would go on with that, and tips would never come to rest. Strands that hold each other off while they
+swing together stay below."""
+SLIGHT = np.float32(0.1)
+"""Share of a strand's velocity against its tip by which that change at least changes velocities then."""
 
 
 @parallel
@@ -71,22 +77,44 @@ def widen(ends, axis, low, high):
 
 
 @device
-def keep_others(moving, lattice, pack, time, crowd):
-    """Set `Moving.others` of a pack of strands, whose accelerations are set."""
-    nodes, change, out = pointer(moving.nodes), pointer(crowd), pointer(moving.others)
-    n, count = crowd.shape[1], moving.nodes.shape[1]
+def keep_others(moving, lattice, pack, step, time, crowd):
+    """Set `Moving.others`, `Moving.pushed` and `Moving.jolted` of a pack of strands, whose accelerations are set.
+    step: its length, seconds; time: `Lattice.seen` of that."""
+    nodes, out, pushed = pointer(moving.nodes), pointer(moving.others), pointer(moving.pushed)
+    count = moving.nodes.shape[1]
     for lane in range(0, PACK, lane_count(out)):
+        past = broadcast(out, 0.0)
+        changed, speed = past, past
+        first, last = pack * count, pack * count + count - 1
+        of_tip = load3(nodes, last * NODE * PACK + AXES + lane, PACK)
         for node in range(count):
-            u = broadcast(out, 0.0)
-            v, w = u, u
-            for i in range(lattice.node_counts[node]):
-                weight, particle = lattice.node_weights[node, i], lattice.node_first[node] + i
-                if particle > 0:
-                    a, b, c = load3(change, (pack * n + particle - 1) * AXES + lane, PACK)
-                    u, v, w = u + weight * a, v + weight * b, w + weight * c
-            at = pack * count + node
-            a, b, c = load3(nodes, at * NODE * PACK + AXES + lane, PACK)
-            store3(out, at * AXES + lane, PACK, time * u + a, time * v + b, time * w + c)
+            at = (first + node) * AXES + lane
+            u, v, w = change_of_node(lattice, pack, node, lane, crowd)
+            a, b, c = load3(nodes, (first + node) * NODE * PACK + AXES + lane, PACK)
+            store3(out, at, PACK, time * u + a, time * v + b, time * w + c)
+            x, y, z = load3(pushed, at, PACK)
+            store3(pushed, at, PACK, u, v, w)
+            past += x * x + y * y + z * z
+            changed += (u - x) * (u - x) + (v - y) * (v - y) + (w - z) * (w - z)
+            if lattice.node_first[node] > 0:  # else a part of it is the root's velocity, which is not in it
+                a, b, c = a - of_tip[0], b - of_tip[1], c - of_tip[2]
+                speed += a * a + b * b + c * c
+        much = (changed > CHANGE * CHANGE * past) & (step * step * changed > SLIGHT * SLIGHT * speed)
+        store(pointer(moving.jolted), pack * PACK + lane, where(much, broadcast(out, 1.0), 0.0))
+
+
+@device
+def change_of_node(lattice, pack, node, lane, crowd):
+    """What accelerates a node of strands from ``lane`` of a pack on, m/s²: the mean over its particles."""
+    change, n = pointer(crowd), crowd.shape[1]
+    u = broadcast(change, 0.0)
+    v, w = u, u
+    for i in range(lattice.node_counts[node]):
+        weight, particle = lattice.node_weights[node, i], lattice.node_first[node] + i
+        if particle > 0:
+            a, b, c = load3(change, (pack * n + particle - 1) * AXES + lane, PACK)
+            u, v, w = u + weight * a, v + weight * b, w + weight * c
+    return u, v, w
 
 
 @function

@@ -18,18 +18,18 @@ from .crowd_nodes import keep_others, note_pack
 from .crowd_records import BOX, CELL, FOUND, NODE, ROWS, Lattice, Moving
 from .rod_scratch import AXES, PACK
 
-POSITIONS, VELOCITY, NODES, OTHERS, ENDS, ROOTS = range(6)
+POSITIONS, VELOCITY, NODES, OTHERS, PUSHED, JOLTED, ENDS, ROOTS = range(8)
 """Columns: addresses of `Moving`,"""
-BEGIN, COUNTS, WEIGHTS, NODE_BEGIN, NODE_COUNTS, NODE_WEIGHTS, FIRST_NODE, BLEND = range(6, 14)
+BEGIN, COUNTS, WEIGHTS, NODE_BEGIN, NODE_COUNTS, NODE_WEIGHTS, FIRST_NODE, BLEND = range(8, 16)
 """of `Lattice`,"""
-NUMBERS_OF, WHOLE, TARGETS, SHARES, CROWD = range(14, 19)
+NUMBERS_OF, WHOLE, TARGETS, SHARES, CROWD = range(16, 21)
 """and of the rest."""
-PACKS, SEGMENTS, BLOCKS, NODE_COUNT, NODE_MOST, SAMPLES, MOST, BLENDED = range(19, 27)
+PACKS, SEGMENTS, BLOCKS, NODE_COUNT, NODE_MOST, SAMPLES, MOST, BLENDED = range(21, 29)
 """Sizes: `NODE_MOST` and `MOST` are of particles that a node and a sample are a mean of, `BLENDED` of nodes."""
-SCRATCH, SINGLE = 27, 28
+SCRATCH, SINGLE = 29, 30
 """Addresses of what `crowd_grid.deposit` has as ``work``, for each worker."""
-INVERSE, AGAIN, TIME, ORIGIN = 0, 1, 2, 3
-"""Numbers: `Lattice.inverse`, `Lattice.again`, `Lattice.seen` of `Lattice.step`, and an origin (3)."""
+INVERSE, AGAIN, STEP, TIME, ORIGIN = 0, 1, 2, 3, 4
+"""Numbers: `Lattice.inverse`, `Lattice.again`, `Lattice.step`, `Lattice.seen` of it, and an origin (3)."""
 
 
 def descriptor_of(
@@ -39,7 +39,8 @@ def descriptor_of(
     """What the kernels below are given, with the ``numbers`` set; the caller keeps all arrays alive."""
     set_numbers(lattice, numbers)
     arrays = (
-        moving.positions, moving.velocity, moving.nodes, moving.others, moving.ends, moving.roots,
+        moving.positions, moving.velocity, moving.nodes, moving.others, moving.pushed, moving.jolted, moving.ends,
+        moving.roots,
         lattice.first, lattice.counts, lattice.weights, lattice.node_first, lattice.node_counts, lattice.node_weights,
         lattice.begin, lattice.blend, numbers, whole, targets, shares, crowd,
     )  # fmt: skip
@@ -52,7 +53,7 @@ def descriptor_of(
 
 def set_numbers(lattice: Lattice, numbers: NDArray[Any]) -> None:
     """Set the numbers of a step."""
-    numbers[:] = lattice.inverse, lattice.again, lattice.seen * lattice.step, *lattice.origins[-1]
+    numbers[:] = lattice.inverse, lattice.again, lattice.step, lattice.seen * lattice.step, *lattice.origins[-1]
 
 
 @function
@@ -89,7 +90,9 @@ def moving_of(kind, descriptor):
         array_at(kind, descriptor[POSITIONS], (descriptor[BLOCKS], n + 2, 1)),
         array_at(kind, descriptor[VELOCITY], (packs, n, AXES)),
         array_at(kind, descriptor[NODES], (packs, nodes, NODE * PACK)),
-        array_at(kind, descriptor[OTHERS], (packs, nodes, AXES)), array_at(kind, descriptor[ENDS], (packs, 6)),
+        array_at(kind, descriptor[OTHERS], (packs, nodes, AXES)),
+        array_at(kind, descriptor[PUSHED], (packs, nodes, AXES)),
+        array_at(kind, descriptor[JOLTED], (packs, PACK)), array_at(kind, descriptor[ENDS], (packs, 6)),
         array_at(kind, descriptor[ROOTS], (packs, AXES)), None, None,
     )  # fmt: skip
 
@@ -124,4 +127,4 @@ def accelerate_one(kind, bytes, descriptor, pack, worker):
     box = array_at(np.int64, descriptor[WHOLE], (BOX,))
     accelerate_pack(moving, lattice, pack, box, targets, rows, shares, crowd)
     numbers = array_at(kind, descriptor[NUMBERS_OF], (ORIGIN + 3,))
-    keep_others(moving, lattice, pack, numbers[TIME], crowd)
+    keep_others(moving, lattice, pack, numbers[STEP], numbers[TIME], crowd)

@@ -54,6 +54,10 @@ class Moving(NamedTuple):
     """(P, M, `NODE` S) of M nodes: place, metres, and velocity, m/s, without what a root has in it."""
     others: Any
     """(P, M, 3 S) as `Crowd.others`: of the step before, and then of this one."""
+    pushed: Any
+    """(P, M, 3 S) acceleration of nodes by the strands around, m/s²: in the step before, and then in this one."""
+    jolted: Any
+    """(P, S) as `State.jolted`."""
     ends: Any
     """(P, 6) least coordinates of particles times −1, and greatest; infinite where one is not finite."""
     roots: Any

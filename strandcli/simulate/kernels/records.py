@@ -53,6 +53,8 @@ class State(NamedTuple):
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     crowd: Any
     """(P, N, 3 S) acceleration of particles by the strands around them, m/s²; needed where strands interact."""
+    jolted: Any
+    """(P, S) 1 for strands that those around push otherwise than in the step before; needed where strands interact."""
     positions: Any
     """(blocks, N + 2, 3 W) world, metres: row 0 one segment before the root, row 1 the root."""
     residuals: Any
@@ -175,6 +177,8 @@ class Scheme(NamedTuple):
     """Whether the state has what BDF2 needs, to be written for the next step."""
     pressed: Any
     """Whether some strand of the vector is `State.touching` since the step before."""
+    mixed: Any
+    """Whether some strand of the vector is `State.touching` or `State.jolted`, and takes the step by Euler's method."""
     crowded: Any
     """Whether the strands around accelerate particles, as a change of velocity when the step begins: True, or None."""
     duration: Any

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import broadcast, load, load3, store, store3, where
+from ...simd import any_lane, broadcast, load, load3, store, store3, where
 from . import rod_loose
 from .records import AIR, DAMPING, DRAG, GRAVITY, STEP, VELOCITY_STEP
 from .rod_scratch import (
@@ -43,12 +43,12 @@ FARTHEST = 1e10
 @device
 def set_coefficients(s, at, state, material, forcing, scheme):
     """Set the strand's coefficients in the scratch, by the method of each lane: Euler's in those whose strands are
-    `State.touching`, where BDF2 would go on with what contact has changed."""
+    `State.touching` or `State.jolted`, where BDF2 would go on with what contact or a jolt has changed."""
     numbers = forcing.numbers
     h, g = numbers[STEP], numbers[VELOCITY_STEP]
     mass = 1 + numbers[DRAG] * g  # that `Material.mass` has been multiplied by
-    if scheme.second and scheme.pressed and scheme.share > 0:
-        calm = load(state.touching, at.strand) > 0.0
+    if scheme.second and scheme.mixed and scheme.share > 0:
+        calm = disturbed(s, at, state, scheme) > 0.0
         step = where(calm, broadcast(s, scheme.duration), h)
         velocity_step = where(calm, broadcast(s, scheme.duration), g)
         drag = 1.0 + numbers[DRAG] * velocity_step
@@ -58,6 +58,25 @@ def set_coefficients(s, at, state, material, forcing, scheme):
     else:
         store(s, MOVED_SHARE, scheme.share)
         store_coefficients(s, at, material, forcing, h, g, mass, h * g)
+
+
+@inlined
+def jolted(state, strand, crowded):
+    """Whether some strand of a vector is `State.jolted`."""
+    if crowded is None:
+        return False
+    return any_lane(load(state.jolted, strand) > 0.0)
+
+
+@inlined
+def disturbed(s, at, state, scheme):
+    """Above 0 in lanes that take the step by Euler's method."""
+    found = broadcast(s, 0.0)
+    if scheme.pressed:
+        found = load(state.touching, at.strand)
+    if scheme.crowded is not None:
+        found = max(found, load(state.jolted, at.strand))
+    return found
 
 
 @inlined
@@ -164,7 +183,7 @@ def predict_along(s, row, c, state, scheme):
         added += scheme.duration * load(state.crowd, place)
     if scheme.second and scheme.share > 0:
         v = load(state.ahead, place)
-        if scheme.pressed:
+        if scheme.mixed:
             v = where(load(s, MOVED_SHARE) > 0.0, v, load(state.velocity, place))
         u = scale * (v + added) + load(state.moved, place) * load(s, MOVED_SHARE) * load(s, INVERSE_LENGTH)
     else:

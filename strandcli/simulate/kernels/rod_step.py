@@ -105,7 +105,7 @@ def state_of(kind, descriptor):
         pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
         pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
         pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
-        pointer_at(kind, descriptor[STATE + 16]),
+        pointer_at(kind, descriptor[STATE + 16]), pointer_at(kind, descriptor[STATE + 17]),
     )  # fmt: skip
 
 
@@ -243,8 +243,8 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         led = rod_lead.led_of(rod_lead.either(flags.second, flags.oval), flags.curled, numbers)
         scheme = Scheme(
-            numbers[MOVED], flags.second, touched, flags.crowded, contact.duration,
-            led, flags.curled, Ends(flags.held, flags.loose, flags.curled), flags.oval,
+            numbers[MOVED], flags.second, touched, touched or rod_start.jolted(state, strand, flags.crowded),
+            flags.crowded, contact.duration, led, flags.curled, Ends(flags.held, flags.loose, flags.curled), flags.oval,
         )  # fmt: skip
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
         if flags.held is not None:
