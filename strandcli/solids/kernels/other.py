@@ -197,6 +197,39 @@ def _walk(solids, m, some, others, most):
     return lambda solids, m, some, others, most: soft_edge.walk(distances, parts, among(solids), m, some, others, most)
 
 
+def walk_alone(solids, m, ray, most):
+    """`soft_edge.walk_alone` of number m of these."""
+
+
+@overload(walk_alone)
+def _walk_alone(solids, m, ray, most):
+    form = form_of(solids)
+    if form is None or form.distances_in_own is None:
+        return lambda solids, m, ray, most: (ray[1], ray[3])
+    distances, among, parts = form.distances_in_own, form.among, _parts(form)
+    return lambda solids, m, ray, most: soft_edge.walk_alone(distances, parts, among(solids), m, ray, most)
+
+
+def free_depth(solids, point, way, farthest, light):
+    """`soft_edge.free_depth` of all of these; `farthest` where they have no distances of vectors."""
+
+
+@overload(free_depth)
+def _free_depth(solids, point, way, farthest, light):
+    form = form_of(solids)
+    if form is None or form.distances_in_own is None:
+        return lambda solids, point, way, farthest, light: farthest
+    distances, among, parts = form.distances_in_own, form.among, _parts(form)
+
+    def found(solids, point, way, farthest, light):
+        p = among(solids)
+        for m in range(p.rows.shape[0]):
+            farthest = soft_edge.free_depth(distances, parts, p, m, point, way, farthest, light)
+        return farthest
+
+    return found
+
+
 def outside(solids, x, y, z, clear):
     """A point, moved to `clear` metres off the surfaces of these."""
 
