@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ....constants import W
 from ....jit import device, parallel, prange
 from ....simd import broadcast, floor, gather, lane_count, load, load3, pointer, store, where
-from ....solids.kernels import other
+from ....solids.kernels import other_edges
 from ...common.kernels.batch import X, Y, Z
 from ...common.kernels.light_columns import LIGHT_SIZE
 from ...common.kernels.soft_rows import LEAST, LIST, RADIUS, WX
@@ -77,7 +77,7 @@ def measure(lights, views, solids, skin, depths):
             way = (
                 none + views[i, FORWARD_X], none + views[i, FORWARD_X + 1], none + views[i, FORWARD_X + 2],
             )  # fmt: skip
-            store(rows, k, other.free_depth(solids, point, way, none + views[i, DEPTH_RANGE], light))
+            store(rows, k, other_edges.free_depth(solids, point, way, none + views[i, DEPTH_RANGE], light))
         for column in range(SIDE):
             depths[i, row, column] = work[column]
 
