@@ -11,6 +11,9 @@ from ..common.scratch import Scratch
 from .kernels import cell_extents, opacity
 
 EMPTY_TEXEL = np.array([np.inf, -np.inf], np.float32).view(np.uint64)[0]  # one number: filled in one pass
+STEEPEST = 4.0
+"""Texels of depth by which strands in the cells about a cell widen its extents. What is farther before it, a stray hair,
+stays in its own cells: soft shadows on solids are as wide as cells say that strands are far away."""
 
 
 def allocate_extents(
@@ -29,6 +32,8 @@ def allocate_extents(
     return begin[:-1], None if deep.all() else every[: int(begin[-1])], extents
 
 
-def spread_extents(extents: NDArray[np.float32], side: int, scratch: Scratch) -> None:
-    """Give the cells of an opacity map, ``side`` × ``side``, the extents of those about them, too."""
-    cell_extents.spread(extents, side, scratch.borrow("spread_extents", cell_extents.room_of(side), np.float32))
+def spread_extents(extents: NDArray[np.float32], side: int, texel: float, scratch: Scratch) -> None:
+    """Widen the extents of the cells of an opacity map, ``side`` × ``side``, by those of the cells about them; texel:
+    metres."""
+    found = scratch.borrow("spread_extents", cell_extents.room_of(side), np.float32)
+    cell_extents.spread(extents, side, np.float32(STEEPEST * texel), found)

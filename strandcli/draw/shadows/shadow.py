@@ -137,7 +137,8 @@ class ShadowMaps:
         """Make empty layers between the nearest and farthest depth of each cell of an opacity map. Raises
         `RefusedError` if it would be too large."""
         layers, extents = self.layers[number], self.extents[number]
-        spread_extents(extents, int(self.sizes[number]) // 2, scratch)
+        texel = texel_of(self.views[number])
+        spread_extents(extents, int(self.sizes[number]) // 2, texel, scratch)
         rows = scratch.borrow("rows_of_cells", len(extents), np.float32)
         length = opacity.numbers_of(len(rows), opacity_maps.number_cells(extents, rows), layers)
         if length > PLACES:
@@ -150,8 +151,8 @@ class ShadowMaps:
         maps = int(np.count_nonzero(self.layers))
         likely = (begin + length) * maps // len(self._lengths)
         self.stacks = scratch.extend("stacks", begin + length, np.float32, begin, likely)
-        least, over = np.float32(texel_of(self.views[number])), np.float32(self.over)
-        opacity_maps.divide(extents, layers, least, over, rows, self.stacks[begin:])
+        over = np.float32(self.over)
+        opacity_maps.divide(extents, layers, np.float32(texel), over, rows, self.stacks[begin:])
 
     def _stack(self, number: int) -> NDArray[np.float32] | None:
         """Return an opacity map, None before it is divided."""

@@ -198,7 +198,7 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     strands = StrandsInMap(first, screen, np.float32(2 * radius), np.float32(0), None)
     seen = view_numbers(view)
     parts = parts_of(strands, seen, size, 1, Scratch(), extents=extents)
-    cell_extents.spread(extents, size // 2, np.empty(cell_extents.room_of(size // 2), np.float32))
+    cell_extents.spread(extents, size // 2, np.float32(0), np.empty(cell_extents.room_of(size // 2), np.float32))
     count = opacity_maps.number_cells(extents, rows)
     stacks = np.empty(opacity.numbers_of(len(rows), count, layers), np.float32)
     opacity_maps.divide(extents, layers, np.float32(1e-3), np.float32(1), rows, stacks)

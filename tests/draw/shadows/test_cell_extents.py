@@ -53,7 +53,7 @@ def test_every_cell_that_a_segment_comes_to_has_extents() -> None:
     for longest in (1.0, 6.0, 40.0):
         strands = strands_of(40, 12, longest)
         extents = measured(strands, 1)
-        spread_extents(extents, SIDE // 2, Scratch())
+        spread_extents(extents, SIDE // 2, 0.0, Scratch())
         points = strands.screen.reshape(40, 12, 3)
         for t in np.linspace(0, 1, 200):
             x, y, _ = (points[:, :-1] + t * (points[:, 1:] - points[:, :-1])).reshape(-1, 3).T
@@ -65,14 +65,19 @@ def test_every_cell_that_a_segment_comes_to_has_extents() -> None:
 
 
 def test_extents_spread_to_the_cells_about() -> None:
-    side = 21
+    """As far as they reach; empty cells take all."""
+    side, reach = 21, np.float32(0.1)
     extents = np.tile(np.array([np.inf, -np.inf], np.float32), (side * side, 1))
     random = np.random.default_rng(2)
-    some = random.permutation(side * side)[:30]
-    extents[some] = np.sort(random.random((30, 2)).astype(np.float32), 1)
+    some = random.permutation(side * side)[:150]
+    extents[some] = np.sort(random.random((150, 2)).astype(np.float32), 1)
     wide = np.full((side + 2, side + 2, 2), (np.inf, -np.inf), np.float32)
     wide[1:-1, 1:-1] = extents.reshape(side, side, 2)
-    about = np.stack([wide[i : i + side, j : j + side] for i in range(3) for j in range(3)])
-    cell_extents.spread(extents, side, np.empty(cell_extents.room_of(side), np.float32))
-    np.testing.assert_array_equal(extents[:, NEAREST], about[..., NEAREST].min(0).ravel())
-    np.testing.assert_array_equal(extents[:, FARTHEST], about[..., FARTHEST].max(0).ravel())
+    about = np.stack([wide[i : i + side, j : j + side] for i in range(3) for j in range(3)]).reshape(9, -1, 2)
+    there = np.isfinite(extents[:, NEAREST])
+    nearest, farthest = about[..., NEAREST].min(0), about[..., FARTHEST].max(0)
+    nearest[there] = np.maximum(nearest[there], extents[there, NEAREST] - reach)
+    farthest[there] = np.minimum(farthest[there], extents[there, FARTHEST] + reach)
+    cell_extents.spread(extents, side, reach, np.empty(cell_extents.room_of(side), np.float32))
+    np.testing.assert_array_equal(extents[:, NEAREST], nearest)
+    np.testing.assert_array_equal(extents[:, FARTHEST], farthest)

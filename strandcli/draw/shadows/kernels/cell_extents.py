@@ -1,8 +1,7 @@
 """Nearest and farthest depths of strands in the cells of an opacity map.
 
-Each cell has those of the vertices in it and in the eight cells about it; and of places between vertices that are more
-than two cells apart, so that no cell that a segment passes is without. That is wider by two texels' slope than what is
-in the cell itself, as are the layers between.
+Each cell has those of the vertices in it and, as far as they are not much nearer or farther, in the eight cells about
+it; and of places between vertices that are more than two cells apart, so that no cell that a segment passes is without.
 """
 
 from __future__ import annotations
@@ -103,8 +102,9 @@ def room_of(side: int) -> tuple[int, int]:
 
 
 @parallel
-def spread(extents, side, found):
-    """Give all cells the extents of the eight about them, too.
+def spread(extents, side, reach, found):
+    """Widen the extents of cells by those of the eight about them, at both ends by at most `reach` metres; but empty
+    ones have all that these have.
 
     extents (side², 2): of `OpacityMap`, changed; side: cells along a side; found: memory, of the shape `room_of`.
     """
@@ -117,14 +117,14 @@ def spread(extents, side, found):
             found[row * across + column, FARTHEST] = extents[cell, FARTHEST] if inside else -INF
     for row in prange(side):
         work = np.empty(PAIRS * (side + LANES), np.float32)
-        spread_row(found, np.int64(row) * across, across, side, work)
+        spread_row(found, np.int64(row) * across, across, side, reach, work)
         for column in range(side):
             extents[row * side + column, NEAREST] = work[PAIRS * column]
             extents[row * side + column, FARTHEST] = work[PAIRS * column + 1]
 
 
 @device
-def spread_row(found, first, across, side, work):
+def spread_row(found, first, across, side, reach, work):
     """Write the extents of a row of cells to work; first: the cell before them in the row above, in `found`."""
     rows, cells = pointer(work), pointer(found)
     for k in range(LANES):
@@ -132,9 +132,10 @@ def spread_row(found, first, across, side, work):
     farthest = load(rows, 0) > ZERO
     for at in range(0, PAIRS * side, lane_count(rows)):
         begin = PAIRS * first + at
-        least = greatest = load(cells, begin)
+        least = greatest = own = load(cells, begin + PAIRS * (across + 1))
         for row in range(3):
             for column in range(3):
                 one = load(cells, begin + PAIRS * (row * across + column))
                 least, greatest = min(least, one), max(greatest, one)
-        store(rows, at, where(farthest, greatest, least))
+        wider = where(farthest, min(greatest, own + reach), max(least, own - reach))
+        store(rows, at, where(abs(own) < INF, wider, where(farthest, greatest, least)))
