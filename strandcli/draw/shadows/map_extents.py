@@ -12,8 +12,8 @@ from .kernels import cell_extents, opacity
 
 EMPTY_TEXEL = np.array([np.inf, -np.inf], np.float32).view(np.uint64)[0]  # one number: filled in one pass
 STEEPEST = 4.0
-"""Texels of depth by which strands in the cells about a cell widen its extents. What is farther before it, a stray hair,
-stays in its own cells: soft shadows on solids are as wide as cells say that strands are far away."""
+"""Texels of depth by which strands in the cells about a cell widen its extents. What is farther before it, a stray
+hair, stays in its own cells: soft shadows on solids are as wide as cells say that strands are far away."""
 
 
 def allocate_extents(
