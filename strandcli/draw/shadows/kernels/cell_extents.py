@@ -31,6 +31,7 @@ ROOM = 4 * LANES
 """Numbers of these."""
 PAIRS = 2
 """Numbers of a cell."""
+NEXT = np.uint64(1)
 
 
 @device
@@ -109,18 +110,31 @@ def spread(extents, side, reach, found):
     extents (side², 2): of `OpacityMap`, changed; side: cells along a side; found: memory, of the shape `room_of`.
     """
     across = side + 2
+    numbers, padded = extents.reshape(-1), found.reshape(-1)
     for row in prange(across):
-        for column in range(across):
-            inside = row > 0 and row <= side and column > 0 and column <= side
-            cell = (row - 1) * side + column - 1
-            found[row * across + column, NEAREST] = extents[cell, NEAREST] if inside else INF
-            found[row * across + column, FARTHEST] = extents[cell, FARTHEST] if inside else -INF
+        begin = np.uint64(PAIRS * row * across)  # places cannot be negative: copies are vectors
+        if row == 0 or row > side:
+            fill_empty(padded, begin, np.uint64(across))
+            continue
+        fill_empty(padded, begin, NEXT)
+        first = np.uint64(PAIRS * (row - 1) * side)
+        for k in range(np.uint64(PAIRS * side)):
+            padded[begin + np.uint64(PAIRS) + k] = numbers[first + k]
+        fill_empty(padded, begin + np.uint64(PAIRS * (side + 1)), NEXT)
     for row in prange(side):
         work = np.empty(PAIRS * (side + LANES), np.float32)
         spread_row(found, np.int64(row) * across, across, side, reach, work)
-        for column in range(side):
-            extents[row * side + column, NEAREST] = work[PAIRS * column]
-            extents[row * side + column, FARTHEST] = work[PAIRS * column + 1]
+        first = np.uint64(PAIRS * row * side)
+        for k in range(np.uint64(PAIRS * side)):
+            numbers[first + k] = work[k]
+
+
+@device
+def fill_empty(padded, begin, count):
+    """Write the extents of so many empty cells, from a place in the numbers of cells on."""
+    for k in range(count):
+        padded[begin + np.uint64(PAIRS) * k] = INF
+        padded[begin + np.uint64(PAIRS) * k + NEXT] = -INF
 
 
 @device
