@@ -151,7 +151,7 @@ def test_many_rays_at_once_see_as_much_as_each_alone(balls: dict[int, Path], cou
     work[batch.REACH // W], work[batch.ARRIVES // W] = FAR, 1
     lights = np.zeros((1, 16), np.float32)
     lights[0, LIGHT_SIZE] = 0.3
-    soft_shadows(work.reshape(-1), count, lights, 0, solids, SKIN)
+    soft_shadows(work.reshape(-1), count, lights, 0, solids, SKIN, None)
     rays_ = [penumbra.LightRay(*one, FAR) for one in np.hstack([points, ways]).astype(np.float32)]
     alone = np.array([penumbra.soft_visibility(solids, ray, SKIN, np.float32(0.3), np.float32(0)) for ray in rays_])
     assert np.abs(work[batch.ARRIVES // W, :count] - alone).max() < 1e-4

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from ...solids import Solids
 from ..common.kernels.light_columns import LIGHT_SIZE
 from ..coverage.kernels.width_profiles import Profiles
 from ..geometry.curves import Polylines
+from ..shadows.free_ways import NO_FREE_WAYS, FreeWays, free_ways
 from ..shadows.shadow import ShadowMaps, map_arrays
 from ..solids.solids import NONE, coats_of, paint_of
 from ..view.camera import View
@@ -95,11 +96,17 @@ class Lighting:
     """Levels and frame of `kernels.inputs.Screen`, if solids are dithered."""
     triangles: NDArray[np.int32] = field(default_factory=lambda: ANY_TRIANGLE)
     """(height * width,) or (0,): as in `kernels.inputs.Screen`."""
+    free: FreeWays = NO_FREE_WAYS
+    """From `strandcli.draw.shadows.free_ways.free_ways`."""
 
     @property
     def skin(self) -> np.float32:
         """Depth below a solid's surface that counts as on it, metres: a hundredth of a strand's length."""
         return np.float32(0.01 * self.scene.emitter.length)
+
+    def with_free_ways(self, bounds: NDArray[np.float64]) -> Lighting:
+        """Return the same lighting, for strands within the box ``bounds`` (2, 3), metres."""
+        return replace(self, free=free_ways(self.lights, self.solids, self.skin, bounds))
 
     @property
     def sized(self) -> np.uint8 | None:
@@ -155,4 +162,4 @@ class Lighting:
 
     def _lights(self, clear: NDArray[np.float32], lattice: Lattice = NO_LATTICE) -> Lights:
         at = lattice.known, lattice.down, lattice.right, lattice.use
-        return Lights(self.lights, clear, self.skin, self.sized, *at)
+        return Lights(self.lights, clear, self.skin, self.sized, *at, *self.free)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +27,9 @@ from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps, splats
 from .kernels.map_parts import PartsInMap
 from .kernels.shadow_arrays import ShadowArrays
+from .map_extents import allocate_extents, spread_extents
 from .shadow_model import casts_map, model_of
-from .strands_in_map import parts_in_map, project, view_numbers
+from .strands_in_map import NO_EXTENTS, parts_in_map, project, view_numbers
 
 TEXEL = 1.5
 """Side of an opacity map's texel, in strand spacings."""
@@ -53,7 +53,6 @@ NO_SHADOWS = ShadowArrays(
 )
 """Arrays of scenes without maps. They are empty arrays, not None, because kernels would be compiled again for None."""
 NO_THICKNESS = Thickness()
-EMPTY_TEXEL = np.array([np.inf, -np.inf], np.float32).view(np.uint64)[0]  # one number: filled in one pass
 
 
 @dataclass
@@ -97,8 +96,7 @@ class ShadowMaps:
             if not layers:
                 self._fill(number, lines, workers, scratch)
                 continue
-            parts = self.parts(number, lines, workers, scratch)
-            self._draw(number, parts)
+            parts = self.parts(number, lines, workers, scratch, self.extents[number])
             self._divide(number, scratch)
             self._draw(number, parts)
             opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
@@ -108,7 +106,7 @@ class ShadowMaps:
         """Draw a portion of the polylines into every map."""
         for number, layers in enumerate(self.layers):
             if layers:
-                self._draw(number, self.parts(number, lines, workers, scratch))
+                self.parts(number, lines, workers, scratch, self.extents[number])
             else:
                 self._fill(number, lines, workers, scratch)
 
@@ -139,6 +137,8 @@ class ShadowMaps:
         """Make empty layers between the nearest and farthest depth of each cell of an opacity map. Raises
         `RefusedError` if it would be too large."""
         layers, extents = self.layers[number], self.extents[number]
+        texel = texel_of(self.views[number])
+        spread_extents(extents, int(self.sizes[number]) // 2, texel, scratch)
         rows = scratch.borrow("rows_of_cells", len(extents), np.float32)
         length = opacity.numbers_of(len(rows), opacity_maps.number_cells(extents, rows), layers)
         if length > PLACES:
@@ -151,8 +151,8 @@ class ShadowMaps:
         maps = int(np.count_nonzero(self.layers))
         likely = (begin + length) * maps // len(self._lengths)
         self.stacks = scratch.extend("stacks", begin + length, np.float32, begin, likely)
-        least, over = np.float32(texel_of(self.views[number])), np.float32(self.over)
-        opacity_maps.divide(extents, layers, least, over, rows, self.stacks[begin:])
+        over = np.float32(self.over)
+        opacity_maps.divide(extents, layers, np.float32(texel), over, rows, self.stacks[begin:])
 
     def _stack(self, number: int) -> NDArray[np.float32] | None:
         """Return an opacity map, None before it is divided."""
@@ -161,13 +161,16 @@ class ShadowMaps:
             return None
         return self.stacks[self.starts[number] :][: self._lengths[place]]
 
-    def parts(self, number: int, lines: Polylines, workers: int, scratch: Scratch) -> PartsInMap:
-        """Return what polylines draw into an opacity map, valid until the next are requested."""
+    def parts(
+        self, number: int, lines: Polylines, workers: int, scratch: Scratch, extents: NDArray[np.float32] = NO_EXTENTS
+    ) -> PartsInMap:
+        """Return what polylines draw into an opacity map, valid until the next are requested; widen its extents if they
+        are given."""
         return parts_in_map(lines, self.views[number], int(self.sizes[number]), self.thickness, workers, scratch,
-                            self.chances, self.over)  # fmt: skip
+                            self.chances, self.over, extents)  # fmt: skip
 
     def _draw(self, number: int, parts: PartsInMap) -> None:
-        """Widen the extents of an opacity map that is not divided yet, else add to its layers."""
+        """Add parts to the layers of an opacity map."""
         over, layers = np.float32(self.over), self.layers[number]
         opacity_map = splats.OpacityMap(self.extents[number], over, layers, self._stack(number))
         opacity_maps.draw(parts, int(self.sizes[number]), view_numbers(self.views[number]), opacity_map)
@@ -212,7 +215,7 @@ def plan_maps(
         return None
     sizes = np.array([view.width for view in views], np.int64)
     deep = np.array(layers) > 0
-    begin, texels, extents = _room(sizes, deep, scratch)
+    begin, texels, extents = allocate_extents(sizes, deep, scratch)
     return ShadowMaps(
         views,
         np.stack([view.pack() for view in views]),
@@ -245,22 +248,6 @@ def _fall_length(bounds: NDArray[np.float64], thickness: Thickness, spacing: flo
     diagonal = float(np.linalg.norm(bounds[1] - bounds[0]))
     dense = spacing > 0 < thickness.mean
     return max(FALL * spacing**2 / thickness.mean, LEAST_FALL * diagonal) if dense else diagonal
-
-
-def _room(
-    sizes: NDArray[np.int64], deep: NDArray[np.bool_], scratch: Scratch
-) -> tuple[NDArray[np.int64], NDArray[np.float32] | None, list[NDArray[np.float32]]]:
-    """Allocate empty extents of all maps; return `starts`, `texels` and `extents` of `ShadowMaps`."""
-    counts = np.where(deep, sizes**2 // opacity.TEXELS, sizes**2)
-    begin = np.concatenate([[0], np.cumsum(np.where(deep, 0, counts))]).astype(np.int64)
-    every = scratch.borrow("texels", (int(counts.sum()), 2), np.float32)
-    every.view(np.uint64).fill(EMPTY_TEXEL)
-    extents: list[Any] = [None] * len(sizes)
-    at = 0
-    for number in np.argsort(deep, kind="stable"):  # min/max maps first, so that their texels are one array
-        extents[number] = every[at : at + counts[number]]
-        at += int(counts[number])
-    return begin[:-1], None if deep.all() else every[: int(begin[-1])], extents
 
 
 def light_views(light: Light, size: int, bounds: NDArray[np.float64]) -> list[View]:

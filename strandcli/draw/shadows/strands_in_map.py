@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import get_num_threads
 from numpy.typing import NDArray
 
 from ..common.scratch import Scratch
@@ -10,11 +11,12 @@ from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View
 from ..zbuffer.raster import to_screen
-from .kernels import map_parts, sketches
+from .kernels import map_parts, opacity_maps, part_order, sketches
 from .kernels.deep_strands import CELL, LEVELS, NO_SKETCH, WEIGHTS, Sketch
 from .kernels.map_parts import BITS, PART, PARTS, MapView, PartsInMap, StrandsInMap
 from .kernels.map_segments import SEGMENTS
 
+NO_EXTENTS = np.zeros((0, 2), np.float32)
 FEWEST = 4000
 """Strands from which on those deep in shadow are left out in part."""
 SKETCHED = 3000
@@ -28,13 +30,13 @@ other differ by such numbers that their multiples are alike."""
 
 def parts_in_map(
     lines: Polylines, view: View, side: int, thickness: Thickness, workers: int, scratch: Scratch,
-    chances: NDArray[np.float32] | None = None, over: float = 1.0,
+    chances: NDArray[np.float32] | None = None, over: float = 1.0, extents: NDArray[np.float32] = NO_EXTENTS,
 ) -> PartsInMap:  # fmt: skip
     """Return the parts of polylines that are drawn into an opacity map of ``side`` texels a side, an even number, in a
     band for each worker. They are valid until the next are requested.
 
     ``chances``: from `chances_of`, to leave out most strands deep in shadow, None to leave out none; ``over``: 1 / h of
-    `kernels.opacity`, 1/m."""
+    `kernels.opacity`, 1/m; ``extents``: of the map's cells, to be widened."""
     first, screen = project(lines, view, scratch)
     width, taper = np.float32(thickness.width), np.float32(thickness.taper)
     seen = view_numbers(view)
@@ -42,7 +44,7 @@ def parts_in_map(
     sketch = NO_SKETCH
     if chances is not None and len(chances) >= FEWEST:
         sketch = sketch_of(strands, seen, side, chances, over, scratch)
-    return parts_of(strands, seen, side, workers, scratch, sketch)
+    return parts_of(strands, seen, side, workers, scratch, sketch, extents)
 
 
 def chances_of(ids: NDArray[np.int32] | None, strands: int) -> NDArray[np.float32]:
@@ -80,8 +82,9 @@ def sketch_of(
 
 
 def parts_of(
-    strands: StrandsInMap, view: MapView, side: int, workers: int, scratch: Scratch, sketch: Sketch = NO_SKETCH
-) -> PartsInMap:
+    strands: StrandsInMap, view: MapView, side: int, workers: int, scratch: Scratch, sketch: Sketch = NO_SKETCH,
+    extents: NDArray[np.float32] = NO_EXTENTS,
+) -> PartsInMap:  # fmt: skip
     """Return the parts of projected strands; arguments as in `parts_in_map`."""
     count = len(strands.first) - 1
     shared = min(count * (PARTS - 1), len(strands.screen) // PART)  # as `map_parts.shared_before` for all
@@ -92,9 +95,13 @@ def parts_of(
     places = scratch.borrow("map_places", parts, np.uint16)
     costs = scratch.borrow("map_costs", parts, np.float32)
     begin, loads, borders = np.empty(4**BITS + 1, np.int64), np.empty(side), np.empty(workers + 1, np.int64)
-    map_parts.thin(strands, sketch, view, side, kept, found, places, costs)
-    there = map_parts.sort(found, places, costs, begin, loads, order, borders)
-    return PartsInMap(kept, order[:there], borders)
+    at_once = extents if get_num_threads() == 1 else NO_EXTENTS  # several threads would write to the same cells
+    map_parts.thin(strands, sketch, view, side, kept, found, places, costs, at_once)
+    there = part_order.sort(found, places, costs, begin, loads, order, borders)
+    found_parts = PartsInMap(kept, order[:there], borders)
+    if len(extents) > len(at_once):
+        opacity_maps.measure(found_parts, side, extents)
+    return found_parts
 
 
 def view_numbers(view: View) -> MapView:

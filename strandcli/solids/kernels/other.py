@@ -147,19 +147,19 @@ def _lowest_sine(solids, x, y, z, way, light):
     form = form_of(solids)
     if form is None:
         return lambda solids, x, y, z, way, light: soft_edge.CLEAR
-    distance_in_own, among, parts = form.distance_in_own, form.among, _parts(form)
+    distance_in_own, among, parts = form.distance_in_own, form.among, parts_of(form)
     return lambda solids, x, y, z, way, light: soft_edge.least_sine_of_all(
         distance_in_own, parts, among(solids), x, y, z, way, light
     )
 
 
-def _parts(form):
+def parts_of(form):
     """The parts of the way through a solid's ball that a search for its edge looks at, at the least."""
     return soft_edge.FINE_ACROSS if form.detailed else soft_edge.ACROSS
 
 
 def takes_vectors(solids):
-    """Whether `begin` and `walk` can be called: all of these have distances of vectors."""
+    """Whether `other_edges` can be called: all of these have distances of vectors."""
 
 
 @overload(takes_vectors)
@@ -167,34 +167,6 @@ def _takes_vectors(solids):
     form = form_of(solids)
     found = form is not None and form.distances_in_own is not None
     return lambda solids: found
-
-
-def begin(solids, m, point, way, light):
-    """`soft_edge.begin` of number m of these; nothing to walk where they have no distances of vectors."""
-
-
-@overload(begin)
-def _begin(solids, m, point, way, light):
-    form = form_of(solids)
-    if form is None or form.distances_in_own is None:
-        return lambda solids, m, point, way, light: (
-            (point[0], point[1], point[2], way[0], way[1], way[2]), light[0], light[0]
-        )  # fmt: skip
-    bounds, among, parts = form.bounds, form.among, _parts(form)
-    return lambda solids, m, point, way, light: soft_edge.begin(bounds, parts, among(solids), m, point, way, light)
-
-
-def walk(solids, m, some, others, most):
-    """`soft_edge.walk` of number m of these."""
-
-
-@overload(walk)
-def _walk(solids, m, some, others, most):
-    form = form_of(solids)
-    if form is None or form.distances_in_own is None:
-        return lambda solids, m, some, others, most: (some[1], some[3], others[1], others[3])
-    distances, among, parts = form.distances_in_own, form.among, _parts(form)
-    return lambda solids, m, some, others, most: soft_edge.walk(distances, parts, among(solids), m, some, others, most)
 
 
 def outside(solids, x, y, z, clear):

@@ -20,7 +20,6 @@ from strandcli.draw.geometry.kernels import curves, joints, piece_counts, ribbon
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.lighting.kernels.inputs import StrandColour
 from strandcli.draw.shadows.kernels import (
-    cell_extents,
     minmax,
     opacity,
     penumbra,
@@ -122,9 +121,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (np.ones(splats.ROOM, np.float32), 3, lines.Window(0, 8, 8),
          splats.OpacityMap(np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32))),
     ),
-    "widen extents": (
-        cell_extents.widen_cells, (np.ones(splats.ROOM, np.float32), np.uint64(5), np.ones((16, 2), np.float32)),
-    ),
     "dual angles": (dual.angles, (*[ONE] * 9, 64)),
     "dual lobes": (dual.lobes, (ONE,) * 8),
     "dual scattered": (dual.scattered, (*(ONE,) * 4, 2 * (ONE,), 5 * (ONE,), 2 * (ONE,), ONE)),
@@ -140,7 +136,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "penumbra of a capsule": (penumbra.capsule, (TABLE, 1, RAY, ONE, ONE)),
     "penumbra of a box": (penumbra.box, (TABLE, 1, RAY, ONE, ONE)),
     "lit solids": (rays.visibility, (SOLIDS, *[ONE] * 8)),
-    "soft shadows": (soft_shadows.soft_shadows, (LIT, 1, TABLE, 1, SOLIDS, ONE)),
+    "soft shadows": (soft_shadows.soft_shadows, (LIT, 1, TABLE, 1, SOLIDS, ONE, None)),
     "met together": (sphere_tracing.meet, (np.ones(sphere_tracing.ROWS * W, np.float32), 3, TABLE, TABLE)),
     "ray": (rays.ray, (ROW, ONE, ONE)),
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),

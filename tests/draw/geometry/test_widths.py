@@ -14,7 +14,7 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import widths_of
-from strandcli.draw.shadows.kernels import opacity, opacity_maps, splats
+from strandcli.draw.shadows.kernels import cell_extents, opacity, opacity_maps, splats
 from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
 from strandcli.draw.shadows.strands_in_map import parts_of, view_numbers
 from strandcli.draw.view.camera import View
@@ -195,17 +195,14 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     screen = to_screen(Polylines(first, world), view, Scratch())
     extents = np.tile(np.array([np.inf, -np.inf], np.float32), (size * size // 4, 1))
     rows = np.empty(size * size // 4, np.float32)
-    stacks = np.empty(0, np.float32)
     strands = StrandsInMap(first, screen, np.float32(2 * radius), np.float32(0), None)
     seen = view_numbers(view)
-    parts = parts_of(strands, seen, size, 1, Scratch())
-    for layered in (False, True):
-        opacity_map = splats.OpacityMap(extents, np.float32(1), layers, stacks if layered else None)
-        opacity_maps.draw(parts, size, seen, opacity_map)
-        if not layered:
-            count = opacity_maps.number_cells(extents, rows)
-            stacks = np.empty(opacity.numbers_of(len(rows), count, layers), np.float32)
-            opacity_maps.divide(extents, layers, np.float32(1e-3), np.float32(1), rows, stacks)
+    parts = parts_of(strands, seen, size, 1, Scratch(), extents=extents)
+    cell_extents.spread(extents, size // 2, np.float32(0), np.empty(cell_extents.room_of(size // 2), np.float32))
+    count = opacity_maps.number_cells(extents, rows)
+    stacks = np.empty(opacity.numbers_of(len(rows), count, layers), np.float32)
+    opacity_maps.divide(extents, layers, np.float32(1e-3), np.float32(1), rows, stacks)
+    opacity_maps.draw(parts, size, seen, splats.OpacityMap(extents, np.float32(1), layers, stacks))
     texels = stacks[len(rows) :].reshape(-1, opacity.stride_for(layers))[:, opacity.HEAD :].astype(np.float64)
     area = texels.sum() / (size / 2) ** 2  # on a plane a metre away
     length = float(np.linalg.norm(world[-1] - world[0]))

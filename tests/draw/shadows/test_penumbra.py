@@ -179,7 +179,7 @@ def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
         work[batch.ARRIVES // W, :count] = arrives
         lights = np.zeros((1, 16), np.float32)
         lights[0, KIND], lights[0, LIGHT_SIZE] = point, 0.3
-        soft_shadows.soft_shadows(work.reshape(-1), count, lights, 0, packed, SKIN)
+        soft_shadows.soft_shadows(work.reshape(-1), count, lights, 0, packed, SKIN, None)
         alone = [
             penumbra.soft_visibility(
                 packed, ray_of(where[k], ways[k], reach[k]), SKIN, lights[0, LIGHT_SIZE], lights[0, KIND]

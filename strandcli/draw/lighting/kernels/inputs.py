@@ -80,6 +80,9 @@ class Lights(NamedTuple):
     """uint8: row j and column i of `known` are pixels 2 j − down and 2 i − right."""
     use: Any
     """uint8: `COMPUTED`, `WRITTEN`, `READ` or `RECALLED`: what `known` is for."""
+    free: NDArray[np.float32]
+    free_views: NDArray[np.float32]
+    """`strandcli.draw.shadows.kernels.free_ways.FreeWays`, for strands."""
 
 
 class WidthProfiles(NamedTuple):

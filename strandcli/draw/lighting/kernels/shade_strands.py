@@ -55,6 +55,7 @@ from ...fibre.kernels.dual_scattering import dual_scattering
 from ...fibre.kernels.highlights import highlights
 from ...fibre.kernels.lobes import ALL, mixed, mixed_pair, place_at
 from ...fibre.kernels.width_highlights import width_highlights
+from ...shadows.kernels.free_ways import FreeWays
 from ...shadows.kernels.hard_shadows import hard_shadows
 from ...shadows.kernels.soft_shadows import soft_shadows
 from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shade_by_minmax
@@ -186,7 +187,7 @@ def batch(work, n, which, diffuse, tables, dual, lights, shadows, solids, wide):
     rows = lights.rows
     for i in range(rows.shape[0]):
         aim(work, n, rows, i)
-        past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
+        past_solids(work, n, rows, i, solids, lights.skin, lights.sized, FreeWays(lights.free, lights.free_views))
         m = lit_first(work, n, which)
         if m > 0:
             add_light(work, m, which, i, diffuse, tables, dual, lights, shadows, wide)
@@ -224,12 +225,13 @@ def add_light(work, n, which, i, diffuse, tables, dual, lights, shadows, wide):
 
 
 @device
-def past_solids(work, n, lights, i, solids, skin, sized):
-    """Multiply the rows `ARRIVES` by the visibility of light number i past solids; sized: None for hard shadows."""
+def past_solids(work, n, lights, i, solids, skin, sized, free):
+    """Multiply the rows `ARRIVES` by the visibility of light number i past solids; sized: None for hard shadows; free:
+    `FreeWays`, or None."""
     if sized is None:
         hard_shadows(work, n, solids, skin)
     else:
-        soft_shadows(work, n, lights, i, solids, skin)
+        soft_shadows(work, n, lights, i, solids, skin, free)
 
 
 @device

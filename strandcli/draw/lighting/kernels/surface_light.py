@@ -28,8 +28,9 @@ ONE = np.float32(1.0)
 def as_computed(lights):
     """Return the `inputs.Lights` of points that are no pixels of the picture, without a lattice."""
     return Lights(
-        lights.rows, lights.clear, lights.skin, lights.sized, lights.known, lights.down, lights.right, COMPUTED
-    )
+        lights.rows, lights.clear, lights.skin, lights.sized, lights.known, lights.down, lights.right, COMPUTED,
+        lights.free, lights.free_views,
+    )  # fmt: skip
 
 
 @device
@@ -43,7 +44,7 @@ def arrive(work, n, i, lights, shadows, solids, loss, depth):
         lift(work, n)
     if depth > ZERO:
         bend(work, n, rows, i)
-    past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
+    past_solids(work, n, rows, i, solids, lights.skin, lights.sized, None)
     for k in range(3 * W):
         work[X + k] = work[PX + k]
     if depth > ZERO:

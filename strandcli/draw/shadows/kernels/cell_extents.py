@@ -1,86 +1,155 @@
 """Nearest and farthest depths of strands in the cells of an opacity map.
 
-Vectors find which cells a piece of each segment comes to. Most pieces widen no extents, for of many strands in a cell
-few are its nearest or farthest so far: which do is known before any is written.
+Each cell has those of the vertices in it and, as far as they are not much nearer or farther, in the eight cells about
+it; and of places between vertices that are more than two cells apart, so that no cell that a segment passes is without.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device, function, inlined
-from ....simd import any_lane, floor, gather2, lane_count, movemask, pointer, store, where
-from .map_segments import OUT, SEGMENTS, segments_at
+from ....jit import device, inlined, parallel, prange
+from ....simd import any_lane, floor, gather2, lane_count, load, load_quadruples, pointer, store, where
 from .minmax import FARTHEST, NEAREST
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
-TWO = np.float32(2.0)
+INF = np.float32(np.inf)
 START = np.float32(NEAREST)
-NO_BITS, BIT = np.uint64(0), np.uint64(1)
-EXPONENT_BIAS, MANTISSA_BITS = 127, 23
-"""What is added to the exponent of a number in single precision, and bits below that."""
-# Rows of a vector of pieces: number of a cell, nearest and farthest depth, metres.
-CELL, NEAR_DEPTH, FAR_DEPTH = (OUT + row * SEGMENTS for row in range(3))
+APART = np.float32(4.0)
+"""Texels between places of a segment, at most: two cells, so that a cell between them is next to one of theirs."""
+LONGEST = np.float32(4.0)
+"""Sides of a map that a segment may be long: a light may be so near that one is longer."""
+WIDE = 3
+"""Column of `PartsInMap.kept`."""
+LANES = 16
+"""Lanes of a vector, at most."""
+# Rows of a vector of places: the number of a lane; the number of a cell, and the depth there twice, metres.
+NUMBERS, CELL, NEAR_DEPTH, FAR_DEPTH = (row * LANES for row in range(4))
+ROOM = 4 * LANES
+"""Numbers of these."""
+PAIRS = 2
+"""Numbers of a cell."""
+NEXT = np.uint64(1)
 
 
 @device
-def widen(work, count, window, view, extents):
-    """Widen the extents of cells by the first segments of a run, so many.
+def start(work):
+    """Write the row `NUMBERS`."""
+    for k in range(LANES):
+        work[NUMBERS + k] = np.float32(k)
 
-    work: rows of `map_segments`.
-    """
-    rows, heads = pointer(work), pointer(extents)
-    half, size = np.float32(window.width >> 1), np.float32(window.width)
-    top, bottom = np.float32(window.top), np.float32(window.bottom)
+
+@device
+def widen(work, kept, begin, count, longest, window, extents):
+    """Widen the extents of cells by the vertices of a part, so many from number `begin` of `PartsInMap.kept` on.
+
+    longest: none of its segments is longer along an axis, texels."""
+    rows, points, heads = pointer(work), pointer(kept), pointer(extents)
+    lane = load(rows, NUMBERS)
+    count -= np.int64(kept[begin + count - 1, WIDE] < ZERO)  # the last vertex, if no segment ends there
     for k in range(0, count, lane_count(rows)):
-        low, high, near, across, depth, step, rise, _, begin, pieces, _, steep = segments_at(
-            rows, k, count, window, view, False
-        )
-        none = ZERO * low
-        jump, beside = where(steep, half + none, ONE + none), where(steep, ONE + none, half + none)
-        left, right = where(steep, none, top + none), where(steep, size + none, bottom + none) - ONE
-        part = none
-        while any_lane(part < pieces):
-            cell = begin + part
-            enters, leaves = max(TWO * cell, low) - near, min(TWO * cell + TWO, high) - near
-            a, b = across + enters * step, across + leaves * step
-            first = floor(HALF * max(min(a, b) - HALF, left))
-            last = floor(HALF * min(max(a, b) + HALF, right))
-            there = (part < pieces) & (first <= last)
-            d, e = depth + enters * rise, depth + leaves * rise
-            nearest, farthest = min(d, e), max(d, e)
-            row = cell * jump
-            widen_by(work, heads, extents, there, row + first * beside, nearest, farthest)
-            first += ONE
-            while any_lane(there & (first <= last)):
-                there = there & (first <= last)
-                widen_by(work, heads, extents, there, row + first * beside, nearest, farthest)
-                first += ONE
-            part += ONE
+        x, y, d, _ = load_quadruples(points, 4 * (begin + k))
+        widen_at(work, heads, extents, lane < np.float32(count - k), x, y, d, window)
+        if longest > APART:
+            widen_between(work, points, heads, extents, begin + k, count - k - 1, window)
 
 
 @inlined
-def widen_by(work, heads, extents, there, cell, nearest, farthest):
-    """Widen the extents of a vector of cells, those that are there, by depths, metres; heads: `pointer` to extents."""
-    rows = pointer(work)
-    begins, ends = gather2(heads, 0, where(there, cell, ZERO), 2, START)
-    wider = movemask(there & ((nearest < begins) | (farthest > ends)))
-    if wider != NO_BITS:
+def widen_between(work, points, heads, extents, first, count, window):
+    """Widen the extents of cells by places of so many segments, the first from vertex number `first` on."""
+    rows, size = pointer(work), np.float32(window.width)
+    x, y, d, _ = load_quadruples(points, 4 * first)
+    x1, y1, d1, wide = load_quadruples(points, 4 * first + 4)
+    dx, dy = x1 - x, y1 - y
+    longer = max(abs(dx), abs(dy))
+    there = (wide >= ZERO) & (load(rows, NUMBERS) < np.float32(count)) & (longer > APART) & (longer <= LONGEST * size)
+    if any_lane(there):
+        places = floor(longer * (ONE / APART)) + ONE
+        per, place = ONE / places, ZERO * x + ONE
+        there = there & (place < places)
+        while any_lane(there):
+            t = place * per
+            widen_at(work, heads, extents, there, x + t * dx, y + t * dy, d + t * (d1 - d), window)
+            place += ONE
+            there = there & (place < places)
+
+
+@inlined
+def widen_at(work, heads, extents, there, x, y, depth, window):
+    """Widen the extents of the cells of a vector of places within the window, texels, by depths, metres; there: where
+    there is one; heads: `pointer` to extents."""
+    rows, size = pointer(work), np.float32(window.width)
+    # a segment may come to the map's outermost cells though its vertices are beyond them
+    there = there & (max(abs(x - HALF * size), abs(y - HALF * size)) <= HALF * size + APART)
+    x, y = min(max(x, ZERO), size - ONE), min(max(y, ZERO), size - ONE)
+    there = there & (y >= np.float32(window.top)) & (y < np.float32(window.bottom))
+    cell = where(there, floor(y * HALF) * np.float32(window.width >> 1) + floor(x * HALF), ZERO)
+    begins, ends = gather2(heads, 0, cell, PAIRS, START)
+    if any_lane(there & ((depth < begins) | (depth > ends))):
         store(rows, CELL, cell)
-        store(rows, NEAR_DEPTH, nearest)
-        store(rows, FAR_DEPTH, farthest)
-        widen_cells(work, wider, extents)
+        store(rows, NEAR_DEPTH, where(there, depth, INF))
+        store(rows, FAR_DEPTH, where(there, depth, -INF))
+        for k in range(np.uint64(lane_count(rows))):
+            at = np.uint64(work[np.uint64(CELL) + k])
+            extents[at, NEAREST] = min(extents[at, NEAREST], work[np.uint64(NEAR_DEPTH) + k])
+            extents[at, FARTHEST] = max(extents[at, FARTHEST], work[np.uint64(FAR_DEPTH) + k])
 
 
-@function
-def widen_cells(work, wider, extents):
-    """Widen the extents of the cells in the row `CELL` of which `wider` has a bit."""
-    while wider != NO_BITS:
-        rest = wider & (wider - BIT)
-        k = (np.float32(wider ^ rest).view(np.int32) >> MANTISSA_BITS) - EXPONENT_BIAS  # of the lowest bit
-        cell = np.uint64(work[CELL + k])
-        extents[cell, NEAREST] = min(extents[cell, NEAREST], work[NEAR_DEPTH + k])
-        extents[cell, FARTHEST] = max(extents[cell, FARTHEST], work[FAR_DEPTH + k])
-        wider = rest
+def room_of(side: int) -> tuple[int, int]:
+    """Return the shape of the memory that `spread` needs."""
+    return (side + 2) ** 2 + LANES, PAIRS
+
+
+@parallel
+def spread(extents, side, reach, found):
+    """Widen the extents of cells by those of the eight about them, at both ends by at most `reach` metres; but empty
+    ones have all that these have.
+
+    extents (side², 2): of `OpacityMap`, changed; side: cells along a side; found: memory, of the shape `room_of`.
+    """
+    across = side + 2
+    numbers, padded = extents.reshape(-1), found.reshape(-1)
+    for row in prange(across):
+        begin = np.uint64(PAIRS * row * across)  # places cannot be negative: copies are vectors
+        if row == 0 or row > side:
+            fill_empty(padded, begin, np.uint64(across))
+            continue
+        fill_empty(padded, begin, NEXT)
+        first = np.uint64(PAIRS * (row - 1) * side)
+        for k in range(np.uint64(PAIRS * side)):
+            padded[begin + np.uint64(PAIRS) + k] = numbers[first + k]
+        fill_empty(padded, begin + np.uint64(PAIRS * (side + 1)), NEXT)
+    for row in prange(side):
+        work = np.empty(PAIRS * (side + LANES), np.float32)
+        spread_row(found, np.int64(row) * across, across, side, reach, work)
+        first = np.uint64(PAIRS * row * side)
+        for k in range(np.uint64(PAIRS * side)):
+            numbers[first + k] = work[k]
+
+
+@device
+def fill_empty(padded, begin, count):
+    """Write the extents of so many empty cells, from a place in the numbers of cells on."""
+    for k in range(count):
+        padded[begin + np.uint64(PAIRS) * k] = INF
+        padded[begin + np.uint64(PAIRS) * k + NEXT] = -INF
+
+
+@device
+def spread_row(found, first, across, side, reach, work):
+    """Write the extents of a row of cells to work; first: the cell before them in the row above, in `found`."""
+    rows, cells = pointer(work), pointer(found)
+    for k in range(LANES):
+        work[k] = np.float32(k % PAIRS)
+    farthest = load(rows, 0) > ZERO
+    for at in range(0, PAIRS * side, lane_count(rows)):
+        begin = PAIRS * first + at
+        least = greatest = own = load(cells, begin + PAIRS * (across + 1))
+        for row in range(3):
+            for column in range(3):
+                one = load(cells, begin + PAIRS * (row * across + column))
+                least, greatest = min(least, one), max(greatest, one)
+        wider = where(farthest, min(greatest, own + reach), max(least, own - reach))
+        store(rows, at, where(abs(own) < INF, wider, where(farthest, greatest, least)))

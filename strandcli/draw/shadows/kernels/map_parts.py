@@ -17,8 +17,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, function, inlined, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ...view.kernels.project import perspective_widening
+from ...zbuffer.kernels.lines import Window
+from . import cell_extents
 from .deep_strands import weight_at
 
 ZERO = np.float32(0.0)
@@ -97,22 +99,36 @@ SPREAD = spread_bits()
 
 
 @parallel
-def thin(strands, sketch, view, size, kept, found, places, costs):
-    """Find the vertices and places of all parts.
+def thin(strands, sketch, view, size, kept, found, places, costs, extents):
+    """Find the vertices and places of all parts, and widen the extents of a map's cells by them.
 
     strands: `StrandsInMap`; sketch: `Sketch`, by which most strands deep in shadow are left out; view: `MapView`; size:
     texels along a side; kept: of `PartsInMap`, with room for all vertices and those that two parts share; found
     (R, 4) int32 out: the parts strand by strand, of which one that is not there has no vertices; places (R,) uint16
-    out: on the Z-curve; costs (R,) out: of drawing; R: S and `shared_before` all S strands.
+    out: on the Z-curve; costs (R,) out: of drawing; R: S and `shared_before` all S strands; extents
+    (cells, 2): as in `cell_extents`, no rows: none are widened. With extents, this runs on a single thread.
     """
     count = strands.first.shape[0] - 1
+    window = Window(0, size, size)
     for task in prange((count + STRANDS - 1) // STRANDS):
-        for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, count)):
+        work, longest = np.empty(cell_extents.ROOM, np.float32), np.empty(STRANDS * PARTS, np.float32)
+        begin, end = np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, count)
+        first = begin + shared_before(strands.first, begin)
+        for s in range(begin, end):
             row = s + shared_before(strands.first, s)
             for number in range(s + 1 + shared_before(strands.first, s + 1) - row):
-                thin_part(strands, s, number, sketch, view, size, kept, found, costs, strands.along)
-                if found[row + number, COUNT] > 0:
-                    places[row + number] = place_of(strands, s, number, size)
+                part = row + number
+                longest[part - first] = thin_part(
+                    strands, s, number, sketch, view, size, kept, found, costs, strands.along
+                )  # fmt: skip
+                if found[part, COUNT] > 0:
+                    places[part] = place_of(strands, s, number, size)
+        if extents.shape[0] > 0:  # of all parts at once: vectors wait for what has just been written
+            cell_extents.start(work)
+            for part in range(first, end + shared_before(strands.first, end)):
+                at, vertices = np.int64(found[part, AT]), np.int64(found[part, COUNT])
+                if vertices > 0:
+                    cell_extents.widen(work, kept, at, vertices, longest[part - first], window, extents)
 
 
 @device
@@ -188,7 +204,8 @@ def weight_of_vertex(sketch, screen, v, view, s):
 
 @inlined
 def thin_part(strands, s, number, sketch, view, size, kept, found, costs, along):
-    """Write the vertices of a part of strand s, what is found of it, and its cost; along: of the strands."""
+    """Write the vertices of a part of strand s, what is found of it, and its cost; along: of the strands. Return the
+    length of its longest segment along an axis, texels."""
     width = width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
     a = strands.first[s]
@@ -198,8 +215,9 @@ def thin_part(strands, s, number, sketch, view, size, kept, found, costs, along)
     shared = shared_before(strands.first, s) + number
     part, at = s + shared, begin + shared
     found[part, AT], found[part, COUNT] = at, 0
+    longest = ZERO
     if begin >= last:
-        return
+        return longest
     low, high, cost, n = INF, -INF, ZERO, at
     u = begin
     x0, y0, q0 = screen[u, 0], screen[u, 1], screen[u, 2]
@@ -230,7 +248,9 @@ def thin_part(strands, s, number, sketch, view, size, kept, found, costs, along)
             if way > ZERO:
                 w *= (way + distance(screen, v - 1, v)) / max(distance(screen, u, v), TINY)
             low, high = min(low, min(y0, y1)), max(high, max(y0, y1))
-            cost += ONE + HALF * min(max(abs(x1 - x0), abs(y1 - y0)), np.float32(size))
+            length = max(abs(x1 - x0), abs(y1 - y0))
+            longest = max(longest, length)
+            cost += ONE + HALF * min(length, np.float32(size))
         if there or kept[n, WIDE] >= ZERO:
             n += 1
         kept[n, X], kept[n, Y], kept[n, DEPTH], kept[n, WIDE] = x1, y1, d1, w
@@ -241,45 +261,4 @@ def thin_part(strands, s, number, sketch, view, size, kept, found, costs, along)
         found[part, TOP] = max(np.int64(low) - 1, 0)
         found[part, BOTTOM] = min(np.int64(min(high, np.float32(size))) + 1, size - 1)
         costs[part] = cost
-
-
-@function
-def sort(found, places, costs, begin, loads, order, borders):
-    """Write the parts that are there in their order, and borders of bands with about the same cost; return how many
-    parts there are.
-
-    found, places, costs: from `thin`; begin (tiles + 1,) int64 and loads (rows,) float64: changed; order (R, 4),
-    borders (threads + 1,) out: of `PartsInMap`.
-    """
-    begin[:] = 0
-    loads[:] = 0.0
-    whole = 0.0
-    for part in range(found.shape[0]):
-        if found[part, COUNT] > 0:
-            begin[np.int64(places[part]) + 1] += 1
-            loads[(found[part, TOP] + found[part, BOTTOM]) >> 1] += costs[part]
-            whole += costs[part]
-    for tile in range(1, begin.shape[0]):
-        begin[tile] += begin[tile - 1]
-    for part in range(found.shape[0]):
-        if found[part, COUNT] > 0:
-            k = begin[np.int64(places[part])]
-            begin[np.int64(places[part])] = k + 1
-            for column in range(order.shape[1]):
-                order[k, column] = found[part, column]
-    share(loads, whole, borders)
-    return begin[begin.shape[0] - 2]
-
-
-@device
-def share(loads, whole, borders):
-    """Write even rows, between which about as much is to do; loads (rows,): what is to do, whole: in all."""
-    bands = borders.shape[0] - 1
-    borders[:] = loads.shape[0]
-    borders[0] = 0
-    done, band = 0.0, 1
-    for row in range(0, loads.shape[0], 2):
-        while band < bands and done * bands >= whole * band:
-            borders[band] = row
-            band += 1
-        done += loads[row] + loads[row + 1]
+    return longest

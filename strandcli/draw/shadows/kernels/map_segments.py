@@ -66,13 +66,12 @@ def leave_out(work, held, segments):
 
 
 @inlined
-def segments_at(rows, first, count, window, view, texels):
+def segments_at(rows, first, count, window, view):
     """Return, of a vector of the segments of a run, vectors of what the rows above have, from `LOW` to `STEEP`, but
     which of them are steep as a mask.
 
-    rows: `pointer` to the rows; first: number of the segment of the first lane; count: of segments; texels: whether
-    texels cut segments, and those that lead away from the light are cut into more pieces; else cells do, of two texels.
-    """
+    Texels cut segments; those that lead away from the light are cut into more pieces. rows: `pointer` to the rows;
+    first: number of the segment of the first lane; count: of segments."""
     top, bottom, size = np.float32(window.top), np.float32(window.bottom), np.float32(window.width)
     lane = load(rows, NUMBERS)
     at = VERTICES + 4 * first
@@ -88,12 +87,10 @@ def segments_at(rows, first, count, window, view, texels):
     # than its map
     there = (wide >= ZERO) & (lane < np.float32(count - first)) & (length >= TINY) & (length <= size * np.float32(4.0))
     there = there & (max(y0, y1) >= top - ONE) & (min(y0, y1) <= bottom + ONE)
-    parts = HALF + none
-    if texels:
-        away = abs(rise) * view.focal
-        if not view.far > ZERO:
-            away *= HALF * (ONE / d0 + ONE / d1)
-        parts = where(away > length, floor(min(away / length, FINEST)) + ONE, ONE + none)
+    away = abs(rise) * view.focal
+    if not view.far > ZERO:
+        away *= HALF * (ONE / d0 + ONE / d1)
+    parts = where(away > length, floor(min(away / length, FINEST)) + ONE, ONE + none)
     begin = parts * where(steep, top + none, none)
     end = parts * where(steep, bottom + none, size + none)
     begin = max(floor(parts * low), begin)
@@ -113,7 +110,7 @@ def find_segments(work, first, count, window, view):
     rows = pointer(work)
     for k in range(0, SEGMENTS, lane_count(rows)):
         low, high, near, across, depth, step, rise, area, begin, pieces, length, steep = segments_at(
-            rows, first + k, count, window, view, True
+            rows, first + k, count, window, view
         )
         store(rows, LOW + k, low)
         store(rows, HIGH + k, high)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device, function, inlined, parallel, prange
+from ....jit import function, inlined, parallel, prange
 from ....simd import pointer, prefetch
 from ...zbuffer.kernels.lines import Window
 from . import cell_extents, map_segments, splats
@@ -15,6 +15,7 @@ from .opacity import HEAD, SCALE, START, TEXELS, WHOLE
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+INF = np.float32(np.inf)
 NEXT = np.uint64(1)
 AHEAD = 12
 """Parts of strands that are fetched before they are drawn."""
@@ -23,11 +24,27 @@ LINE = 16
 
 
 @parallel
-def draw(parts, size, view, opacity_map):
-    """Draw strands into one map: widen its extents if its `stacks` is None, otherwise add to its layers.
+def measure(parts, size, extents):
+    """Widen the extents (cells, 2) of a map's cells by strands.
 
-    parts: `PartsInMap`; size: texels along a side, even; view: `MapView`; opacity_map: `OpacityMap`.
-    """
+    parts: `PartsInMap`; size: texels along a side, even."""
+    for task in prange(parts.borders.shape[0] - 1):
+        work = np.empty(cell_extents.ROOM, np.float32)
+        cell_extents.start(work)
+        window = Window(parts.borders[task], parts.borders[task + 1], size)
+        for k in range(parts.order.shape[0]):
+            ahead = min(k + AHEAD, parts.order.shape[0] - 1)
+            if overlaps(parts.order, ahead, window):
+                fetch(parts, ahead)
+            if overlaps(parts.order, k, window):
+                begin, count = np.int64(parts.order[k, AT]), np.int64(parts.order[k, COUNT])
+                cell_extents.widen(work, parts.kept, begin, count, INF, window, extents)
+
+
+@parallel
+def draw(parts, size, view, opacity_map):
+    """Add strands to the layers of one map. parts: `PartsInMap`; size: texels along a side, even; view: `MapView`;
+    opacity_map: `OpacityMap`."""
     for task in prange(parts.borders.shape[0] - 1):
         work = np.empty(splats.ROOM, np.float32)
         map_segments.start(work)
@@ -39,14 +56,7 @@ def draw(parts, size, view, opacity_map):
                 fetch(parts, ahead)
             if overlaps(parts.order, k, window):
                 n, held = draw_part(work, n, held, parts, k, window, view, opacity_map)
-        n = draw_segments(work, n, max(held - 1, 0), window, view, opacity_map, opacity_map.stacks)
-        end_batch(work, n, window, opacity_map, opacity_map.stacks)
-
-
-@device
-def end_batch(work, n, window, opacity_map, stacks):
-    """Add what a batch holds to the layers, but in the pass that finds the extents; stacks: those of the map."""
-    if stacks is not None:
+        n = draw_segments(work, n, max(held - 1, 0), window, view, opacity_map)
         splats.add(work, n, window, opacity_map)
 
 
@@ -76,18 +86,15 @@ def draw_part(work, n, held, parts, k, window, view, opacity_map):
         held = map_segments.append(work, held, parts.kept, begin + past, min(count - past, map_segments.RUN))
         if held > map_segments.RUN:
             whole = (held - 1) // map_segments.SEGMENTS * map_segments.SEGMENTS
-            n = draw_segments(work, n, whole, window, view, opacity_map, opacity_map.stacks)
+            n = draw_segments(work, n, whole, window, view, opacity_map)
             held = map_segments.leave_out(work, held, whole)
     return n, held
 
 
 @inlined
-def draw_segments(work, n, count, window, view, opacity_map, stacks):
+def draw_segments(work, n, count, window, view, opacity_map):
     """Draw what lies within the window of the first segments of a run, so many; return how many pieces the batch holds
-    then, which held n. stacks: those of the map."""
-    if stacks is None:
-        cell_extents.widen(work, count, window, view, opacity_map.extents)
-        return n
+    then, which held n."""
     for first in range(0, count, map_segments.SEGMENTS):
         segments = map_segments.find_segments(work, first, count, window, view)
         n = splats.collect(work, n, segments, window, opacity_map)

@@ -13,7 +13,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device, inlined
 from ....simd import lane_count, load, load3, pointer, store, where
-from ....solids.kernels import other
+from ....solids.kernels import other, other_edges
 from ...common.kernels.batch import LX, LY, LZ, REACH, X, Y, Z
 from ...common.kernels.soft_rows import (
     ASKED,
@@ -32,6 +32,7 @@ from ...common.kernels.soft_rows import (
     WY,
     WZ,
 )
+from .free_ways import list_others
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -79,6 +80,21 @@ def by_distances(work, n, solids, lift, skin):
 
 
 @device
+def by_distances_of_some(work, n, i, solids, skin, free):
+    """As `by_distances`, of the points of which `FreeWays` do not say that they see all of light number i."""
+    count = list_others(work, n, i, free)
+    if count == 0:
+        return
+    for k in range(n):
+        work[AT_NEAR + k] = ZERO
+    for m in range(other.count(solids)):
+        gather(work, count)
+        go(work, count, LISTED, solids, m, (skin, skin), ALL)
+        for j in range(count):
+            work[LEAST + np.int64(work[LIST + j])] = work[HIGH + j]
+
+
+@device
 def gather(work, count):
     """Copy the rows `OWN` of listed rays to `LISTED`."""
     for j in range(count):
@@ -106,20 +122,24 @@ def go(work, n, at, solids, m, lift_and_skin, most):
         work[at.radius + k] = ZERO
     for k in range(0, n, 2 * lanes):
         some = begun(rows, k, at, solids, m, lift_and_skin)
+        if k + lanes >= n:
+            t, least = other_edges.walk_alone(solids, m, some, most)
+            keep(rows, k, at, t, least, some)
+            break
         others = begun(rows, k + lanes, at, solids, m, lift_and_skin)
-        s, s_least, t, t_least = other.walk(solids, m, some, others, most)
+        s, s_least, t, t_least = other_edges.walk(solids, m, some, others, most)
         keep(rows, k, at, s, s_least, some)
         keep(rows, k + lanes, at, t, t_least, others)
 
 
 @inlined
 def begun(rows, k, at, solids, m, lift_and_skin):
-    """Return what `other.walk` takes of a vector of rays."""
+    """Return what `other_edges.walk` takes of a vector of rays."""
     lift, skin = lift_and_skin
     lx, ly, lz = way = load3(rows, at.way + k, W)
     x, y, z = load3(rows, at.point + k, W)
     light = load(rows, at.reach + k), load(rows, at.radius + k), skin
-    along, t, end = other.begin(solids, m, (x + lx * lift, y + ly * lift, z + lz * lift), way, light)
+    along, t, end = other_edges.begin(solids, m, (x + lx * lift, y + ly * lift, z + lz * lift), way, light)
     return along, max(t, load(rows, at.place + k)), end, load(rows, at.least + k), light
 
 

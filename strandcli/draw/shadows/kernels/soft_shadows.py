@@ -38,7 +38,7 @@ from ...common.kernels.soft_rows import (
     WZ,
 )
 from . import penumbra
-from .soft_distances import by_distances
+from .soft_distances import by_distances, by_distances_of_some
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -51,10 +51,11 @@ MOVED = 8
 
 
 @function
-def soft_shadows(work, n, lights, i, solids, skin):
+def soft_shadows(work, n, lights, i, solids, skin, free):
     """Multiply the rows `ARRIVES` of the first n points of a batch by the visibility of light number i past solids.
 
-    Rows of `batch`; solids: `strandcli.solids.Solids`; skin: as in `penumbra.soft_visibility`.
+    Rows of `batch`; solids: `strandcli.solids.Solids`; skin: as in `penumbra.soft_visibility`; free: `FreeWays`,
+    or None.
     """
     size = lights[i, LIGHT_SIZE]
     point = lights[i, KIND]
@@ -66,11 +67,20 @@ def soft_shadows(work, n, lights, i, solids, skin):
     past_built_in(solids, work, n, skin)
     if other.count(solids) > 0:
         if other.takes_vectors(solids):
-            by_distances(work, n, solids, skin, skin)
+            past_distances(work, n, i, solids, skin, free)
         else:
             by_distance(work, n, solids, skin)
     for k in range(n):
         work[ARRIVES + k] *= penumbra.share(work[LEAST + k], work[RADIUS + k])
+
+
+@device
+def past_distances(work, n, i, solids, skin, free):
+    """Reduce the rows `LEAST` to the sines of the angles to solids that have distances of vectors."""
+    if free is None or free.depths.shape[0] == 0:
+        by_distances(work, n, solids, skin, skin)
+    else:
+        by_distances_of_some(work, n, i, solids, skin, free)
 
 
 @device_if_built_in(lambda solids, work, n, skin: None)
