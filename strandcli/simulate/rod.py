@@ -23,7 +23,7 @@ from ..scene.motion import Pose
 from .contact.between_strands import TAUT, StrandContact, in_parts
 from .crowd import Crowd, Moment
 from .health import RESIDUAL_MOST
-from .kernels.records import AIR, TOLERANCE
+from .kernels.records import AIR, LASTING, TOLERANCE
 from .kernels.rod_scratch import PACK
 from .material import COIL_STEP, MOST_INNER
 from .rod_clamped import pins_of
@@ -100,6 +100,7 @@ class RodSolver(Solver):
         self.material = material_of(matter, rest, self.dtype)
         self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags, rod, shape.coiled)
         self.forcing.numbers[TOLERANCE] = TOLERANCES[flags.second, rod.precision == "double"]
+        self.forcing.numbers[LASTING] = self.contact is not None
         self.mass = self.material.mass.copy()
         self._gravity = tuple(self.surroundings.gravity.tolist())
         arrays = self.state, self.material, self.forcing

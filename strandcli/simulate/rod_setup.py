@@ -114,9 +114,8 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
 def flags_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) -> Flags:
     """What a step of the scene needs."""
     rules = {use.name for use in scene.rules}
-    solids = around.any_solids or "contact" in rules  # `touching` marks strands that strands meet, too
     return Flags(
-        integrator_of(scene) == "bdf2", shape.curled, solids, around.segments, deforming,
+        integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming,
         "interaction" in rules or "contact" in rules,
         scene.rod.end == "clamped", scene.rod.root == "free", oval(scene.rod),
     )  # fmt: skip

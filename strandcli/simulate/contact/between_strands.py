@@ -4,8 +4,8 @@ A step is made without contact. Where strands would come too close or pass throu
 found with each strand's response linearised (`kernels.contact_response`, `kernels.contact_solve`), and the step is made
 anew from its begin with these forces among its loads, until it keeps strands apart: Newton's method on step and contact
 together. Lengths are exact and bending takes part, as in any step. Nothing but the strands' own state lasts from a step
-to the next, and by what they were accelerated, which tells those that meet others anew. What is done here is done in
-the order of emission, on one thread.
+to the next, and which pressed each other, which tells impacts (`impacts`). What is done here is done in the order of
+emission, on one thread.
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ from ..kernels.records import State
 from ..material import MARGIN, contact_thickness
 from .contacts import NOTHING, Contacts
 from .forces import Forces
+from .impacts import Impacts
 from .kernels import contact_approach
-from .kernels.contact_columns import COUNTS, FIRST, GAP, NUMBERS, SAME, SECOND, VECTORS
+from .kernels.contact_columns import COUNTS, FIRST, GAP, IMPACT, NUMBERS, SAME, SECOND, VECTORS
 from .nearby import Nearby
 
 if TYPE_CHECKING:
@@ -48,11 +49,6 @@ AT_ONCE = 1 << 16
 """Pairs of segments that are looked at at once: of most of them nothing is kept."""
 ANEW = 0.02
 """Excess over the thickness from which on a contact is looked for anew, if it is more than twice that at its place."""
-CHANGE = 2.0
-"""By how many times the accelerations of a strand by contact in the last step those of this one differ from them, from
-which on it counts as meeting others anew, as all that touched none do. With a half of it ropes lose their swing."""
-MARK = 0.1
-"""`State.touching` of such a strand: in the next step it is none, of curled ones too (`rod_sweep.CALM`)."""
 SETTLED, GAIN = 3, 0.9
 """Rounds after which a crowd whose contacts yield is left as it is, if the last brought the greatest excess to no less
 than the second, as a share of that before."""
@@ -72,8 +68,7 @@ class StrandContact:
         apart = 1 + math.ceil(2 * self.thickness / float(self.lengths.min()))
         self._forces = Forces(groom, self.lengths, self.segments, self.thickness, parameters.friction)
         self._nearby = Nearby(self.segments, min(apart, self.segments))
-        self.past = np.zeros((groom.strands, self.segments, 3))
-        """(S, N, 3) accelerations of particles by the contacts of the last step, m/s²."""
+        self._impacts = Impacts(groom)
         self.penetration = 0.0
         """How much closer strands were at the end of the last step than their thickness, or near their roots than these
         leave to them, metres."""
@@ -82,34 +77,39 @@ class StrandContact:
         """Make a step of ``dt`` seconds by ``run``, again where strands touch. ``solver``: the rod solver whose step it
         is. Return False where rounds do not converge or some strand has come through another, for the step is too
         long."""
-        self._now, self._changed = np.zeros_like(self.past), np.zeros(len(self.past), bool)
+        self._forces.begin(dt, solver)
+        self._impacts.begin()
+        self._moves = np.zeros((len(self.lengths), self.segments, 3))  # by impacts
         converged = self._rounds(run, dt, solver)
-        self.past = self._now
+        self._impacts.finish(solver, self._moves, dt)
         return converged
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what lasts from a step to the next."""
-        return {"found": np.array([self.penetration]), "contact": self.past}
+        return {"found": np.array([self.penetration]), "free touching": self._impacts.past}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from that."""
-        self.penetration, self.past = float(state["found"][0]), np.array(state["contact"])
+        self.penetration, self._impacts.past = float(state["found"][0]), np.array(state["free touching"])
 
     def _rounds(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
-        """As `step`; set ``_now`` to the accelerations of the last round."""
+        """As `step`, but for velocities after impacts."""
         state: State = solver.state
-        if solver.crowd is None:
-            state.crowd[...] = 0
+        if solver.crowd is not None:
+            self._begin_with(state, dt, solver)
+        state.crowd[...] = 0
         before = {name: one.copy() for name, one in state._asdict().items()}
-        start = self._particles(state)
+        start, velocities = self._particles(state), self._velocities(state)
         held, forces, past = NOTHING, np.zeros((0, 3)), math.inf
         for iteration in range(self.iterations + 1):
             run()
-            wild = bool(len(forces)) and self._tame(run, (held, forces), before, dt, solver)
+            wild = bool(len(forces)) and self._tame(run, (held, forces), before, solver)
             end = self._particles(state)
             found = self._look(start, end, dt)
             if found is None:
                 return True
+            velocities[:, 0] = (end[:, 0] - start[:, 0]) / dt
+            found.numbers[:, IMPACT] = self._impacts.shares(found, velocities, dt)
             self.penetration = found.penetration()
             tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
             excess = float(found.excess().max(initial=0.0))
@@ -122,27 +122,31 @@ class StrandContact:
             if not wanted and (iteration >= ROUNDS or not len(forces)):
                 return True
             held, forces = self._merged(held, forces, found, start, end)
-            changed = self._forces.solve(held, forces, dt, solver)
+            changed = self._forces.solve(held, forces, solver)
             if not wanted and changed < 2 * tolerance:
                 return True
             for name, one in state._asdict().items():
                 one[...] = before[name]
-            self._load(held, forces, dt, solver)
+            self._load(held, forces, solver)
         return True
 
-    def _load(self, held: Contacts, forces: Floats, dt: float, solver: Any) -> None:
-        """Have the next round made with these forces, and by Euler's method for strands that meet others anew: BDF2
-        would go on with what contact has changed, and they bounce."""
-        now = self._now = self._forces.load(held, forces, dt, solver)
-        if solver.second:
-            size, change = (np.einsum("snc,snc->s", one, one) for one in (self.past, now - self.past))
-            self._changed |= change > CHANGE**2 * size
-            self._forces.mark(self._changed * MARK, solver.state)
+    @staticmethod
+    def _begin_with(state: State, dt: float, solver: Any) -> None:
+        """Begin a step of ``dt`` seconds with velocities that the grid of strands that interact has changed, and those
+        of the steps before, so that BDF2 goes on without the change. The kernel has `State.crowd` for contact then."""
+        change = state.crowd.dtype.type(dt) * state.crowd
+        for one in (state.velocity, state.before, state.ahead) if solver.second else (state.velocity,):
+            one += change
+
+    def _load(self, held: Contacts, forces: Floats, solver: Any) -> None:
+        """Have the next round made with these forces."""
+        self._forces.load(held, forces, solver)
+        self._moves = self._forces.impacts(held, forces)
+        self._impacts.note(held, forces)
 
     def _tame(
-        self, run: Callable[[], None], held: tuple[Contacts, Floats], before: dict[str, NDArray[Any]], dt: float,
-        solver: Any,
-    ) -> bool:  # fmt: skip
+        self, run: Callable[[], None], held: tuple[Contacts, Floats], before: dict[str, NDArray[Any]], solver: Any
+    ) -> bool:
         """Where a round's forces are more than a strand's step can carry, which those of jammed contacts may become,
         take them from that strand, or from all if that is not enough, and make the step anew. Return whether that
         was so."""
@@ -155,7 +159,7 @@ class StrandContact:
             forces[mine if some else slice(None)] = 0
             for name, one in solver.state._asdict().items():
                 one[...] = before[name]
-            self._load(contacts, forces, dt, solver)
+            self._load(contacts, forces, solver)
             run()
         return True
 
@@ -204,6 +208,10 @@ class StrandContact:
     def _particles(self, state: State) -> Floats:
         """Return (S, N + 1, 3) particles with their roots."""
         return self._forces.emitted(state.positions[:, 1:], W)
+
+    def _velocities(self, state: State) -> Floats:
+        """Return (S, N + 1, 3) velocities of particles, m/s, but for roots."""
+        return np.pad(self._forces.emitted(state.velocity), ((0, 0), (1, 0), (0, 0)))
 
 
 def in_parts(solver: Any, step: Callable[[float, float], bool], time: float, dt: float, halvings: int = 0) -> None:

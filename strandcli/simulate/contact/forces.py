@@ -12,7 +12,7 @@ from ...groom.record import Groom
 from ..kernels.records import DAMPING, DRAG, STEP, VELOCITY_STEP, State
 from ..kernels.rod_scratch import PACK
 from .kernels import contact_response, contact_solve
-from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
+from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, IMPACT, SECOND, SECOND_SEGMENT
 from .kernels.contact_response import BAND, BLOCK
 
 if TYPE_CHECKING:
@@ -38,11 +38,15 @@ Floats = NDArray[np.float64]
 class Method(NamedTuple):
     """How strands take a step, each by BDF2 or by Euler's method."""
 
+    euler: NDArray[np.bool_]
+    """(S,) which go by Euler's method though others may go by BDF2."""
     square: Floats
     """(S,) h² by which forces enter it, s²."""
     reach: Floats
     """(S,) what a force of contact moves a free particle by, over what it would by Euler's method without drag, and
     times what drag makes of its mass."""
+    gain: Floats
+    """(S,) by how much more that of an impact counts, for it does not go on: as by Euler's method."""
 
 
 class Forces:
@@ -52,18 +56,29 @@ class Forces:
         self.groom, self.lengths, self.segments = groom, lengths, segments
         self.thickness, self.friction = thickness, friction
 
-    def solve(self, found: Contacts, forces: Floats, dt: float, solver: Any) -> float:
+    def begin(self, dt: float, solver: Any) -> None:
+        """Begin a step of ``dt`` seconds of the ``solver``."""
+        self.method, self._step = self._method(dt, solver), dt
+
+    def solve(self, found: Contacts, forces: Floats, solver: Any) -> float:
         """Change ``forces`` (m, 3) so that contacts hold; return by how much particles move by that, metres."""
         n = self.segments
         responses, own = np.empty((len(forces), 2, n, 3, 3)), np.empty((len(forces), 3, 3))
         strands = np.unique(found.pairs[:, [FIRST, SECOND]])
         places = np.zeros(len(self.lengths), np.int64)
         places[strands] = np.arange(len(strands))
-        method = self._method(dt, solver)
-        bands = self._factors(strands, method, solver)
+        bands = self._factors(strands, self.method, solver)
         contact_response.respond(
-            found.pairs, found.numbers, bands, places, self.lengths / method.reach, responses, np.empty((BLOCK * n, 3))
+            found.pairs,
+            found.numbers,
+            bands,
+            places,
+            self.lengths / self.method.reach,
+            responses,
+            np.empty((BLOCK * n, 3)),
         )
+        responses *= self._gains(found)[:, :, None, None, None]
+        self._responses = responses
         contact_solve.own_responses(found.pairs, found.numbers, responses, own)
         moves, after = np.zeros((len(self.lengths), n, 3)), forces.copy()
         sweeps = min(SWEEPS, max(LEAST_SWEEPS, UPDATES // len(forces)))
@@ -80,13 +95,28 @@ class Forces:
     def _method(self, dt: float, solver: Any) -> Method:
         """What `rod_start.set_coefficients` makes of a step of ``dt`` seconds."""
         h, g, drag = (float(solver.forcing.numbers[column]) for column in (STEP, VELOCITY_STEP, DRAG))
-        state = solver.state
-        mass = (1 + drag * g) / (1 + drag * dt)
-        square, reach = np.full(len(self.lengths), h * g), np.full(len(self.lengths), h / dt)
-        if solver.second:
-            euler = self.emitted(state.touching[:, None])[:, 0, 0] > 0
-            square[euler], reach[euler] = dt * dt * mass, mass
-        return Method(square, reach)
+        mass, count = (1 + drag * g) / (1 + drag * dt), len(self.lengths)
+        square, reach, gain = np.full(count, h * g), np.full(count, h * g / dt**2), np.full(count, dt**2 / (h * g))
+        euler = np.zeros(count, bool)
+        for marks in (solver.state.touching, solver.state.jolted):
+            if solver.second and len(marks) == len(solver.state.edges):  # arrays that a scene does not need are empty
+                euler |= self.emitted(marks[:, None])[:, 0, 0] > 0
+        square[euler], reach[euler], gain[euler] = dt * dt * mass, mass, 1
+        return Method(euler, square, reach, gain)
+
+    def _gains(self, found: Contacts) -> Floats:
+        """Return (m, 2) by how much more the forces of contacts count, for both strands."""
+        impact = found.numbers[:, IMPACT, None]
+        return np.asarray(1 / (1 - impact + impact / self.method.gain[found.pairs[:, [FIRST, SECOND]]]))
+
+    def impacts(self, found: Contacts, forces: Floats) -> Floats:
+        """Return (S, N, 3) by how much impacts among the forces of contacts that were last solved for move particles of
+        strands that go by BDF2, metres."""
+        moves, impacts = np.zeros((len(self.lengths), self.segments, 3)), forces * found.numbers[:, IMPACT, None]
+        if impacts.any():
+            contact_solve.move(found.pairs, self._responses, impacts, moves)
+            moves[self.method.euler] = 0
+        return moves
 
     def _factors(self, strands: NDArray[np.int64], method: Method, solver: Any) -> Floats:
         """Return the factors of some strands' responses."""
@@ -102,31 +132,25 @@ class Forces:
         contact_response.factorise(strands, self.emitted(state.edges), loads, mass, joint, bands)
         return bands
 
-    def load(self, found: Contacts, forces: Floats, dt: float, solver: Any) -> Floats:
-        """Add the accelerations of particles by the forces of contacts to those by the strands around, in a step of
-        ``dt`` seconds; return them, (S, N, 3) m/s²."""
+    def load(self, found: Contacts, forces: Floats, solver: Any) -> None:
+        """Have a step made with the forces of contacts, as `solve` takes them: as accelerations of particles."""
         count, n = len(self.lengths), self.segments
         added = np.zeros((count * (n + 1), 3))
         alpha, beta = found.numbers[:, ALPHA, None], found.numbers[:, BETA, None]
+        one, other = self._gains(found).T[:, :, None]
         for strand, segment, share, force in (
-            (found.pairs[:, FIRST], found.pairs[:, FIRST_SEGMENT], alpha, -forces),
-            (found.pairs[:, SECOND], found.pairs[:, SECOND_SEGMENT], beta, forces),
+            (found.pairs[:, FIRST], found.pairs[:, FIRST_SEGMENT], alpha, -one * forces),
+            (found.pairs[:, SECOND], found.pairs[:, SECOND_SEGMENT], beta, other * forces),
         ):
             at = strand * (n + 1) + segment
             for place, part in ((at, (1 - share) * force), (at + 1, share * force)):
                 for c in range(3):
                     added[:, c] += np.bincount(place, part[:, c], len(added))
+        crowd = solver.state.crowd
         masses = self.lengths[:, None, None] * solver.mass.astype(np.float64)[:, None]
-        accelerations = added.reshape(count, n + 1, 3)[:, 1:] / (masses * dt * dt)
-        crowd, rows = solver.state.crowd, self.groom.placed(accelerations)
+        rows = self.groom.placed(added.reshape(count, n + 1, 3)[:, 1:] / (masses * self._step**2))
         for j in range(n):
-            crowd[:, j] += lanes(rows[:, j], crowd.dtype, PACK)
-        return np.asarray(accelerations)
-
-    def mark(self, strands: Floats, state: State) -> None:
-        """Set `State.touching` of strands (S,) to so much at least."""
-        marks = lanes(self.groom.placed(strands)[:, None], state.touching.dtype, PACK)
-        np.maximum(state.touching, marks, out=state.touching)
+            crowd[:, j] = lanes(rows[:, j], crowd.dtype, PACK)
 
     def _kept(self, solver: Any) -> Floats:
         """Return (S, N) the rigidity that keeps edges of curled strands where motion leads them, over κ

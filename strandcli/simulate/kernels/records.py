@@ -10,14 +10,15 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
-VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, LED, LEAD = 14, 15, 16, 17, 18, 19, 20
-NUMBERS = 21
+VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, LED, LEAD, LASTING = 14, 15, 16, 17, 18, 19, 20, 21
+NUMBERS = 22
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
 bending rigidity, h of velocities in s, angle in radians by which clamped tips are turned, relative rigidity of their
 joint, relative mass of free roots times 1 + drag h, of oval sections the share by which the softer direction's rigidity
-is less, above 0 where rest shapes are led (`Scheme.led`), and the share of that which follows velocities."""
+is less, above 0 where rest shapes are led (`Scheme.led`), the share of that which follows velocities, and above 0 where
+`State.crowd` are accelerations by contact, which act all through a step as gravity does."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
@@ -45,14 +46,15 @@ class State(NamedTuple):
     tension: Any
     """(P, N, S) force densities of the last step over h², 1/s²."""
     push: Any
-    """(P, N, 3 S) acceleration of particles by contact with solids, m/s²; needed with these or the rule contact."""
+    """(P, N, 3 S) acceleration of particles by contact with solids, m/s²; needed with these."""
     touching: Any
-    """(P, S) 1 for strands with forces of contact, of curled ones some steps after it less, and for those that meet
-    strands anew; needed with solids and with the rule contact."""
+    """(P, S) 1 for strands with forces of contact, of curled ones some steps after it less; needed
+    with solids."""
     twist: Any
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     crowd: Any
-    """(P, N, 3 S) acceleration of particles by the strands around them, m/s²; needed where strands interact."""
+    """(P, N, 3 S) acceleration of particles by the strands around them, m/s²; needed where strands interact, and with
+    the rule contact, by which alone it is then."""
     jolted: Any
     """(P, S) 1 for strands that those around push otherwise than in the step before; needed where strands interact."""
     positions: Any
@@ -123,7 +125,7 @@ class Flags(NamedTuple):
     curled: Any
     """Whether rest shapes are curved."""
     solids: Any
-    """Whether there are solids, or the rule contact, which marks strands as touching."""
+    """Whether there are solids."""
     segments: Any
     """Whether solids keep whole segments out, and not only particles."""
     deforming: Any
@@ -180,7 +182,7 @@ class Scheme(NamedTuple):
     mixed: Any
     """Whether some strand of the vector is `State.touching` or `State.jolted`, and takes the step by Euler's method."""
     crowded: Any
-    """Whether the strands around accelerate particles, as a change of velocity when the step begins: True, or None."""
+    """Whether the strands around accelerate particles (`rod_start.set_steps_of_crowd`): True, or None."""
     duration: Any
     """Of the step, seconds."""
     led: Any

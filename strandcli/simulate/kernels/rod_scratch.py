@@ -49,10 +49,14 @@ INVERSE_STEP = 35
 """1 / h of displacements, 1/s."""
 MOVED_SHARE = 36
 """Share of the last displacement that goes on: 1/3 for BDF2, and 0 for Euler's method."""
+CROWD_STEP = 37
+"""h of velocities for the accelerations by the strands around, s."""
+CROWD_CHANGE = 38
+"""That by which they change the velocity that the step begins with, s: as much, or 0 where they act all through it."""
 
 SEGMENT = 17
 """Vectors of a segment. An odd number: vectors at distances of a power of two would share lines of the cache."""
-FIRST_SEGMENT = 37 + 2 * SEGMENT
+FIRST_SEGMENT = 39 + 2 * SEGMENT
 """Place of the first segment."""
 EDGE = 0
 """(3) Of a segment: e_j, of unit length at the start and the end of a step."""

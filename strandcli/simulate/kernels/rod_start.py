@@ -5,11 +5,13 @@ from __future__ import annotations
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, store, store3, where
 from . import rod_loose
-from .records import AIR, DAMPING, DRAG, GRAVITY, STEP, VELOCITY_STEP
+from .records import AIR, DAMPING, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP
 from .rod_scratch import (
     ACCELERATION_SCALE,
     ADDED_VELOCITY,
     AXES,
+    CROWD_CHANGE,
+    CROWD_STEP,
     EDGE,
     FIRST_SEGMENT,
     INERTIAL,
@@ -55,9 +57,27 @@ def set_coefficients(s, at, state, material, forcing, scheme):
         square = where(calm, step * velocity_step * (mass / drag), h * g)
         store(s, MOVED_SHARE, where(calm, broadcast(s, 0.0), scheme.share))
         store_coefficients(s, at, material, forcing, step, velocity_step, drag, square)
+        if scheme.crowded:
+            set_steps_of_crowd(s, velocity_step, numbers[LASTING], scheme)
     else:
         store(s, MOVED_SHARE, scheme.share)
+        if scheme.crowded:
+            set_steps_of_crowd(s, broadcast(s, g), numbers[LASTING], scheme)
         store_coefficients(s, at, material, forcing, h, g, mass, h * g)
+
+
+@inlined
+def set_steps_of_crowd(s, g, lasting, scheme):
+    """Set how the strands around accelerate particles, from the h of velocities ``g``. What a grid gives changes the
+    velocity that the step begins with, and BDF2 goes on without it. What contact gives, as ``lasting`` says, has the h
+    of BDF2, as gravity has; in lanes that go by Euler's method BDF2 will go on without it, too."""
+    whole = broadcast(s, scheme.duration)
+    if lasting > 0 and scheme.share > 0:
+        store(s, CROWD_STEP, g)
+        store(s, CROWD_CHANGE, where(load(s, MOVED_SHARE) > 0.0, broadcast(s, 0.0), whole))
+    else:
+        store(s, CROWD_STEP, whole)
+        store(s, CROWD_CHANGE, whole)
 
 
 @inlined
@@ -180,7 +200,7 @@ def predict_along(s, row, c, state, scheme):
     place = row + c * PACK
     scale, added = load(s, VELOCITY_SCALE), load(s, ADDED_VELOCITY + c)
     if scheme.crowded:
-        added += scheme.duration * load(state.crowd, place)
+        added += load(s, CROWD_STEP) * load(state.crowd, place)
     if scheme.second and scheme.share > 0:
         v = load(state.ahead, place)
         if scheme.mixed:

@@ -25,6 +25,7 @@ from .rod_scratch import (
     AXES,
     CONTACT_FORCE,
     CORRECTION,
+    CROWD_CHANGE,
     DEGENERATE,
     DISPLACEMENT,
     EDGE,
@@ -283,7 +284,7 @@ def update_velocity(s, o, row, length, state, scheme):
         past = load(state.velocity, p)
         begun = past
         if scheme.crowded:
-            begun += scheme.duration * load(state.crowd, p)
+            begun += load(s, CROWD_CHANGE) * load(state.crowd, p)
         v = rate * u
         gain = v - begun
         old = gain

@@ -163,6 +163,24 @@ def solve(pairs, contacts, responses, settings, forces, moves, rows):
     return sweeps
 
 
+@function
+def move(pairs, responses, forces, moves):
+    """Add to ``moves`` (S, N, 3) what ``forces`` (m, 3) move particles by."""
+    for i in range(len(pairs)):
+        apply(pairs[i], responses[i], forces[i, 0], forces[i, 1], forces[i, 2], moves)
+
+
+@device
+def apply(pair, response, x, y, z, moves):
+    """Add what a force moves the particles of a pair's strands by."""
+    a, b = pair[FIRST], pair[SECOND]
+    for j in range(moves.shape[1]):
+        for c in range(AXES):
+            one, other = response[0, j, c], response[1, j, c]
+            moves[a, j, c] -= one[0] * x + one[1] * y + one[2] * z
+            moves[b, j, c] += other[0] * x + other[1] * y + other[2] * z
+
+
 @device
 def solve_one(i, pairs, contacts, responses, settings, forces, moves, rows):
     """Solve for the force of one contact, with what the others do; return by how much its way changes, metres."""
@@ -190,10 +208,5 @@ def solve_one(i, pairs, contacts, responses, settings, forces, moves, rows):
         worst = max(worst, abs(change) * own[i, d, d])
         some = some or change != 0.0
     if some:
-        x, y, z = rows[1, 0], rows[1, 1], rows[1, 2]
-        for j in range(moves.shape[1]):
-            for c in range(AXES):
-                one, other = response[i, 0, j, c], response[i, 1, j, c]
-                moves[a, j, c] -= one[0] * x + one[1] * y + one[2] * z
-                moves[b, j, c] += other[0] * x + other[1] * y + other[2] * z
+        apply(pairs[i], response[i], rows[1, 0], rows[1, 1], rows[1, 2], moves)
     return worst
