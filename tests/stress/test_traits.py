@@ -116,8 +116,8 @@ def test_forces_of_contact_that_no_step_can_carry_do_not_end_a_run(monkeypatch: 
     assert found["closeness"] < 1
     solve = Forces.solve
 
-    def wild(self: Forces, found: Any, forces: Any, dt: float, solver: Any) -> float:
-        moved = solve(self, found, forces, dt, solver)
+    def wild(self: Forces, found: Any, forces: Any, solver: Any) -> float:
+        moved = solve(self, found, forces, solver)
         forces *= 1e10
         return moved
 

@@ -16,11 +16,12 @@ LEFT, TOP, COUNT = 64, 96, seg.SEGMENTS - 1
 
 @function
 def measured(
-    depths: np.ndarray, work: np.ndarray, far: np.float32, slope: DepthSlope, blocks: np.ndarray, found: np.ndarray
-) -> None:
+    depths: np.ndarray, work: np.ndarray, widths: np.ndarray, far: np.float32, slope: DepthSlope, blocks: np.ndarray,
+    found: np.ndarray,
+) -> None:  # fmt: skip
     windows.find_windows(depths, blocks, found)
     left, top = np.float32(LEFT), np.float32(TOP)
-    seg.measure_segments(work, COUNT, np.float32(1.0), left, top, far, slope, found)
+    seg.measure_segments(work, widths, COUNT, np.float32(1.0), left, top, far, slope, found)
 
 
 def measure(depths: np.ndarray, vertices: np.ndarray, widths: np.ndarray, slope: DepthSlope) -> dict[int, np.ndarray]:
@@ -32,7 +33,8 @@ def measure(depths: np.ndarray, vertices: np.ndarray, widths: np.ndarray, slope:
         max(abs(LEFT - slope.axis_x), abs(LEFT + TILE_WIDTH - slope.axis_x))
         + max(abs(TOP - slope.axis_y), abs(TOP + TILE_HEIGHT - slope.axis_y))
     )
-    measured(depths.reshape(-1), work, far, slope, np.empty(PIXELS, np.int32), np.empty(windows.WINDOWS, np.float32))
+    blocks, found = np.empty(PIXELS, np.int32), np.empty(windows.WINDOWS, np.float32)
+    measured(depths.reshape(-1), work, widths, far, slope, blocks, found)
     return {row: work[row + 1 : row + 1 + COUNT] for row in (seg.HIDDEN, seg.NEAREST, seg.KIND)}
 
 

@@ -165,7 +165,9 @@ def add_row(row, strands, widths, work, n, target, m):
     while True:
         count = min(max(row.high + 1 - base, 0) + 1, min(row.end - base, SEGMENTS))
         load_vertices(points, widths, base - 1, count + 1, rows)
-        ribbons = measure_segments(rows, count, strands.opacity, left, top, far, strands.depth_slope, target.windows)
+        ribbons = measure_segments(
+            rows, widths, count, strands.opacity, left, top, far, strands.depth_slope, target.windows
+        )
         if ribbons:
             measure_joints(points, base, count, row.begin, row.end, rows)
         ends = np.int64(base + count == row.end)

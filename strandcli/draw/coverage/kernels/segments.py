@@ -85,12 +85,15 @@ def is_ribbon(dx, dy, size, wide):
 
 
 @inlined
-def kind_of(dx, dy, near, wide):
-    """Return the kind of segments from their extent (dx, dy), lesser depth number and greater width. Vectors."""
+def kind_of(dx, dy, near, wide, widths):
+    """Return the kind of segments from their extent (dx, dy), lesser depth number and greater width, vectors; widths:
+    of all, or None, where each is a pixel wide and drawn as a ribbon."""
     du = where(abs(dx) >= abs(dy), dx, dy)
     kind = where(abs(dx) >= abs(dy), broadcast(dx, ALONG_X), ALONG_Y)
     kind = where(du > ZERO, kind, -kind)
-    if any_lane(wide > WIDE):  # in many pictures none is
+    if widths is None:
+        kind = broadcast(dx, RIBBON)
+    elif any_lane(wide > WIDE):  # in many pictures none is
         kind = where(is_ribbon(dx, dy, sqrt(dx * dx + dy * dy), wide), RIBBON, kind)
     kind = where(abs(du) < POINT, NO_LENGTH, kind)
     return where(near > ZERO, kind, BEHIND)
@@ -151,11 +154,11 @@ def from_axis(left, right, top, bottom, depth_slope):
 
 
 @inlined
-def measure_segments(work, count, opacity, left, top, far, depth_slope, windows):
+def measure_segments(work, widths, count, opacity, left, top, far, depth_slope, windows):
     """Store the rows from `KIND` on of the segments between count + 1 vertices; return whether any may be wide.
 
-    opacity: of the material; left, top: of the tile; far, depth_slope: as in `rounding`; windows: as in
-    `windows.find_windows`.
+    widths: as in `kind_of`; opacity: of the material; left, top: of the tile; far, depth_slope: as in `rounding`;
+    windows: as in `windows.find_windows`.
     """
     rows = half_width_pointer(work)
     depths = half_width_pointer(windows)
@@ -165,7 +168,7 @@ def measure_segments(work, count, opacity, left, top, far, depth_slope, windows)
         k += 1
         x1, y1, q1, w1 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         wide = max(w0, w1)
-        kind = kind_of(x1 - x0, y1 - y0, min(q0, q1), wide)
+        kind = kind_of(x1 - x0, y1 - y0, min(q0, q1), wide, widths)
         begin = along(kind, x0, y0)
         end = along(kind, x1, y1)
         flat = abs(kind) <= ALONG_X

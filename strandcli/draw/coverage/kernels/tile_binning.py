@@ -174,7 +174,7 @@ def bin_strands(low, high, lines, extents, region, chains, work):
         for base in range(v + 1, end, SEGMENTS):
             count = min(end - base, SEGMENTS)
             load_vertices(points, lines.widths, base - 1, count + 1, work)
-            find_tiles(work, count, region)
+            find_tiles(work, lines.widths, count, region)
             for i in range(1, count + 1):
                 kind = work[KIND + i]
                 if kind == NO_LENGTH:
@@ -196,9 +196,9 @@ def bin_strands(low, high, lines, extents, region, chains, work):
 
 
 @device
-def find_tiles(work, count, region):
-    """Store the rows KIND, BEGIN, LEFT, RIGHT, UP and DOWN of the segments between count + 1 vertices; region:
-    `Region`. A hidden segment touches no tile."""
+def find_tiles(work, widths, count, region):
+    """Store the rows KIND, BEGIN, LEFT, RIGHT, UP and DOWN of the segments between count + 1 vertices; widths:
+    as in `segments.kind_of`; region: `Region`. A hidden segment touches no tile."""
     rows = half_width_pointer(work)
     wide, tall = region.wide, region.tall
     for k in range(0, count, lane_count(rows)):
@@ -206,7 +206,7 @@ def find_tiles(work, count, region):
         k += 1
         x1, y1, q1, w1 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
         w = max(w0, w1)
-        kind = kind_of(x1 - x0, y1 - y0, min(q0, q1), w)
+        kind = kind_of(x1 - x0, y1 - y0, min(q0, q1), w, widths)
         store(rows, KIND + k, kind)
         store(rows, BEGIN + k, along(kind, x0, y0))
         reach_x, reach_y = reach_of(kind, w)
