@@ -68,7 +68,7 @@ class StrandContact:
         apart = 1 + math.ceil(2 * self.thickness / float(self.lengths.min()))
         self._forces = Forces(groom, self.lengths, self.segments, self.thickness, parameters.friction)
         self._nearby = Nearby(self.segments, min(apart, self.segments))
-        self._impacts = Impacts(groom)
+        self._impacts = Impacts(groom, self.thickness)
         self.penetration = 0.0
         """How much closer strands were at the end of the last step than their thickness, or near their roots than these
         leave to them, metres."""

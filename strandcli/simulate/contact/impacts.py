@@ -34,10 +34,11 @@ Floats = NDArray[np.float64]
 
 
 class Impacts:
-    """Tells the impacts among the contacts of a groom's strands, and sets velocities after them."""
+    """Tells the impacts among the contacts of a groom's strands with a ``thickness``, metres, and sets velocities after
+    them."""
 
-    def __init__(self, groom: Groom) -> None:
-        self._groom = groom
+    def __init__(self, groom: Groom, thickness: float) -> None:
+        self._groom, self._thickness = groom, thickness
         self.past = np.zeros((0, 2), np.int64)
         """(k, 2) pairs of strands that pressed each other in the last step, as one number each, in ascending order, and
         in how many steps on end."""
@@ -75,12 +76,14 @@ class Impacts:
             return
         rate, own = 1 / float(numbers[STEP]), 1 / dt
         rows = self._groom.placed(moves)
+        c = np.stack([lanes(rows[:, j], np.float64, PACK) for j in range(rows.shape[1])], 1)
+        # forces that no step can carry would by a linear response move without limit; before: when the step began
+        most = _greatest(state.moved) + dt * _greatest(state.before) + self._thickness
+        c *= np.tile(np.minimum(1, most / np.maximum(_greatest(c), TINY)), 3)[:, None]
+        c[state.before == state.velocity] = 0  # with what has met a solid BDF2 starts anew from u / Δt
         shares = (state.before, own), (state.velocity, own - rate), (state.ahead, own - rate - rate * GAIN)
-        for j in range(rows.shape[1]):
-            c = lanes(rows[:, j], np.float64, PACK)
-            c[state.before[:, j] == state.velocity[:, j]] = 0  # with what has met a solid BDF2 starts anew from u / Δt
-            for one, share in shares:
-                one[:, j] += (share * c).astype(one.dtype)
+        for one, share in shares:
+            one += (share * c).astype(one.dtype)
 
     def _codes(self, contacts: Contacts) -> NDArray[np.int64]:
         return np.asarray(contacts.pairs[:, FIRST] * self._groom.strands + contacts.pairs[:, SECOND])
@@ -91,3 +94,9 @@ class Impacts:
             return np.zeros(len(codes), np.int64)
         at = np.minimum(np.searchsorted(self.past[:, 0], codes), len(self.past) - 1)
         return np.where(self.past[at, 0] == codes, self.past[at, 1], 0)
+
+
+def _greatest(rows: NDArray[Any]) -> Floats:
+    """Return (P, S) the length of the longest vector of each strand's, (P, N, 3 S)."""
+    squares = (rows.reshape(*rows.shape[:2], 3, PACK).astype(np.float64) ** 2).sum(2)
+    return np.asarray(np.sqrt(squares.max(1)))
