@@ -60,14 +60,14 @@ def test_a_dense_bundle_is_shaken_without_cutting_steps(steps: list[tuple[Floats
 
 
 def test_rounds_that_do_not_converge_cut_the_step() -> None:
-    """Twelve strands shaken and turned: once those are apart whose roots are too close, no frame leaves any a quarter
-    of their thickness too close. Steps that are not cut let strands through each other."""
+    """Twelve strands shaken and turned: once those are apart whose roots are too close, no frame leaves any a fifth of
+    their thickness too close. Steps that are not cut let strands through each other."""
     keys = "{time: 0, rotation: [180, 0, 0]}, {time: 0.2, rotation: [180, 0, 0], position: [0.3, 0, 0]}, "
     keys += "{time: 0.4, rotation: [180, 40, 0]}"
     solver = solver_of(BUNDLE.format(radius=0.00564 * 0.3**0.5, strands=12, particles=13, jitter=0, keys=keys))
     for frame in range(2, 14):
         solver.advance(frame)
-        assert frame < 7 or float(solver.errors(frame)["strand_penetration_max"] or 0) < 0.25 * 0.0015
+        assert frame < 7 or float(solver.errors(frame)["strand_penetration_max"] or 0) < 0.2 * 0.0015
 
 
 @pytest.mark.parametrize(
@@ -102,11 +102,11 @@ def close_tips(x: NDArray[Any]) -> int:
     return int((apart[np.triu_indices(len(tips), 1)] < 0.00075).sum())
 
 
-@pytest.mark.parametrize(("integrator", "share"), [("euler", 0.0), ("bdf2", 4e-3)])
+@pytest.mark.parametrize(("integrator", "share"), [("euler", 0.0), ("bdf2", 2e-3)])
 def test_contact_without_friction_adds_no_energy(integrator: str, share: float) -> None:
     """Two crossed strands, one of which falls on the other: kinetic and potential energy, and that of bending, never
     grow above the least so far by more than a share of gL. BDF2, which does not damp, leaves a wave of
-    .0026 of it at 24 steps a second, .0023 where the strands miss each other, and of .0005 at 60."""
+    .0009 of it at 24 steps a second; at others and of other stiffness up to .0055."""
     groom = strands([[-0.1, -0.02, 0], [0, 0.05, -0.5]], [[1, 0, 0], [0, 0, 1]], [0.2, 1])
     text = CROSS.format(young="5.0e+9") + RULE.format(d=0.01).replace("friction: 0.5", "friction: 0")
     solver = solver_of(text.replace("rod: {", f"rod: {{integrator: {integrator}, "), groom)

@@ -48,8 +48,7 @@ class State(NamedTuple):
     push: Any
     """(P, N, 3 S) acceleration of particles by contact with solids, m/s²; needed with these."""
     touching: Any
-    """(P, S) 1 for strands with forces of contact, of curled ones some steps after it less; needed
-    with solids."""
+    """(P, S) 1 for strands with forces of contact, of curled ones some steps after it less; needed with solids."""
     twist: Any
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     crowd: Any
