@@ -50,12 +50,12 @@ def test_an_even_layer_has_its_density_and_a_pile_before_the_plate_its_own() -> 
     x = made.roots[:, None].astype(float) + share
     x[..., 0] -= layer.MEASURED  # as they stand, beside the plate
     found = layer.measure(Track(np.zeros(1), x[None]))
-    assert found["pressed"] == pytest.approx(1 - layer.SPARSE / layer.DENSE, abs=0.03)
+    assert found["pressed"] == pytest.approx(1 - layer.SPARSE / layer.DENSE, abs=0.01)
     assert found["sprung back"] == found["pressed"]
-    face = layer.SIDE / 2 - layer.MEASURED
+    face = layer.DEPTH / 2 - layer.MEASURED
     x[half:, :, 0] = face + (x[half:, :, 0] - face) * layer.SPARSE / layer.DENSE
     found = layer.measure(Track(np.zeros(1), x[None]))
-    assert found["sprung back"] == pytest.approx(0, abs=0.03)
+    assert found["sprung back"] == pytest.approx(0, abs=0.01)
     assert found["density"] == found["pressed"]
 
 
