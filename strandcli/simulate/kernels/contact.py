@@ -30,7 +30,17 @@ from .contact_circle import STEEP, contact_circle, intersection_of_circles, perp
 from .contact_place import CARRIED, CENTRE, ROUND, SIZE
 from .contact_search import PARTICLE, STARTS, direction, segment_depth
 from .contact_shapes import TINY, edges_of, nearest
-from .rod_scratch import CONTACT_FORCE, CORRECTION, EDGE, IMPACT, INVERSE_LENGTH, MOBILITY, PACK, REACH
+from .rod_scratch import (
+    CONTACT_CHANGE,
+    CONTACT_FORCE,
+    CORRECTION,
+    EDGE,
+    IMPACT,
+    INVERSE_LENGTH,
+    MOBILITY,
+    PACK,
+    REACH,
+)
 from .vectors import add_scaled, dot, select
 
 SLACK = 1e-6
@@ -165,11 +175,9 @@ def resolve_contact(s, segment, q, state, contact, pressed):
             resting = resting_depth(s, found, segment, state, n, depth, contact.duration)
             f = where(new, f * resting / max(depth, TINY), f)
             store(s, IMPACT, load(s, IMPACT) + where(new, broadcast(f, 1.0), 0.0))
-        ax, ay, az = select(near, (f * kept[0], f * kept[1], f * kept[2]), (zero, zero, zero))
-        store3(push, segment.row, PACK, ax, ay, az)
-        store(s, CONTACT_FORCE, load(s, CONTACT_FORCE) + (abs(ax) + abs(ay) + abs(az)))
+        set_push(s, push, segment.row, select(near, (f * kept[0], f * kept[1], f * kept[2]), (zero, zero, zero)))
     else:
-        store3(push, segment.row, PACK, 0.0, 0.0, 0.0)
+        set_push(s, push, segment.row, (zero, zero, zero))
     if contact.segments:
         turned = rotate_whole_out(s, segment, q, turned, state.positions, contact)
     else:
@@ -177,6 +185,16 @@ def resolve_contact(s, segment, q, state, contact, pressed):
     store3(s, segment.scratch + EDGE, 1, turned[0], turned[1], turned[2])
     x, y, z = load3(s, CORRECTION, 1)
     store3(s, CORRECTION, 1, x + turned[0] - d[0], y + turned[1] - d[1], z + turned[2] - d[2])
+
+
+@inlined
+def set_push(s, push, row, force):
+    """Set the force of contact on a particle, an acceleration, and add it and its change to the sums of the strand."""
+    ax, ay, az = force
+    bx, by, bz = load3(push, row, PACK)
+    store(s, CONTACT_FORCE, load(s, CONTACT_FORCE) + (abs(ax) + abs(ay) + abs(az)))
+    store(s, CONTACT_CHANGE, load(s, CONTACT_CHANGE) + (abs(ax - bx) + abs(ay - by) + abs(az - bz)))
+    store3(push, row, PACK, ax, ay, az)
 
 
 @inlined

@@ -28,6 +28,8 @@ SPHERES, CAPSULES, PLANES, BOXES, OTHERS = range(5)
 """Members of ``Contact.solids``, in the order of the fields of `strandcli.solids.Solids`."""
 MOTION, MOTION_SHIFT = 12, 9
 """Columns that follow a packed solid's: the rigid motion of this step, rotation by rows and then translation."""
+STEADY = 0.125
+"""`State.touching` of strands that solids press as in the step before."""
 
 
 class State(NamedTuple):
@@ -48,7 +50,8 @@ class State(NamedTuple):
     push: Any
     """(P, N, 3 S) acceleration of particles by contact with solids, m/s²; needed with these."""
     touching: Any
-    """(P, S) 1 for strands with forces of contact, of curled ones some steps after it less; needed with solids."""
+    """(P, S) 1 for strands whose forces of contact have just changed, of curled ones some steps after it less, and
+    `STEADY` while these last; needed with solids. Those above `STEADY` take the step by Euler's method."""
     twist: Any
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     crowd: Any
@@ -179,7 +182,8 @@ class Scheme(NamedTuple):
     pressed: Any
     """Whether some strand of the vector is `State.touching` since the step before."""
     mixed: Any
-    """Whether some strand of the vector is `State.touching` or `State.jolted`, and takes the step by Euler's method."""
+    """Whether some strand of the vector takes the step by Euler's method: `State.jolted`, or `State.touching` by more
+    than `STEADY`."""
     crowded: Any
     """Whether the strands around accelerate particles (`rod_start.set_steps_of_crowd`): True, or None."""
     duration: Any

@@ -53,10 +53,12 @@ CROWD_STEP = 37
 """h of velocities for the accelerations by the strands around, s."""
 CROWD_CHANGE = 38
 """That by which they change the velocity that the step begins with, s: as much, or 0 where they act all through it."""
+CONTACT_CHANGE = 39
+"""In the last sweep: the sum of by how much these coordinates differ from those of the step before, m/s²."""
 
 SEGMENT = 17
 """Vectors of a segment. An odd number: vectors at distances of a power of two would share lines of the cache."""
-FIRST_SEGMENT = 39 + 2 * SEGMENT
+FIRST_SEGMENT = 40 + 2 * SEGMENT
 """Place of the first segment."""
 EDGE = 0
 """(3) Of a segment: e_j, of unit length at the start and the end of a step."""

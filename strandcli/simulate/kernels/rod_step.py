@@ -35,6 +35,7 @@ from .records import (
     ROTATION,
     ROUNDING,
     SHIFTED,
+    STEADY,
     STEP,
     TRANSLATION,
     TURNED,
@@ -241,9 +242,10 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         if flags.loose is None:
             place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
+        moved = touched and any_lane(load(state.touching, strand) > STEADY)
         led = rod_lead.led_of(rod_lead.either(flags.second, flags.oval), flags.curled, numbers)
         scheme = Scheme(
-            numbers[MOVED], flags.second, touched, touched or rod_start.jolted(state, strand, flags.crowded),
+            numbers[MOVED], flags.second, touched, moved or rod_start.jolted(state, strand, flags.crowded),
             flags.crowded, contact.duration, led, flags.curled, Ends(flags.held, flags.loose, flags.curled), flags.oval,
         )  # fmt: skip
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)

@@ -18,12 +18,11 @@ from ...simd import (
     store3,
     where,
 )
-from . import rod, rod_loose, rod_start
+from . import rod, rod_loose, rod_start, rod_touching
 from .contact import resolve_contact
 from .records import ROUNDING, Segment
 from .rod_scratch import (
     AXES,
-    CONTACT_FORCE,
     CORRECTION,
     CROWD_CHANGE,
     DEGENERATE,
@@ -56,9 +55,6 @@ LONG = 300
 of the step has read is gone by its end."""
 AHEAD = 24
 """Segments that are fetched ahead then."""
-CALM = 0.2
-"""What `State.touching` of curled strands falls by in a step without force, from 1: one that a solid has pressed, and
-that springs off, is `pressed` for as long, or it would bounce for ever."""
 
 
 @function
@@ -77,8 +73,7 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
     store3(positions, at.position, W, px - no_fma(length * ex), py - no_fma(length * ey), pz - no_fma(length * ez))
     store3(s, CORRECTION, 1, 0.0, 0.0, 0.0)
     store(s, DEGENERATE, 0.0)
-    store(s, IMPACT, 0.0)
-    store(s, CONTACT_FORCE, 0.0)
+    rod_touching.begin(s)
     if scheme.ends.loose is not None:
         px, py, pz = move_root(s, at, state, length, (px, py, pz), scheme)
     least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
@@ -120,16 +115,7 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         else:
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
-        keep_touching(s, strand, state.touching, scheme.curled)
-
-
-@inlined
-def keep_touching(s, strand, touching, curled):
-    """Store 1 where the step has left forces of contact, else 0, or `CALM` less than before."""
-    after = broadcast(s, 0.0)
-    if curled:
-        after = max(load(touching, strand) - CALM, 0.0)
-    store(touching, strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), after))
+        rod_touching.keep(s, at, state.touching, contact.duration, scheme.curled)
 
 
 @inlined
