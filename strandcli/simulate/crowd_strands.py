@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import on_large_pages
+from ..blocks import aligned, on_large_pages
 from .crowd_samples import Samples, nodes_of
 from .kernels import crowd_excess, crowd_nodes, crowd_pack, work_queue
 from .kernels.crowd_records import NODE, Lattice, Moving
@@ -81,7 +81,8 @@ class CrowdStrands:
         whole, targets, scratch, shares = given
         kept = moving.positions, shares
         if self._descriptor is None or any(a is not b for a, b in zip(self._descriptor[1][0], kept, strict=True)):
-            made = crowd_pack.descriptor_of(moving, lattice, whole, targets, scratch, shares, self._numbers, crowd)
+            self.crowd = aligned((len(scratch[0]), *crowd.shape[1:]), crowd.dtype)
+            made = crowd_pack.descriptor_of(moving, lattice, whole, targets, scratch, shares, self._numbers, self.crowd)
             self._descriptor = made, (kept, moving, lattice, given, crowd)  # which must outlive the step
         descriptor = self._descriptor[0]
         if targets is not self._targets:
@@ -90,7 +91,8 @@ class CrowdStrands:
         descriptor[crowd_pack.ROOTS] = moving.roots.ctypes.data
         self._roots = moving.roots  # which must outlive the step, too
         self.noted = True
-        return *codes_for(self._kind.__name__), descriptor.ctypes.data
+        row = crowd.strides[0]
+        return *codes_for(self._kind.__name__), descriptor.ctypes.data, self.crowd.ctypes.data, row
 
 
 @cache
@@ -100,4 +102,4 @@ def codes_for(kind: str) -> tuple[int, int]:
     double = kind == "float64"
     before = crowd_pack.double if double else crowd_pack.single
     after = crowd_pack.double_after if double else crowd_pack.single_after
-    return work_queue.address(before, 2), work_queue.address(after, 2)
+    return work_queue.address(before, 3), work_queue.address(after, 3)

@@ -67,12 +67,12 @@ def accelerate(moving, lattice, parts, box, targets, work, shares, crowd):
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             rows = scratch[part], found[part]
-            accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), rows, shares, crowd)
-            keep_others(moving, lattice, pack, lattice.step, lattice.seen * lattice.step, crowd)
+            accelerate_pack(moving, lattice, (pack, pack + 1), box, targets.reshape(-1), rows, shares, crowd)
+            keep_others(moving, lattice, (pack, pack + 1), lattice.step, lattice.seen * lattice.step, crowd)
 
 
 @device
-def accelerate_pack(moving, lattice, pack, box, targets, work, shares, crowd):
+def accelerate_pack(moving, lattice, packs, box, targets, work, shares, crowd):
     """Set the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
     is a mean, by their shares. What goes to the root the emitter takes up."""
     wide = np.uint64(box[SIZE] * CELL)
@@ -80,12 +80,12 @@ def accelerate_pack(moving, lattice, pack, box, targets, work, shares, crowd):
     cells, (rows, found), begun = half_width_pointer(targets), work, np.int64(0)
     read = half_width_pointer(found)
     for sample in range(len(lattice.first)):
-        locate(moving, lattice, pack, sample, box, lattice.origins[-1], rows)
+        locate(moving, lattice, packs, sample, box, lattice.origins[-1], rows)
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
             store(read, k * CELL, blend(cells, cell_of(rows, k), wide, layer, a, c, d))
         sort_columns(found, rows)
-        begun = share_out(lattice, pack, sample, rows, shares[sample], begun, crowd)
+        begun = share_out(lattice, packs[0], sample, rows, shares[sample], begun, crowd)
 
 
 @device

@@ -57,26 +57,26 @@ def set_numbers(lattice: Lattice, numbers: NDArray[Any]) -> None:
 
 
 @function
-def single(descriptor, pack, worker):
+def single(descriptor, pack, next, worker):
     """Set the accelerations of a pack, in single precision, as one of the threads."""
-    accelerate_one(np.float32, 4, descriptor, pack, worker)
+    accelerate_one(np.float32, 4, descriptor, pack, next, worker)
 
 
 @function
-def double(descriptor, pack, worker):
+def double(descriptor, pack, next, worker):
     """The same in double precision."""
-    accelerate_one(np.float64, 8, descriptor, pack, worker)
+    accelerate_one(np.float64, 8, descriptor, pack, next, worker)
 
 
 @function
-def single_after(descriptor, pack, worker):
+def single_after(descriptor, pack, next, worker):
     """Set the nodes of a pack, in single precision."""
     moving, lattice = moving_of(np.float32, descriptor), lattice_of(np.float32, 4, descriptor)
     note_pack(moving, lattice, pack)
 
 
 @function
-def double_after(descriptor, pack, worker):
+def double_after(descriptor, pack, next, worker):
     """The same in double precision."""
     moving, lattice = moving_of(np.float64, descriptor), lattice_of(np.float64, 8, descriptor)
     note_pack(moving, lattice, pack)
@@ -114,7 +114,7 @@ def lattice_of(kind, bytes, descriptor):
 
 
 @device
-def accelerate_one(kind, bytes, descriptor, pack, worker):
+def accelerate_one(kind, bytes, descriptor, pack, next, worker):
     """Set the accelerations of a pack as `crowd_forces.accelerate` does."""
     moving, lattice = moving_of(kind, descriptor), lattice_of(kind, bytes, descriptor)
     rows = (
@@ -123,8 +123,9 @@ def accelerate_one(kind, bytes, descriptor, pack, worker):
     )
     targets = array_at(np.float32, descriptor[TARGETS], (CELL,))
     shares = array_at(kind, descriptor[SHARES], (descriptor[SAMPLES], descriptor[MOST]))
-    crowd = array_at(kind, descriptor[CROWD], (descriptor[PACKS], descriptor[SEGMENTS], AXES))
+    shift = (worker - pack) * descriptor[SEGMENTS] * AXES * bytes
+    crowd = array_at(kind, descriptor[CROWD] + shift, (descriptor[PACKS], descriptor[SEGMENTS], AXES))
     box = array_at(np.int64, descriptor[WHOLE], (BOX,))
-    accelerate_pack(moving, lattice, pack, box, targets, rows, shares, crowd)
+    accelerate_pack(moving, lattice, (pack, next), box, targets, rows, shares, crowd)
     numbers = array_at(kind, descriptor[NUMBERS_OF], (ORIGIN + 3,))
-    keep_others(moving, lattice, pack, numbers[STEP], numbers[TIME], crowd)
+    keep_others(moving, lattice, (pack, next), numbers[STEP], numbers[TIME], crowd)

@@ -60,7 +60,7 @@ SETTLED = 5
 CURLED_GAIN = 0.1
 """`Contact.gain` of curled strands, which go on giving way to a force for many steps: their matrix is that of rests
 that stay, which is stiffer than a coil."""
-SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, STATE = range(9, 15)
+SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, CROWD, CROWD_BYTES, STATE = range(9, 17)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
 SOLIDS = FORCING + len(Forcing._fields)
@@ -81,7 +81,7 @@ def descriptor_of(
     flat = [one for part in arrays for one in part]
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *flat, *solids))
     head = [0, -(-strands // PACK), segments, iterations, *flags[:SETTLED]]
-    numbers = [*head, scratch.ctypes.data, scratch.strides[0], 0, 0, 0]
+    numbers = [*head, scratch.ctypes.data, scratch.strides[0], *[0] * 5]
     addresses = [one.ctypes.data for one in (*flat, *solids[:4])]
     others = [number for one in solids[4:] for number in (one.ctypes.data, one.size, one.shape[1])]
     others += data_numbers(data)
@@ -106,6 +106,17 @@ def state_of(kind, descriptor):
         pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
         pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
         pointer_at(kind, descriptor[STATE + 16]), pointer_at(kind, descriptor[STATE + 17]),
+    )  # fmt: skip
+
+
+@device
+def state_of_crowd(kind, descriptor, state, pack, worker):
+    """`State` of a pack whose accelerations by the strands around the code that is run before it has left."""
+    crowd = pointer_at(kind, descriptor[CROWD] + (worker - pack) * descriptor[CROWD_BYTES])
+    return State(
+        state.edges, state.velocity, state.before, state.ahead, state.moved, state.tension, state.push, state.touching,
+        state.twist, crowd, state.jolted, state.positions, state.residuals, state.turned, state.root_velocity,
+        state.root_before, state.root_ahead, state.root_moved,
     )  # fmt: skip
 
 
@@ -207,12 +218,13 @@ def work(kind, descriptor, worker, solids_of, second, crowded, held, loose, oval
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
         if crowded is not None:
-            call_beside(descriptor[BEFORE], descriptor[BESIDE], pack, worker)
+            call_beside(descriptor[BEFORE], descriptor[BESIDE], pack, next_pack, worker)
+            state = state_of_crowd(kind, descriptor, state, pack, worker)
         run(scratch, state, material, forcing, flags, solids, descriptor[ITERATIONS], pack, next_pack, segments)
         if pack == descriptor[TASKS] - 1:
             rod_sweep.fill_block(scratch, state.positions, pack, segments)
         if crowded is not None:
-            call_beside(descriptor[AFTER], descriptor[BESIDE], pack, worker)
+            call_beside(descriptor[AFTER], descriptor[BESIDE], pack, next_pack, worker)
         pack = next_pack
 
 
