@@ -15,10 +15,11 @@ from ...jit import device, parallel, prange
 from ...simd import gather4, half_width_pointer, lane_count, load, load3, pointer, store, store3
 from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
+from .crowd_homes import read_home, settle
 from .crowd_limit import limit
 from .crowd_nodes import keep_others
 from .crowd_pressure import relax
-from .crowd_records import CELL, FIRST, FOUND, LANES, LAST, MASS, PUSH, RESULT, SHARE, SIZE, STOP, VELOCITY, WAY
+from .crowd_records import CELL, FIRST, FOUND, FULL, LANES, LAST, MASS, PUSH, RESULT, SHARE, SIZE, STOP, VELOCITY, WAY
 from .crowd_rows import COUNTED
 from .crowd_shelter import shelter
 from .crowd_targets import find_targets
@@ -26,15 +27,26 @@ from .rod_scratch import PACK
 
 
 @parallel
-def act(box, grid, near, room, numbers, work, pressure, targets):
-    """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`).
+def act(box, grid, near, room, numbers, work, met, pressure, targets):
+    """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`). Where there are solids,
+    set `Room.open` and return the most metres in a cell by what is open of it, else 0.
 
+    ``met``: the share of each cell that is outside of solids (cells,), and what `crowd_homes.settle` takes; no rows
+    where there are none. A density of `FULL` that is 0 is set to those most metres.
     ``near``: as `crowd_pressure.relax` takes it; ``work``: what that takes and, where there is wind, the layers that
     `crowd_shelter.shelter` takes; ``numbers`` (`NUMBERS`,) float32. Pressure and shelter follow from their own
     neighbours, cell by cell: a thread finds one of them while another finds the other. No strand is in rows that are
     not ``near``: what else those hold is neither set nor read.
     """
     margined, busy, layers = work
+    shares, homes, closed = met
+    most = np.float32(0)
+    if len(homes) > 0:
+        for at in range(0, len(shares), LANES):
+            store(pointer(room.open), at, load(pointer(shares), at))
+        most = settle(box, near, grid, room.open, homes, closed)
+        if numbers[FULL] == 0:
+            numbers[FULL] = most
     drop_far(box, near, pressure)
     for o in prange(box[SIZE + 2]):
         find_excess(box, np.int64(o), near, grid, room, pressure, numbers)
@@ -46,6 +58,9 @@ def act(box, grid, near, room, numbers, work, pressure, targets):
             shelter(box, grid[MASS], numbers[WAY : WAY + 3], numbers[STOP], room.left, layers)
     for o in prange(box[SIZE + 2]):
         find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets)
+    if len(homes) > 0:
+        read_home(box, homes, closed, targets)
+    return most
 
 
 @device
