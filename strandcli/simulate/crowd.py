@@ -213,7 +213,7 @@ class Crowd:
         """Make arrays for the box of all."""
         wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
         count = wide * high * deep
-        margined, layers = (deep + 2, high + 1, wide + LANES), (4, crowd_shelter.layer_size(wide, high, deep))
+        margined, layers = crowd_pressure.work_shape(wide, high, deep), (4, crowd_shelter.layer_size(wide, high, deep))
         # of the first cell kernels load the one before it
         sizes = LANES, CELL * count, CELL * count, 6 * count, math.prod(margined), math.prod(layers)
         if sum(sizes) > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step

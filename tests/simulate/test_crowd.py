@@ -218,7 +218,7 @@ def test_pressure_solves_the_complementarity_problem() -> None:
     free = np.pad(open_.reshape(7, 9, 16), 1, constant_values=1) > 0
     around = sum(np.roll(free, shift, axis) for axis in range(3) for shift in (-1, 1)).astype(np.float32)
     faces = np.where(free & (around > 0), 1 / np.maximum(around, 1), 0)[1:-1, 1:-1, 1:-1].astype(np.float32).ravel()
-    work = np.zeros((7 + 2, 9 + 1, 16 + LANES), np.float32), np.empty((2, 7 + 2, 9 + 2), np.uint64)
+    work = np.zeros(crowd_pressure.work_shape(16, 9, 7), np.float32), np.empty((2, 7 + 2, 9 + 2), np.uint64)
     for _ in range(20):
         crowd_pressure.relax(box, excess, faces, np.ones((7, 9), np.bool_), *work, pressure)
     p = np.pad(pressure.reshape(7, 9, 16), 1)
