@@ -109,7 +109,7 @@ class Crowd:
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
         self._ends, self._before = np.empty((len(self.parts), 6)), np.empty(BOX, np.int64)
-        self._numbers = np.empty(NUMBERS, np.float32)
+        self._numbers: Any = np.empty(NUMBERS, np.float32)
         self._margin = 1 if touched(scene) else 0
         """Cells that the box of all has beside strands: closed ones lend theirs to open neighbours."""
         self._empty_grid()
@@ -176,7 +176,7 @@ class Crowd:
         """Set the numbers of a step, as `crowd_records.FULL` and the others; ``found``: the density that is greatest
         where none has been given or found before, 0 if it is not known."""
         dt, (x, y, z) = moment.step, moment.wind
-        numbers = memoryview(self._numbers)
+        numbers: Any = memoryview(self._numbers)
         speed = math.sqrt(x * x + y * y + z * z)
         numbers[FULL] = (found if self.density is None else self.density) * self.cell**3
         numbers[RATIO], numbers[SHARE_OF_MOST] = dt / (2 * self.cell), min(EASE * dt, MOST)

@@ -18,7 +18,7 @@ from .surroundings import Surroundings
 SEGMENTS_A_THREAD = 4_000
 """Segments of work that another thread is called for: waking it takes some hundredths of a millisecond."""
 
-NOTHING = 0, 0, 0, 0, 0
+NOTHING: tuple[int, ...] = (0, 0, 0, 0, 0)
 """What is run beside a step otherwise."""
 
 

@@ -16,7 +16,7 @@ from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
 from strandcli.simulate.crowd import Moment
 from strandcli.simulate.kernels import crowd_pressure
-from strandcli.simulate.kernels.crowd_records import BETWEEN, LANES, LOW, MASS, SIZE
+from strandcli.simulate.kernels.crowd_records import BETWEEN, LOW, MASS, SIZE
 from strandcli.simulate.kernels.rod_scratch import PACK
 from strandcli.simulate.rod import RodSolver
 

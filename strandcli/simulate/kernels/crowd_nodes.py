@@ -11,7 +11,20 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, function, parallel, prange
-from ...simd import any_lane, broadcast, lane_count, load, load3, no_fma, pointer, prefetch3, reduce_max, store, store3, where
+from ...simd import (
+    any_lane,
+    broadcast,
+    lane_count,
+    load,
+    load3,
+    no_fma,
+    pointer,
+    prefetch3,
+    reduce_max,
+    store,
+    store3,
+    where,
+)
 from .crowd_records import FIRST, LAST, NODE
 from .records import ROTATION, TRANSLATION
 from .rod_scratch import AXES, PACK
