@@ -225,7 +225,7 @@ class Crowd:
         self.shares, *of_room = room.reshape(6, count)
         self.room = Room(*of_room)
         self.room.open[:] = 1
-        work[:] = 0
+        work[: None if wide % (2 * LANES) else len(work) // margined[0]] = 0  # pressure, and what pads the others
         self._calm = self.room._replace(left=self.room.left[:0])
         met = count if self._margin else 0
         self._met = self.shares, np.empty(met, np.int8), np.empty((2, met + 1), np.int32)

@@ -44,6 +44,8 @@ class CrowdStrands:
         self._sampled: tuple[tuple[float, ...], Lattice] | None = None
         self._beside: tuple[Any, ...] = ()
         self._kept: tuple[Any, ...] = ()
+        self._given: tuple[Any, ...] = ()
+        self._targets: NDArray[Any] | None = None
 
     def moving(self, state: State, roots: NDArray[Any], mass: NDArray[Any]) -> Moving:
         """Return what kernels take of strands."""
@@ -89,13 +91,16 @@ class CrowdStrands:
         """Return what sets accelerations, ``crowd``, in the step of rods that is about to be run, and the nodes of the
         next one. ``given``: as `crowd_pack.descriptor_of` takes it."""
         whole, targets, scratch, shares = given
-        kept = moving, lattice, targets, shares
+        kept = moving, lattice, shares
         if not self._kept or any(a is not b for a, b in zip(self._kept, kept, strict=True)):
             row = aligned((len(scratch[0]), *crowd.shape[1:]), crowd.dtype)
             made = crowd_pack.descriptor_of(moving, lattice, whole, targets, scratch, shares, self._numbers, row)
             codes = codes_for(self._kind.__name__)
             self._beside = *codes, made.ctypes.data, row.ctypes.data, row.strides[0]
             self._kept, self._given = kept, (made, row, given)  # which must outlive the step
+            self._targets = targets
+        if targets is not self._targets:
+            self._given[0][crowd_pack.TARGETS], self._targets = targets.ctypes.data, targets
         self.noted = True
         return self._beside
 
