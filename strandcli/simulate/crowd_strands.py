@@ -89,7 +89,8 @@ class CrowdStrands:
 
     def beside(self, moving: Moving, lattice: Lattice, given: tuple[Any, ...], crowd: NDArray[Any]) -> Any:
         """Return what sets accelerations, ``crowd``, in the step of rods that is about to be run, and the nodes of the
-        next one. ``given``: as `crowd_pack.descriptor_of` takes it."""
+        next one, as `StepKernel.run` takes it. Accelerations of a pack are left in a row a worker, of the form of rows
+        of ``crowd``. ``given``: as `crowd_pack.descriptor_of` takes it."""
         whole, targets, scratch, shares = given
         kept = moving, lattice, shares
         if not self._kept or any(a is not b for a, b in zip(self._kept, kept, strict=True)):

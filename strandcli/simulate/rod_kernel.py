@@ -49,7 +49,8 @@ class StepKernel:
 
     def run(self, beside: tuple[int, ...] = NOTHING) -> None:
         """Move all strands by one step, as `Forcing` says. ``beside``: code that is run before each pack and after it,
-        as `work_queue.call_for` takes it, and the address of its descriptor; strands that interact have such."""
+        as `work_queue.call_for` takes it, and the address of its descriptor; where it leaves accelerations, and bytes
+        between those of two workers. Strands that interact have such."""
         if beside is not self._beside:
             self._descriptor[rod_step.BEFORE : rod_step.CROWD_BYTES + 1] = beside if beside[2] else self._alone
             self._beside = beside

@@ -89,7 +89,7 @@ def accelerate(moving, lattice, parts, box, targets, work, shares, crowd):
 @device
 def accelerate_pack(moving, lattice, packs, box, targets, work, shares, crowd):
     """Set the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
-    is a mean, by their shares. What goes to the root the emitter takes up."""
+    is a mean, by their shares. What goes to the root the emitter takes up. ``packs``: as `locate` takes them."""
     wide = np.uint64(box[SIZE] * CELL)
     layer = wide * np.uint64(box[SIZE + 1])
     cells, (rows, found), begun = half_width_pointer(targets), work, np.int64(0)

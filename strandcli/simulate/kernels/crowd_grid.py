@@ -143,8 +143,9 @@ def cell_of(rows, k):
 
 @device
 def locate(moving, lattice, packs, sample, box, origins, rows):
-    """Set the rows of scratch for a sample of a pack's strands. ``origins`` (3,): the middle of the box's first cell,
-    metres. What is read of arrays is read once: LLVM does not know that scratch is none of them."""
+    """Set the rows of scratch for a sample of a pack's strands. ``packs``: that one, and the one whose nodes are
+    prefetched, for it comes next. ``origins`` (3,): the middle of the box's first cell, metres. What is read of arrays
+    is read once: LLVM does not know that scratch is none of them."""
     nodes, others, out = pointer(moving.nodes), pointer(moving.others), pointer(rows)
     first, count, again, inverse = lattice.begin[sample], lattice.blend.shape[1], lattice.again, lattice.inverse
     at_root = lattice.first[sample] == 0

@@ -92,7 +92,7 @@ def widen(ends, axis, low, high):
 @device
 def keep_others(moving, lattice, packs, step, time, crowd):
     """Set `Moving.others`, `Moving.pushed` and `Moving.jolted` of a pack of strands, whose accelerations are set.
-    step: its length, seconds; time: `Lattice.seen` of that."""
+    packs: that one, and the one that is prefetched; step: its length, seconds; time: `Lattice.seen` of that."""
     nodes, out, pushed = pointer(moving.nodes), pointer(moving.others), pointer(moving.pushed)
     count, pack = moving.nodes.shape[1], packs[0]
     ahead = (packs[1] - pack) * count * AXES

@@ -94,29 +94,19 @@ def data_numbers(data: Sequence[NDArray[Any]]) -> list[int]:
 
 
 @device
-def state_of(kind, descriptor):
-    """Pointers to the arrays of `State`, of a floating type."""
+def state_of(kind, descriptor, rows=0):
+    """Pointers to the arrays of `State`, of a floating type. ``rows``: by how many those of accelerations by the
+    strands around are shifted, for the code that is run before a pack leaves them in a worker's row of scratch."""
     return State(
         pointer_at(kind, descriptor[STATE]), pointer_at(kind, descriptor[STATE + 1]),
         pointer_at(kind, descriptor[STATE + 2]), pointer_at(kind, descriptor[STATE + 3]),
         pointer_at(kind, descriptor[STATE + 4]), pointer_at(kind, descriptor[STATE + 5]),
         pointer_at(kind, descriptor[STATE + 6]), pointer_at(kind, descriptor[STATE + 7]),
-        pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[STATE + 9]),
+        pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[CROWD] + rows * descriptor[CROWD_BYTES]),
         pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
         pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
         pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
         pointer_at(kind, descriptor[STATE + 16]), pointer_at(kind, descriptor[STATE + 17]),
-    )  # fmt: skip
-
-
-@device
-def state_of_crowd(kind, descriptor, state, pack, worker):
-    """`State` of a pack whose accelerations by the strands around the code that is run before it has left."""
-    crowd = pointer_at(kind, descriptor[CROWD] + (worker - pack) * descriptor[CROWD_BYTES])
-    return State(
-        state.edges, state.velocity, state.before, state.ahead, state.moved, state.tension, state.push, state.touching,
-        state.twist, crowd, state.jolted, state.positions, state.residuals, state.turned, state.root_velocity,
-        state.root_before, state.root_ahead, state.root_moved,
     )  # fmt: skip
 
 
@@ -219,7 +209,7 @@ def work(kind, descriptor, worker, solids_of, second, crowded, held, loose, oval
         next_pack = take(descriptor)
         if crowded is not None:
             call_beside(descriptor[BEFORE], descriptor[BESIDE], pack, next_pack, worker)
-            state = state_of_crowd(kind, descriptor, state, pack, worker)
+            state = state_of(kind, descriptor, worker - pack)
         run(scratch, state, material, forcing, flags, solids, descriptor[ITERATIONS], pack, next_pack, segments)
         if pack == descriptor[TASKS] - 1:
             rod_sweep.fill_block(scratch, state.positions, pack, segments)

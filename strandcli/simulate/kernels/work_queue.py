@@ -61,7 +61,8 @@ def call_for(typingctx: Any, code: Any, descriptor: Any, task: Any, next: Any, w
 
 @device
 def call_beside(code, descriptor, task, next, worker):
-    """Run what is to be run before or after a task: code at an address, with the descriptor at one, unless it is 0."""
+    """Run what is to be run before or after a task: code at an address, with the descriptor at one, unless it is 0.
+    ``next``: the number of the task that the worker has after it."""
     if code != 0:
         call_for(code, array_at(np.int64, descriptor, (1,)), task, next, worker)
 
