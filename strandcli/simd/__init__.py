@@ -25,6 +25,8 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     x, y, z = load_deinterleaved(rows, o)   vectors of every third number from places o, o + 1 and o + 2 on
     a, b, c = load_triple(rows, o)   three vectors one behind the other, in which three numbers take turns
     a, b, c, d = load_quadruples(rows, o)   vectors of every fourth number, likewise
+    a, b = deinterleaved(x)          vectors of half the length, of the even lanes and of the odd ones
+    x, y = interleaved(a, b)         two vectors, one behind the other, in which the numbers of two take turns
     deinterleave(rows, o, count, work, to, stride)   the same of so many triples, into an array
     x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x),
     power_of_two(x)
@@ -85,7 +87,16 @@ from .memory import (
     vector_pointer,
     vector_pointer_at,
 )
-from .records import gather2, gather4, gather8, load_quadruples, load_triple, store_records
+from .records import (
+    deinterleaved,
+    gather2,
+    gather4,
+    gather8,
+    interleaved,
+    load_quadruples,
+    load_triple,
+    store_records,
+)
 
 __all__ = [
     "any_lane",
@@ -93,6 +104,7 @@ __all__ = [
     "broadcast",
     "count_true",
     "deinterleave",
+    "deinterleaved",
     "floor",
     "gather",
     "gather2",
@@ -100,6 +112,7 @@ __all__ = [
     "gather8",
     "half_width_pointer",
     "has_fma",
+    "interleaved",
     "lane",
     "lane_count",
     "line_pointer",

@@ -194,6 +194,22 @@ def interleaved(typingctx: Any, x: Any, y: Any) -> Any:
     return types.UniTuple(x, 2)(x, y), emit
 
 
+@intrinsic
+def deinterleaved(typingctx: Any, x: Any) -> Any:
+    """Two vectors of half the length: the numbers in even lanes of a vector, and those in odd ones."""
+    if not isinstance(x, VectorType):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        count = args[0].type.count
+        turns = [list(range(odd, count, 2)) for odd in range(2)]
+        return context.make_tuple(
+            builder, sig.return_type, [builder.shuffle_vector(args[0], args[0], _mask(half)) for half in turns]
+        )
+
+    return types.UniTuple(VectorType(x.dtype, x.size // 2, x.fused), 2)(x), emit
+
+
 @device
 def store_records(rows, o, numbers):
     """Keep eight vectors as records from place o on: the first number of each, then the second, and so on."""

@@ -23,15 +23,28 @@ from ..scene.touched import touched
 from ..solids import Solids
 from .crowd_samples import samples_of
 from .crowd_strands import CrowdStrands
-from .kernels import (
-    crowd_boxes,
-    crowd_forces,
-    crowd_grid,
-    crowd_homes,
-    crowd_pressure,
-    crowd_shelter,
+from .kernels import crowd_boxes, crowd_forces, crowd_grid, crowd_pressure, crowd_shelter
+from .kernels.crowd_records import (
+    BOX,
+    CELL,
+    CHANGE,
+    FALL,
+    FOUND,
+    FULL,
+    LANES,
+    LOST,
+    LOW,
+    NUMBERS,
+    RATIO,
+    ROWS,
+    SIZE,
+    SPEED,
+    STOP,
+    WAY,
+    Lattice,
+    Room,
 )
-from .kernels.crowd_records import BOX, CELL, FOUND, LANES, LOW, OFFSET, ROWS, SIZE, Room
+from .kernels.crowd_records import MOST as SHARE_OF_MOST
 from .kernels.records import State
 from .kernels.rod_scratch import PACK
 from .material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
@@ -47,6 +60,8 @@ EASE, MOST = 15.0, 0.5
 other are led apart."""
 MOST_CELLS = 4_000_000
 """Of the box about the strands: some 120 bytes each, 470 MB."""
+NONE_MET = np.empty(0, np.float32), np.empty(0, np.int8), np.empty((2, 1), np.int32)
+"""What `crowd_forces.act` takes where there are no solids."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
 """Parts that strands are cut into at the most, and segments of each at the least."""
 
@@ -93,7 +108,8 @@ class Crowd:
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
-        self._ends = np.empty((len(self.parts), 6))
+        self._ends, self._before = np.empty((len(self.parts), 6)), np.empty(BOX, np.int64)
+        self._numbers: Any = np.empty(NUMBERS, np.float32)
         self._margin = 1 if touched(scene) else 0
         """Cells that the box of all has beside strands: closed ones lend theirs to open neighbours."""
         self._empty_grid()
@@ -116,7 +132,7 @@ class Crowd:
 
     def prepare(
         self, state: State, mass: NDArray[Any], roots: NDArray[Any], moment: Moment, later: bool = False
-    ) -> tuple[int, int, int]:
+    ) -> tuple[int, ...]:
         """Set `State.crowd` for a step; ``later``: or return what sets it and the nodes of the step after, as
         `StepKernel.run` takes it. ``roots`` (P, 3 S): velocity of the roots in it, m/s. Where a coordinate is not
         finite there is no grid, and it is set to zero."""
@@ -124,28 +140,27 @@ class Crowd:
         moving = strands.moving(state, roots, mass)
         lattice = strands.lattice(self.cell, dt, self._last_step)
         strands.note(moving, lattice, self.parts, self._last_step == 0)
-        if not self._lay():
+        if not self._lay(lattice):
             state.crowd[...], state.jolted[...] = 0, 0
             self._last_step = 0.0
             return NOTHING
         whole = self.boxes[-1]
-        lattice.origins[...] = self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)
         most = crowd_grid.deposit(
             moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
             self.near,
         )  # fmt: skip
+        among = moment.solids is not None
         if moment.solids is not None:
-            most = self._find_room(whole, moment.solids)
-        self.found = float(most) / self.cell**3
-        if self.density is None:
-            self.density = self.found
-        room = self.room if any(moment.wind) else self.room._replace(left=self.room.left[:0])
-        crowd_forces.act(
-            whole, self.grid, self.near, room, self._numbers(self.density, moment), self._work,
+            self._find_room(whole, moment.solids)
+        self._set_numbers(0.0 if among else float(most) / self.cell**3, moment)
+        room = self.room if any(moment.wind) else self._calm
+        most_open = crowd_forces.act(
+            whole, self.grid, self.near, room, self._numbers, self._work, self._met if among else NONE_MET,
             self.pressure.reshape(-1), self.targets,
         )  # fmt: skip
-        if moment.solids is not None:
-            crowd_homes.read_home(whole, *self.homes, self.targets)
+        self.found = float(most_open if among else most) / self.cell**3
+        if self.density is None:
+            self.density = self.found
         self._last_step = dt
         shares = strands.shares(lattice, mass)
         if later:
@@ -157,19 +172,19 @@ class Crowd:
         """Forget what moved strands in the last step, for they have been stopped or put elsewhere."""
         self._last_step, self.strands.noted = 0.0, False
 
-    def _numbers(self, density: float, moment: Moment) -> NDArray[np.float32]:
-        """Return the numbers of a step, as `crowd_records.FULL` and the others."""
-        dt, wind = moment.step, moment.wind
-        x, y, z = wind
+    def _set_numbers(self, found: float, moment: Moment) -> None:
+        """Set the numbers of a step, as `crowd_records.FULL` and the others; ``found``: the density that is greatest
+        where none has been given or found before, 0 if it is not known."""
+        dt, (x, y, z) = moment.step, moment.wind
+        numbers: Any = memoryview(self._numbers)
         speed = math.sqrt(x * x + y * y + z * z)
-        way = [one / speed for one in wind] if speed > 0 else wind
-        share = 1 - (1 - self.friction) ** (dt / FRICTION_TIME)
-        return np.array(
-            [density * self.cell**3, dt / (2 * self.cell), min(EASE * dt, MOST), share, self.cell / dt,
-             self._thickness / self.cell**2, *way, *(dt * one for one in wind),
-             *(dt * dt / self.cell * one for one in moment.gravity)],
-            np.float32,
-        )  # fmt: skip
+        numbers[FULL] = (found if self.density is None else self.density) * self.cell**3
+        numbers[RATIO], numbers[SHARE_OF_MOST] = dt / (2 * self.cell), min(EASE * dt, MOST)
+        numbers[LOST] = 1 - (1 - self.friction) ** (dt / FRICTION_TIME)
+        numbers[SPEED], numbers[STOP] = self.cell / dt, self._thickness / self.cell**2
+        for axis, (wind, pull) in enumerate(zip(moment.wind, moment.gravity, strict=True)):
+            numbers[WAY + axis] = wind / speed if speed > 0 else wind
+            numbers[CHANGE + axis], numbers[FALL + axis] = dt * wind, dt * dt / self.cell * pull
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what a step takes from the one before: pressure and its box; and the densities that are reported."""
@@ -198,7 +213,7 @@ class Crowd:
         """Make arrays for the box of all."""
         wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
         count = wide * high * deep
-        margined, layers = (deep + 2, high + 1, wide + LANES), (4, crowd_shelter.layer_size(wide, high, deep))
+        margined, layers = crowd_pressure.work_shape(wide, high, deep), (4, crowd_shelter.layer_size(wide, high, deep))
         # of the first cell kernels load the one before it
         sizes = LANES, CELL * count, CELL * count, 6 * count, math.prod(margined), math.prod(layers)
         if sum(sizes) > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
@@ -210,33 +225,33 @@ class Crowd:
         self.shares, *of_room = room.reshape(6, count)
         self.room = Room(*of_room)
         self.room.open[:] = 1
-        work[:] = 0
+        work[: None if wide % (2 * LANES) else len(work) // margined[0]] = 0  # pressure, and what pads the others
+        self._calm = self.room._replace(left=self.room.left[:0])
         met = count if self._margin else 0
-        self.homes = np.empty(met, np.int8), np.empty((2, met + 1), np.int32)
+        self._met = self.shares, np.empty(met, np.int8), np.empty((2, met + 1), np.int32)
+        along = np.arange(wide) + self.boxes[-1, LOW] + 0.5
+        self._along = (self.cell * along).astype(np.float32)
         self._work = work.reshape(margined), np.empty((2, deep + 2, high + 2), np.uint64), of_layers.reshape(layers)
         self._outside: tuple[list[bytes], Any] = [], ()
         """What ``shares`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
 
-    def _find_room(self, whole: NDArray[np.int64], met: Solids) -> float:
+    def _find_room(self, whole: NDArray[np.int64], met: Solids) -> None:
         """Find what solids ``met`` leave of the rows of cells that strands are near, kept for as long as neither
-        changes, and bring what lies in closed cells to their homes. Returns the most metres in a cell."""
+        changes."""
         parts: tuple[Any, ...] = self.near, *met
         rows, data = [one.tobytes() for one in parts[:6]], parts[6:]
         if rows != self._outside[0] or not all(map(is_, data, self._outside[1])):
             self._outside = rows, data
             self.shares[:] = 1
-            along = (self.cell * (np.arange(whole[SIZE]) + whole[LOW] + 0.5)).astype(np.float32)
-            crowd_pressure.find_room(whole, self.cell, met, along, self.near, self.shares)
-        self.room.open[:] = self.shares
-        return float(crowd_homes.settle(whole, self.near, self.grid, self.room.open, *self.homes))
+            crowd_pressure.find_room(whole, self.cell, met, self._along, self.near, self.shares)
 
-    def _lay(self) -> bool:
-        """Set the boxes about the strands of each part and of all; False where a coordinate is not finite. Raises
-        `UsageError` where they take too many cells."""
-        before = self.boxes[-1].copy()
-        cells = crowd_boxes.find_boxes(
-            self.strands.ends, self.cell, self.parts, self._margin, float(MOST_CELLS), self._ends, self.boxes
-        )
+    def _lay(self, lattice: Lattice) -> bool:
+        """Set the boxes about the strands of each part and of all, and their origins; False where a coordinate is not
+        finite. Raises `UsageError` where they take too many cells."""
+        cells, count, changed = crowd_boxes.find_boxes(
+            self.strands.ends, self.cell, self.parts, self._margin, float(MOST_CELLS), self._ends, self.boxes,
+            self._before, lattice.origins,
+        )  # fmt: skip
         if math.isnan(cells):
             return False
         if cells > MOST_CELLS:
@@ -245,12 +260,10 @@ class Crowd:
                 f"{self.where}.cell: cells of {self.cell:.3g} m would be {cells:.3g} in the box about the strands, "
                 f"more than {MOST_CELLS:,}; make them at least {1.05 * least:.2g}"
             )
-        last, whole = self.boxes[-2:]
-        count = int(last[OFFSET] + last[SIZE : SIZE + 3].prod())
         if count > len(self.memory):
             self.memory = aligned((int(count * 1.2), CELL))
-        if not np.array_equal(before, whole):
-            self.pressure = _moved(self.pressure, before, whole)
+        if changed:
+            self.pressure = _moved(self.pressure, self._before, self.boxes[-1])
             self._empty_grid()
         return True
 

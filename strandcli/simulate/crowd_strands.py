@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import on_large_pages
+from ..blocks import aligned, on_large_pages
 from .crowd_samples import Samples, nodes_of
 from .kernels import crowd_excess, crowd_nodes, crowd_pack, work_queue
 from .kernels.crowd_records import NODE, Lattice, Moving
@@ -38,25 +38,37 @@ class CrowdStrands:
         """As `Moving` has it."""
         self.roots = np.zeros((packs, AXES), dtype)
         """What a step's velocities of roots may be kept in."""
-        self._numbers = np.empty(crowd_pack.ORIGIN + 3, dtype)
+        self._numbers = np.empty(crowd_pack.NUMBERS, dtype)
         self._shares: tuple[tuple[Any, ...], NDArray[Any]] = (), self._numbers
-        self._descriptor: tuple[NDArray[np.int64], tuple[Any, ...]] | None = None
+        self._moving: Moving | None = None
+        self._sampled: tuple[tuple[float, ...], Lattice] | None = None
+        self._beside: tuple[Any, ...] = ()
+        self._kept: tuple[Any, ...] = ()
+        self._given: tuple[Any, ...] = ()
         self._targets: NDArray[Any] | None = None
 
     def moving(self, state: State, roots: NDArray[Any], mass: NDArray[Any]) -> Moving:
         """Return what kernels take of strands."""
-        return Moving(
-            state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
-            self._metres, mass,
-        )  # fmt: skip
+        last = self._moving
+        if last is None or last.roots is not roots or last.positions is not state.positions or last.mass is not mass:
+            self._moving = last = Moving(
+                state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
+                self._metres, mass,
+            )  # fmt: skip
+        return last
 
     def lattice(self, cell: float, dt: float, before: float) -> Lattice:
         """Return how strands are sampled in a step of ``dt`` seconds after one of ``before``, 0 if there was none;
         origins are to be set."""
+        known = cell, dt, before
+        if self._sampled is not None and self._sampled[0] == known:
+            return self._sampled[1]
         kind, samples = self._kind, self._samples
         steps = kind(dt), kind(dt / before if before else 1.0), kind(1 - crowd_excess.HELD)
         sampled = samples.first, samples.counts, self._weights, samples.mass.astype(kind)
-        return Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
+        made = Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
+        self._sampled = known, made
+        return made
 
     def note(self, moving: Moving, lattice: Lattice, parts: NDArray[np.int64], anew: bool) -> None:
         """Set nodes and ends where the last step has not; ``anew``: nothing is known of a step before."""
@@ -77,20 +89,21 @@ class CrowdStrands:
 
     def beside(self, moving: Moving, lattice: Lattice, given: tuple[Any, ...], crowd: NDArray[Any]) -> Any:
         """Return what sets accelerations, ``crowd``, in the step of rods that is about to be run, and the nodes of the
-        next one. ``given``: as `crowd_pack.descriptor_of` takes it."""
+        next one, as `StepKernel.run` takes it. Accelerations of a pack are left in a row a worker, of the form of rows
+        of ``crowd``. ``given``: as `crowd_pack.descriptor_of` takes it."""
         whole, targets, scratch, shares = given
-        kept = moving.positions, shares
-        if self._descriptor is None or any(a is not b for a, b in zip(self._descriptor[1][0], kept, strict=True)):
-            made = crowd_pack.descriptor_of(moving, lattice, whole, targets, scratch, shares, self._numbers, crowd)
-            self._descriptor = made, (kept, moving, lattice, given, crowd)  # which must outlive the step
-        descriptor = self._descriptor[0]
+        kept = moving, lattice, shares
+        if not self._kept or any(a is not b for a, b in zip(self._kept, kept, strict=True)):
+            row = aligned((len(scratch[0]), *crowd.shape[1:]), crowd.dtype)
+            made = crowd_pack.descriptor_of(moving, lattice, whole, targets, scratch, shares, self._numbers, row)
+            codes = codes_for(self._kind.__name__)
+            self._beside = *codes, made.ctypes.data, row.ctypes.data, row.strides[0]
+            self._kept, self._given = kept, (made, row, given)  # which must outlive the step
+            self._targets = targets
         if targets is not self._targets:
-            descriptor[crowd_pack.TARGETS], self._targets = targets.ctypes.data, targets
-        crowd_pack.set_numbers(lattice, self._numbers)
-        descriptor[crowd_pack.ROOTS] = moving.roots.ctypes.data
-        self._roots = moving.roots  # which must outlive the step, too
+            self._given[0][crowd_pack.TARGETS], self._targets = targets.ctypes.data, targets
         self.noted = True
-        return *codes_for(self._kind.__name__), descriptor.ctypes.data
+        return self._beside
 
 
 @cache
@@ -100,4 +113,4 @@ def codes_for(kind: str) -> tuple[int, int]:
     double = kind == "float64"
     before = crowd_pack.double if double else crowd_pack.single
     after = crowd_pack.double_after if double else crowd_pack.single_after
-    return work_queue.address(before, 2), work_queue.address(after, 2)
+    return work_queue.address(before, 3), work_queue.address(after, 3)

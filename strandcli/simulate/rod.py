@@ -239,7 +239,7 @@ class RodSolver(Solver):
         forcing.roots[...], forcing.directions[...] = packed(roots, self.dtype), packed(directions, self.dtype)
         forcing.drift[...] = turned(past, forcing.roots - before).reshape(forcing.drift.shape)
 
-    def _run(self, pose: Pose, change: memoryview, beside: tuple[int, int, int] = NOTHING) -> None:
+    def _run(self, pose: Pose, change: memoryview, beside: tuple[int, ...] = NOTHING) -> None:
         """Run the kernel to a pose of the emitter, with its ``change`` as `Forcing.pose`."""
         if self.pins is not None:
             self.forcing.numbers[TOLERANCE] = min(self.forcing.numbers[TOLERANCE], PINNED_TOLERANCE)

@@ -18,7 +18,7 @@ from .surroundings import Surroundings
 SEGMENTS_A_THREAD = 4_000
 """Segments of work that another thread is called for: waking it takes some hundredths of a millisecond."""
 
-NOTHING = 0, 0, 0
+NOTHING: tuple[int, ...] = (0, 0, 0, 0, 0)
 """What is run beside a step otherwise."""
 
 
@@ -41,14 +41,19 @@ class StepKernel:
         self._descriptor = rod_step.descriptor_of(
             strands, segments, iterations, flags, self.scratch, *self._kept, self._data
         )
+        self._alone = *NOTHING[:3], arrays[0].crowd.ctypes.data, 0
+        self._beside: tuple[int, ...] = ()
         self._others = surroundings.others
         self._kind, self._flags = edges.dtype.name, flags
         self._code: int | None = None
 
-    def run(self, beside: tuple[int, int, int] = NOTHING) -> None:
+    def run(self, beside: tuple[int, ...] = NOTHING) -> None:
         """Move all strands by one step, as `Forcing` says. ``beside``: code that is run before each pack and after it,
-        as `work_queue.call_for` takes it, and the address of its descriptor; strands that interact have such."""
-        self._descriptor[rod_step.BEFORE : rod_step.BESIDE + 1] = beside
+        as `work_queue.call_for` takes it, and the address of its descriptor; where it leaves accelerations, and bytes
+        between those of two workers. Strands that interact have such."""
+        if beside is not self._beside:
+            self._descriptor[rod_step.BEFORE : rod_step.CROWD_BYTES + 1] = beside if beside[2] else self._alone
+            self._beside = beside
         if self._code is None:  # compiled no sooner than anything moves, which need not be
             self._code = self._compiled()
         if self._data is not self._surroundings.data:

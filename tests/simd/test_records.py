@@ -11,7 +11,9 @@ from numba import njit
 from strandcli.constants import VECTOR
 from strandcli.simd import (
     deinterleave,
+    deinterleaved,
     half_width_pointer,
+    interleaved,
     lane_count,
     load,
     load_quadruples,
@@ -55,6 +57,28 @@ def test_every_fourth_number_is_of_the_same_vector(dtype: Any) -> None:
     out = np.zeros_like(given[1:])
     taken_in_turns(given, out)
     np.testing.assert_array_equal(out.reshape(4, -1), given[1:].reshape(-1, 4).T)
+
+
+@njit
+def apart_and_together(given, apart, together):
+    """Even numbers and odd ones of a vector, and back from vectors that begin with those."""
+    rows, half = pointer(given), half_width_pointer(apart)
+    count = lane_count(rows)
+    even, odd = deinterleaved(load(rows, 0))
+    store(half, 0, even)
+    store(half, count, odd)
+    first, second = interleaved(load(pointer(apart), 0), load(pointer(apart), count))
+    store(pointer(together), 0, first)
+    store(pointer(together), count, second)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_even_numbers_come_before_odd_ones_and_go_back_between_them(dtype: Any) -> None:
+    given = np.arange(VECTOR // np.dtype(dtype).itemsize).astype(dtype)
+    apart, together = np.zeros((2, len(given)), dtype), np.ones((2, len(given)), dtype)
+    apart_and_together(given, apart.reshape(-1), together.reshape(-1))
+    np.testing.assert_array_equal(apart[:, : len(given) // 2], given.reshape(-1, 2).T)
+    np.testing.assert_array_equal(together, [given, np.zeros_like(given)])
 
 
 @njit

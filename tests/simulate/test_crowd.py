@@ -16,7 +16,7 @@ from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
 from strandcli.simulate.crowd import Moment
 from strandcli.simulate.kernels import crowd_pressure
-from strandcli.simulate.kernels.crowd_records import BETWEEN, LANES, LOW, MASS, SIZE
+from strandcli.simulate.kernels.crowd_records import BETWEEN, LOW, MASS, SIZE
 from strandcli.simulate.kernels.rod_scratch import PACK
 from strandcli.simulate.rod import RodSolver
 
@@ -209,20 +209,21 @@ def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump(
     assert past[:, 4, 0].std() > 4 * alone.particles()[:, 4, 0].std()
 
 
-def test_pressure_solves_the_complementarity_problem() -> None:
-    box = np.array([0, 0, 0, 16, 9, 7, 0])
+@pytest.mark.parametrize("wide", [16, 32, 48])
+def test_pressure_solves_the_complementarity_problem(wide: int) -> None:
+    box = np.array([0, 0, 0, wide, 9, 7, 0])
     rng = np.random.default_rng(3)
-    excess = rng.normal(scale=0.3, size=16 * 9 * 7).astype(np.float32)
+    excess = rng.normal(scale=0.3, size=wide * 9 * 7).astype(np.float32)
     open_ = (rng.random(len(excess)) > 0.2).astype(np.float32)
     pressure = np.zeros_like(open_)
-    free = np.pad(open_.reshape(7, 9, 16), 1, constant_values=1) > 0
+    free = np.pad(open_.reshape(7, 9, wide), 1, constant_values=1) > 0
     around = sum(np.roll(free, shift, axis) for axis in range(3) for shift in (-1, 1)).astype(np.float32)
     faces = np.where(free & (around > 0), 1 / np.maximum(around, 1), 0)[1:-1, 1:-1, 1:-1].astype(np.float32).ravel()
-    work = np.zeros((7 + 2, 9 + 1, 16 + LANES), np.float32), np.empty((2, 7 + 2, 9 + 2), np.uint64)
+    work = np.zeros(crowd_pressure.work_shape(wide, 9, 7), np.float32), np.empty((2, 7 + 2, 9 + 2), np.uint64)
     for _ in range(20):
         crowd_pressure.relax(box, excess, faces, np.ones((7, 9), np.bool_), *work, pressure)
-    p = np.pad(pressure.reshape(7, 9, 16), 1)
-    left = np.zeros((7, 9, 16))
+    p = np.pad(pressure.reshape(7, 9, wide), 1)
+    left = np.zeros((7, 9, wide))
     for axis in range(3):
         for shift in (-1, 1):
             there = np.roll(p, shift, axis)[1:-1, 1:-1, 1:-1]

@@ -11,12 +11,14 @@ from .crowd_records import BOX, FIRST, LANES, LAST, LOW, OFFSET, SIZE
 
 
 @function
-def find_boxes(found, cell, parts, margin, most, ends, boxes):
-    """Set the boxes about the strands of each part and of all, and return the cells of the last: NaN where a coordinate
-    is not finite. Where they are more than ``most``, boxes stay as they are.
+def find_boxes(found, cell, parts, margin, most, ends, boxes, before, origins):
+    """Set the boxes about the strands of each part and of all. Return the cells of the last, NaN where a coordinate is
+    not finite; the cells of all parts; and whether the box of all has changed. Where cells are more than ``most``,
+    boxes stay as they are.
 
     found: `Moving.ends`; cell: side of a cell, metres; margin: cells that the box of all has beside strands; ends
-    (parts, 6) float64, scratch; boxes (parts + 1, `BOX`) int64."""
+    (parts, 6) float64, scratch; boxes (parts + 1, `BOX`) int64; before (`BOX`,): is set to the box of all as it was;
+    origins: `Lattice.origins`, are set."""
     for part in range(len(parts)):
         for axis in range(3):
             low, high = found[parts[part, FIRST], axis], found[parts[part, FIRST], 3 + axis]
@@ -24,7 +26,17 @@ def find_boxes(found, cell, parts, margin, most, ends, boxes):
                 low, high = max(low, found[pack, axis]), max(high, found[pack, 3 + axis])
             ends[part, axis] = np.floor(-low / cell - 0.5)
             ends[part, 3 + axis] = np.floor(high / cell - 0.5) + 1
-    return cut_boxes(ends, margin, most, boxes)
+    last, changed = len(parts), False
+    for column in range(BOX):
+        before[column] = boxes[last, column]
+    cells = cut_boxes(ends, margin, most, boxes)
+    for part in range(last + 1):
+        for axis in range(3):
+            origins[part, axis] = cell * (boxes[part, LOW + axis] + 0.5)
+    for column in range(BOX):
+        changed |= before[column] != boxes[last, column]
+    past = boxes[last - 1]
+    return cells, past[OFFSET] + past[SIZE] * past[SIZE + 1] * past[SIZE + 2], changed
 
 
 @device

@@ -15,10 +15,11 @@ from ...jit import device, parallel, prange
 from ...simd import gather4, half_width_pointer, lane_count, load, load3, pointer, store, store3
 from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
+from .crowd_homes import read_home, settle
 from .crowd_limit import limit
 from .crowd_nodes import keep_others
 from .crowd_pressure import relax
-from .crowd_records import CELL, FIRST, FOUND, LANES, LAST, MASS, PUSH, RESULT, SHARE, SIZE, STOP, VELOCITY, WAY
+from .crowd_records import CELL, FIRST, FOUND, FULL, LANES, LAST, MASS, PUSH, RESULT, SHARE, SIZE, STOP, VELOCITY, WAY
 from .crowd_rows import COUNTED
 from .crowd_shelter import shelter
 from .crowd_targets import find_targets
@@ -26,15 +27,26 @@ from .rod_scratch import PACK
 
 
 @parallel
-def act(box, grid, near, room, numbers, work, pressure, targets):
-    """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`).
+def act(box, grid, near, room, numbers, work, met, pressure, targets):
+    """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`). Where there are solids,
+    set `Room.open` and return the most metres in a cell by what is open of it, else 0.
 
+    ``met``: the share of each cell that is outside of solids (cells,), and what `crowd_homes.settle` takes; no rows
+    where there are none. A density of `FULL` that is 0 is set to those most metres.
     ``near``: as `crowd_pressure.relax` takes it; ``work``: what that takes and, where there is wind, the layers that
     `crowd_shelter.shelter` takes; ``numbers`` (`NUMBERS`,) float32. Pressure and shelter follow from their own
     neighbours, cell by cell: a thread finds one of them while another finds the other. No strand is in rows that are
     not ``near``: what else those hold is neither set nor read.
     """
     margined, busy, layers = work
+    shares, homes, closed = met
+    most = np.float32(0)
+    if len(homes) > 0:
+        for at in range(0, len(shares), LANES):
+            store(pointer(room.open), at, load(pointer(shares), at))
+        most = settle(box, near, grid, room.open, homes, closed)
+        if numbers[FULL] == 0:
+            numbers[FULL] = most
     drop_far(box, near, pressure)
     for o in prange(box[SIZE + 2]):
         find_excess(box, np.int64(o), near, grid, room, pressure, numbers)
@@ -46,6 +58,9 @@ def act(box, grid, near, room, numbers, work, pressure, targets):
             shelter(box, grid[MASS], numbers[WAY : WAY + 3], numbers[STOP], room.left, layers)
     for o in prange(box[SIZE + 2]):
         find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets)
+    if len(homes) > 0:
+        read_home(box, homes, closed, targets)
+    return most
 
 
 @device
@@ -67,25 +82,25 @@ def accelerate(moving, lattice, parts, box, targets, work, shares, crowd):
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             rows = scratch[part], found[part]
-            accelerate_pack(moving, lattice, pack, box, targets.reshape(-1), rows, shares, crowd)
-            keep_others(moving, lattice, pack, lattice.step, lattice.seen * lattice.step, crowd)
+            accelerate_pack(moving, lattice, (pack, pack + 1), box, targets.reshape(-1), rows, shares, crowd)
+            keep_others(moving, lattice, (pack, pack + 1), lattice.step, lattice.seen * lattice.step, crowd)
 
 
 @device
-def accelerate_pack(moving, lattice, pack, box, targets, work, shares, crowd):
+def accelerate_pack(moving, lattice, packs, box, targets, work, shares, crowd):
     """Set the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
-    is a mean, by their shares. What goes to the root the emitter takes up."""
+    is a mean, by their shares. What goes to the root the emitter takes up. ``packs``: as `locate` takes them."""
     wide = np.uint64(box[SIZE] * CELL)
     layer = wide * np.uint64(box[SIZE + 1])
     cells, (rows, found), begun = half_width_pointer(targets), work, np.int64(0)
     read = half_width_pointer(found)
     for sample in range(len(lattice.first)):
-        locate(moving, lattice, pack, sample, box, lattice.origins[-1], rows)
+        locate(moving, lattice, packs, sample, box, lattice.origins[-1], rows)
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
             store(read, k * CELL, blend(cells, cell_of(rows, k), wide, layer, a, c, d))
         sort_columns(found, rows)
-        begun = share_out(lattice, pack, sample, rows, shares[sample], begun, crowd)
+        begun = share_out(lattice, packs[0], sample, rows, shares[sample], begun, crowd)
 
 
 @device

@@ -21,6 +21,7 @@ from ...simd import (
     load,
     load3,
     pointer,
+    prefetch3,
     reduce_max,
     store,
     store3,
@@ -82,7 +83,7 @@ def deposit_pack(moving, lattice, pack, box, origins, grid, work):
     each, wide = half_width_pointer(found), np.uint64(box[SIZE] * CELL)
     layer = wide * np.uint64(box[SIZE + 1])
     for sample in range(len(lattice.first)):
-        locate(moving, lattice, pack, sample, box, origins, rows)
+        locate(moving, lattice, (pack, pack + 1), sample, box, origins, rows)
         weigh(moving.metres, pack, np.float32(lattice.mass[sample]), rows, found)
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
@@ -141,14 +142,16 @@ def cell_of(rows, k):
 
 
 @device
-def locate(moving, lattice, pack, sample, box, origins, rows):
-    """Set the rows of scratch for a sample of a pack's strands. ``origins`` (3,): the middle of the box's first cell,
-    metres. What is read of arrays is read once: LLVM does not know that scratch is none of them."""
+def locate(moving, lattice, packs, sample, box, origins, rows):
+    """Set the rows of scratch for a sample of a pack's strands. ``packs``: that one, and the one whose nodes are
+    prefetched, for it comes next. ``origins`` (3,): the middle of the box's first cell, metres. What is read of arrays
+    is read once: LLVM does not know that scratch is none of them."""
     nodes, others, out = pointer(moving.nodes), pointer(moving.others), pointer(rows)
     first, count, again, inverse = lattice.begin[sample], lattice.blend.shape[1], lattice.again, lattice.inverse
     at_root = lattice.first[sample] == 0
     of_root = lattice.weights[sample, 0]
     o, p, q = origins[0], origins[1], origins[2]
+    pack, ahead = packs[0], (packs[1] - packs[0]) * moving.nodes.shape[1]
     begin = pack * moving.nodes.shape[1] + first
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     for lane in range(0, PACK, lane_count(nodes)):
@@ -157,12 +160,16 @@ def locate(moving, lattice, pack, sample, box, origins, rows):
         if at_root:
             a, b, c = load3(pointer(moving.roots), pack * AXES + lane, PACK)
             u, v, w = of_root * a, of_root * b, of_root * c
+            prefetch3(pointer(moving.roots), packs[1] * AXES + lane, PACK)
         for i in range(count):
             weight, place = lattice.blend[sample, i], begin + i
             a, b, c = load3(nodes, place * NODE * PACK + lane, PACK)
             x, y, z = x + weight * (a - o), y + weight * (b - p), z + weight * (c - q)
             a, b, c = load3(nodes, place * NODE * PACK + AXES + lane, PACK)
             d, e, f = load3(others, place * AXES + lane, PACK)
+            prefetch3(nodes, (place + ahead) * NODE * PACK + lane, PACK)
+            prefetch3(nodes, (place + ahead) * NODE * PACK + AXES + lane, PACK)
+            prefetch3(others, (place + ahead) * AXES + lane, PACK)
             a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
             u, v, w = u + weight * a, v + weight * b, w + weight * c
         x, below = x * inverse, cell_before(x * inverse, wide)

@@ -11,7 +11,20 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, function, parallel, prange
-from ...simd import any_lane, broadcast, lane_count, load, load3, no_fma, pointer, reduce_max, store, store3, where
+from ...simd import (
+    any_lane,
+    broadcast,
+    lane_count,
+    load,
+    load3,
+    no_fma,
+    pointer,
+    prefetch3,
+    reduce_max,
+    store,
+    store3,
+    where,
+)
 from .crowd_records import FIRST, LAST, NODE
 from .records import ROTATION, TRANSLATION
 from .rod_scratch import AXES, PACK
@@ -77,11 +90,12 @@ def widen(ends, axis, low, high):
 
 
 @device
-def keep_others(moving, lattice, pack, step, time, crowd):
+def keep_others(moving, lattice, packs, step, time, crowd):
     """Set `Moving.others`, `Moving.pushed` and `Moving.jolted` of a pack of strands, whose accelerations are set.
-    step: its length, seconds; time: `Lattice.seen` of that."""
+    packs: that one, and the one that is prefetched; step: its length, seconds; time: `Lattice.seen` of that."""
     nodes, out, pushed = pointer(moving.nodes), pointer(moving.others), pointer(moving.pushed)
-    count = moving.nodes.shape[1]
+    count, pack = moving.nodes.shape[1], packs[0]
+    ahead = (packs[1] - pack) * count * AXES
     for lane in range(0, PACK, lane_count(out)):
         past = broadcast(out, 0.0)
         changed, speed = past, past
@@ -93,6 +107,7 @@ def keep_others(moving, lattice, pack, step, time, crowd):
             a, b, c = load3(nodes, (first + node) * NODE * PACK + AXES + lane, PACK)
             store3(out, at, PACK, time * u + a, time * v + b, time * w + c)
             x, y, z = load3(pushed, at, PACK)
+            prefetch3(pushed, at + ahead, PACK)
             store3(pushed, at, PACK, u, v, w)
             past += x * x + y * y + z * z
             changed += (u - x) * (u - x) + (v - y) * (v - y) + (w - z) * (w - z)

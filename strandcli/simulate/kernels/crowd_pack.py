@@ -28,8 +28,10 @@ PACKS, SEGMENTS, BLOCKS, NODE_COUNT, NODE_MOST, SAMPLES, MOST, BLENDED = range(2
 """Sizes: `NODE_MOST` and `MOST` are of particles that a node and a sample are a mean of, `BLENDED` of nodes."""
 SCRATCH, SINGLE = 29, 30
 """Addresses of what `crowd_grid.deposit` has as ``work``, for each worker."""
-INVERSE, AGAIN, STEP, TIME, ORIGIN = 0, 1, 2, 3, 4
-"""Numbers: `Lattice.inverse`, `Lattice.again`, `Lattice.step`, `Lattice.seen` of it, and an origin (3)."""
+ORIGIN = 31
+"""Address of the last row of `Lattice.origins`."""
+INVERSE, AGAIN, STEP, TIME, NUMBERS = 0, 1, 2, 3, 4
+"""Numbers: `Lattice.inverse`, `Lattice.again`, `Lattice.step`, and `Lattice.seen` of it; and how many."""
 
 
 def descriptor_of(
@@ -37,7 +39,7 @@ def descriptor_of(
     work: tuple[NDArray[Any], ...], shares: NDArray[Any], numbers: NDArray[Any], crowd: NDArray[Any],
 ) -> NDArray[np.int64]:  # fmt: skip
     """What the kernels below are given, with the ``numbers`` set; the caller keeps all arrays alive."""
-    set_numbers(lattice, numbers)
+    numbers[:] = lattice.inverse, lattice.again, lattice.step, lattice.seen * lattice.step
     arrays = (
         moving.positions, moving.velocity, moving.nodes, moving.others, moving.pushed, moving.jolted, moving.ends,
         moving.roots,
@@ -48,37 +50,33 @@ def descriptor_of(
         *moving.velocity.shape[:2], len(moving.positions), *lattice.node_weights.shape, *lattice.weights.shape,
         lattice.blend.shape[1],
     )  # fmt: skip
-    return np.array([*(one.ctypes.data for one in arrays), *sizes, *(one.ctypes.data for one in work)])
-
-
-def set_numbers(lattice: Lattice, numbers: NDArray[Any]) -> None:
-    """Set the numbers of a step."""
-    numbers[:] = lattice.inverse, lattice.again, lattice.step, lattice.seen * lattice.step, *lattice.origins[-1]
+    last = *work, lattice.origins[-1]
+    return np.array([*(one.ctypes.data for one in arrays), *sizes, *(one.ctypes.data for one in last)])
 
 
 @function
-def single(descriptor, pack, worker):
+def single(descriptor, pack, next, worker):
     """Set the accelerations of a pack, in single precision, as one of the threads."""
-    accelerate_one(np.float32, 4, descriptor, pack, worker)
+    accelerate_one(np.float32, 4, descriptor, pack, next, worker)
 
 
 @function
-def double(descriptor, pack, worker):
+def double(descriptor, pack, next, worker):
     """The same in double precision."""
-    accelerate_one(np.float64, 8, descriptor, pack, worker)
+    accelerate_one(np.float64, 8, descriptor, pack, next, worker)
 
 
 @function
-def single_after(descriptor, pack, worker):
+def single_after(descriptor, pack, next, worker):
     """Set the nodes of a pack, in single precision."""
-    moving, lattice = moving_of(np.float32, descriptor), lattice_of(np.float32, 4, descriptor)
+    moving, lattice = moving_of(np.float32, descriptor), lattice_of(np.float32, descriptor)
     note_pack(moving, lattice, pack)
 
 
 @function
-def double_after(descriptor, pack, worker):
+def double_after(descriptor, pack, next, worker):
     """The same in double precision."""
-    moving, lattice = moving_of(np.float64, descriptor), lattice_of(np.float64, 8, descriptor)
+    moving, lattice = moving_of(np.float64, descriptor), lattice_of(np.float64, descriptor)
     note_pack(moving, lattice, pack)
 
 
@@ -98,10 +96,10 @@ def moving_of(kind, descriptor):
 
 
 @device
-def lattice_of(kind, bytes, descriptor):
+def lattice_of(kind, descriptor):
     """`Lattice` without what no pack's step takes."""
     samples, nodes = descriptor[SAMPLES], descriptor[NODE_COUNT]
-    numbers = array_at(kind, descriptor[NUMBERS_OF], (ORIGIN + 3,))
+    numbers = array_at(kind, descriptor[NUMBERS_OF], (NUMBERS,))
     return Lattice(
         array_at(np.int64, descriptor[BEGIN], (samples,)), array_at(np.int64, descriptor[COUNTS], (samples,)),
         array_at(kind, descriptor[WEIGHTS], (samples, descriptor[MOST])), None,
@@ -109,22 +107,23 @@ def lattice_of(kind, bytes, descriptor):
         array_at(kind, descriptor[NODE_WEIGHTS], (nodes, descriptor[NODE_MOST])),
         array_at(np.int64, descriptor[FIRST_NODE], (samples,)),
         array_at(kind, descriptor[BLEND], (samples, descriptor[BLENDED])), numbers[INVERSE],
-        array_at(kind, descriptor[NUMBERS_OF] + ORIGIN * bytes, (1, 3)), None, numbers[AGAIN], None,
+        array_at(kind, descriptor[ORIGIN], (1, 3)), None, numbers[AGAIN], None,
     )  # fmt: skip
 
 
 @device
-def accelerate_one(kind, bytes, descriptor, pack, worker):
+def accelerate_one(kind, bytes, descriptor, pack, next, worker):
     """Set the accelerations of a pack as `crowd_forces.accelerate` does."""
-    moving, lattice = moving_of(kind, descriptor), lattice_of(kind, bytes, descriptor)
+    moving, lattice = moving_of(kind, descriptor), lattice_of(kind, descriptor)
     rows = (
         array_at(kind, descriptor[SCRATCH] + worker * (ROWS * PACK * bytes), (ROWS, PACK)),
         array_at(np.float32, descriptor[SINGLE] + worker * (FOUND * PACK * 4), (FOUND * PACK,)),
     )
     targets = array_at(np.float32, descriptor[TARGETS], (CELL,))
     shares = array_at(kind, descriptor[SHARES], (descriptor[SAMPLES], descriptor[MOST]))
-    crowd = array_at(kind, descriptor[CROWD], (descriptor[PACKS], descriptor[SEGMENTS], AXES))
+    shift = (worker - pack) * descriptor[SEGMENTS] * AXES * bytes
+    crowd = array_at(kind, descriptor[CROWD] + shift, (descriptor[PACKS], descriptor[SEGMENTS], AXES))
     box = array_at(np.int64, descriptor[WHOLE], (BOX,))
-    accelerate_pack(moving, lattice, pack, box, targets, rows, shares, crowd)
-    numbers = array_at(kind, descriptor[NUMBERS_OF], (ORIGIN + 3,))
-    keep_others(moving, lattice, pack, numbers[STEP], numbers[TIME], crowd)
+    accelerate_pack(moving, lattice, (pack, next), box, targets, rows, shares, crowd)
+    numbers = array_at(kind, descriptor[NUMBERS_OF], (NUMBERS,))
+    keep_others(moving, lattice, (pack, next), numbers[STEP], numbers[TIME], crowd)

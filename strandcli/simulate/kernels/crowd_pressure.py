@@ -26,17 +26,31 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, function, parallel, prange
-from ...simd import any_lane, broadcast, lane_count, load, pointer, store, where
+from ...simd import (
+    any_lane,
+    broadcast,
+    deinterleaved,
+    half_width_pointer,
+    interleaved,
+    lane_count,
+    load,
+    pointer,
+    store,
+    where,
+)
 from ...solids.kernels.any_depth import any_depth
 from .crowd_records import LANES, LOW, SIZE
 
 RELAXATION = np.float32(1.5)
-EVEN = np.array([1, 0] * LANES, np.float32)
-"""1 in lanes of even numbers."""
 GROUPS = 64
 """Of cells of a row at the most: bits of a word."""
 ROUNDS = 12
 """Sweeps of a step: the pressure of the step before is nearly right already."""
+
+
+def work_shape(wide: int, high: int, deep: int) -> tuple[int, int, int, int]:
+    """Shape of what `relax` works in, for a box of so many cells."""
+    return 3, deep + 2, high + 1, 2 * (LANES + -(-wide // (2 * LANES)) * LANES)
 
 
 @function
@@ -44,43 +58,71 @@ def relax(box, excess, faces, near, work, busy, pressure):
     """Sweep over the cells `ROUNDS` times, those of one colour after those of the other, as on a chessboard.
 
     faces (cells,): 1 over the number of a cell's faces that no solid closes, 0 in solids; near (cells along z, along
-    y): whether strands are near that row of cells, in others pressure is 0; pressure (cells,): is changed; work (cells
-    along z + 2, along y + 1, along x + `LANES`): pressure with a margin of zeros, which stays, so that no cell is a
+    y): whether strands are near that row of cells, in others pressure is 0; pressure (cells,): is changed. work (3,
+    cells along z + 2, along y + 1, row): pressure, excess and faces, of each row those of even cells, and then those
+    of odd ones, so that a vector has one colour; with a margin of zeros before each, which stays, so that no cell is a
     special case: the one after a row is that before the next. Cells without pressure beside others without stay so
-    unless their excess is positive: they are left out, `LANES` or a multiple of them at once. busy (2, cells along z
+    unless their excess is positive: they are left out, a vector or a multiple of it at once. busy (2, cells along z
     + 2, along y + 2) uint64: a bit for each such group of a row, whether an excess is positive, whether a pressure is.
     """
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    stride = wide + LANES
-    layer = (high + 1) * stride
-    group = LANES * (wide // LANES // GROUPS + 1)
-    p, e, f = pointer(work), pointer(excess), pointer(faces)
+    half = work.shape[3] // 2
+    stride, layer = 2 * half, (high + 1) * 2 * half
+    group = LANES * ((half - LANES) // LANES // GROUPS + 1)
+    sizes = stride, layer, half, (deep + 2) * layer, group
+    p = pointer(work)
     busy[...] = 0
     for o in range(deep):
         for n in range(high):
             at, row = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide
-            for i in range(0, wide, LANES):
-                if near[o, n]:
-                    before = load(pointer(pressure), row + i)
-                    store(p, at + i, before)
-                    busy[0, o + 1, n + 1] |= bit_of(load(e, row + i), i // group)
-                    busy[1, o + 1, n + 1] |= bit_of(before, i // group)
-                else:
-                    store(p, at + i, broadcast(p, 0.0))
+            if near[o, n]:
+                positive, live = split_row(wide, row, at, sizes, excess, faces, pressure, work)
+                busy[0, o + 1, n + 1], busy[1, o + 1, n + 1] = positive, live
+            else:
+                for k in range(0, half - LANES, LANES):
+                    store(p, at + k, 0.0)
+                    store(p, at + half + k, 0.0)
     for round in range(2 * ROUNDS):
         for o in range(deep):
             for n in range(high):
                 if near[o, n]:
                     groups = busy[0, o + 1, n + 1] | groups_around(busy[1], o + 1, n + 1)
                     if groups != 0:
-                        at, row = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide
-                        sizes, colour = (stride, layer, wide, group), (o + n + round) % 2
-                        busy[1, o + 1, n + 1] = relax_row(p, at, sizes, e, f, row, colour, groups)
+                        at = (o + 1) * layer + (n + 1) * stride + LANES
+                        busy[1, o + 1, n + 1] = relax_row(p, at, sizes, (o + n + round) % 2, groups)
     for o in range(deep):
         for n in range(high):
             at, row = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide
-            for i in range(0, wide, LANES):
-                store(pointer(pressure), row + i, load(p, at + i))
+            for i in range(0, wide, 2 * LANES):
+                first, second = interleaved(load(p, at + i // 2), load(p, at + half + i // 2))
+                store(pointer(pressure), row + i, first)
+                if i + LANES < wide:
+                    store(pointer(pressure), row + i + LANES, second)
+
+
+@device
+def split_row(wide, row, at, sizes, excess, faces, pressure, work):
+    """Set a row of `relax`'s work, and return the groups of it whose excess is positive, and those that have
+    pressure."""
+    out, half, plane, group = half_width_pointer(work), sizes[2], sizes[3], sizes[4]
+    positive = live = np.uint64(0)
+    for i in range(0, wide, LANES):
+        k = i // 2
+        p, e, f = load(pointer(pressure), row + i), load(pointer(excess), row + i), load(pointer(faces), row + i)
+        positive |= bit_of(e, k // group)
+        live |= bit_of(p, k // group)
+        split(out, at + k, half, p)
+        split(out, plane + at + k, half, e)
+        split(out, 2 * plane + at + k, half, f)
+    return positive, live
+
+
+@device
+def split(out, at, half, x):
+    """Keep the numbers of even cells, and those of odd ones ``half`` a row further on."""
+    even, odd = deinterleaved(x)
+    store(out, at, even)
+    store(out, at + half, odd)
 
 
 @device
@@ -98,24 +140,22 @@ def groups_around(live, o, n):
 
 
 @device
-def relax_row(p, at, sizes, e, f, row, colour, groups):
-    """Relax a row's cells of a colour in these groups, and return which groups have pressure then: all cells are
-    computed, and those of the other colour stay as they are."""
-    stride, layer, wide, group = sizes
-    mine = load(pointer(EVEN), colour) > 0.0
+def relax_row(p, at, sizes, odd, groups):
+    """Relax a row's even or ``odd`` cells in these groups, and return which groups have pressure then."""
+    stride, layer, half, plane, group = sizes
     found = np.uint64(0)
-    for i in range(0, wide, LANES):
-        if groups >> np.uint64(i // group) & np.uint64(1) == 0:
+    for k in range(0, half - LANES, LANES):
+        if groups >> np.uint64(k // group) & np.uint64(1) == 0:
             continue
-        here = at + i
-        around = load(p, here - 1) + load(p, here + 1)
+        here, others = at + odd * half + k, at + (1 - odd) * half + k
+        around = load(p, others - 1 + odd) + load(p, others + odd)
         around += load(p, here - stride) + load(p, here + stride)
         around += load(p, here - layer) + load(p, here + layer)
-        own, share = load(p, here), load(f, row + i)
-        wanted = own + RELAXATION * ((load(e, row + i) + around) * share - own)
-        new = where(mine, where(share > 0.0, max(wanted, 0.0), 0.0), own)
+        own, share = load(p, here), load(p, 2 * plane + here)
+        wanted = own + RELAXATION * ((load(p, plane + here) + around) * share - own)
+        new = where(share > 0.0, max(wanted, 0.0), 0.0)
         store(p, here, new)
-        found |= bit_of(new, i // group)
+        found |= bit_of(max(new, load(p, others)), k // group)
     return found
 
 

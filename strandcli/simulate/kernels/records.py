@@ -56,7 +56,8 @@ class State(NamedTuple):
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     crowd: Any
     """(P, N, 3 S) acceleration of particles by the strands around them, m/s²; needed where strands interact, and with
-    the rule contact, by which alone it is then."""
+    the rule contact, by which alone it is then. A step with code beside it (`work_queue.call_for`) has those of a pack
+    in scratch of its own instead."""
     jolted: Any
     """(P, S) 1 for strands that those around push otherwise than in the step before; needed where strands interact."""
     positions: Any

@@ -61,7 +61,7 @@ SETTLED = 5
 CURLED_GAIN = 0.1
 """`Contact.gain` of curled strands, which go on giving way to a force for many steps: their matrix is that of rests
 that stay, which is stiffer than a coil."""
-SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, STATE = range(9, 15)
+SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, CROWD, CROWD_BYTES, STATE = range(9, 17)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
 SOLIDS = FORCING + len(Forcing._fields)
@@ -82,7 +82,7 @@ def descriptor_of(
     flat = [one for part in arrays for one in part]
     assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *flat, *solids))
     head = [0, -(-strands // PACK), segments, iterations, *flags[:SETTLED]]
-    numbers = [*head, scratch.ctypes.data, scratch.strides[0], 0, 0, 0]
+    numbers = [*head, scratch.ctypes.data, scratch.strides[0], *[0] * 5]
     addresses = [one.ctypes.data for one in (*flat, *solids[:4])]
     others = [number for one in solids[4:] for number in (one.ctypes.data, one.size, one.shape[1])]
     others += data_numbers(data)
@@ -95,14 +95,15 @@ def data_numbers(data: Sequence[NDArray[Any]]) -> list[int]:
 
 
 @device
-def state_of(kind, descriptor):
-    """Pointers to the arrays of `State`, of a floating type."""
+def state_of(kind, descriptor, rows=0):
+    """Pointers to the arrays of `State`, of a floating type. ``rows``: by how many those of accelerations by the
+    strands around are shifted, for the code that is run before a pack leaves them in a worker's row of scratch."""
     return State(
         pointer_at(kind, descriptor[STATE]), pointer_at(kind, descriptor[STATE + 1]),
         pointer_at(kind, descriptor[STATE + 2]), pointer_at(kind, descriptor[STATE + 3]),
         pointer_at(kind, descriptor[STATE + 4]), pointer_at(kind, descriptor[STATE + 5]),
         pointer_at(kind, descriptor[STATE + 6]), pointer_at(kind, descriptor[STATE + 7]),
-        pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[STATE + 9]),
+        pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[CROWD] + rows * descriptor[CROWD_BYTES]),
         pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
         pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
         pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
@@ -208,12 +209,13 @@ def work(kind, descriptor, worker, solids_of, second, crowded, held, loose, oval
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
         if crowded is not None:
-            call_beside(descriptor[BEFORE], descriptor[BESIDE], pack, worker)
+            call_beside(descriptor[BEFORE], descriptor[BESIDE], pack, next_pack, worker)
+            state = state_of(kind, descriptor, worker - pack)
         run(scratch, state, material, forcing, flags, solids, descriptor[ITERATIONS], pack, next_pack, segments)
         if pack == descriptor[TASKS] - 1:
             rod_sweep.fill_block(scratch, state.positions, pack, segments)
         if crowded is not None:
-            call_beside(descriptor[AFTER], descriptor[BESIDE], pack, worker)
+            call_beside(descriptor[AFTER], descriptor[BESIDE], pack, next_pack, worker)
         pack = next_pack
 
 

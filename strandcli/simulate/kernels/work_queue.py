@@ -54,16 +54,17 @@ def call(typingctx: Any, code: Any, descriptor: Any, worker: Any) -> Any:
 
 
 @intrinsic
-def call_for(typingctx: Any, code: Any, descriptor: Any, task: Any, worker: Any) -> Any:
-    """The same of code that takes a task's number and a worker's."""
-    return _calling(2)
+def call_for(typingctx: Any, code: Any, descriptor: Any, task: Any, next: Any, worker: Any) -> Any:
+    """The same of code that takes a task's number, that of the worker's next one and the worker's."""
+    return _calling(3)
 
 
 @device
-def call_beside(code, descriptor, task, worker):
-    """Run what is to be run before or after a task: code at an address, with the descriptor at one, unless it is 0."""
+def call_beside(code, descriptor, task, next, worker):
+    """Run what is to be run before or after a task: code at an address, with the descriptor at one, unless it is 0.
+    ``next``: the number of the task that the worker has after it."""
     if code != 0:
-        call_for(code, array_at(np.int64, descriptor, (1,)), task, worker)
+        call_for(code, array_at(np.int64, descriptor, (1,)), task, next, worker)
 
 
 def run_workers(code: int, descriptor: NDArray[np.int64], workers: int) -> None:
