@@ -17,6 +17,7 @@ from strandcli.draw.zbuffer.raster import to_screen
 def splatted(maps: ShadowMaps, lines: Polylines, thickness: Thickness) -> np.ndarray:
     """τ of each texel and layer (size, size, layers + 1) of the first map, which is of a directional light."""
     size, layers, view = int(maps.sizes[0]), maps.layers[0], maps.views[0]
+    lines = maps.simplified(lines, Scratch())
     screen = to_screen(lines, view, Scratch()).astype(np.float64)
     heads = maps.extents[0].reshape(size // 2, size // 2, 2)
     found = np.zeros((size, size, layers + 1))
@@ -31,15 +32,14 @@ def splatted(maps: ShadowMaps, lines: Polylines, thickness: Thickness) -> np.nda
         for p, q in pairwise(kept):
             begin, way = places[p], places[q] - places[p]
             long = 1 if abs(way[1]) >= abs(way[0]) else 0
-            steps = max(
-                int(abs(way[2]) * view.focal / abs(way[long])) + 1 if abs(way[2]) * view.focal > abs(way[long]) else 1,
-                1,
-            )
+            deep = 0.5 * abs(way[2]) * view.focal / max(abs(way[long]), 1e-9)
+            steps = int(deep) + 1 if deep > 1 else 1
             borders = np.arange(size * steps + 1) / steps
             with np.errstate(divide="ignore"):  # a piece towards the light meets no border
                 t = np.unique(np.clip((borders - begin[long]) / way[long], 0, 1))
             covered = np.hypot(*np.diff(places[p : q + 1, :2], axis=0).T).sum()
-            wide = thickness.width * (1 - thickness.taper * (p + q) / 2 / (b - a - 1)) * view.focal
+            middle = (p + q) / 2 / (b - a - 1) if lines.along is None else lines.along[[a + p, a + q]].mean()
+            wide = thickness.width * (1 - thickness.taper * middle) * view.focal
             for one, two in pairwise(t):
                 place = begin + (one + two) / 2 * way
                 beside, d = place[1 - long] - 0.5, place[2]

@@ -130,12 +130,13 @@ class _CountingCoverage(Coverage):
 def count_in_maps(maps: ShadowMaps, lines: Polylines, scratch: Scratch) -> Counts:
     """Return what the polylines draw into maps: ``strand_vertices_in_maps``, ``splats`` and ``map_texels``."""
     found = {"strand_vertices_in_maps": 0, "splats": 0, "map_texels": 0}
+    simple = maps.simplified(lines, scratch)
     for number, view in enumerate(maps.views):
-        first, screen = project(lines, view, scratch)
+        first, screen = project(simple if maps.layers[number] else lines, view, scratch)
         size = int(maps.sizes[number])
         found["strand_vertices_in_maps"] += len(screen)
         if maps.layers[number]:
-            found["splats"] += splats_of(maps.parts(number, lines, 1, scratch), size, view)
+            found["splats"] += splats_of(maps.parts(number, simple, 1, scratch), size, view)
         else:
             found["map_texels"] += samples_of(first, screen, (size,) * 2)
     return found

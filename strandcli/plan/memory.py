@@ -27,6 +27,8 @@ SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 5_000_000, 25_000_000
 """Of the further kernels, and of what reads meshes, where a scene has them."""
 
 
+KEPT = 0.85
+"""Of vertices, those that opacity maps have where they leave any out, at most: `draw.shadows.strands_in_map.MOST`."""
 PARTS, PART = 4, 48
 """Of a strand in an opacity map, as in `draw.shadows.kernels.map_parts`."""
 WAITING = 24
@@ -132,7 +134,8 @@ def _projected_bytes(plan: Plan, scene: Scene) -> float:
     for light in scene.lights:
         if casts_map(light, needs_counts(scene)):
             share = share_in_maps(scene, plan.sizes, side_of(scene, plan.sizes, light))
-            found = max(found, 28 * share + parts if counts_strands(light) else 12 * share)
+            deep = max(28 * share, KEPT * (16 + 28 * share)) + parts
+            found = max(found, deep if counts_strands(light) else 12 * share)
     return found
 
 

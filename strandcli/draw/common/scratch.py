@@ -12,7 +12,10 @@ from numpy.typing import DTypeLike, NDArray
 
 POSITIONS = ("children", "combed", "followers")
 """Names of arrays that are needed until there are polylines,"""
-IN_LIGHT = ("light_screen", "map_vertices", "map_parts", "map_order", "map_places", "map_costs")
+IN_LIGHT = (
+    "light_screen", "map_vertices", "map_parts", "map_order", "map_places", "map_costs", "map_simple_words",
+    "map_simple_world", "map_simple_along",
+)  # fmt: skip
 """until shadow maps are drawn,"""
 IN_PICTURE = ("world", "along", "screen", "widths", "slots", "colours")
 """and until the exposure ends: see `Scratch.release`."""

@@ -29,7 +29,7 @@ from .kernels.map_parts import PartsInMap
 from .kernels.shadow_arrays import ShadowArrays
 from .map_extents import allocate_extents, spread_extents
 from .shadow_model import casts_map, model_of
-from .strands_in_map import NO_EXTENTS, parts_in_map, project, view_numbers
+from .strands_in_map import NO_EXTENTS, parts_in_map, project, simplified, view_numbers
 
 TEXEL = 1.5
 """Side of an opacity map's texel, in strand spacings."""
@@ -92,11 +92,12 @@ class ShadowMaps:
 
     def build(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw polylines that contain every strand, one map after the other."""
+        simple = self.simplified(lines, scratch)
         for number, layers in enumerate(self.layers):
             if not layers:
                 self._fill(number, lines, workers, scratch)
                 continue
-            parts = self.parts(number, lines, workers, scratch, self.extents[number])
+            parts = self.parts(number, simple, workers, scratch, self.extents[number])
             self._divide(number, scratch)
             self._draw(number, parts)
             opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
@@ -104,9 +105,10 @@ class ShadowMaps:
 
     def add(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw a portion of the polylines into every map."""
+        simple = self.simplified(lines, scratch)
         for number, layers in enumerate(self.layers):
             if layers:
-                self.parts(number, lines, workers, scratch, self.extents[number])
+                self.parts(number, simple, workers, scratch, self.extents[number])
             else:
                 self._fill(number, lines, workers, scratch)
 
@@ -118,9 +120,10 @@ class ShadowMaps:
 
     def accumulate_layers(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw a portion of the polylines into the layers of every opacity map."""
+        simple = self.simplified(lines, scratch)
         for number, layers in enumerate(self.layers):
             if layers:
-                self._draw(number, self.parts(number, lines, workers, scratch))
+                self._draw(number, self.parts(number, simple, workers, scratch))
 
     def finish(self, scratch: Scratch) -> None:
         """Sum the layers of every opacity map. Call it after all portions have been drawn into them."""
@@ -161,11 +164,16 @@ class ShadowMaps:
             return None
         return self.stacks[self.starts[number] :][: self._lengths[place]]
 
+    def simplified(self, lines: Polylines, scratch: Scratch) -> Polylines:
+        """Return polylines as opacity maps draw them, valid until the next are requested."""
+        views = [view for view, layers in zip(self.views, self.layers, strict=True) if layers]
+        return simplified(lines, views, scratch)
+
     def parts(
         self, number: int, lines: Polylines, workers: int, scratch: Scratch, extents: NDArray[np.float32] = NO_EXTENTS
     ) -> PartsInMap:
-        """Return what polylines draw into an opacity map, valid until the next are requested; widen its extents if they
-        are given."""
+        """Return what polylines from `simplified` draw into an opacity map, valid until the next are requested; widen
+        its extents if they are given."""
         return parts_in_map(lines, self.views[number], int(self.sizes[number]), self.thickness, workers, scratch,
                             self.chances, self.over, extents)  # fmt: skip
 
@@ -216,19 +224,9 @@ def plan_maps(
     sizes = np.array([view.width for view in views], np.int64)
     deep = np.array(layers) > 0
     begin, texels, extents = allocate_extents(sizes, deep, scratch)
-    return ShadowMaps(
-        views,
-        np.stack([view.pack() for view in views]),
-        begin,
-        sizes,
-        texels,
-        owners,
-        None,
-        layers,
-        extents,
-        thickness,
-        1.0 / max(_fall_length(bounds, thickness, spacing), TINY),
-    )
+    packed = np.stack([view.pack() for view in views])
+    over = 1.0 / max(_fall_length(bounds, thickness, spacing), TINY)
+    return ShadowMaps(views, packed, begin, sizes, texels, owners, None, layers, extents, thickness, over)
 
 
 def _views_of(

@@ -127,7 +127,7 @@ def test_parts_in_the_order_of_their_places_are_all_of_the_strands(segments: int
             points, wide = parts.kept[a : a + n, :2].astype(float), parts.kept[a + 1 : a + n, 3]
             assert low <= np.nanmin(points[:, 1])
             assert high >= np.nanmax(points[:, 1])
-            if a > segments:  # of the first strand what lies beside the place that is not seen is not drawn
+            if a > 0:  # of the first strand what lies beside the place that is not seen is not drawn
                 area += (np.hypot(*np.diff(points, axis=0).T) * wide).sum(where=wide >= 0)
         places = screen[: first[-1], :2].astype(float).reshape(500, segments + 1, 2)[1:]
         assert area == pytest.approx(np.hypot(*np.diff(places, axis=1).T).sum() * 0.01 * maps.views[0].focal, rel=1e-4)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....jit import device, parallel, prange
 from .map_parts import AT, COUNT, DEPTH, TINY, WIDE, X, Y
-from .map_segments import FINEST
+from .map_segments import FINEST, PER_TEXEL
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -47,7 +47,7 @@ def texels(begin, end, scale, size):
     length = max(along, across)
     if not (length >= TINY and length <= np.float32(4 * size)):
         return np.int64(0)
-    away = abs(end[2] - begin[2]) * scale
+    away = abs(end[2] - begin[2]) * (scale * PER_TEXEL)
     parts = np.float32(np.int64(min(away / length, FINEST))) + ONE if away > length else ONE
     axis = 1 if along >= across else 0
     low, high = parts * min(begin[axis], end[axis]), parts * max(begin[axis], end[axis])

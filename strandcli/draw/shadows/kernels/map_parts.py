@@ -111,24 +111,23 @@ def thin(strands, sketch, view, size, kept, found, places, costs, extents):
     count = strands.first.shape[0] - 1
     window = Window(0, size, size)
     for task in prange((count + STRANDS - 1) // STRANDS):
-        work, longest = np.empty(cell_extents.ROOM, np.float32), np.empty(STRANDS * PARTS, np.float32)
         begin, end = np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, count)
-        first = begin + shared_before(strands.first, begin)
+        at = low = strands.first[begin] + shared_before(strands.first, begin)
+        longest = ZERO
         for s in range(begin, end):
             row = s + shared_before(strands.first, s)
             for number in range(s + 1 + shared_before(strands.first, s + 1) - row):
                 part = row + number
-                longest[part - first] = thin_part(
-                    strands, s, number, sketch, view, size, kept, found, costs, strands.along
-                )  # fmt: skip
+                found[part, AT] = at
+                length = thin_part(strands, s, number, sketch, view, size, kept, found, costs, strands.along)
                 if found[part, COUNT] > 0:
+                    at += found[part, COUNT]
+                    longest = max(longest, length)
                     places[part] = place_of(strands, s, number, size)
-        if extents.shape[0] > 0:  # of all parts at once: vectors wait for what has just been written
+        if extents.shape[0] > 0 and at > low:  # of all parts at once: vectors wait for what was just written
+            work = np.empty(cell_extents.ROOM, np.float32)
             cell_extents.start(work)
-            for part in range(first, end + shared_before(strands.first, end)):
-                at, vertices = np.int64(found[part, AT]), np.int64(found[part, COUNT])
-                if vertices > 0:
-                    cell_extents.widen(work, kept, at, vertices, longest[part - first], window, extents)
+            cell_extents.widen(work, kept, low, at - low, longest, window, extents)
 
 
 @device
@@ -204,17 +203,17 @@ def weight_of_vertex(sketch, screen, v, view, s):
 
 @inlined
 def thin_part(strands, s, number, sketch, view, size, kept, found, costs, along):
-    """Write the vertices of a part of strand s, what is found of it, and its cost; along: of the strands. Return the
-    length of its longest segment along an axis, texels."""
+    """Write the vertices of a part of strand s, from its `AT` on, what is found of it, and its cost; along: of the
+    strands. Return the length of its longest segment along an axis, texels."""
     width = width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
     a = strands.first[s]
     thin = width * strands.taper / np.float32(max(strands.first[s + 1] - a - 1, 1))
     middle = HALF * np.float32(size)
     begin, last = part_range(strands.first, s, number)
-    shared = shared_before(strands.first, s) + number
-    part, at = s + shared, begin + shared
-    found[part, AT], found[part, COUNT] = at, 0
+    part = s + shared_before(strands.first, s) + number
+    at = np.int64(found[part, AT])
+    found[part, COUNT] = 0
     longest = ZERO
     if begin >= last:
         return longest
@@ -257,7 +256,7 @@ def thin_part(strands, s, number, sketch, view, size, kept, found, costs, along)
         u, x0, y0, q0, d0, way = v, x1, y1, q1, d1, ZERO
     # splats of flat segments add to the row next to theirs
     if low <= high and high >= -ONE and low <= np.float32(size):
-        found[part, COUNT] = n - at + 1
+        found[part, COUNT] = n - at + np.int32(kept[n, WIDE] >= ZERO)  # at the last vertex a segment may not end
         found[part, TOP] = max(np.int64(low) - 1, 0)
         found[part, BOTTOM] = min(np.int64(min(high, np.float32(size))) + 1, size - 1)
         costs[part] = cost

@@ -21,6 +21,8 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 FINEST = np.float32(64.0)
 """Most pieces that a texel is cut into where a segment leads away from the light."""
+PER_TEXEL = np.float32(0.5)
+"""Pieces for each texel of depth: where a segment leads away from the light by more than two in a texel's width."""
 SEGMENTS = 16
 """Segments that are looked at together."""
 RUN = 64
@@ -87,7 +89,7 @@ def segments_at(rows, first, count, window, view):
     # than its map
     there = (wide >= ZERO) & (lane < np.float32(count - first)) & (length >= TINY) & (length <= size * np.float32(4.0))
     there = there & (max(y0, y1) >= top - ONE) & (min(y0, y1) <= bottom + ONE)
-    away = abs(rise) * view.focal
+    away = abs(rise) * (PER_TEXEL * view.focal)
     if not view.far > ZERO:
         away *= HALF * (ONE / d0 + ONE / d1)
     parts = where(away > length, floor(min(away / length, FINEST)) + ONE, ONE + none)
