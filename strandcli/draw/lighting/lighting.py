@@ -17,7 +17,7 @@ from ..shadows.free_ways import NO_FREE_WAYS, FreeWays, free_ways
 from ..shadows.shadow import ShadowMaps, map_arrays
 from ..solids.solids import NONE, coats_of, paint_of
 from ..view.camera import View
-from .kernels import shade_strands, shade_surfaces
+from .kernels import shade_strands, shade_surfaces, smooth_pixels
 from .kernels.inputs import (
     COMPUTED,
     Coating,
@@ -29,7 +29,7 @@ from .kernels.inputs import (
     Vertices,
     WidthProfiles,
 )
-from .kernels.lattice import DRAWN
+from .kernels.lattice import DRAWN, SMOOTH
 from .kernels.mirror import DULL
 from .kernels.occlusion_columns import BOX_SIZE
 from .occlusion import Occlusion
@@ -153,6 +153,19 @@ class Lighting:
             self._surround(),
             StrandLight(self.palette.colour, given(self.palette.loss, 4)), self._lights(given(None, 0), lattice),
             map_arrays(self.maps), self.solids, coating_of(seen, paint), image,
+        )  # fmt: skip
+
+    def shade_smooth(
+        self, keys: NDArray[np.uint64], image: NDArray[np.float32], hidden: NDArray[np.uint8], rows: tuple[int, int],
+        lattice: Lattice,
+    ) -> None:  # fmt: skip
+        """As `shade_surfaces`, of the pixels that are `kernels.lattice.SMOOTH` in hidden."""
+        assert self.solids is not None
+        seen = [solid for solid in self.scene.solids if solid.visible]
+        smooth_pixels.shade_smooth(
+            Screen(keys, self.view.pack(), NO_SPOTS, *(self.grain or NO_GRAIN), hidden, SMOOTH, *rows, ANY_TRIANGLE),
+            self._lights(given(None, 0), lattice), self.solids,
+            coating_of(seen, paint_of(seen, self.scene.emitter, self.at)), image,
         )  # fmt: skip
 
     def _surround(self) -> Surround:

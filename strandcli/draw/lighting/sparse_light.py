@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..common.kernels.light_columns import MAP_LAYERS
 from ..common.scratch import Scratch
 from .kernels import lattice as kernel
-from .kernels.inputs import READ, RECALLED, WRITTEN
+from .kernels.inputs import READ, WRITTEN
 from .lighting import Lattice, Lighting
 
 
@@ -45,6 +45,5 @@ def shade_surfaces(
     lighting.shade_surfaces(keys, image, hidden=hidden, rows=rows, lattice=read)
     here = hidden[top * width : bottom * width]
     if (here == kernel.SMOOTH).any():
-        recalled = written._replace(use=RECALLED, wanted=kernel.SMOOTH)
-        lighting.shade_surfaces(keys, image, hidden=hidden, rows=rows, lattice=recalled)
+        lighting.shade_smooth(keys, image, hidden, rows, written)
     here &= kernel.HIDDEN  # `BETWEEN` and `SMOOTH` become `DRAWN`

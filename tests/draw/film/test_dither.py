@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numba import njit
 
 from strand_kit import frames_of, scene_of
 from strandcli.draw.common.kernels import dither
 from strandcli.draw.film import film
+from strandcli.simd import lane_count, load, pointer, store
 
 FLOOR = """
 emitter: {strands: 1, length: 0.01, shape: {kind: sphere, radius: 0.01}, position: [0, -9, 0]}
@@ -58,6 +60,16 @@ def test_solids_have_the_noise_of_the_backdrop() -> None:
     np.testing.assert_allclose(found, known, atol=1e-6)
 
 
+@njit
+def dithered(light: np.float32, share: np.float32, levels: np.ndarray, frame: np.ndarray) -> np.float32:
+    """`dither.dithered` of one number."""
+    row = np.full(64, light, np.float32)
+    rows = pointer(row)
+    for k in range(0, 64, lane_count(rows)):
+        store(rows, k, dither.dithered(load(rows, k), share, pointer(levels), levels.shape[0], frame))
+    return row[0]
+
+
 @pytest.mark.parametrize("tone", ["srgb", "filmic"])
 def test_what_is_white_or_black_stays_so(tone: str) -> None:
     for light in (1.3, 40.0, 1e4):
@@ -67,8 +79,8 @@ def test_what_is_white_or_black_stays_so(tone: str) -> None:
     frame = np.array([1, 0, 0, 1, 1], np.float32)
     levels = film.level_sizes(tone)
     for light in (0.0, 1e9, np.inf):
-        assert dither.dithered(np.float32(light), np.float32(-0.5), levels, frame) == np.float32(light)
+        assert dithered(np.float32(light), np.float32(-0.5), levels, frame) == np.float32(light)
     for light in (0.01, 0.1, 0.7):
-        moved = dither.dithered(np.float32(light), np.float32(0.5), levels, frame)
+        moved = dithered(np.float32(light), np.float32(0.5), levels, frame)
         more = film._response(np.array([light, moved], float), tone, 0.0)
         assert more[1] - more[0] == pytest.approx(0.5, abs=0.02)

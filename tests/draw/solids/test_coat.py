@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba import njit
 
 from strand_kit import frames_of, scene_of
 from strandcli.draw import canvas
@@ -20,13 +21,25 @@ from strandcli.simulate import solver_of
 UP = np.array([0.0, 0.0, 1.0])
 
 
+@njit
+def gleam(coat: Any, rough: Any, size: Any, normal: Any, light: Any, eye: Any) -> Any:
+    """`kernel.gleam`, which is part of its callers."""
+    return kernel.gleam(coat, rough, size, normal, light, eye)
+
+
+@njit
+def mirrored(coat: Any, rough: Any, nv: Any) -> Any:
+    """`kernel.mirrored`, which is part of its callers."""
+    return kernel.mirrored(coat, rough, nv)
+
+
 def towards(theta: float, phi: float = 0.0) -> np.ndarray:
     return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
 
 
 def brdf(coat: float, rough: float, light: np.ndarray, eye: np.ndarray, size: float = 0.0) -> float:
     vectors = (tuple(one.astype(np.float32)) for one in (UP, light, eye))
-    return float(kernel.gleam(*np.array([coat, rough, size], np.float32), *vectors))
+    return float(gleam(*np.array([coat, rough, size], np.float32), *vectors))
 
 
 def exact(coat: float, rough: float, light: np.ndarray, eye: np.ndarray) -> float:
@@ -115,7 +128,7 @@ def test_a_coat_weaker_than_waters_covers_part_of_the_surface(rough: float) -> N
             assert whole == pytest.approx(exact(0.02, rough, towards(angle), eye), rel=2e-3)
             assert third == pytest.approx(whole / 3, rel=1e-4)
         numbers = (np.float32(rough), np.float32(np.cos(theta)))
-        third, whole = (kernel.mirrored(np.float32(coat), *numbers) for coat in (0.02 / 3, 0.02))
+        third, whole = (mirrored(np.float32(coat), *numbers) for coat in (0.02 / 3, 0.02))
         assert third == pytest.approx(whole / 3, rel=1e-4)
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device, function
+from ....jit import device, function, inlined
+from ....simd import floor, gather, where
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -36,11 +37,12 @@ def noise_at(column, row, frame):
     return noise(x + np.uint32(frame[CORNER_X]), y + np.uint32(frame[CORNER_Y]))
 
 
-@function
-def dithered(light, share, levels, frame):
-    """Return light with `share` of an 8-bit level more; levels (n,): `film.level_sizes`; frame: its columns."""
+@inlined
+def dithered(light, share, levels, count, frame):
+    """Return light with `share` of an 8-bit level more. Vectors; levels: pointer to the `count` of `film.level_sizes`;
+    frame: its columns."""
     exposed = light * frame[EXPOSURE]
-    some = exposed > ZERO and exposed < MOST
-    exposed = exposed if some else ZERO
-    step = levels[np.uint32(exposed / (ONE + exposed) * np.float32(levels.shape[0]))]
-    return max(light + share * step * frame[PER_EXPOSURE], ZERO) if some else light
+    some = (exposed > ZERO) & (exposed < MOST)
+    exposed = where(some, exposed, ZERO)
+    step = gather(levels, 0, floor(exposed / (ONE + exposed) * np.float32(count)), np.int64(1), ZERO)
+    return where(some, max(light + share * step * frame[PER_EXPOSURE], ZERO), light)

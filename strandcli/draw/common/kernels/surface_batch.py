@@ -19,6 +19,9 @@ RAYS = layout.allocate_row("distances along a pixel's rays", surfaces="gather")
 BEFORE = layout.allocate_row("where to look first", surfaces="gather:ambient")
 # Width of a pixel on the surface, metres, and patches in [−1, 1].
 ACROSS, TONE = layout.allocate("patches", 2, surfaces="ambient")
+# Mirror direction of the eye, and the share of ambient light that the coat mirrors.
+MX, MY, MZ = layout.allocate("mirror direction", 3, surfaces="ambient")
+MIRRORED = layout.allocate_row("share that the coat mirrors", surfaces="ambient")
 # Noise of a pixel, in 8-bit levels.
 NOISE = layout.allocate_row("noise of a pixel", surfaces="out")
 # Light that a coat reflects, red, green and blue; its transmittance.
@@ -35,6 +38,7 @@ COSINE = layout.allocate_row("cosine", surfaces="light:reflect")
 TRUE_X, TRUE_Y, TRUE_Z = layout.allocate("light, unbent", 3, surfaces="light:soft")
 LEFT = layout.allocate("share that strands leave", 3, surfaces="maps:reflect")[0]
 ARRIVED = layout.allocate("light that arrived", 3, surfaces="reflect")[0]
+SHINE = layout.allocate_row("share that the coat mirrors of it", surfaces="reflect")
 # In a map: filter radius, texels; blur, texels a metre of distance to the occluder; that distance where no texel gives
 # one, metres; w of light that is scattered forward, metres.
 RADIUS, BLUR, AWAY, CLOUD = layout.allocate("blur of a point", 4, surfaces="maps")

@@ -12,9 +12,9 @@ FADE, FADE_X, FADE_Y, FADE_Z = range(3, 7)
 fading."""
 
 
-COMPUTED, WRITTEN, READ, RECALLED = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(3)
+COMPUTED, WRITTEN, READ = np.uint8(0), np.uint8(1), np.uint8(2)
 """Light on solids is computed where they are seen; computed and kept at pixels of the lattice; what solids and strands
-leave of it is taken from there; all light is."""
+leave of it is taken from there."""
 
 
 class Vertices(NamedTuple):
@@ -79,7 +79,7 @@ class Lights(NamedTuple):
     right: Any
     """uint8: row j and column i of `known` are pixels 2 j − down and 2 i − right."""
     use: Any
-    """uint8: `COMPUTED`, `WRITTEN`, `READ` or `RECALLED`: what `known` is for."""
+    """uint8: `COMPUTED`, `WRITTEN` or `READ`: what `known` is for."""
     free: NDArray[np.float32]
     free_views: NDArray[np.float32]
     """`strandcli.draw.shadows.kernels.free_ways.FreeWays`, for strands."""

@@ -20,6 +20,7 @@ from ...common.kernels.surface_batch import (
     NY,
     NZ,
     PX,
+    SHINE,
     TRUE_X,
     TRUE_Y,
     TRUE_Z,
@@ -125,12 +126,12 @@ def gleam(work, n, lights, i, coats, which):
     if coats[which, coat.COAT] <= ZERO:
         return
     for k in range(n):
-        if work[ARRIVES + k] == ZERO:
-            continue
         angle = angle_of(work, k, lights, i)
         share = coat.gleam(
             coats[which, coat.COAT], coats[which, coat.ROUGH], angle, (work[NX + k], work[NY + k], work[NZ + k]),
             (work[LX + k], work[LY + k], work[LZ + k]), (work[EX + k], work[EY + k], work[EZ + k]),
         )  # fmt: skip
-        for c in range(3):
-            work[COAT + c * W + k] += share * work[ARRIVED + c * W + k]
+        work[SHINE + k] = share if work[ARRIVES + k] != ZERO else ZERO
+    for c in range(3):
+        for k in range(n):
+            work[COAT + c * W + k] += work[SHINE + k] * work[ARRIVED + c * W + k]

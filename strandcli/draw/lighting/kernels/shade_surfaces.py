@@ -22,14 +22,14 @@ from ...common.kernels.surface_batch import (
     THERE,
     UNDER,
 )
-from ...solids.kernels import appearance, coat
+from ...solids.kernels import appearance
 from ...solids.kernels.pixel_squares import find_pixels, places_in
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import mirror
-from .inputs import READ, RECALLED, WRITTEN, Coating
+from .inputs import READ, WRITTEN, Coating
 from .lattice import has_folds
 from .reflection import deepest, gleam, reflect, reflect_from_below
-from .surface_light import arrive, as_computed, note, note_all, note_nothing, recall, recall_all
+from .surface_light import arrive, as_computed, note, note_all, note_nothing, recall
 from .surface_points import cover, face, fade, light_around, look, patch, surroundings
 
 ZERO = np.float32(0.0)
@@ -69,10 +69,6 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
             if n == 0:
                 continue
             look(work, n, screen.camera)
-            if lights.use == RECALLED:
-                batch_between(work, n, solid, lights, solids, coating)
-                composite(work, n, which, screen, width, picture)
-                continue
             if bare and not is_even(coating.coats, solids, solid):
                 keep(work, n, solid, strands, lights, shadows, solids, coating)
                 continue
@@ -138,24 +134,6 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
         note_all(work, n, lights, coats)
     else:
         colour(work, n, which, solids, coating)
-
-
-@device
-def batch_between(work, n, which, lights, solids, coating):
-    """As `batch`, with all light from the lattice: only the surface's own colours and patches are each pixel's own."""
-    paint, coats = coating.paint, coating.coats
-    if other.has_look(solids):  # of another solid
-        appearance.plain(work, n, paint, which)
-    patched = coats.shape[0] > 0 and coats[which, coat.MOTTLE] > ZERO
-    if patched:
-        face(work, n, solids, which)
-    fade(work, n, paint, which)
-    for k in range(n):
-        work[UNDER + k] = ONE
-    if patched:
-        patch(work, n, coats, which)
-    recall_all(work, n, lights, coats)
-    colour(work, n, which, solids, coating)
 
 
 @device

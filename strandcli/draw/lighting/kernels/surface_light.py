@@ -20,7 +20,6 @@ from .shade_strands import aim, past_solids
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
-QUARTER = np.float32(0.25)
 ONE = np.float32(1.0)
 
 
@@ -115,30 +114,6 @@ def place_of(work, k, lights):
     x = (np.int64(work[SX + k]) + np.int64(lights.right)) >> 1
     y = (np.int64(work[SY + k]) + np.int64(lights.down)) >> 1
     return np.uint64(y), np.uint64(x)
-
-
-@device
-def recall_all(work, n, lights, coats):
-    """Store `RADIANCE` and `COAT` of pixels between those that `note_all` has written about."""
-    first = np.uint64(lights.rows.shape[0])
-    for k in range(n):
-        x = np.int64(work[SX + k]) + np.int64(lights.right)
-        y = np.int64(work[SY + k]) + np.int64(lights.down)
-        about = np.uint64(y >> 1), np.uint64((y + 1) >> 1), np.uint64(x >> 1), np.uint64((x + 1) >> 1)
-        for c in range(np.uint64(3)):
-            at = c * np.uint64(W) + np.uint64(k)
-            work[np.uint64(RADIANCE) + at] = mean_about(lights.known, about, first + LIT, c)
-            if coats.shape[0] > 0:
-                work[np.uint64(COAT) + at] = mean_about(lights.known, about, first + COATED, c)
-
-
-@inlined
-def mean_about(known, about, what, c):
-    """Return the mean of a channel over four places of the lattice; about: upper and lower row, left and right
-    column."""
-    up, low, left, right = about
-    above = known[up, left, what, c] + known[up, right, what, c]
-    return QUARTER * (above + (known[low, left, what, c] + known[low, right, what, c]))
 
 
 @device

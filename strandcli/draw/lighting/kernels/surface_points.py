@@ -17,6 +17,10 @@ from ...common.kernels.surface_batch import (
     ALBEDO,
     COAT,
     DISTANCE,
+    MIRRORED,
+    MX,
+    MY,
+    MZ,
     NX,
     NY,
     NZ,
@@ -145,30 +149,33 @@ def fade(work, n, paint, which):
 @device
 def cover(work, n, surround, coats, which):
     """Store the ambient light that a coat mirrors, and the factor of the light under it."""
+    if coats[which, coat.COAT] <= ZERO:
+        for k in range(n):
+            work[UNDER + k] = ONE
+            work[COAT + k] = work[COAT + W + k] = work[COAT + 2 * W + k] = ZERO
+        return
     for k in range(n):
-        x, y, z = work[X + k], work[Y + k], work[Z + k]
         nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
         wx, wy, wz = work[EX + k], work[EY + k], work[EZ + k]
         facing = nx * wx + ny * wy + nz * wz
-        under = ONE
-        r = g = b = ZERO
-        if coats[which, coat.COAT] > ZERO:
-            share = coat.mirrored(coats[which, coat.COAT], coats[which, coat.ROUGH], facing)
-            under = ONE - share
-            # mirror direction of the eye
-            mx = (facing + facing) * nx - wx
-            my = (facing + facing) * ny - wy
-            mz = (facing + facing) * nz - wz
-            r, g, b = surroundings(surround, mx, my, mz)
-            if surround.volume.shape[0] > 0:
-                share *= occlusion.sky_visibility(surround.volume, surround.box, x, y, z, mx, my, mz)
-            r *= share
-            g *= share
-            b *= share
-        work[UNDER + k] = under
-        work[COAT + k] = r
-        work[COAT + W + k] = g
-        work[COAT + 2 * W + k] = b
+        share = coat.mirrored(coats[which, coat.COAT], coats[which, coat.ROUGH], facing)
+        work[UNDER + k] = ONE - share
+        work[MIRRORED + k] = share
+        work[MX + k] = (facing + facing) * nx - wx
+        work[MY + k] = (facing + facing) * ny - wy
+        work[MZ + k] = (facing + facing) * nz - wz
+    if surround.volume.shape[0] > 0:
+        rows = pointer(work)
+        for k in range(0, n, lane_count(rows)):
+            seen = occlusion.sky_visibilities(
+                surround.volume, surround.box, load3(rows, X + k, W), load3(rows, MX + k, W)
+            )
+            store(rows, MIRRORED + k, load(rows, MIRRORED + k) * seen)
+    for k in range(n):
+        r, g, b = surroundings(surround, work[MX + k], work[MY + k], work[MZ + k])
+        work[COAT + k] = r * work[MIRRORED + k]
+        work[COAT + W + k] = g * work[MIRRORED + k]
+        work[COAT + 2 * W + k] = b * work[MIRRORED + k]
 
 
 @device

@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-from ....jit import device, function, inlined
+from ....jit import function, inlined
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -44,7 +44,7 @@ SUBSURFACE = 4
 """Columns of `strandcli.draw.solids.solids.coats_of`; the last one is followed by those of green and blue."""
 
 
-@device
+@inlined
 def fresnel(coat, edge, cosine):
     """Return the reflectance at a cosine: ``coat`` at normal incidence; at grazing angles ``edge`` of what the coat
     covers (Schlick 1994)."""
@@ -54,13 +54,13 @@ def fresnel(coat, edge, cosine):
     return coat + (edge - coat) * square * square * x
 
 
-@function
+@inlined
 def mirrored(coat, rough, nv):
     """Return the share of ambient light that a coat mirrors to the eye; nv: cosine between normal and eye."""
     return fresnel(coat, max(ONE - rough, coat), nv)
 
 
-@function
+@inlined
 def gleam(coat, rough, size, normal, light, eye):
     """Return the coat's BRDF, 1/sr, for unit vectors of the normal, to the light and to the eye; size: sine of the
     light's angular radius."""
@@ -82,7 +82,7 @@ def gleam(coat, rough, size, normal, light, eye):
     return fresnel(coat, ONE, lh) * facets * HALF / max(seen, TINY)
 
 
-@device
+@inlined
 def facets_over(square, disc, cosine):
     """Return the mean of the distribution of half vectors over a disc of slopes, 1/sr; square: α², disc: the square of
     its radius, cosine: the square of that between the normal and its middle."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, inlined
+from ....simd import lane_count, load, pointer, store
 from ....simd.local import local_float64
 from ....solids.kernels.pixel_rays import put_ray
 from ...common.kernels.batch import RADIANCE
@@ -184,10 +185,11 @@ def dither(work, n, which, screen, width):
             pixel = np.uint32(which[k])
             row = pixel // np.uint32(width)
             work[NOISE + k] = noise_at(pixel - row * np.uint32(width), row, frame)
+    rows, sizes = pointer(work), pointer(levels)
     for c in range(3):
-        for k in range(n):
-            light = work[RADIANCE + c * W + k]
-            work[RADIANCE + c * W + k] = dithered(light, work[NOISE + k], levels, frame)
+        for k in range(0, n, lane_count(rows)):
+            light = load(rows, RADIANCE + c * W + k)
+            store(rows, RADIANCE + c * W + k, dithered(light, load(rows, NOISE + k), sizes, levels.shape[0], frame))
 
 
 @device
