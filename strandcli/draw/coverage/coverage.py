@@ -40,11 +40,10 @@ NO_LIGHT = np.zeros((0, 3), np.float32)
 NOTHING = np.zeros(0, np.float32)
 NO_BITS = np.zeros(0, np.uint64)
 NO_SOLIDS = SolidPixels(NOTHING, np.zeros(0, np.int64), NOTHING, NOTHING)
-SLIGHT, FAINT = np.float32(0.15), np.float32(0.02)
-"""What is let through by all before a fragment, below which it takes light from every second lit vertex, and from the
-nearer of every fourth, and not from both about it; not under exact shadows, which vary along a segment. All such
-fragments have no more than this share of a pixel, however thin strands are: a bound of their own weights would hold for
-all of thin ones."""
+SLIGHT = np.float32(0.05)
+"""What is let through by all before a fragment, below which it takes light from every second lit vertex alone, and not
+from both about it; not under exact shadows, which vary along a segment. All such fragments have no more than this share
+of a pixel, however thin strands are: a bound of their own weights would hold for all of thin ones."""
 BROAD = np.float32(16.0)
 """Samples. Segments that are no wider have never been seen to take minutes; wider ones are counted."""
 WIDE_PIXELS_AT_MOST = 4e9
@@ -107,7 +106,7 @@ class Coverage:
         """Return a resolved layer of one tile without fragments, so that the kernels that use layers are compiled."""
         fragments = Fragments(
             np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING, NO_BITS,
-            np.zeros(1, np.uint8), 1, STEP, 0, 1, 1, NOTHING, SLIGHT, FAINT,
+            np.zeros(1, np.uint8), 1, STEP, 0, 1, 1, NOTHING, SLIGHT,
         )  # fmt: skip
         chains, none = np.zeros((1, 1), np.int64), np.zeros((0, 2), np.int64)
         segments = TileSegments(none, np.zeros(1, np.float32), none[:, 0].copy(), chains, chains, np.zeros(1, np.int64))
@@ -149,12 +148,9 @@ class Coverage:
         masked = exact and widths is not None and widest > float(MASKED) and float(self.opacity) == 1.0
         closed = scratch.borrow("closed", self.size[0] * self.size[1], np.uint8)
         closed.fill(0)
-        sparse = not exact and int(np.diff(lines.first).min(initial=1 << 30)) > 2 * lines.stride
-        slight, faint = (SLIGHT, FAINT) if sparse else (np.float32(0), np.float32(0))
+        slight = np.float32(0) if exact else SLIGHT
         windows = windows_of(edges, self.size, scratch)
-        picture = Picture(
-            drawn, extents, lines.stride, edges, windows, depth_slope, masked, closed, slight, faint, scratch
-        )
+        picture = Picture(drawn, extents, lines.stride, edges, windows, depth_slope, masked, closed, slight, scratch)
         if not self._rows.any():
             self._estimate(drawn, workers)
         pending = self._cuts()[::-1]
@@ -281,7 +277,7 @@ class Coverage:
             sparse("fragment_along", room, np.float32),
             sparse("fragment_points", room, np.uint64) if picture.masked else NO_BITS, picture.closed,
             picture.stride, place_bits, top, bottom, self.size[0], borrow("tiles_widest", tiles, np.float32),
-            picture.slight, picture.faint,
+            picture.slight,
         )  # fmt: skip
 
     def _tiles(self, top: int, bottom: int) -> int:

@@ -34,7 +34,6 @@ class Picture:
     closed: NDArray[np.uint8]
     """As in `tiles.Fragments`."""
     slight: np.float32
-    faint: np.float32
     """As in `tiles.Fragments`."""
     scratch: Scratch
 

@@ -8,20 +8,7 @@ from ....jit import device, inlined
 from ...common.kernels.bits import popcount
 from .masks import ALL_POINTS, NO_POINTS, POINTS, covered_points
 from .segments import is_ribbon
-from .tiles import (
-    AT_OPACITY,
-    AT_PLACE,
-    AT_VERTEX,
-    NUMBERS,
-    PIXEL_BITS,
-    PIXELS,
-    ROW_BITS,
-    STEP,
-    TILE_WIDTH,
-    UNIT,
-    alone,
-    over_two,
-)
+from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, ROW_BITS, STEP, TILE_WIDTH, UNIT, alone
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -57,7 +44,9 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
     `tiles.Tile`; out: `tiles.Fragments`; marks (V,): set at the vertices that they take light from.
 
     Segments that follow each other in their strand and in depth are parts of one surface: their opacities add up. All
-    others cover the pixel independently.
+    others cover the pixel independently. A fragment before which less than `tiles.Fragments.slight` is let through
+    takes the light of that end of its part of the strand whose rank among lit vertices is even, so that fewer vertices
+    are lit; this depends on its pixel alone, so that neither layers nor a crop window change one.
     """
     base = tile.number * PIXELS
     bits = out.place_bits
@@ -84,7 +73,13 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
             along = np.float32(t & BETWEEN) * UNIT
             if identity < vertices:
                 identity -= (t >> bits) & (out.stride - 1)
-                identity, along = light_source(identity, along, t >> STEP, front, out, marks)
+                odd = t >> STEP
+                if front < out.slight:
+                    identity += odd * out.stride
+                    along = alone(along - np.float32(odd))
+                else:
+                    marks[np.uint64(identity + out.stride)] = 1
+                marks[np.uint64(identity)] = 1
             to = np.uint64(o)
             out.vertex[to] = np.uint32(identity)
             out.weight[to] = share
@@ -95,27 +90,6 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
         if o > begin:
             close(out, tile, np.int64(p), total)
     return o
-
-
-@inlined
-def light_source(vertex, along, rank, front, out, marks):
-    """Return the first vertex that a fragment takes light from and its position from there, for `Fragments`, and mark
-    those that it takes light from.
-
-    vertex, along: the lit vertex before it and the position from there to the next; rank: of the segment, 0 to 3, from
-    `tiles.rank_of`; front: what is let through before it. Below `Fragments.slight` it takes light from every second
-    lit vertex, between two of these, and below `faint` from the nearer of every fourth, so that fewer vertices are lit.
-    This depends on its pixel alone, so that neither layers nor a crop window change one.
-    """
-    faint, slight = front < out.faint, front < out.slight
-    ahead, odd = (rank & 2) * 2 - rank, rank & 1
-    # without branches, which could not be predicted
-    vertex += (ahead if faint else (-odd if slight else 0)) * out.stride
-    other = vertex + (0 if faint else (2 if slight else 1)) * out.stride
-    paired = over_two(along, odd) if slight else along
-    marks[np.uint64(vertex)] = 1
-    marks[np.uint64(other)] = 1
-    return vertex, alone(along - np.float32(ahead)) if faint else paired
 
 
 @inlined

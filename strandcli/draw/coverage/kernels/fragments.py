@@ -17,7 +17,7 @@ from .joined import measure_joints
 from .ribbon import cover_ribbon
 from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, from_axis, keep_last, load_vertices, measure_segments
 from .tile_binning import LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
-from .tiles import ROW_BITS, THIN, TILE_HEIGHT, TILE_WIDTH, rank_of
+from .tiles import ROW_BITS, THIN, TILE_HEIGHT, TILE_WIDTH
 from .windows import find_windows
 
 ZERO = np.float32(0.0)
@@ -180,12 +180,12 @@ def add_row(row, strands, widths, work, n, target, m):
             after = base + i - 1
             if widths is not None:  # noqa: SIM102  a condition of its own is pruned if widths is None
                 if (run != RIBBON) & (run != BEHIND) & (not rows[seg.NEAREST + k] < rows[seg.HIDDEN + k]):
-                    place = rank_of(v - 1, row.begin, row.end, strands.stride) << target.place_bits
+                    place = ((v - 1 - row.begin) & (2 * strands.stride - 1)) << target.place_bits
                     n, m = list_cells(work, k, v, place, run, start, kind != run, n, target, m)
             if after > row.high:
                 return n, m
             if (kind == RIBBON) & (not rows[seg.NEAREST + i] < rows[seg.HIDDEN + i]):
-                m = cover_ribbon(strands, widths, after, row, i, work, target, m)
+                m = cover_ribbon(strands, widths, after, row.begin, i, work, target, m)
             if kind != run:
                 start = rows[seg.BEGIN + i] if v >= row.low else start
                 run = kind

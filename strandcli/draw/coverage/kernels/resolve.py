@@ -22,8 +22,6 @@ INITIAL_ROOM = np.int64(49152)
 AHEAD = np.uint64(24)
 """Fragments that light is prefetched ahead of its use."""
 NONE, TWO, THREE = np.uint64(0), np.uint64(2), np.uint64(3)
-OVER_TWO = np.float32(2.0)
-"""Least position of `tiles.over_two`."""
 
 
 @parallel
@@ -144,12 +142,12 @@ def blend_tile(fragments, tile, radiance, light, image):
                 w, along = fragments.weight[i], fragments.along[i]
                 later = THREE * np.uint64(vertex[min(i + AHEAD, last)])
                 prefetch(pointer(radiance), later)
-                prefetch(pointer(radiance), later + step + step + TWO)
+                prefetch(pointer(radiance), later + step + TWO)
                 if v < vertices:
                     # weights of the lit vertices after and before the fragment
-                    far = w * (max(along, ZERO) if along < OVER_TWO else along - OVER_TWO)
+                    far = w * max(along, ZERO)
                     near = w - far
-                    after = v * THREE + (step if along >= ZERO else NONE) + (step if along >= OVER_TWO else NONE)
+                    after = v * THREE + (step if along >= ZERO else NONE)
                     colour += near * load(colours, THREE * v) + far * load(colours, after)
                 else:
                     colour += w * load(edges, THREE * (v - vertices))

@@ -27,7 +27,6 @@ from .tiles import (
     PIXEL_BITS,
     TILE_WIDTH,
     fixed_point,
-    rank_of,
 )  # fmt: skip
 
 ZERO = np.float32(0.0)
@@ -89,10 +88,10 @@ class Cells(NamedTuple):
 
 
 @inlined
-def cover_ribbon(strands, widths, v, row, i, scratch, target, m):
+def cover_ribbon(strands, widths, v, begin, i, scratch, target, m):
     """Append the fragments of the segment from vertex v − 1 to v to the m found so far; return their new number.
 
-    strands: `fragments.Strands`; widths: of the strands, None: one pixel; row: `fragments.SegmentRow`; i: its
+    strands: `fragments.Strands`; widths: of the strands, None: one pixel; begin: first vertex of its strand; i: its
     number in the rows of `joined`; scratch: `cells.Work`; target: `cells.Target`.
     """
     work, joints = scratch.ribbon, pointer(scratch.segments)
@@ -107,7 +106,7 @@ def cover_ribbon(strands, widths, v, row, i, scratch, target, m):
     )  # fmt: skip
     band = measure_band(ribbon)
     cells = find_cells(ribbon, w0, w1, target)
-    rank = rank_of(v - 1, row.begin, row.end, strands.stride)
+    past_lit = (v - 1 - begin) & (2 * strands.stride - 1)
     c = np.int64(cells.a_low)
     row = stop = np.int64(0)
     rows, steps = half_width_pointer(work), load(half_width_pointer(STEPS), 0)
@@ -127,7 +126,7 @@ def cover_ribbon(strands, widths, v, row, i, scratch, target, m):
             row += listed
         if n > 0:
             cover_listed(work, n, ribbon, band, strands, target)
-            m = add_listed(work, n, v - 1, rank, target, m)
+            m = add_listed(work, n, v - 1, past_lit, target, m)
         if row >= stop and c >= cells.a_high:
             return m
 
@@ -211,11 +210,11 @@ def cover_listed(work, n, ribbon, band, strands, target):
 
 
 @inlined
-def add_listed(work, n, vertex, rank, target, m):
+def add_listed(work, n, vertex, past_lit, target, m):
     """Append those of the first n listed pixels that a ribbon covers and nothing hides to the m fragments found so far;
     return their new number.
 
-    vertex: the ribbon's first; rank: its `tiles.rank_of`. An opaque fragment becomes
+    vertex: the ribbon's first; past_lit: vertices from the lit one of even rank before it. An opaque fragment becomes
     the pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before. Each
     fragment is written, and the end of the list advances only past visible ones, as in `cells.cover_cells`.
     """
@@ -225,7 +224,7 @@ def add_listed(work, n, vertex, rank, target, m):
     for k in range(np.uint64(n)):
         pixel = np.int64(work[np.uint64(PIXEL) + k])
         depth, alpha = work[np.uint64(DEPTH) + k], work[np.uint64(ALPHA) + k]
-        place = fixed_point(work[np.uint64(ALONG) + k], rank, target.place_bits)
+        place = fixed_point(work[np.uint64(ALONG) + k], past_lit, target.place_bits)
         at = min(o, room) * np.uint64(NUMBERS)
         found[at + AT_DEPTH] = np.float32(depth).view(np.int32)
         found[at + AT_OPACITY] = np.float32(alpha).view(np.int32)

@@ -22,9 +22,9 @@ TILE_WIDTH = 32
 TILE_HEIGHT = 32
 PIXELS = TILE_WIDTH * TILE_HEIGHT
 PLACES = 22
-"""Bits of a fragment's position along a strand, from every fourth lit vertex to the next of these."""
-STEP = PLACES - 2
-"""Bits of the position from a lit vertex to the next; those above are its rank among four (`rank_of`)."""
+"""Bits of a fragment's position along a strand, from a lit vertex of even rank to the next of even rank."""
+STEP = PLACES - 1
+"""Bits of the position from a lit vertex to the next; that of the highest is 1 after one of odd rank."""
 NUMBERS = 4
 """32-bit numbers of a fragment."""
 AT_DEPTH, AT_OPACITY, AT_VERTEX, AT_PLACE = (np.uint64(column) for column in range(NUMBERS))
@@ -37,10 +37,8 @@ ROW_BITS = 5
 UNIT = np.float32(2.0**-STEP)
 """Factor from a fixed-point position to 0 … 1."""
 ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
-FOUR = np.float32(4.0)
 THIN = np.float32(1 / 16)
 """Least half height of a band that is drawn, pixels (see `cells`)."""
 
@@ -60,7 +58,8 @@ class Fragments(NamedTuple):
     weight: NDArray[np.float32]
     """(F,) share of the pixel's light that comes from the fragment."""
     along: NDArray[np.float32]
-    """(F,) position from that lit vertex to the next, 0 to 1, or from `over_two` or `alone`."""
+    """(F,) position from that lit vertex to the next, 0 to 1; of fragments that take light from one vertex alone,
+    from `alone`."""
     points: NDArray[np.uint64]
     """(F,) mask of the points of its sample that the fragment shows (see `masks`); (0,): all show all points."""
     closed: NDArray[np.uint8]
@@ -68,7 +67,8 @@ class Fragments(NamedTuple):
     stride: int
     """Every stride-th vertex of a strand is lit; a power of two."""
     place_bits: int
-    """Bits of the position along one segment; the rest of `PLACES` is from `rank_of`."""
+    """Bits of the position along one segment; the rest of `PLACES` is the segment's number after the lit vertex of even
+    rank."""
     top: int
     bottom: int
     width: int
@@ -76,9 +76,7 @@ class Fragments(NamedTuple):
     widest: NDArray[np.float32]
     """(tiles,) greatest width of the wide segments that each tile was examined for, samples; 0: there were none."""
     slight: np.float32
-    faint: np.float32
-    """What is let through before a fragment, below which it takes light from every second lit vertex, and from one of
-    every fourth alone; 0, 0: all take it from the two about them."""
+    """What is let through before a fragment, below which it takes light from one vertex alone."""
 
 
 class Tile(NamedTuple):
@@ -93,8 +91,8 @@ class Tile(NamedTuple):
 
 @function
 def fixed_point(t, past, bits):
-    """Return the fixed-point position of a fragment in lit vertices times 2^`STEP`; t: position along its segment, 0 to
-    1; past: from `rank_of`; bits: `Fragments.place_bits`."""
+    """Return the fixed-point position of a fragment from the lit vertex of even rank before it, in lit vertices times
+    2^`STEP`; t: position along its segment, 0 to 1; past: segments from that vertex; bits: `Fragments.place_bits`."""
     most = np.int64(1) << bits
     return past << bits | min(np.int64(t * np.float32(most)), most - 1)
 
@@ -109,34 +107,17 @@ def tile_at(number, fragments):
 
 
 @inlined
-def rank_of(v, begin, end, stride):
-    """Return which of four segments between lit vertices, 0 to 3, the segment after vertex v of a strand
-    begin … end − 1 is in, times `stride`, plus its number there. Each strand's last is 3, so that neither light of
-    every second vertex nor that of every fourth is looked for beyond the end."""
-    past = v - begin
-    return past & (4 * stride - 1) | (3 * stride if v + stride >= end - 1 else 0)
-
-
-@inlined
-def over_two(along, odd):
-    """Return the position, 2 to 3, of a fragment that takes light from two lit vertices of which another is in the
-    middle; along: position from a lit vertex to the next; odd: whether that vertex is in the middle."""
-    return TWO + HALF * (along + np.float32(odd))
-
-
-@inlined
 def alone(offset):
-    """Return the position, negative, that stands for an `offset` in [−2, 2) from the only vertex that a fragment takes
+    """Return the position, negative, that stands for an `offset` in [−1, 1) from the only vertex that a fragment takes
     light from, in lit vertices."""
-    return -FOUR - offset
+    return -TWO - offset
 
 
 @inlined
 def between(vertex, along, stride):
     """Return the lit vertex before a fragment and the position from there to the next, 0 to 1, of what `Fragments`
     hold."""
-    offset = along if along >= ZERO else -FOUR - along
-    if along >= TWO:
-        offset = TWO * (along - TWO)
-    whole = np.floor(offset)
-    return vertex + np.int64(whole) * stride, offset - whole
+    if along >= ZERO:
+        return vertex, along
+    offset = -TWO - along
+    return (vertex, offset) if offset >= ZERO else (vertex - stride, offset + ONE)
