@@ -35,13 +35,11 @@ BENT = 0.1
 """Texels that a line on an opacity map may be beside the vertices that it passes."""
 LONGEST = 16.0
 """Texels that such a line may be long."""
-MOST = 0.85
-"""Part of the vertices that may stay, or all do."""
 
 
 def simplified(lines: Polylines, views: Sequence[View], scratch: Scratch) -> Polylines:
     """Return polylines as the opacity maps with these views can tell them apart: many of them without the vertices at
-    which they hardly bend. They are valid until the next are requested."""
+    which they hardly bend. They are valid until the next are requested. What stays of a strand depends on no other."""
     count = len(lines.world)
     if len(lines.first) <= FEWEST or not count or not views or any(coarseness(lines, view) > 1 for view in views):
         return lines
@@ -52,8 +50,6 @@ def simplified(lines: Polylines, views: Sequence[View], scratch: Scratch) -> Pol
     first = np.zeros(len(lines.first), np.int64)
     simplify.count(lines.first, words, first[1:])
     np.cumsum(first, out=first)
-    if first[-1] > MOST * count:
-        return lines
     world = scratch.borrow("map_simple_world", (int(first[-1]), 3), np.float32)
     along = scratch.borrow("map_simple_along", int(first[-1]), np.float32)
     simplify.write(lines.first, lines.world, lines.along, words, first, world, along)

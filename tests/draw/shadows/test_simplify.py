@@ -24,7 +24,6 @@ WIDE = Thickness(0.01, 0.5)
 @pytest.fixture(autouse=True)
 def _of_any_number(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(strands_in_map, "FEWEST", 0)
-    monkeypatch.setattr(strands_in_map, "MOST", 1)
 
 
 def bent(count: int, turn: float, longest: float = 0.03) -> Polylines:
@@ -100,3 +99,19 @@ def test_strands_of_hardly_any_vertices(points: int) -> None:
     world = np.zeros((3 * points, 3), np.float32)
     simple = maps_of(bent(9, 0.1)).simplified(Polylines(np.arange(4) * points, world), Scratch())
     np.testing.assert_array_equal(simple.first, np.arange(4) * points)
+
+
+def test_what_stays_of_a_strand_depends_on_no_other() -> None:
+    """Nor on how many vertices the strands before it have."""
+    lines = bent(300, 0.05, 0.15)
+    maps = maps_of(lines)
+    all_of_them = maps.simplified(lines, Scratch())
+    assert len(all_of_them.world) < 0.7 * len(lines.world)
+    rng = np.random.default_rng(2)
+    chosen = rng.random(300) < 0.5
+    counts = np.where(chosen, np.diff(lines.first), 0)
+    some = Polylines(np.append(0, np.cumsum(counts)), lines.world[np.repeat(chosen, np.diff(lines.first))])
+    simple = maps.simplified(some, Scratch())
+    kept = np.repeat(chosen, np.diff(all_of_them.first))
+    np.testing.assert_array_equal(np.diff(simple.first), np.where(chosen, np.diff(all_of_them.first), 0))
+    np.testing.assert_array_equal(simple.world, all_of_them.world[kept])

@@ -1,8 +1,8 @@
 """Polylines of strands without the vertices at which they hardly bend, for opacity maps.
 
 Each segment costs a map as much as about two of the texels that it passes, and many are no longer than that. A vertex
-with an odd number is left out where the line between its neighbours passes near it, and every fourth one where both of
-its neighbours are and the line between those two before and two behind it does.
+with an odd number in its strand is left out where the line between its neighbours passes near it, and every fourth one
+where both of its neighbours are and the line between those two before and two behind it does.
 """
 
 from __future__ import annotations
@@ -27,9 +27,11 @@ BESIDE = 2
 ROW = WORDS * WORD + 2 * BESIDE + WORD
 STRANDS = 256
 """Strands a task."""
-ODD, BETWEEN, ALL = np.uint64(0xAAAA), np.uint64(0x4444), np.uint64(0xFFFF)
-"""Vertices of a word that may be left out by themselves, those between two of them, and all."""
-NONE, ONE, BITS = np.uint64(0), np.uint64(1), np.uint64(WORD)
+ODD = np.array([0xAAAA, 0x5555], np.uint64)
+"""Vertices of a word that may be left out by themselves, of a strand that begins with an even or an odd number."""
+BETWEEN = np.array([0x4444, 0x8888, 0x1111, 0x2222], np.uint64)
+"""Those between two of them, by the number that the strand begins with, modulo 4."""
+NONE, ONE, BITS, LAST, ALL = np.uint64(0), np.uint64(1), np.uint64(WORD), np.uint64(WORD - 1), np.uint64(0xFFFF)
 
 
 @parallel
@@ -76,10 +78,18 @@ def pass_near(rows, place, reach, bent, longest):
 @inlined
 def kept(words, word, begin, last):
     """Return bits of the vertices of a word that stay, of those from `begin` to `last`, a strand's first and last."""
-    bits = np.uint64(words[word])
-    alone = bits & ODD & within(word, begin + 1, last - 1)
-    between = (bits >> BITS) & BETWEEN & (alone << ONE) & (alone >> ONE)
+    alone = thinned(words, word, begin, last)
+    before = thinned(words, max(word - 1, begin // WORD), begin, last) if word * WORD > begin else NONE
+    after = thinned(words, word + 1, begin, last) if (word + 1) * WORD <= last else NONE
+    about = (alone << ONE | before >> LAST) & (alone >> ONE | (after & ONE) << LAST)
+    between = (np.uint64(words[word]) >> BITS) & BETWEEN[begin & 3] & about
     return within(word, begin, last) & ~(alone | between)
+
+
+@inlined
+def thinned(words, word, begin, last):
+    """Return bits of the vertices of a word that are left out by themselves; arguments as in `kept`."""
+    return np.uint64(words[word]) & ODD[begin & 1] & within(word, begin + 1, last - 1)
 
 
 @inlined
