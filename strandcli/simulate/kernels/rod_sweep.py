@@ -20,7 +20,7 @@ from ...simd import (
 )
 from . import rod, rod_loose, rod_start, rod_touching
 from .contact import resolve_contact
-from .records import ROUNDING, Segment
+from .records import LASTING, ROUNDING, Segment
 from .rod_scratch import (
     AXES,
     CORRECTION,
@@ -115,7 +115,7 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         else:
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
-        rod_touching.keep(s, at, state.touching, contact.duration, scheme.curled)
+        rod_touching.keep(s, at, state.touching, contact.duration, scheme.curled, numbers[LASTING] > 0)
 
 
 @inlined

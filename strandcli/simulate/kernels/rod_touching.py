@@ -40,9 +40,10 @@ def begin(s):
 
 
 @inlined
-def keep(s, at, touching, duration, curled):
+def keep(s, at, touching, duration, curled, among):
     """Set `State.touching` by how the forces of contact have changed in a step of ``duration`` seconds: 1 where that is
-    much, else 0, of ``curled`` strands `CALM` less than before, but at least `STEADY` where there are forces."""
+    much, else 0, of ``curled`` strands `CALM` less than before, but at least `STEADY` where there are forces. 1 at any
+    force ``among`` strands that press each other: what their rounds find may leave a strand to solids at any time."""
     force, change = load(s, CONTACT_FORCE), load(s, CONTACT_CHANGE)
     after = broadcast(s, 0.0)
     if curled:
@@ -54,5 +55,7 @@ def keep(s, at, touching, duration, curled):
     x, y, z = x - inverse_length * u, y - inverse_length * v, z - inverse_length * w
     way = (SLIGHT * at.segments) * sqrt(x * x + y * y + z * z)
     by_itself = duration * duration * inverse_length * change
-    much = (change > CHANGE * force) | ((force > 0.0) & (by_itself >= way))
+    much = ~((change <= CHANGE * force) & ((by_itself < way) | (force <= 0.0)))  # what is not finite is much
+    if among:
+        much = force > 0.0
     store(touching, at.strand, where(much, broadcast(s, 1.0), after))
