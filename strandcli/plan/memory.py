@@ -28,7 +28,7 @@ SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 5_000_000, 25_000_000
 
 
 KEPT = 0.85
-"""Of vertices, those that opacity maps have where they leave any out (`draw.shadows.strands_in_map.simplified`)."""
+"""Of vertices, those that opacity maps have where they leave some out, about (`draw.shadows.strands_in_map`)."""
 PARTS, PART = 4, 48
 """Of a strand in an opacity map, as in `draw.shadows.kernels.map_parts`."""
 WAITING = 24

@@ -9,7 +9,7 @@ import numpy as np
 
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.shadows.kernels.map_parts import PART, PARTS, REST, MapView, StrandsInMap
-from strandcli.draw.shadows.strands_in_map import MOST, parts_of
+from strandcli.draw.shadows.strands_in_map import parts_of
 from strandcli.plan import memory
 
 
@@ -32,4 +32,4 @@ def test_parts_of_strands_of_any_length_have_memory_of_their_own() -> None:
 
 
 def test_plan_knows_how_many_there_are() -> None:
-    assert (memory.PARTS, memory.PART, memory.KEPT) == (PARTS, PART, MOST)
+    assert (memory.PARTS, memory.PART) == (PARTS, PART)
