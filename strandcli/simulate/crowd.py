@@ -255,10 +255,9 @@ class Crowd:
         if math.isnan(cells):
             return False
         if cells > MOST_CELLS:
-            least = self.cell * (cells / MOST_CELLS) ** (1 / 3)
             raise UsageError(
                 f"{self.where}.cell: cells of {self.cell:.3g} m would be {cells:.3g} in the box about the strands, "
-                f"more than {MOST_CELLS:,}; make them at least {1.05 * least:.2g}"
+                f"more than {MOST_CELLS:,}; make them at least {self.cell * self._coarser():.2g}"
             )
         if count > len(self.memory):
             self.memory = aligned((int(count * 1.2), CELL))
@@ -266,6 +265,14 @@ class Crowd:
             self.pressure = _moved(self.pressure, self._before, self.boxes[-1])
             self._empty_grid()
         return True
+
+    def _coarser(self) -> float:
+        """Return by what factor cells can be larger so that they are few enough, those of a flat groom too."""
+        along = self._ends[:, 3:].max(0) - self._ends[:, :3].min(0) + 1
+        factor = 1.0
+        while np.prod(np.ceil(along / factor) + 1 + 2 * self._margin) > MOST_CELLS:
+            factor *= 1.05
+        return 1.05 * factor  # it is told with two digits
 
 
 def extent_of(positions: NDArray[Any]) -> float:
