@@ -52,12 +52,12 @@ def swings(rate: int, seconds: int) -> Floats:
     return np.ptp(np.array(found).reshape(seconds, rate), axis=1) / 2
 
 
-@pytest.mark.parametrize(("rate", "kept"), [(24, 0.65), (48, 0.92), (96, 0.95)])
+@pytest.mark.parametrize(("rate", "kept"), [(24, 0.42), (48, 0.85), (96, 0.95)])
 def test_what_hangs_over_a_pole_keeps_its_swing(rate: int, kept: float) -> None:
     """In four seconds, some five cycles; by Euler's method .08, .28 and .52 of it are left. Nor does the swing grow."""
     found = swings(rate, 4)
     assert kept < found[3] / found[0] < 1.05
-    assert 0.04 < found[0] < 0.05
+    assert 0.035 < found[0] < 0.05
 
 
 @pytest.mark.parametrize("rest", ["rest: straight, friction: 0.2", "rest: shape, friction: 0.2"])

@@ -23,7 +23,7 @@ from .rod_scratch import (
 
 CHANGE = 0.25
 """Share of the forces of contact on a strand that they change by in a step, from which on the next one is Euler's."""
-SLIGHT = 0.07
+SLIGHT = 0.03
 """Share of the tip's way from the root in a step that such a change makes by itself, were it on all particles alike,
 from which on it is, too: strands that hardly move come to rest."""
 CALM = 0.2
