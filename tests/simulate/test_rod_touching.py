@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from strand_kit import scene_of
 from strandcli.groom.emit import emit
 from strandcli.simulate.kernels.records import STEADY
-from strandcli.simulate.kernels.rod_touching import CALM, CHANGE, SLIGHT
+from strandcli.simulate.kernels.rod_touching import CALM, CHANGE, SLIGHT, SLIGHT_OF_CURLS
 from strandcli.simulate.rod import RodSolver
 
 Floats = NDArray[np.float64]
@@ -81,7 +81,7 @@ def test_strands_are_marked_by_how_forces_of_contact_change(rest: str) -> None:
         past, now = (one.reshape(-1)[: solver.strands] for one in (mark, state.touching))
         after = np.maximum(past - CALM, 0) if curled else np.zeros_like(past)
         after = np.where(force > 0, np.maximum(after, STEADY), after)
-        little = SLIGHT * push.shape[1] * way
+        little = (SLIGHT_OF_CURLS if curled else SLIGHT) * push.shape[1] * way
         much = (change > CHANGE * force) | ((force > 0) & (dt**2 * change >= little))
         np.testing.assert_allclose(now, np.where(much, 1, after), atol=1e-6, err_msg=str(i))
         seen |= set(now[now <= STEADY])

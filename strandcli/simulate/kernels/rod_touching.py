@@ -23,7 +23,7 @@ from .rod_scratch import (
 
 CHANGE = 0.25
 """Share of the forces of contact on a strand that they change by in a step, from which on the next one is Euler's."""
-SLIGHT = 0.03
+SLIGHT, SLIGHT_OF_CURLS = 0.03, 0.07
 """Share of the tip's way from the root in a step that such a change makes by itself, were it on all particles alike,
 from which on it is, too: strands that hardly move come to rest."""
 CALM = 0.2
@@ -53,7 +53,7 @@ def keep(s, at, touching, duration, curled, among):
     x, y, z = load3(s, FIRST_SEGMENT + (at.segments - 1) * SEGMENT + DISPLACEMENT, 1)
     u, v, w = load3(s, ROOT_SHIFT, 1)
     x, y, z = x - inverse_length * u, y - inverse_length * v, z - inverse_length * w
-    way = (SLIGHT * at.segments) * sqrt(x * x + y * y + z * z)
+    way = ((SLIGHT_OF_CURLS if curled else SLIGHT) * at.segments) * sqrt(x * x + y * y + z * z)
     by_itself = duration * duration * inverse_length * change
     much = ~((change <= CHANGE * force) & ((by_itself < way) | (force <= 0.0)))  # what is not finite is much
     if among:
