@@ -16,6 +16,7 @@ from .common.drawing import Drawing
 from .common.kernels.keys import EMPTY, FIRST
 from .common.scratch import Scratch
 from .coverage.coverage import Coverage, Layer
+from .coverage.kernels.composite import CLOSED
 from .coverage.width_profiles import add_to_zbuffer, profiles_of
 from .film import haze
 from .film.aovs import Recorder
@@ -110,6 +111,7 @@ class Canvas:
         """Shade the solids in the rows of a layer, but where its strands hide them wholly."""
         top, bottom, width = layer.fragments.top, layer.fragments.bottom, self.size[0]
         here, hidden = edges.within(top * width, bottom * width), layer.fragments.closed
+        here.keys[hidden[here.pixels] == CLOSED] = EMPTY  # no light of theirs is seen
         hidden[here.pixels] = 1  # they are drawn by themselves
         self._surfaces(self.keys, self.image, hidden=hidden, rows=(top, bottom))
         here.composite(self._surfaces, self.image, self.backdrop)

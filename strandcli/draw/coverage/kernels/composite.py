@@ -19,6 +19,8 @@ MASKED = np.float32(1 / 16)
 """Samples. Wider strands can have masks of the points of a sample that they show; others may miss every point."""
 PART = np.float32(0.5)
 """Share of its mask's points below which the area of a thin strand in a sample is not that of its mask."""
+OPEN, CLOSED, SOLID = np.uint8(0), np.uint8(1), np.uint8(2)
+"""Bits of `Fragments.closed`."""
 NO_VERTEX = np.int64(-9)
 """A vertex next to none."""
 FOUR = np.uint64(NUMBERS)
@@ -59,6 +61,7 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
         room = ONE
         previous = NO_VERTEX
         total = ZERO
+        solid = False
         while (m < end) & (through >= OPAQUE):
             alpha, identity, t = numbers(fragments, order[np.uint64(m)])
             m += 1
@@ -71,6 +74,7 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
             through = front * room
             share = front * alpha
             along = np.float32(t & BETWEEN) * UNIT
+            solid |= identity >= vertices
             if identity < vertices:
                 identity -= (t >> bits) & (out.stride - 1)
                 odd = t >> STEP
@@ -88,16 +92,17 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
             o += 1
         out.counts[np.uint64(base) + p] = o - begin
         if o > begin:
-            close(out, tile, np.int64(p), total)
+            close(out, tile, np.int64(p), total, solid)
     return o
 
 
 @inlined
-def close(out, tile, p, total):
+def close(out, tile, p, total, solid):
     """Store whether the fragments of pixel p of a tile let nothing through, as `resolve.blend` has it; total: of their
-    weights, from the first to the last."""
+    weights, from the first to the last; solid: whether one of them is a solid's."""
     at = (tile.top + (p >> ROW_BITS)) * out.width + tile.left + (p & (TILE_WIDTH - 1))
-    out.closed[np.uint64(at)] = np.uint8(ONE - total < OPAQUE)
+    closed = CLOSED | SOLID if solid else CLOSED
+    out.closed[np.uint64(at)] = closed if ONE - total < OPAQUE else OPEN
 
 
 @inlined
@@ -155,6 +160,7 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
         thin = front = room = ONE
         free = ALL_POINTS
         total = ZERO
+        solid = False
         previous = NO_VERTEX
         while m < end:
             alpha, identity, t = numbers(fragments, order[np.uint64(m)])
@@ -178,6 +184,7 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
                 thin = front * room
             share = min(share, ONE - total)  # areas are exact, but hidden parts are counted in points
             if share > ZERO:
+                solid |= identity >= vertices
                 if identity < vertices:
                     identity -= (t >> bits) & (out.stride - 1)
                     marks[np.uint64(identity)] = marks[np.uint64(identity + out.stride)] = 1
@@ -193,5 +200,5 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
                 out.weight[i] /= total
         out.counts[np.uint64(base) + p] = o - begin
         if o > begin:
-            close(out, tile, np.int64(p), total_weight(out, begin, o))
+            close(out, tile, np.int64(p), total_weight(out, begin, o), solid)
     return o

@@ -63,7 +63,8 @@ class Fragments(NamedTuple):
     points: NDArray[np.uint64]
     """(F,) mask of the points of its sample that the fragment shows (see `masks`); (0,): all show all points."""
     closed: NDArray[np.uint8]
-    """(height * width,) 1 at the pixels of which `resolve.blend` leaves out what is behind the fragments, 0 before."""
+    """(height * width,) `composite.CLOSED` at the pixels of which `resolve.blend` leaves out what is behind the
+    fragments, and `SOLID`, too, where one of these is a solid's; 0 before."""
     stride: int
     """Every stride-th vertex of a strand is lit; a power of two."""
     place_bits: int
