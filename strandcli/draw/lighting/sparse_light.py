@@ -39,6 +39,7 @@ def shade_surfaces(
     around = max(top - 1, 0), min(bottom + 1, height)
     lighting.shade_surfaces(keys, image, hidden=asked, rows=around, lattice=written._replace(wanted=kernel.FINE))
     assert lighting.solids is not None
+    kernel.smooth_blocks(keys, lighting.solids, asked, known, frame, hidden)
     kernel.choose(keys, camera, lighting.solids, asked, known, frame, hidden)
     lighting.shade_surfaces(keys, image, hidden=hidden, rows=rows)
     read = written._replace(use=READ, wanted=kernel.BETWEEN)

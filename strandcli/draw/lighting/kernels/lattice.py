@@ -11,7 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ....constants import VECTOR
 from ....jit import device, inlined, parallel, prange
+from ....simd import any_lane, lane_count, load, pointer, where
 from ...common.kernels.keys import EMPTY, FIRST, LOW
 from ...solids.kernels import appearance, blended
 from ...solids.kernels.surface_pixels import FOLD, bend, depth_at, folded, pixel_width
@@ -33,6 +35,7 @@ ALL = np.int64(2)
 """Their number."""
 CLOSELY = np.float32(1.0 / 32.0)
 """The same for pixels four apart, between which light may be missed."""
+LANES = np.arange(VECTOR // 4, dtype=np.float32)
 DRAWN, HIDDEN, BETWEEN, SMOOTH = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(4)
 """What becomes of a pixel: light is computed there; it is left as it is; it has the lattice's shares of each light; it
 has the lattice's light, and only its own colour."""
@@ -142,6 +145,74 @@ def smooth(keys, camera, at, step, right):
 def has_folds(solids, which):
     """Return whether solid number `which` may have edges and creases in front of itself."""
     return blended.blends(solids, which) or appearance.folds(solids, which)
+
+
+@parallel
+def smooth_blocks(keys, solids, asked, values, frame, hidden):
+    """Set hidden to `SMOOTH` as `choose` does, at four pixels at once, where the lattice pixels about them agree about
+    all of them; arguments as there. values: room for a vector behind the last pixel that is known."""
+    top, bottom, width = np.int64(frame.top), np.int64(frame.bottom), np.int64(frame.width)
+    height = np.int64(keys.shape[0]) // width
+    down, right = np.int64(frame.down) & ONE, np.int64(frame.right) & ONE
+    known = pointer(values)
+    along = np.int64(values.shape[2] * 3)
+    below = np.int64(values.shape[1]) * along
+    if along > lane_count(known):
+        return
+    for pair in prange((bottom - top) // 2 + 2):
+        y = top - TWO + ((top + down) & ONE) + TWO * np.int64(pair)
+        if y < 0 or y + TWO >= height:
+            continue
+        solid, parts = np.int64(-1), False
+        lanes = load(pointer(LANES), 0)
+        for x in range(TWO - right, width - TWO, 2):
+            at = y * width + x
+            key = keys[np.uint64(at)]
+            if key == EMPTY or (key & LOW) < FIRST:
+                continue
+            own = np.int64((key & LOW) - FIRST)
+            if own != solid:
+                solid, parts = own, has_folds(solids, own)
+            if parts or not one_solid(keys, asked, key, at, TWO * width):
+                continue
+            o = ((y + frame.down) >> 1) * below + ((x + frame.right) >> 1) * along
+            if agree(known, o, along, below, lanes):
+                for row in range(max(y, top), min(y + TWO, bottom)):
+                    set_smooth(keys, hidden, row * width + x, key)
+
+
+@inlined
+def one_solid(keys, asked, key, at, below):
+    """Return whether the light of four pixels of the lattice is known, of which number `at` is the upper left, and all
+    of them show the solid of a key; below: from a row of them to the next."""
+    return (
+        there(keys, asked, key, at) and there(keys, asked, key, at + TWO)
+        and there(keys, asked, key, at + below) and there(keys, asked, key, at + below + TWO)
+    )  # fmt: skip
+
+
+@inlined
+def set_smooth(keys, hidden, at, key):
+    """Set two neighbouring pixels to `SMOOTH` that are drawn and show the solid of a key."""
+    for place in range(np.uint64(at), np.uint64(at + TWO)):
+        same = (hidden[place] == DRAWN) & (((keys[place] ^ key) & LOW) == EVEN)
+        hidden[place] = SMOOTH if same else hidden[place]
+
+
+@inlined
+def agree(known, o, along, below, lanes):
+    """Return whether light is `alike` and `even` between any two of four places of the lattice, by bounds of each
+    channel alone. known: `pointer` to the lattice; o: index of the upper left place; along, below: numbers from a place
+    to the next and to that below; lanes: 0, 1, …"""
+    a, b = load(known, o), load(known, o + along)
+    d, e = load(known, o + below), load(known, o + below + along)
+    low, high = min(min(a, b), min(d, e)), max(max(a, b), max(d, e))
+    coat, lit = np.float32(along - 3), np.float32(along - 6)
+    place = o + along - 6
+    faint = min(min(known[place], known[place + along]), min(known[place + below], known[place + below + along]))
+    most = where(lanes < lit, ALIKE, ALIKE * where(lanes < coat, low, max(low, FAINT * faint)))
+    off = (low < ZERO) | ~(high <= low + most)
+    return not any_lane(off & (lanes < np.float32(along)))
 
 
 @parallel
