@@ -50,6 +50,8 @@ class Listed(NamedTuple):
     """(W,) their places in `every`."""
     every: NDArray[np.uint8]
     """(K V,) what `hide` changes."""
+    near: NDArray[np.float32]
+    """(cells of a slab, 4) cells near strands or surfaces: a point, and the number within the slab."""
 
 
 @device
@@ -65,10 +67,9 @@ def hide(cells, grid, box, ways, listed, solids, i):
     counts, sides = grid
     wide = math.sqrt(sides[0] * sides[0] + sides[1] * sides[1] + sides[2] * sides[2])
     skin = np.float32(1e-3) * wide
-    fan, work, places, every = listed
+    fan, places = listed.fan, listed.near
     total = counts[0] * counts[1] * counts[2]
-    by_lanes = other.takes_vectors(solids)
-    count = np.int64(0)
+    found = np.int64(0)
     for j in range(counts[1]):
         for k in range(counts[2]):
             cell = (i * counts[1] + j) * counts[2] + k
@@ -85,24 +86,39 @@ def hide(cells, grid, box, ways, listed, solids, i):
                     fan[LX + d] = ways[low + d, 0]
                     fan[LY + d] = ways[low + d, 1]
                     fan[LZ + d] = ways[low + d, 2]
-                    fan[LIGHT + d] = np.float32(every[(low + d) * total + cell])
+                    fan[LIGHT + d] = np.float32(listed.every[(low + d) * total + cell])
                 occlude(fan, n, x, y, z, solids, skin)
                 for d in range(n):
-                    place = (low + d) * total + cell
                     if fan[LIGHT + d] == ZERO:
-                        every[place] = DARK
-                    elif by_lanes:
-                        places[count] = place
-                        work[batch.X + count] = x
-                        work[batch.Y + count] = y
-                        work[batch.Z + count] = z
-                        work[batch.LX + count] = fan[LX + d]
-                        work[batch.LY + count] = fan[LY + d]
-                        work[batch.LZ + count] = fan[LZ + d]
-                        count += 1
-                        if count == W:
-                            past_distances(listed, count, solids, skin)
-                            count = np.int64(0)
+                        listed.every[(low + d) * total + cell] = DARK
+            places[found, 0], places[found, 1], places[found, 2] = x, y, z
+            places[found, 3] = np.float32(cell - i * counts[1] * counts[2])
+            found += 1
+    if other.takes_vectors(solids):
+        list_rays(ways, listed, found, i * counts[1] * counts[2], total, solids, skin)
+
+
+@device
+def list_rays(ways, listed, found, slab, total, solids, skin):
+    """Run `past_distances` for the first cells in `Listed.near`, so many as were found, direction by direction: rays of
+    one direction that begin side by side take about as many steps.
+
+    slab: number of its first cell; total: of all cells; other arguments as in `hide`.
+    """
+    work, near = listed.work, listed.near
+    count = np.int64(0)
+    for d in range(ways.shape[0]):
+        for c in range(found):
+            place = d * total + slab + np.int64(near[c, 3])
+            if listed.every[place] == DARK:
+                continue
+            listed.places[count] = place
+            work[batch.X + count], work[batch.Y + count], work[batch.Z + count] = near[c, 0], near[c, 1], near[c, 2]
+            work[batch.LX + count], work[batch.LY + count], work[batch.LZ + count] = ways[d, 0], ways[d, 1], ways[d, 2]
+            count += 1
+            if count == W:
+                past_distances(listed, count, solids, skin)
+                count = np.int64(0)
     past_distances(listed, count, solids, skin)
 
 

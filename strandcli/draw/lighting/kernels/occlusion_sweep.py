@@ -161,7 +161,7 @@ def combine(cells, counts, sides, box, ways, left, solids, volume):
         if solid:
             listed = Listed(
                 np.zeros(FAN * W, np.float32), np.zeros(batch.ROWS * W, np.float32), np.empty(W, np.int64),
-                left.reshape(-1),
+                left.reshape(-1), np.empty((size, 4), np.float32),
             )  # fmt: skip
             hide(cells, Grid(counts, sides), box, ways, listed, solids, i)
         work = np.empty(4 * W, np.float32)
