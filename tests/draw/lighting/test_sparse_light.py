@@ -39,6 +39,8 @@ def test_pixels_between_alike_ones_take_their_light(down, right, rows):
     np.testing.assert_allclose(values, values_wanted, rtol=1e-6)
     assert np.count_nonzero(asked == lattice.SPREAD) > 3
     found = hidden.copy()
+    lattice.smooth_blocks(keys.reshape(-1), NONE, asked.reshape(-1), values, frame, found.reshape(-1))
+    at_once = np.count_nonzero(found == lattice.SMOOTH)
     lattice.choose(
         keys.reshape(-1), np.zeros(32, np.float32), NONE, asked.reshape(-1), values, frame, found.reshape(-1)
     )
@@ -66,6 +68,7 @@ def test_pixels_between_alike_ones_take_their_light(down, right, rows):
     counts = [np.count_nonzero(found == one) for one in (lattice.BETWEEN, lattice.SMOOTH)]
     assert min(counts) > 2
     assert sum(counts) > 20
+    assert 0 < at_once < counts[1]
 
 
 def spread_wanted(keys, values, asked, rows, frame):

@@ -9,6 +9,7 @@ import pytest
 
 from strand_kit import frames_of, scene_of
 from strandcli.draw.canvas import Canvas
+from strandcli.draw.common.kernels.keys import EMPTY
 from strandcli.draw.lighting.lighting import NO_SPOTS, Lighting
 
 # no strand is near the camera, or one as wide as a board, alone: all light comes from everywhere
@@ -89,6 +90,7 @@ def test_edges_do_not_depend_on_bands(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_solids_behind_closed_strands_are_not_shaded_and_no_pixel_differs(monkeypatch: pytest.MonkeyPatch) -> None:
     """In bands, with haze and edges of solids before, between and behind an opaque board."""
     left: list[np.ndarray] = []
+    beside: list[int] = []
     shade = Lighting.shade_surfaces
 
     def note(self: Lighting, keys: Any, image: Any, spots: Any = NO_SPOTS, *rest: Any) -> None:
@@ -96,6 +98,8 @@ def test_solids_behind_closed_strands_are_not_shaded_and_no_pixel_differs(monkey
         shade(self, keys, image, spots, *rest)
         if not len(spots):
             left.append((image != before).any(2))
+        else:
+            beside.append(np.count_nonzero(keys != EMPTY))
 
     def all_of_them(self: Canvas, layer: Any, edges: Any) -> None:
         rows = layer.fragments.top, layer.fragments.bottom
@@ -109,11 +113,13 @@ def test_solids_behind_closed_strands_are_not_shaded_and_no_pixel_differs(monkey
     text = SCENE % (BETWEEN, "perspective", "sorted", 1, f"[{BALL}, {ROD}, {GROUND}]")
     scene = scene_of(text.replace("image: {", "image: {haze: 20, "))
     spared = np.asarray(frames_of(scene, 1)[0].aovs["linear"])
-    shaded = np.any(left, 0)
+    shaded, shaded_beside = np.any(left, 0), sum(beside)
     left.clear()
+    beside.clear()
     monkeypatch.setattr(Canvas, "_behind", all_of_them)
     whole = np.asarray(frames_of(scene, 1)[0].aovs["linear"])
     assert np.any(left, 0).sum() > shaded.sum() + 100
+    assert sum(beside) > shaded_beside + 10
     np.testing.assert_array_equal(spared, whole)
 
 

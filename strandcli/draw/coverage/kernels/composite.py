@@ -159,9 +159,7 @@ def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out,
         y = np.float32(tile.top + np.int64(p) // TILE_WIDTH) + HALF
         thin = front = room = ONE
         free = ALL_POINTS
-        total = ZERO
-        solid = False
-        previous = NO_VERTEX
+        total, solid, previous = ZERO, False, NO_VERTEX
         while m < end:
             alpha, identity, t = numbers(fragments, order[np.uint64(m)])
             m += 1
