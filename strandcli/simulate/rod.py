@@ -26,6 +26,7 @@ from .health import RESIDUAL_MOST
 from .kernels.records import AIR, LASTING, TOLERANCE
 from .kernels.rod_scratch import PACK
 from .material import COIL_STEP, MOST_INNER
+from .momentum import momentum_lost
 from .rod_clamped import pins_of
 from .rod_coils import CoilSteps
 from .rod_kernel import NOTHING, StepKernel
@@ -160,6 +161,12 @@ class RodSolver(Solver):
         self.pins = self.pins or Pins(self.state, self.pose)
         self.pins.bring(at, seconds)
 
+    def begin_frame(self) -> None:
+        """As for any solver."""
+        for one in (self.crowd, self.contact):
+            if one is not None:
+                one.begin_frame()
+
     def announce(self, ends: Sequence[float], dt: float) -> None:
         """As for any solver."""
         if self._steady:
@@ -281,7 +288,8 @@ class RodSolver(Solver):
         """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
         precision the last digit is 6e-8 m a metre from the origin. ``density_max``, where strands interact: the
         greatest density when the last step began, over the one allowed; ``strand_penetration_max``, with contact: by
-        how much strands were closer than their thickness, or than their roots allow, at its end, metres."""
+        how much strands were closer than their thickness, or than their roots allow, at its end, metres; with either,
+        `momentum_lost`."""
         out = super().errors(frame)
         edges = self.state.edges
         if edges.shape[1] > FEWEST_BY_EDGES or self.dtype == np.float64:
@@ -291,6 +299,8 @@ class RodSolver(Solver):
             out["density_max"] = self.crowd.found / self.crowd.density
         if self.contact is not None:
             out["strand_penetration_max"] = self.contact.penetration
+        if self.crowd is not None or self.contact is not None:
+            out["momentum_lost"] = momentum_lost(self)
         return out
 
     def strand_residuals(self) -> NDArray[np.floating]:
