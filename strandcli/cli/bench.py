@@ -28,7 +28,10 @@ FRAMES, FRAMES_OF_A_PRESET = 60, 3
 @click.command()
 @click.argument("preset", required=False)
 @click.option(
-    "--strands", type=options.COUNT_STRANDS, default=10_000, metavar="N",
+    "--strands",
+    type=options.COUNT_STRANDS,
+    default=10_000,
+    metavar="N",
     help="Strands.  [default: 10,000, of PRESET its own]",
 )
 @click.option(

@@ -1,4 +1,4 @@
-"""Momentum that strands lose, or gain, by what they do to each other: an error of a frame.
+"""Errors of a frame of strands that act on each other, momentum that they lose or gain by that among them.
 
 What strands hand to each other, by the grid of the rule interaction and by the rule contact, one gets and others lose.
 So its sum over all strands, with what the emitter takes up at their roots, is nothing but rounding, unless a force is
@@ -17,6 +17,20 @@ from .kernels.rod_scratch import PACK
 
 if TYPE_CHECKING:
     from .rod import RodSolver
+
+
+def errors_between_strands(solver: RodSolver) -> dict[str, float | None]:
+    """Return the errors that a ``solver`` has by its rules. ``density_max``, where strands interact: the greatest
+    density when the last step began, over the one allowed; ``strand_penetration_max``, with contact: by how much
+    strands were closer than their thickness, or than their roots allow, at its end, metres; with either,
+    `momentum_lost`."""
+    out: dict[str, float | None] = {}
+    crowd, contact = solver.crowd, solver.contact
+    if crowd is not None and crowd.density is not None:
+        out["density_max"] = crowd.found / crowd.density
+    if contact is not None:
+        out["strand_penetration_max"] = contact.penetration
+    return out if crowd is None and contact is None else {**out, "momentum_lost": momentum_lost(solver)}
 
 
 def momentum_lost(solver: RodSolver) -> float:

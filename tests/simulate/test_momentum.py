@@ -25,9 +25,9 @@ FALLING = (
     "rules: [emitter_motion, gravity, wind: {strength: 3}, collision, interaction: {cell: 0.03, density: 8000}%s]"
 )
 BRISTLES = (
-    "rod: {radius: 4.0e-4, young: 1.2e+9, integrator: %s}\ntime: {fps: 24}\nemitter: {shape: {kind: disc, radius: 0.01}, "
-    "strands: 40, particles: 7, length: 0.1, jitter: 12}\nrules: [gravity: {acceleration: [9.81, 0, 3]}, "
-    "contact: {thickness: 0.001}]"
+    "rod: {radius: 4.0e-4, young: 1.2e+9, integrator: %s}\ntime: {fps: 24}\n"
+    "emitter: {shape: {kind: disc, radius: 0.01}, strands: 40, particles: 7, length: 0.1, jitter: 12}\n"
+    "rules: [gravity: {acceleration: [9.81, 0, 3]}, contact: {thickness: 0.001}]"
 )
 
 

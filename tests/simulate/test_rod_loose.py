@@ -115,9 +115,7 @@ def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:
         ("rest: sag_free", "contact", r"hold no strand up.*use straight; free roots do not go with the rule contact"),
     ],
 )
-def test_what_free_roots_do_not_go_with_is_refused_in_one_line_with_its_place(
-    rod: str, rules: str, words: str
-) -> None:
+def test_what_free_roots_do_not_go_with_is_refused_in_one_line_with_its_place(rod: str, rules: str, words: str) -> None:
     with pytest.raises(SceneError, match=words) as raised:
         scene_of(f"solver: rod\nrod: {{root: free, {rod}}}\nrules: [{rules}]\n")
     assert "\n" not in str(raised.value)

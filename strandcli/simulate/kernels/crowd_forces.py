@@ -93,9 +93,9 @@ def drop_far(box, near, pressure):
 
 @parallel
 def accelerate(moving, lattice, parts, box, targets, work, shares, crowd, handed):
-    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and what `note_handed` and `keep_others` do. ``work``: scratch, as
-    `crowd_grid.deposit` takes it; ``shares`` (samples, greatest count): of a sample's
-    change that its particles have, 1/s."""
+    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and what `note_handed` and `keep_others` do. ``work``:
+    scratch, as `crowd_grid.deposit` takes it; ``shares`` (samples, greatest count): of a sample's change that its
+    particles have, 1/s; ``handed``: as `HANDED` says."""
     scratch, found = work
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):

@@ -18,9 +18,9 @@ EMPTY = np.float32(1e-30)
 
 @device
 def find_targets(box, o, near, grid, room, numbers, pressure, targets, others):
-    """Set the targets of layer o. A cell that no sample reaches has none. Set the layer's row of ``others`` (cells along
-    z, 4 `LANES`), which tells what momentum strands get from others than strands: the metres of its cells times the
-    share of the wind that they do not get, less than 0, and pressure against solids (3)."""
+    """Set the targets of layer o. A cell that no sample reaches has none. Set the layer's row of ``others`` (cells
+    along z, 4 `LANES`), which tells what momentum strands get from others than strands: the metres of its cells times
+    the share of the wind that they do not get, less than 0, and pressure against solids (3)."""
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
     main, cells = main_axis(numbers[WAY : WAY + 3]), pointer(grid)
     less = broadcast(cells, 0.0)
