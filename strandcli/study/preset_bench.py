@@ -47,7 +47,7 @@ def run(
     settings: dict[str, Any] = {"image.size": list(size), **(changes or {})}
     if quality != "preset":
         settings["quality"] = quality
-    scene = load(preset, overrides=overrides, settings=settings)
+    scene = load(preset, overrides=overrides, settings=settings, option="--set")
     if scene.panels:
         raise UsageError(f"{preset}: has {len(scene.panels)} panels, and bench times a single picture")
     if scene.time.frames < frames + 1:
