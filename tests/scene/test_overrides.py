@@ -192,10 +192,12 @@ def test_an_override_cannot_reach_into_what_is_malformed() -> None:
     ]
 
 
-def test_a_fault_names_what_the_caller_gave() -> None:
+def test_a_fault_names_what_the_caller_gave(tmp_path: Path) -> None:
     import strandcli
 
+    path = tmp_path / "p.yaml"
+    path.write_text("title: a preset\n")
     for given, said in (({}, "overrides"), ({"option": "--set"}, "--set")):
         with pytest.raises(SceneError) as raised:
-            strandcli.load("minimal", ["time.frames=0"], **given)  # type: ignore[arg-type]
-        assert str(raised.value).startswith(f"{said} time.frames=0: must be ")
+            strandcli.load(str(path), ["time.frames=0"], **given)  # type: ignore[arg-type]
+        assert str(raised.value).startswith(f"{said} time.frames=0: ")
