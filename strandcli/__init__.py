@@ -23,19 +23,20 @@ FILE = "emitter.groom.file"
 
 
 def load(
-    preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any] | None = None, *, roughly: bool = False
+    preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any] | None = None, *, roughly: bool = False,
+    option: str = "overrides",
 ) -> Scene:  # fmt: skip
     """A preset, by path or shipped name, as a validated scene.
 
     ``overrides`` are texts such as ``"wind.strength=3"``, as after ``--set``; ``settings`` the same with ready values.
     ``roughly``: strands of a file are counted, and some of them tell where the camera stands and how wide they are; to
-    be looked at and not to be drawn.
+    be looked at and not to be drawn. ``option``: by what faults name the texts, such as "--set".
     Raises `strandcli.scene.SceneError` with every fault that was found.
     """
     from .scene import load as load_scene
     from .simulate.rules import registry
 
-    scene = load_scene(preset, rules=registry(), overrides=overrides, settings=settings or {})
+    scene = load_scene(preset, rules=registry(), overrides=overrides, settings=settings or {}, option=option)
     parts = scene.panels or (scene,)
     if any(one.emitter.groom is not None for one in parts):
         from .groom_file import completed

@@ -20,23 +20,32 @@ OWN = {
 """Settings that have options of their own here."""
 
 
-OF_THE_HEADLINE = {"strands": "emitter.strands", "particles": "emitter.particles", "solver": "solver"}
-"""Options of the headline scene alone, with the setting that a preset has for each."""
+CHANGED = {"strands": "emitter.strands", "particles": "emitter.particles", "solver": "solver"}
+"""Options with defaults of the headline scene, with the setting of a preset that each changes where it is given."""
 FRAMES, FRAMES_OF_A_PRESET = 60, 3
 
 
 @click.command()
 @click.argument("preset", required=False)
-@click.option("--strands", type=options.COUNT_STRANDS, default=10_000, show_default=True, metavar="N", help="Strands.")
 @click.option(
-    "--particles", type=options.COUNT_PARTICLES, default=10, show_default=True, metavar="N", help="Particles a strand."
+    "--strands",
+    type=options.COUNT_STRANDS,
+    default=10_000,
+    metavar="N",
+    help="Strands.  [default: 10,000, of PRESET its own]",
 )
+@click.option(
+    "--particles", type=options.COUNT_PARTICLES, default=10, metavar="N",
+    help="Particles a strand.  [default: 10, of PRESET its own]",
+)  # fmt: skip
 @click.option(
     "--frames", type=options.Whole(1, 100_000), metavar="N",
     help=f"Frames to time.  [default: {FRAMES}, of PRESET {FRAMES_OF_A_PRESET}]",
 )  # fmt: skip
 @click.option("--size", type=options.SizeType(), default="800x600", show_default=True, help="Picture.")
-@click.option("--solver", default="thesis", show_default=True, metavar="NAME", help="How strands move.")
+@click.option(
+    "--solver", default="thesis", metavar="NAME", help="How strands move.  [default: thesis, of PRESET its own]"
+)
 @click.option(
     "--quality",
     type=click.Choice(("preset", "draft", "default", "best")),
@@ -90,7 +99,9 @@ def command(
         if preset is not None:
             from ..study import preset_bench
 
-            data = preset_bench.run(preset, frames, size, threads, quality, overrides, progress.note, cpu)
+            wishes = {"strands": strands, "particles": particles, "solver": solver}
+            changes = {path: wishes[name] for name, path in CHANGED.items() if name in given}
+            data = preset_bench.run(preset, frames, size, threads, quality, overrides, progress.note, cpu, changes)
         elif growth:
             grown = bench.time_growth(solver, overrides, progress.note)
             data = {"solver": solver, **grown, "machine": runtime.machine()}
@@ -116,7 +127,8 @@ def refuse_contradictions(preset: str | None, given: set[str], overrides: Sequen
     """Raise `UsageError` for options and settings that say the same, or that do not go together."""
     for text in overrides:
         path = text.partition("=")[0].strip()
-        if path in OWN and not (preset is not None and path in {*OF_THE_HEADLINE.values(), "time.frames"}):
+        free = preset is not None and path in {*CHANGED.values(), "time.frames"}
+        if path in OWN and not (free and not any(path == CHANGED.get(name) for name in given)):
             raise UsageError(f"--set {path}: write {OWN[path]} for it")
     if preset is None:
         if "cpu" in given:
@@ -124,9 +136,6 @@ def refuse_contradictions(preset: str | None, given: set[str], overrides: Sequen
         return
     if "growth" in given:
         raise UsageError(f"--growth: is of the headline scene, not of {preset}; leave out one of them")
-    for name, path in OF_THE_HEADLINE.items():
-        if name in given:
-            raise UsageError(f"--{name}: is of the headline scene; for {preset} write --set {path}=VALUE")
 
 
 def stage_table(data: Mapping[str, Any]) -> str:

@@ -54,15 +54,17 @@ def command(
         if output is not None:
             write_image(output, difference_image(one, two))
         seen = {"flip": mean_flip(one, two)} if perceived else {}
+        over = 100 * found.over_fraction > allow
         if as_json:
             options.print_json({"a": str(a), "b": str(b), **found.as_dict(), **seen})
         elif not quiet:
-            say(f"{a.name}: {found}" if folders else str(found))
+            if not over:  # else the error tells
+                say(f"{a.name}: {found}" if folders else str(found))
             if not found.equal and found.psnr_db is not None:
                 say(f"PSNR {found.psnr_db:.1f} dB")
             if perceived:
                 say(f"ꟻLIP {seen['flip']:.4f}")
-        if 100 * found.over_fraction > allow:
+        if over:
             raise MismatchError(f"{a} and {b} differ: {found}")
         if rmse is not None and found.rmse > rmse:
             raise MismatchError(f"{a} and {b} differ: RMSE {found.rmse:.3g}/255 is above {rmse:g}")

@@ -196,7 +196,7 @@ def load_scene(
             settings["emitter.groom.strands"] = settings.pop("emitter.strands")
         settings["emitter.groom.file"] = preset
         preset = GROOM
-    return strandcli.load(preset, overrides=overrides, settings=settings, roughly=roughly)
+    return strandcli.load(preset, overrides=overrides, settings=settings, roughly=roughly, option="--set")
 
 
 GROOM = "groom"

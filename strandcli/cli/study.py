@@ -13,7 +13,7 @@ from ..errors import MismatchError, UsageError
 from . import complete, options
 from .progress import Progress, beginner, stepper
 from .say import say
-from .values import ErrorType, ListType, count, integrator, step, word
+from .values import ErrorType, ListType, count, integrator, metres, step, word
 
 if TYPE_CHECKING:
     from ..study.axes import Axis, Request
@@ -32,8 +32,8 @@ max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help=
 @click.option("--reference", type=ListType("NAMES", word, "elastica,beam"), metavar="NAMES",
               help="Exact solutions in place of a preset: elastica, tip_load, buckling, beam, chain, swing, "
               "catenary, pendulum, section, spring, michell, writhe, twist, incline, tuft, layer, or all.")  # fmt: skip
-@click.option("--axis", metavar="NAME", help="What to study of a preset: motion, or of pictures curves, coverage, "
-              "shadow, occlusion, lod, tables, end-to-end, quality.  [default: motion]")  # fmt: skip
+@click.option("--axis", metavar="NAME", help="What to study of a preset: motion, interaction, or of pictures curves, "
+              "coverage, shadow, occlusion, lod, tables, end-to-end, quality.  [default: motion]")  # fmt: skip
 @max_error
 @click.option("--solver", "solvers", type=ListType("NAMES", word, "rod,foil"), metavar="NAMES",
               help="Solvers: thesis, rod, foil.  [default: all]")  # fmt: skip
@@ -46,6 +46,10 @@ max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help=
               help="Integrators to try, of solvers that have them: euler, bdf2.")  # fmt: skip
 @click.option("--particles", type=ListType("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
               help="Particles a strand to try.")  # fmt: skip
+@click.option("--cells", type=ListType("METRES", metres, "0.01,0.02"), metavar="METRES",
+              help="Cells of the rule interaction to try; axis interaction.")  # fmt: skip
+@click.option("--guides", type=ListType("COUNTS", count(1, 100_000_000), "250,500"), metavar="COUNTS",
+              help="Numbers of strands to simulate for the same hair; axis interaction.")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
               help="Strands of the preset: the first N.  [default: 256; pictures: 2000]")  # fmt: skip
 @click.option("--span", type=click.FloatRange(1e-3, 3600), metavar="SECONDS",
@@ -73,16 +77,18 @@ def command(
     no_progress: bool,
     **wishes: Any,
 ) -> None:
-    """Measure error against run time: of motion over solvers, steps, iterations and particles; of pictures over the
-    settings of one stage of drawing, or of all.
+    """Measure error against run time: of motion over solvers, steps, iterations and particles; of interaction over
+    cells and guides; of pictures over the settings of one stage of drawing, or of all.
 
-    Of PRESET: where strands are, against the limit of finer settings; with --axis, one frame in linear light against a
-    far finer one, or rays, or quadrature. With --reference: against exact solutions; of several also a table with a row
-    for each of them and each solver. Prints a table, writes NAME.csv, .json, .png, .svg and .html, and recommends the
-    cheapest setting under an error. A solver that cannot represent something is listed as such. Exit code 3: no
-    setting stays under --max-error.
+    Of PRESET: where strands are, against the limit of finer settings, with --cells or --guides against finer cells or
+    more guides; with --axis, one frame in linear light against a far finer one, or rays, or quadrature. With
+    --reference: against exact solutions; of several also a table with a row for each of them and each solver. Prints a
+    table, writes NAME.csv, .json, .png, .svg and .html, and recommends the cheapest setting under an error. A solver
+    that cannot represent something is listed as such. Exit code 3: no setting stays under --max-error.
     """
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
+    if axis is None and preset is not None and (wishes["cells"] or wishes["guides"]):
+        axis = "interaction"
     from ..study.registry import find
 
     requests = _requests(preset, reference, axis, wishes)
@@ -143,6 +149,7 @@ def _requests(
     if reference is not None:
         given = {"--strands": wishes.pop("strands"), "--span": wishes.pop("span"), "--axis": axis, "--seed": seed}
         given |= {"--set": overrides or None, "--frame": wishes.pop("frame"), "--size": wishes.pop("size")}
+        given |= {"--cells": wishes.pop("cells"), "--guides": wishes.pop("guides")}
         for option, value in given.items():
             if value is not None:
                 raise UsageError(f"{option} is for presets; a --reference has its own scene")
@@ -166,7 +173,7 @@ def _requests(
         frame = wishes.pop("frame")
         scene = options.load_scene(preset, seed=seed, overrides=overrides)
         paths = [text.partition("=")[0].strip() for text in overrides]
-        if not chosen.pictures:
+        if chosen.name == "motion":
             for name, values in settled(scene, paths).items():  # what is set by hand is not turned
                 wishes[name] = wishes[name] or values
         wishes |= {"frame": frame or 1, "fixed": frozenset(paths)}
@@ -175,15 +182,28 @@ def _requests(
     return requests
 
 
+STEPPED = {"solvers": "--solver", "steps": "--dt", "substeps": "--substeps", "iterations": "--iterations",
+           "integrators": "--integrators", "particles": "--particles"}  # fmt: skip
+CROWDED = {"cells": "--cells", "guides": "--guides"}
+DRAWN = {"frame": "--frame", "size": "--size"}
+"""Options of motion, of interaction and of pictures."""
+
+
 def _refuse_others(axis: Axis, wishes: dict[str, Any]) -> None:
-    """Raise `UsageError` for options of motion at an axis of pictures, and the other way round."""
-    motion = {"solvers": "--solver", "steps": "--dt", "substeps": "--substeps", "iterations": "--iterations",
-              "integrators": "--integrators", "particles": "--particles", "span": "--span"}  # fmt: skip
-    foreign = motion if axis.pictures else {"frame": "--frame", "size": "--size"}
-    for name, option in foreign.items():
-        if wishes.get(name) is not None:
-            what = "use --set for the preset's own settings" if axis.pictures else "name an --axis of pictures with it"
-            raise UsageError(f"{option} does not go with axis {axis.name}; {what}")
+    """Raise `UsageError` for options of other axes than one."""
+    own = "use --set for the preset's own settings"
+    drawn = dict.fromkeys(DRAWN.values(), "name an --axis of pictures with it")
+    crowded = dict.fromkeys(CROWDED.values(), "name --axis interaction with it, or none")
+    if axis.pictures:
+        foreign = {**dict.fromkeys((*STEPPED.values(), "--span"), own), **crowded}
+    elif axis.name == "interaction":
+        foreign = {**dict.fromkeys(STEPPED.values(), own), "--strands": "name --guides in its place", **drawn}
+    else:
+        foreign = {**crowded, **drawn}
+    options = {**STEPPED, **CROWDED, **DRAWN, "span": "--span", "strands": "--strands"}
+    for name, option in options.items():
+        if option in foreign and wishes.get(name) is not None:
+            raise UsageError(f"{option} does not go with axis {axis.name}; {foreign[option]}")
 
 
 def file_name(name: str, axis: str | None = None) -> str:

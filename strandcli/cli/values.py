@@ -150,6 +150,15 @@ def step(word: str) -> float:
     return seconds
 
 
+def metres(word: str) -> float:
+    """A length above 0."""
+    match = re.fullmatch(r"[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?", word, re.ASCII)
+    length = float(word) if match else math.nan
+    if not (math.isfinite(length) and length > 0):
+        raise ValueError(f"'{word}' is not a length above 0, metres")
+    return length
+
+
 def integrator(text: str) -> str:
     """The name of an integrator."""
     if text not in ("euler", "bdf2"):

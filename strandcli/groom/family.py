@@ -77,7 +77,7 @@ class Family(NamedTuple):
 def family_of(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave]) -> Family:
     """Return the constants of children. ``groom``: the guides; ``every``: the children as emitted, the guides first;
     ``waves``: those that move anything. They are kept from one run to the next."""
-    settings, where, count = scene.children, _places(scene.emitter, every), every.strands
+    settings, where, count = scene.children, places_of(scene.emitter, every), every.strands
     assert settings is not None
     levels, moved, used = len(settings.clumps), len(waves), min(PARENTS, groom.strands)
     small, whole = np.float32, np.int32
@@ -108,11 +108,11 @@ def _kept_of(family: Family) -> list[NDArray[Any]]:
 
 
 def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where: NDArray[np.float32]) -> Family:
-    """As `family_of`; ``where``: from `_places`."""
+    """As `family_of`; ``where``: from `places_of`."""
     settings, emitter, count = scene.children, scene.emitter, every.strands
     assert settings is not None
     seed: int = scene.seed
-    parents, weights = _parents(where, groom)
+    parents, weights = parents_of(where, groom)
     lots = stream(seed, RANDOM, count)
     levels = _Levels(emitter, settings.clumps, where, seed)
     pulls = [
@@ -157,7 +157,7 @@ def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where
     return emitted.of(spatial_order(every.roots))
 
 
-def _parents(where: NDArray[np.float32], groom: Groom) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+def parents_of(where: NDArray[np.float32], groom: Groom) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
     """Return the guides of each child, (A, P), and their weights."""
     guides = groom.strands
     found, squares = neighbours.nearest_of(where, where[:guides], min(PARENTS + 1, guides))
@@ -196,7 +196,7 @@ class _Levels:
             inner = self.middles[number]
 
 
-def _places(emitter: Emitter, every: Groom) -> NDArray[np.float32]:
+def places_of(emitter: Emitter, every: Groom) -> NDArray[np.float32]:
     """Return the coordinates for distances between strands, (N, 4): roots, and the side of the parting, farther apart
     than any roots; on a mesh (N, 7): normals, too, so that strands on the other side of an ear are far away."""
     roots = every.roots

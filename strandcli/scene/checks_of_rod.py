@@ -13,7 +13,17 @@ FLATTEST = 4.0
 
 
 def rod_clashes(scene: Scene) -> Iterator[Clash]:
-    """Settings of ``rod`` that have no meaning beside others."""
+    """Settings of ``rod`` that have no meaning beside others, one clash for each setting with all that is wrong."""
+    found: dict[str, list[Clash]] = {}
+    for clash in _clashes(scene):
+        found.setdefault(clash[0][0], []).append(clash)
+    for mine in found.values():
+        paths = dict.fromkeys(path for paths, _ in mine for path in paths)
+        yield tuple(paths), "; ".join(message for _, message in mine)
+
+
+def _clashes(scene: Scene) -> Iterator[Clash]:
+    """One by one."""
     if scene.solver != "rod":
         return
     rod, listed = scene.rod, {use.name for use in scene.rules}
@@ -69,6 +79,7 @@ def _of_free_roots(scene: Scene, listed: set[str]) -> Iterator[Clash]:
         yield ("rod.root", "rod.yield_strain"), "strands whose roots are free keep no set; leave one of them out"
     if rod.end == "clamped":
         yield ("rod.root", "rod.end"), "a clamped tip needs a root that is held; use end: pinned, or root: clamped"
-    for name in ("collision", "interaction", "contact"):
-        if name in listed:
-            yield ("rod.root", "rules"), f"free roots do not go with the rule {name}; leave one of them out"
+    names = [name for name in ("collision", "interaction", "contact") if name in listed]
+    if names:
+        what = f"the rule {names[0]}" if len(names) == 1 else f"the rules {', '.join(names[:-1])} and {names[-1]}"
+        yield ("rod.root", "rules"), f"free roots do not go with {what}; leave one of them out"

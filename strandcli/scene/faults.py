@@ -15,6 +15,10 @@ LONGEST_SHOWN = 60
 _ALIKE = 0.55  # of 1; difflib's own 0.6 does not take "boks" for "box"
 
 
+OPTIONS = ("--set", "--sweep", "set", "overrides")
+"""What settings of the command line and of Python follow, in the places of faults."""
+
+
 class Mark(NamedTuple):
     """A place in a file, counted from 1. Line 0 means that ``file`` names a place that has no lines (``--set a=b``)."""
 
@@ -43,7 +47,7 @@ class Fault:
         # "--set wind.strenght=3" already says the path
         path = (
             ""
-            if not self.line and self.file.startswith((f"--set {self.path}=", f"--sweep {self.path}="))
+            if not self.line and self.file.startswith(tuple(f"{option} {self.path}=" for option in OPTIONS))
             else self.path
         )
         return ": ".join(one_line(part) for part in (place, path, self.message) if part)

@@ -29,12 +29,14 @@ def load(
     rules: Rules,
     overrides: Sequence[str] = (),
     settings: Mapping[str, Any] | None = None,
+    option: str = "--set",
 ) -> Scene:
     """A preset as a validated scene.
 
     ``name_or_path`` is a path to a .yaml file or a shipped name (``hair``, ``figures/fig02``). ``rules`` are the rules
     that presets may use, by name. ``overrides`` are texts such as ``"wind.strength=3"``, as after ``--set``;
-    ``settings`` the same with ready values, by dotted path. Both change the preset before its panels do.
+    ``settings`` the same with ready values, by dotted path. Both change the preset before its panels do. ``option``:
+    what faults say that the texts follow.
 
     Raises `SceneError` with every fault in the order of the files, `UsageError` where there is no such preset.
     """
@@ -45,7 +47,7 @@ def load(
     faults: list[Fault] = []
     files: list[str] = []
     root = chain_of(source, rules, files, faults, digest)
-    root = _override(root, overrides, settings or {}, rules, faults)
+    root = _override(root, [(one, f"{option} {one}") for one in overrides], settings or {}, rules, faults)
     scene = _whole(root, rules, faults)
     if faults:
         raise SceneError(_in_order(faults, files))
@@ -68,14 +70,14 @@ def loads(text: str, *, rules: Rules, name: str = "preset.yaml") -> Scene:
 
 
 def _override(
-    root: MapNode, overrides: Sequence[str], settings: Mapping[str, Any], rules: Rules, faults: list[Fault]
+    root: MapNode, overrides: Sequence[tuple[str, str]], settings: Mapping[str, Any], rules: Rules, faults: list[Fault]
 ) -> MapNode:
-    """``root`` with the settings of the command line and of Python."""
+    """``root`` with the settings of the command line, each with what faults call it, and of Python."""
     changes: list[tuple[str, Node]] = []
-    for override in overrides:
+    for override, said in overrides:
         path, equals, text = override.partition("=")
         path = path.strip()
-        mark = Mark(f"--set {override}")
+        mark = Mark(said)
         if not equals or not path:
             faults.append(fault_at(mark, "", "must be PATH=VALUE, such as wind.strength=3"))
             continue

@@ -21,6 +21,7 @@ from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.touched import touched
 from ..solids import Solids
+from .crowd_box import extent_of, moved
 from .crowd_samples import samples_of
 from .crowd_strands import CrowdStrands
 from .kernels import crowd_boxes, crowd_forces, crowd_grid, crowd_pressure, crowd_shelter
@@ -31,6 +32,7 @@ from .kernels.crowd_records import (
     FALL,
     FOUND,
     FULL,
+    HANDED,
     LANES,
     LOST,
     LOW,
@@ -92,7 +94,8 @@ class Crowd:
         stands_for = scene.children.count if scene.children else 1
         lengths = groom.lengths.astype(np.float64) / n
         packs = -(-groom.strands // PACK)
-        metres = np.zeros((packs, PACK), np.float32)
+        self.stands_for = stands_for
+        self.metres = metres = np.zeros((packs, PACK), np.float32)
         metres.reshape(-1)[: groom.strands] = lengths * stands_for
         self.extent = max(extent_of(positions), float(groom.lengths.max()))  # folded strands reach further
         self._thickness = 2 * matter(scene.rod)[1]
@@ -118,6 +121,8 @@ class Crowd:
         """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
         self.found = 0.0
         """The greatest at the begin of the last step, strands a square metre."""
+        self.given = np.zeros(3)
+        """What solids by pressure, and less wind, have given to strands in this frame so far: metres times m/s."""
 
     def _cell(self, given: float | None, lengths: NDArray[np.float64]) -> float:
         if given is None:
@@ -156,8 +161,12 @@ class Crowd:
         room = self.room if any(moment.wind) else self._calm
         most_open = crowd_forces.act(
             whole, self.grid, self.near, room, self._numbers, self._work, self._met if among else NONE_MET,
-            self.pressure.reshape(-1), self.targets,
+            self.pressure.reshape(-1), self.targets, self._others,
         )  # fmt: skip
+        if among or any(moment.wind):
+            less, *back = self._others.sum((0, 2), dtype=np.float64)
+            self.given += less * self._numbers[CHANGE : CHANGE + 3]
+            self.given += float(self._numbers[SPEED] * self._numbers[FULL]) * np.array(back)
         self.found = float(most_open if among else most) / self.cell**3
         if self.density is None:
             self.density = self.found
@@ -165,8 +174,21 @@ class Crowd:
         shares = strands.shares(lattice, mass)
         if later:
             return strands.beside(moving, lattice, (whole, self.targets, self.scratch, shares), state.crowd)
-        crowd_forces.accelerate(moving, lattice, self.parts, whole, self.targets, self.scratch, shares, state.crowd)
+        crowd_forces.accelerate(
+            moving, lattice, self.parts, whole, self.targets, self.scratch, shares, state.crowd, strands.handed
+        )
         return NOTHING
+
+    def begin_frame(self) -> None:
+        """Forget what strands have handed to each other."""
+        self.strands.handed[...], self.given[...] = 0, 0
+
+    def momentum(self) -> tuple[NDArray[np.float64], float]:
+        """Return by how much all have changed the momentum of all in this frame so far, but for the wind that they take
+        from each other and what solids push back, in metres times m/s; and the sizes of what each has got, added up."""
+        rows = self.strands.handed.reshape(len(self.metres), HANDED, PACK).astype(np.float64)
+        sums = np.einsum("pcs,ps->c", rows, self.metres.astype(np.float64))
+        return sums[:3] - self.given, float(sums[3])
 
     def begin_anew(self) -> None:
         """Forget what moved strands in the last step, for they have been stopped or put elsewhere."""
@@ -190,7 +212,8 @@ class Crowd:
         """Return what a step takes from the one before: pressure and its box; and the densities that are reported."""
         numbers = np.array([math.nan if self.density is None else self.density, self.found, self._last_step])
         pressure = {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1]}
-        return {**pressure, "others": self.strands.others, "pushed": self.strands.pushed, "crowd": numbers}
+        strands = {name: getattr(self.strands, name) for name in ("others", "pushed", "handed")}
+        return {**pressure, **strands, "crowd": numbers, "given": self.given}
 
     def check(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Raise `ValueError` where pressure is not of its box."""
@@ -202,10 +225,11 @@ class Crowd:
         """Go on from such a state."""
         box = state["box"]
         self.boxes[-1] = box
-        self.pressure = state["free pressure"].reshape(box[SIZE : SIZE + 3][::-1])
+        self.pressure = np.array(state["free pressure"]).reshape(box[SIZE : SIZE + 3][::-1])
         self._empty_grid()
-        self.strands.others[...], self.strands.pushed[...] = state["others"], state["pushed"]
-        self.strands.noted = False
+        for name in ("others", "pushed", "handed"):
+            getattr(self.strands, name)[...] = state[name]
+        self.given[...], self.strands.noted = state["given"], False
         density, self.found, self._last_step = state["crowd"].tolist()
         self.density = None if math.isnan(density) else density
 
@@ -227,6 +251,7 @@ class Crowd:
         self.room.open[:] = 1
         work[: None if wide % (2 * LANES) else len(work) // margined[0]] = 0  # pressure, and what pads the others
         self._calm = self.room._replace(left=self.room.left[:0])
+        self._others = np.zeros((deep, 4, LANES), np.float32)
         met = count if self._margin else 0
         self._met = self.shares, np.empty(met, np.int8), np.empty((2, met + 1), np.int32)
         along = np.arange(wide) + self.boxes[-1, LOW] + 0.5
@@ -262,7 +287,7 @@ class Crowd:
         if count > len(self.memory):
             self.memory = aligned((int(count * 1.2), CELL))
         if changed:
-            self.pressure = _moved(self.pressure, self._before, self.boxes[-1])
+            self.pressure = moved(self.pressure, self._before, self.boxes[-1])
             self._empty_grid()
         return True
 
@@ -273,21 +298,3 @@ class Crowd:
         while np.prod(np.ceil(along / factor) + 1 + 2 * self._margin) > MOST_CELLS:
             factor *= 1.05
         return 1.05 * factor  # it is told with two digits
-
-
-def extent_of(positions: NDArray[Any]) -> float:
-    """Return the greatest extent along an axis of strands in blocks."""
-    rows = positions[:, 1:].reshape(len(positions), -1, 3, positions.shape[2] // 3)
-    return float((rows.max((0, 1, 3)) - rows.min((0, 1, 3))).max())
-
-
-def _moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[Any]:
-    """Return the values of cells in another box, 0 where they had none: (z, y, x)."""
-    found = np.zeros(box[SIZE : SIZE + 3][::-1], values.dtype)
-    if values.size:
-        shift = (box[LOW : LOW + 3] - before[LOW : LOW + 3])[::-1]
-        ends = list(zip(shift.tolist(), found.shape, values.shape, strict=True))
-        here = tuple(slice(max(-d, 0), max(min(a, b - d), 0)) for d, a, b in ends)
-        there = tuple(slice(max(d, 0), max(min(b, a + d), 0)) for d, a, b in ends)
-        found[here] = values[there]
-    return found

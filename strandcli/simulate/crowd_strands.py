@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..blocks import aligned, on_large_pages
 from .crowd_samples import Samples, nodes_of
 from .kernels import crowd_excess, crowd_nodes, crowd_pack, work_queue
-from .kernels.crowd_records import NODE, Lattice, Moving
+from .kernels.crowd_records import HANDED, NODE, Lattice, Moving
 from .kernels.records import State
 from .kernels.rod_scratch import AXES, PACK
 
@@ -36,6 +36,8 @@ class CrowdStrands:
         m/s."""
         self.pushed = on_large_pages((packs, count, AXES), dtype)
         """As `Moving` has it."""
+        self.handed = np.zeros((packs, HANDED * PACK), dtype)
+        """What strands around have handed to each in this frame so far, as `HANDED` says."""
         self.roots = np.zeros((packs, AXES), dtype)
         """What a step's velocities of roots may be kept in."""
         self._numbers = np.empty(crowd_pack.NUMBERS, dtype)
@@ -95,7 +97,8 @@ class CrowdStrands:
         kept = moving, lattice, shares
         if not self._kept or any(a is not b for a, b in zip(self._kept, kept, strict=True)):
             row = aligned((len(scratch[0]), *crowd.shape[1:]), crowd.dtype)
-            made = crowd_pack.descriptor_of(moving, lattice, whole, targets, scratch, shares, self._numbers, row)
+            work = *scratch, self.handed
+            made = crowd_pack.descriptor_of(moving, lattice, whole, targets, work, shares, self._numbers, row)
             codes = codes_for(self._kind.__name__)
             self._beside = *codes, made.ctypes.data, row.ctypes.data, row.strides[0]
             self._kept, self._given = kept, (made, row, given)  # which must outlive the step

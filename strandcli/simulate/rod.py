@@ -26,6 +26,7 @@ from .health import RESIDUAL_MOST
 from .kernels.records import AIR, LASTING, TOLERANCE
 from .kernels.rod_scratch import PACK
 from .material import COIL_STEP, MOST_INNER
+from .momentum import errors_between_strands
 from .rod_clamped import pins_of
 from .rod_coils import CoilSteps
 from .rod_kernel import NOTHING, StepKernel
@@ -160,6 +161,13 @@ class RodSolver(Solver):
         self.pins = self.pins or Pins(self.state, self.pose)
         self.pins.bring(at, seconds)
 
+    def begin_frame(self) -> None:
+        """As for any solver."""
+        if self.crowd is not None:
+            self.crowd.begin_frame()
+        if self.contact is not None:
+            self.contact.begin_frame()
+
     def announce(self, ends: Sequence[float], dt: float) -> None:
         """As for any solver."""
         if self._steady:
@@ -279,19 +287,13 @@ class RodSolver(Solver):
 
     def errors(self, frame: int) -> dict[str, float | None]:
         """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
-        precision the last digit is 6e-8 m a metre from the origin. ``density_max``, where strands interact: the
-        greatest density when the last step began, over the one allowed; ``strand_penetration_max``, with contact: by
-        how much strands were closer than their thickness, or than their roots allow, at its end, metres."""
+        precision the last digit is 6e-8 m a metre from the origin. `momentum.errors_between_strands` adds to them."""
         out = super().errors(frame)
         edges = self.state.edges
         if edges.shape[1] > FEWEST_BY_EDGES or self.dtype == np.float64:
             square = (edges.reshape(*edges.shape[:2], 3, PACK) ** 2).sum(2)
             out["stretch_max"] = float(np.abs(np.sqrt(square) - 1).max())
-        if self.crowd is not None and self.crowd.density is not None:
-            out["density_max"] = self.crowd.found / self.crowd.density
-        if self.contact is not None:
-            out["strand_penetration_max"] = self.contact.penetration
-        return out
+        return out | errors_between_strands(self)
 
     def strand_residuals(self) -> NDArray[np.floating]:
         """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""

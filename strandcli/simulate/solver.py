@@ -68,6 +68,9 @@ class Solver(ABC):
         """Be told that steps of ``dt`` seconds with these ends are likely to come next, unless the solver goes on from
         another state: what follows from time alone can be computed for all of them together."""
 
+    def begin_frame(self) -> None:  # noqa: B027  which most need not hear
+        """Be told that the steps of another frame come next."""
+
     @abstractmethod
     def place_roots(self, frame: int) -> None:
         """Set the two rows that rules do not simulate, the root and the one before it, at a frame."""
@@ -89,6 +92,8 @@ class Solver(ABC):
         if self._frame == 0:
             before = round(time.preroll * time.fps * time.substeps)
             for j in range(before):
+                if (before - j) % time.substeps == 0:
+                    self.begin_frame()
                 self.step((j + 1 - before) * dt, dt)
             self._frame = 1
         substeps = time.substeps
@@ -97,6 +102,7 @@ class Solver(ABC):
                 self._announced = self._frame + max(ANNOUNCED // substeps, 1)
                 frames = range(self._frame, self._announced) if substeps < ANNOUNCED else ()
                 self.announce([(f - 1 + (j + 1) / substeps) / time.fps for f in frames for j in range(substeps)], dt)
+            self.begin_frame()
             for j in range(substeps):
                 self.step((self._frame - 1 + (j + 1) / substeps) / time.fps, dt)
             self._frame += 1

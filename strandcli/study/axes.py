@@ -40,20 +40,16 @@ class Request:
     iterations: tuple[int, ...] | None = None
     particles: tuple[int, ...] | None = None
     integrators: tuple[str, ...] | None = None
+    cells: tuple[float, ...] | None = None
+    """Of the rule interaction, metres."""
+    guides: tuple[int, ...] | None = None
+    """Strands that are simulated, for all that are drawn."""
     size: tuple[int, int] | None = None
     """Of a picture; None: small."""
     frame: int = 1
     """That pictures are drawn of."""
     fixed: frozenset[str] = frozenset()
     """Dotted paths that were set by hand: axes of pictures do not turn them."""
-
-    def __post_init__(self) -> None:
-        scenes = () if self.scene is None else self.scene.panels or (self.scene,)
-        if any(one.emitter.groom is not None for one in scenes):
-            raise UsageError(
-                f"{self.name}: studies emit strands of their own, and this preset has those of a file (emitter.groom); "
-                "examples/guides.py measures what guides of a file cost in accuracy"
-            )
 
 
 def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:

@@ -65,7 +65,7 @@ def run(
         "solver": solver,
         "quality": quality,
     }
-    scene = load("headline", overrides=overrides, settings=settings)
+    scene = load("headline", overrides=overrides, settings=settings, option="--set")
     checked_plan(scene, range(1, frames + 2))
     runtime.start(threads, notify)
     timed = time_frames(scene, frames, threads, notify)
@@ -178,7 +178,7 @@ def time_steps(
     """The scene `headline`, simulated and not drawn, once strands have fallen into place: milliseconds a step,
     nanoseconds a particle and step."""
     settings = {"emitter.strands": strands, "emitter.particles": particles, "solver": solver}
-    one = at_first_frame(load("headline", overrides=overrides, settings=settings))
+    one = at_first_frame(load("headline", overrides=overrides, settings=settings, option="--set"))
     took = median_seconds(lambda j: one.advance(j + 2), repeats)
     return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}
 

@@ -25,6 +25,8 @@ COLOURS = ("#e69f00", "#56b4e9", "#5c6066", "#8b5a2b", "#117733", "#882255")
 OTHERS = tuple((COLOURS[i % 6], ("disc", "square", "triangle", "diamond")[i % 4]) for i in range(12))
 """Of lines without a style of their own; no two look the same."""
 SHORT = {"emitter.particles": "n", "time.substeps": "sub", "rod.iterations": "it"}
+PLAIN = {"emitter.strands": "guides", "rules.interaction.cell": "cell"}
+"""The same of knobs whose short name needs no explanation."""
 KEY = "n: particles, sub: steps a frame, it: iterations"
 
 
@@ -107,7 +109,7 @@ def seconds(value: float) -> str:
 
 def brief(point: Point) -> str:
     """A setting in a few letters."""
-    parts = [f"{word}={point.knobs[knob]}" for knob, word in SHORT.items() if knob in point.knobs]
+    parts = [f"{word}={point.knobs[knob]}" for knob, word in {**SHORT, **PLAIN}.items() if knob in point.knobs]
     if "dt" in point.knobs:
         parts.append(step(point.knobs["dt"]))
     if not parts:
@@ -204,7 +206,7 @@ def _legend(out: Drawing, study: Study, styles: dict[str, tuple[str, str]]) -> N
 
 def order_words(orders: Sequence[dict[str, Any]], line: str, metric: str) -> list[str]:
     """What is known of a line's orders of convergence in a metric."""
-    names = {"dt": "Δt", "segment": "segment length"}
+    names = {"dt": "Δt", "segment": "segment length", "spacing": "distance of guides"}
     found = [one for one in orders if one["line"] == line and one["metric"] == metric]
     return [
         f"order {one['order']:.2f} in {names.get(one['in'], one['in'])}"

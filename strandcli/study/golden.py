@@ -108,7 +108,8 @@ def draw(entry: Entry, directory: Path, notify: Notify | None = None, threads: i
     preset = entry.preset
     if preset.endswith((".yaml", ".yml")):
         preset = str(directory / preset)
-    scene = strandcli.load(preset, entry.overrides, {"image.size": entry.size} if entry.size else None)
+    size = {"image.size": entry.size} if entry.size else None
+    scene = strandcli.load(preset, entry.overrides, size, option="set")
     if entry.frame > scene.time.frames:
         raise UsageError(
             f"{directory / LIST}: {entry.name}: frame {entry.frame} is beyond the last, {scene.time.frames}"

@@ -120,7 +120,10 @@ def orders(points: Sequence[Point], metric: str) -> list[dict[str, Any]]:
     return found
 
 
-SHAPED_BY: Mapping[str, tuple[str, ...]] = {"dt": ("dt", "time.substeps"), "segment": ("emitter.particles",)}
+SHAPED_BY: Mapping[str, tuple[str, ...]] = {
+    "dt": ("dt", "time.substeps"), "segment": ("emitter.particles",), "cell": ("rules.interaction.cell",),
+    "spacing": ("emitter.strands", "children.count"),
+}  # fmt: skip
 """Knobs behind each thing that is refined."""
 
 
@@ -153,7 +156,7 @@ def described(knobs: Knobs) -> str:
     return ", ".join(words)
 
 
-COUNTED = ("emitter.particles", "rod.iterations", "time.substeps")
+COUNTED = ("emitter.particles", "emitter.strands", "rod.iterations", "time.substeps")
 """Knobs that are numbers of what their name says."""
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -37,15 +37,17 @@ RUNS = 5
 def run(
     preset: str, frames: int = 3, size: tuple[int, int] = (800, 600), threads: int | None = None,
     quality: str = "preset", overrides: Sequence[str] = (), notify: Notify | None = None, cpu: bool = False,
+    changes: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """All figures of one sitting: ``stages`` has a row a stage (see `stage_row`), ``counts`` are those of the last
-    frame; ``cpu``: in the processor's time of all threads, where other programs run meanwhile.
+    frame; ``cpu``: in the processor's time of all threads, where other programs run meanwhile; ``changes``: settings by
+    dotted path.
 
     Raises `UsageError` for a preset of several panels, or of fewer frames than are asked for."""
-    settings: dict[str, Any] = {"image.size": list(size)}
+    settings: dict[str, Any] = {"image.size": list(size), **(changes or {})}
     if quality != "preset":
         settings["quality"] = quality
-    scene = load(preset, overrides=overrides, settings=settings)
+    scene = load(preset, overrides=overrides, settings=settings, option="--set")
     if scene.panels:
         raise UsageError(f"{preset}: has {len(scene.panels)} panels, and bench times a single picture")
     if scene.time.frames < frames + 1:
@@ -69,7 +71,7 @@ def run(
         "frames": frames,
         "threads": runtime.machine()["threads"] if threads is None else threads,
         "quality": quality,
-        "set": list(overrides),
+        "set": [*overrides, *(f"{path}={value}" for path, value in (changes or {}).items())],
         "clock": "cpu" if cpu else "wall",
         "compile_seconds": runtime.compile_seconds(),
         "stages": {name: stage_row(name, timed, bounds) for name in timed[-1][0]},

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from ..errors import UsageError
 from . import exactness, motion
 from .axes import Axis
+from .motion import crowding
 from .pictures import coverage, curves, end_to_end, lod, occlusion, quality_front, shadow, tables
 
 
@@ -22,7 +23,7 @@ def every() -> Mapping[str, Axis]:
         end_to_end.AXIS,
         quality_front.AXIS,
     )
-    return {axis.name: axis for axis in (motion.AXIS, exactness.AXIS, *drawn)}
+    return {axis.name: axis for axis in (motion.AXIS, crowding.AXIS, exactness.AXIS, *drawn)}
 
 
 def find(name: str) -> Axis:

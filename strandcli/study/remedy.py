@@ -34,6 +34,8 @@ def _nearest(study: Study) -> str:
 
 def _remedy(studies: Sequence[Study]) -> str:
     """What to try: first of all segments as short as strands bend."""
+    if any(study.axis == "interaction" for study in studies):
+        return "try finer --cells or more --guides"
     if any(study.axis not in ("motion", "reference") for study in studies):
         return "allow a greater error"
     for study in studies:

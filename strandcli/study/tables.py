@@ -17,6 +17,9 @@ HEADS = {
     "rod.iterations": "iterations",
     "rod.integrator": "integrator",
     "dt": "step",
+    "emitter.strands": "guides",
+    "children.count": "each for",
+    "rules.interaction.cell": "cell",
 }
 MOST_METRICS = 6
 """Columns of errors in the table for people; the files hold all."""

@@ -38,6 +38,13 @@ def test_a_presets_stages_stand_beside_their_bounds(run: Runner) -> None:
     assert (data["counts"]["strands"], data["clock"]) == (150, "wall")
 
 
+def test_a_preset_has_as_many_strands_as_are_asked_for(run: Runner) -> None:
+    few = ("--strands", "40", "--particles", "4", "--solver", "rod", "--size", "64x48", "--frames", "1")
+    data = json.loads(run("bench", "tiny.yaml", *few, "--threads", "1", "--set", "seed=3", "--json").out)
+    assert (data["counts"]["guides"], data["counts"]["particles_a_strand"]) == (40, 4)
+    assert data["set"] == ["seed=3", "emitter.strands=40", "emitter.particles=4", "solver=rod"]
+
+
 def test_the_table_has_a_row_a_stage_and_one_a_bound(run: Runner) -> None:
     lines = run("bench", "tiny.yaml", "--size", "64x48", "--frames", "1", "--threads", "1", "--cpu").out.splitlines()
     assert lines[0] == "tiny.yaml, 64x48, 1 frame one by one, 1 thread, the processor's time of all"
@@ -53,12 +60,8 @@ def test_the_table_has_a_row_a_stage_and_one_a_bound(run: Runner) -> None:
     ("arguments", "words"),
     [
         (["har"], "no preset 'har'; did you mean 'hair'?"),
-        (
-            ["hair", "--strands", "10"],
-            "--strands: is of the headline scene; for hair write --set emitter.strands=VALUE",
-        ),
-        (["hair", "--particles", "10"], "for hair write --set emitter.particles=VALUE"),
-        (["hair", "--solver", "rod"], "for hair write --set solver=VALUE"),
+        (["hair", "--strands", "9", "--set", "emitter.strands=10"], "--set emitter.strands: write --strands for it"),
+        (["tiny.yaml", "--solver", "rood"], "solver: "),
         (["hair", "--growth"], "--growth: is of the headline scene, not of hair"),
         (["hair", "--set", "image.size=[9, 9]"], "write --size for it"),
         (["hair", "--set", "quality=draft"], "write --quality for it"),

@@ -31,6 +31,9 @@ def test_compare_tells_equal_from_different_by_its_exit_code(run: Runner) -> Non
     other = run("compare", "a.png", "b.png", "-o", "d.png")
     assert other.code == 3
     assert "1 of 600 pixels (0.167 %) differ, the most by 9/255" in other.error()
+    assert "differ" not in other.out  # once is enough
+    assert "PSNR" in other.out
+    assert "differ, the most by 9/255" in run("compare", "a.png", "b.png", "--allow", "1").out
     assert png.read(Path("d.png")).shape == (20, 30, 3)
     data = json.loads(run("compare", "a.png", "b.png", "--json").out)
     assert (data["over"], data["max_difference"], data["equal"]) == (1, 9, False)

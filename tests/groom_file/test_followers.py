@@ -20,7 +20,10 @@ from strandcli.scene import SceneError
 from strandcli.scene.model import Scene
 from strandcli.scene.motion import emitter_pose, rotation_matrix
 from strandcli.stages import RunOptions, SimulationStage
+from strandcli.study import sweep
 from strandcli.study.axes import Request
+from strandcli.study.motion.experiment import Motion
+from strandcli.study.registry import find
 
 Floats = npt.NDArray[np.float64]
 
@@ -251,10 +254,23 @@ def test_what_does_not_go_together_is_told(settings: dict[str, Any], words: str,
         scene(path, **{key.replace(".", "__"): value for key, value in settings.items()})
 
 
-def test_studies_refuse_strands_of_a_file(tmp_path: Path) -> None:
+def test_motion_of_guides_is_studied_and_pictures_are_not(tmp_path: Path) -> None:
+    """Guides have as many particles as a study asks for; fewer of them are simulated where fewer are asked for."""
     given = moving(write(tmp_path / "a.data", hanging([8] * 20)))
-    with pytest.raises(UsageError, match="a: studies emit strands of their own, and this preset has those of a file"):
-        Request(given, "a")
+    wishes: dict[str, Any] = {"solvers": ("rod",), "substeps": (1, 2), "integrators": ("bdf2",), "span": 0.1}
+    study = sweep.run(find("motion"), Request(given, "a", strands=5, particles=(4, 7), **wishes))
+    errors = {(p.knobs["emitter.particles"], p.knobs["time.substeps"]): p.error["median"] for p in study.points[:4]}
+    assert set(errors) == {(4, 1), (4, 2), (7, 1), (7, 2)}
+    assert 0 < errors[7, 2] < errors[4, 2]  # type: ignore[operator]
+    assert len(Motion(Request(given, "a", strands=5)).lengths) == 5
+    for axis in ("curves", "quality", "shadow"):
+        with pytest.raises(UsageError, match="a: axes of pictures draw strands that are grown, and this preset has"):
+            find(axis).open(Request(given, "a"))
+    with pytest.raises(UsageError, match="a: has the strands of a file"):
+        find("interaction").open(Request(given, "a", guides=(3,)))
+    still = scene(tmp_path / "a.data")
+    with pytest.raises(UsageError, match="a: nothing moves the strands of its file"):
+        Motion(Request(still, "a"))
 
 
 def test_quaternions_are_those_of_the_matrices() -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from scene_files import changed, make_library, refused
+from strandcli.scene import SceneError
 from strandcli.scene.model import Detail, DirectionalLight, DiscShape, PointLight
 
 
@@ -189,3 +190,14 @@ def test_an_override_cannot_reach_into_what_is_malformed() -> None:
         "p.yaml:1:9: camera: must be a mapping of settings, not '3'",
         "--set camera.fov=30: 'fov' cannot be reached inside a single value",
     ]
+
+
+def test_a_fault_names_what_the_caller_gave(tmp_path: Path) -> None:
+    import strandcli
+
+    path = tmp_path / "p.yaml"
+    path.write_text("title: a preset\n")
+    for given, said in (({}, "overrides"), ({"option": "--set"}, "--set")):
+        with pytest.raises(SceneError) as raised:
+            strandcli.load(str(path), ["time.frames=0"], **given)  # type: ignore[arg-type]
+        assert str(raised.value).startswith(f"{said} time.frames=0: ")

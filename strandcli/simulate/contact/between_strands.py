@@ -72,6 +72,12 @@ class StrandContact:
         self.penetration = 0.0
         """How much closer strands were at the end of the last step than their thickness, or near their roots than these
         leave to them, metres."""
+        self.handed = np.zeros(4)
+        """As `Forces.handed`, in this frame so far."""
+
+    def begin_frame(self) -> None:
+        """Forget what strands have handed to each other."""
+        self.handed[...] = 0
 
     def step(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
         """Make a step of ``dt`` seconds by ``run``, again where strands touch. ``solver``: the rod solver whose step it
@@ -80,17 +86,20 @@ class StrandContact:
         self._forces.begin(dt, solver)
         self._impacts.begin()
         self._moves = np.zeros((len(self.lengths), self.segments, 3))  # by impacts
+        self._loaded = NOTHING, np.zeros((0, 3))
         converged = self._rounds(run, dt, solver)
+        self.handed += self._forces.handed(*self._loaded, solver)
         self._impacts.finish(solver, self._moves, dt)
         return converged
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what lasts from a step to the next."""
-        return {"found": np.array([self.penetration]), "free touching": self._impacts.past}
+        return {"found": np.array([self.penetration, *self.handed]), "free touching": self._impacts.past}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from that."""
         self.penetration, self._impacts.past = float(state["found"][0]), np.array(state["free touching"])
+        self.handed[...] = state["found"][1:]
 
     def _rounds(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
         """As `step`, but for velocities after impacts."""
@@ -140,6 +149,7 @@ class StrandContact:
 
     def _load(self, held: Contacts, forces: Floats, solver: Any) -> None:
         """Have the next round made with these forces."""
+        self._loaded = held, forces
         self._forces.load(held, forces, solver)
         self._moves = self._forces.impacts(held, forces)
         self._impacts.note(held, forces)

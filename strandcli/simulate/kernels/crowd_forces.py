@@ -17,9 +17,26 @@ from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
 from .crowd_homes import read_home, settle
 from .crowd_limit import limit
+from .crowd_momentum import note_handed
 from .crowd_nodes import keep_others
 from .crowd_pressure import relax
-from .crowd_records import CELL, FIRST, FOUND, FULL, LANES, LAST, MASS, PUSH, RESULT, SHARE, SIZE, STOP, VELOCITY, WAY
+from .crowd_records import (
+    CELL,
+    FIRST,
+    FOUND,
+    FULL,
+    LANES,
+    LAST,
+    MASS,
+    OF_ROOT,
+    PUSH,
+    RESULT,
+    SHARE,
+    SIZE,
+    STOP,
+    VELOCITY,
+    WAY,
+)
 from .crowd_rows import COUNTED
 from .crowd_shelter import shelter
 from .crowd_targets import find_targets
@@ -27,8 +44,9 @@ from .rod_scratch import PACK
 
 
 @parallel
-def act(box, grid, near, room, numbers, work, met, pressure, targets):
-    """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`). Where there are solids,
+def act(box, grid, near, room, numbers, work, met, pressure, targets, others):
+    """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`), and ``others``, as
+    `find_targets` does. Where there are solids,
     set `Room.open` and return the most metres in a cell by what is open of it, else 0.
 
     ``met``: the share of each cell that is outside of solids (cells,), and what `crowd_homes.settle` takes; no rows
@@ -57,7 +75,7 @@ def act(box, grid, near, room, numbers, work, met, pressure, targets):
         elif len(room.left) > 0:
             shelter(box, grid[MASS], numbers[WAY : WAY + 3], numbers[STOP], room.left, layers)
     for o in prange(box[SIZE + 2]):
-        find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets)
+        find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets, others)
     if len(homes) > 0:
         read_home(box, homes, closed, targets)
     return most
@@ -74,26 +92,29 @@ def drop_far(box, near, pressure):
 
 
 @parallel
-def accelerate(moving, lattice, parts, box, targets, work, shares, crowd):
-    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and what `keep_others` does. ``work``: scratch, as
-    `crowd_grid.deposit` takes it; ``shares`` (samples, greatest count): of a sample's
-    change that its particles have, 1/s."""
+def accelerate(moving, lattice, parts, box, targets, work, shares, crowd, handed):
+    """Set the accelerations of particles, ``crowd`` (P, N, 3 S), and what `note_handed` and `keep_others` do. ``work``:
+    scratch, as `crowd_grid.deposit` takes it; ``shares`` (samples, greatest count): of a sample's change that its
+    particles have, 1/s; ``handed``: as `HANDED` says."""
     scratch, found = work
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             rows = scratch[part], found[part]
             accelerate_pack(moving, lattice, (pack, pack + 1), box, targets.reshape(-1), rows, shares, crowd)
+            note_handed(pack, lattice.step, rows[0], moving.mass, crowd, handed)
             keep_others(moving, lattice, (pack, pack + 1), lattice.step, lattice.seen * lattice.step, crowd)
 
 
 @device
 def accelerate_pack(moving, lattice, packs, box, targets, work, shares, crowd):
     """Set the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
-    is a mean, by their shares. What goes to the root the emitter takes up. ``packs``: as `locate` takes them."""
+    is a mean, by their shares. What goes to the root the emitter takes up: it is left in the rows of scratch.
+    ``packs``: as `locate` takes them."""
     wide = np.uint64(box[SIZE] * CELL)
     layer = wide * np.uint64(box[SIZE + 1])
     cells, (rows, found), begun = half_width_pointer(targets), work, np.int64(0)
     read = half_width_pointer(found)
+    rows[OF_ROOT : OF_ROOT + 3] = 0
     for sample in range(len(lattice.first)):
         locate(moving, lattice, packs, sample, box, lattice.origins[-1], rows)
         for k in range(PACK):
@@ -119,7 +140,7 @@ def sort_columns(found, rows):
 @device
 def share_out(lattice, pack, sample, rows, shares, begun, crowd):
     """Add what a sample's velocity changes by to the accelerations of its particles, of which so many have ``begun``,
-    and return how many have then."""
+    and to that of the root's share; return how many have then."""
     read, out = pointer(rows), pointer(crowd)
     n, first, count = crowd.shape[1], lattice.first[sample] - 1, lattice.counts[sample]
     for k in range(0, PACK, lane_count(read)):
@@ -127,6 +148,10 @@ def share_out(lattice, pack, sample, rows, shares, begun, crowd):
         x = load(read, (RESULT + 1) * PACK + k) - rate * load(read, VELOCITY * PACK + k)
         y = load(read, (RESULT + 2) * PACK + k) - rate * load(read, (VELOCITY + 1) * PACK + k)
         z = load(read, (RESULT + 3) * PACK + k) - rate * load(read, (VELOCITY + 2) * PACK + k)
+        if first < 0:
+            of_root = OF_ROOT * PACK + k
+            u, v, w = load3(read, of_root, PACK)
+            store3(read, of_root, PACK, u + shares[0] * x, v + shares[0] * y, w + shares[0] * z)
         for i in range(max(-first, 0), count):
             at, share = (pack * n + first + i) * 3 * PACK + k, shares[i]
             if first + i < begun:

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from ...jit import device, function
 from ...simd import array_at
 from .crowd_forces import accelerate_pack
+from .crowd_momentum import note_handed
 from .crowd_nodes import keep_others, note_pack
-from .crowd_records import BOX, CELL, FOUND, NODE, ROWS, Lattice, Moving
+from .crowd_records import BOX, CELL, FOUND, HANDED, NODE, ROWS, Lattice, Moving
 from .rod_scratch import AXES, PACK
 
 POSITIONS, VELOCITY, NODES, OTHERS, PUSHED, JOLTED, ENDS, ROOTS = range(8)
@@ -30,6 +31,8 @@ SCRATCH, SINGLE = 29, 30
 """Addresses of what `crowd_grid.deposit` has as ``work``, for each worker."""
 ORIGIN = 31
 """Address of the last row of `Lattice.origins`."""
+MASS_OF, HANDED_OF = 32, 33
+"""Addresses of `Moving.mass`, and of what strands have been handed, as `HANDED` says."""
 INVERSE, AGAIN, STEP, TIME, NUMBERS = 0, 1, 2, 3, 4
 """Numbers: `Lattice.inverse`, `Lattice.again`, `Lattice.step`, and `Lattice.seen` of it; and how many."""
 
@@ -50,7 +53,7 @@ def descriptor_of(
         *moving.velocity.shape[:2], len(moving.positions), *lattice.node_weights.shape, *lattice.weights.shape,
         lattice.blend.shape[1],
     )  # fmt: skip
-    last = *work, lattice.origins[-1]
+    last = *work[:2], lattice.origins[-1], moving.mass, work[2]
     return np.array([*(one.ctypes.data for one in arrays), *sizes, *(one.ctypes.data for one in last)])
 
 
@@ -126,4 +129,7 @@ def accelerate_one(kind, bytes, descriptor, pack, next, worker):
     box = array_at(np.int64, descriptor[WHOLE], (BOX,))
     accelerate_pack(moving, lattice, (pack, next), box, targets, rows, shares, crowd)
     numbers = array_at(kind, descriptor[NUMBERS_OF], (NUMBERS,))
+    mass = array_at(kind, descriptor[MASS_OF], (descriptor[SEGMENTS],))
+    handed = array_at(kind, descriptor[HANDED_OF], (descriptor[PACKS], HANDED * PACK))
+    note_handed(pack, numbers[STEP], rows[0], mass, crowd, handed)
     keep_others(moving, lattice, (pack, next), numbers[STEP], numbers[TIME], crowd)

@@ -38,9 +38,16 @@ SHARE, BELOW, VELOCITY = 0, 3, 4
 number of the cell before it, and its velocity (3), m/s. A box has no more cells than single precision can count."""
 RESULT = 7
 """(4) Targets at the sample: the rate, and the rest with what lies between middles."""
-ROWS = 11
+OF_ROOT = 11
+"""(3) What the root's share of all samples would accelerate the first particle by, m/s²."""
+ROWS = 14
 FOUND = CELL + 4
 """Numbers a strand of what is found in cells, or left in them: all columns of each strand, and then rows of them."""
+
+
+HANDED = 4
+"""Rows of what strands around have handed to each strand of a pack in a frame so far, (P, `HANDED` S) of their floating
+type: relative mass times change of velocity (3), m/s, the root's share in it, and the sizes of that, step by step."""
 
 
 class Moving(NamedTuple):

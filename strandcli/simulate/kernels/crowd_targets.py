@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device
-from ...simd import any_lane, broadcast, load, pointer, store, store_records, where
+from ...simd import any_lane, broadcast, load, pointer, store, store3, store_records, where
 from .crowd_limit import BETWEEN_ONLY, SLIVER, WIDELY
+from .crowd_momentum import pushed_back
 from .crowd_records import BETWEEN, CELL, CHANGE, FULL, LANES, LOST, MASS, MOMENTUM, SIZE, SPEED, WAY
 from .crowd_rows import beside_across, beside_along
 from .crowd_shelter import left_at, main_axis
@@ -16,10 +17,14 @@ EMPTY = np.float32(1e-30)
 
 
 @device
-def find_targets(box, o, near, grid, room, numbers, pressure, targets):
-    """Set the targets of layer o. A cell that no sample reaches has none."""
+def find_targets(box, o, near, grid, room, numbers, pressure, targets, others):
+    """Set the targets of layer o. A cell that no sample reaches has none. Set the layer's row of ``others`` (cells
+    along z, 4 `LANES`), which tells what momentum strands get from others than strands: the metres of its cells times
+    the share of the wind that they do not get, less than 0, and pressure against solids (3)."""
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    main = main_axis(numbers[WAY : WAY + 3])
+    main, cells = main_axis(numbers[WAY : WAY + 3]), pointer(grid)
+    less = broadcast(cells, 0.0)
+    x, y, z = less, less, less
     for n in range(high):
         if not near[o, n]:
             continue
@@ -27,13 +32,20 @@ def find_targets(box, o, near, grid, room, numbers, pressure, targets):
         for i in range(0, wide, LANES):
             sides = beside_along(i, wide), up, far
             at = (o * high + n) * wide + i
+            if any_lane(load(pointer(pressure), at) > 0.0):
+                u, v, w = pushed_back(at, sides, pointer(room.open), pointer(pressure))
+                x, y, z = x + u, y + v, z + w
             if any_counts(at, grid):
                 found = targets_of(at, sides, grid, room.open, numbers, pointer(pressure))
                 if len(room.left) > 0:
-                    found = sheltered(found, left_at(box, main, (o, n, i), room.left), numbers)
+                    left = left_at(box, main, (o, n, i), room.left)
+                    found = sheltered(found, left, numbers)
+                    less += load(cells, MASS * grid.shape[1] + at) * (left - 1.0)
                 keep(at, grid, found, targets)
             else:
                 clear(at, targets)
+    store(pointer(others), o * 4 * LANES, less)
+    store3(pointer(others), (o * 4 + 1) * LANES, LANES, x, y, z)
 
 
 @device

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from ...errors import UsageError
-from ...groom.emit import emit
 from ...groom.record import Groom
 from ...scene.model import Rod, Scene
 from ..references.base import NEEDS, Case, Track
+from .strands import guides_of
 from .watch import Stopwatch
 
 
@@ -53,9 +53,9 @@ class Contestant:
         return self.name if self.offered else "rod"
 
     def refuses(self, scene: Scene) -> str:
-        """Why it cannot run a scene, or nothing: asked by handing it a single strand."""
+        """Why it cannot run a scene, or nothing: asked by handing it a single strand, or a file's."""
         try:
-            self.start(scene, emit(scene.emitter, scene.seed, 1))
+            self.start(scene, guides_of(scene, 1))
         except UsageError as error:
             return str(error)
         return ""

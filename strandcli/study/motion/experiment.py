@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...groom.emit import emit
 from ...groom.record import Groom
 from ...scene.model import Scene
 from ...simulate.material import integrator_of, rigidity
@@ -26,6 +25,7 @@ from ..axes import STRANDS, Axis, Request, chosen_solvers
 from ..points import Knobs, Limit, Point, described, grid, limit
 from .contestants import CONTESTANTS, Contestant, warm_up
 from .resample import apart, resample
+from .strands import guides_of, with_fewer_guides
 from .watch import Stopwatch, least
 
 PLACES = 33
@@ -50,6 +50,7 @@ class Motion:
         assert scene is not None
         if scene.panels:
             raise UsageError(f"{request.name}: a preset of several panels; study the preset of one panel")
+        scene = with_fewer_guides(scene, request.name, request.strands or STRANDS)
         self.scene, self.request = scene, request
         self.title = f"{request.name}: positions against the limit of each solver"
         span = SPAN if request.span is None else request.span
@@ -65,7 +66,8 @@ class Motion:
                 self.contestants.append(CONTESTANTS[name])
         self.limits: dict[str, Limit] = {}
         self.finest: dict[str, NDArray[np.float64]] = {}
-        self.lengths = self._groom(scene).lengths
+        groom = self._groom(scene)
+        self.lengths = groom.emitted(groom.lengths)
 
     @property
     def references(self) -> int:
@@ -77,7 +79,7 @@ class Motion:
         return with_knobs(self.scene, {**knobs, "solver": solver})
 
     def _groom(self, scene: Scene) -> Groom:
-        return emit(scene.emitter, scene.seed, min(self.request.strands or STRANDS, scene.emitter.strands))
+        return guides_of(scene, min(self.request.strands or STRANDS, scene.emitter.strands))
 
     def particles(self) -> tuple[int, ...]:
         """Counts to try: half the preset's segments, and its own number."""

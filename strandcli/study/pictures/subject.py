@@ -106,6 +106,11 @@ class Subject:
         assert scene is not None
         if scene.panels:
             raise UsageError(f"{request.name}: a preset of several panels; study the preset of one panel")
+        if scene.emitter.groom is not None:
+            raise UsageError(
+                f"{request.name}: axes of pictures draw strands that are grown, and this preset has those of a file "
+                "(emitter.groom); study its motion, without --axis"
+            )
         self.all_strands = scene.drawn_strands
         strands = min(request.strands or STRANDS, self.all_strands)
         scene = changed(scene, {"image.size": request.size or _small(scene.image.size)})
