@@ -55,6 +55,9 @@ LONG = 300
 of the step has read is gone by its end."""
 AHEAD = 24
 """Segments that are fetched ahead then."""
+SPIN = 1.0
+"""Chord, over a strand's length, of a turn about its root in a step from which on BDF2 starts anew: it would keep a
+strand that turns by a radian and more turning for ever, against all drag."""
 
 
 @function
@@ -74,6 +77,8 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
     store3(s, CORRECTION, 1, 0.0, 0.0, 0.0)
     store(s, DEGENERATE, 0.0)
     rod_touching.begin(s)
+    if scheme.second and scheme.share > 0:
+        store(s, IMPACT, spinning(s, at, state, scheme))
     if scheme.ends.loose is not None:
         px, py, pz = move_root(s, at, state, length, (px, py, pz), scheme)
     least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
@@ -116,6 +121,26 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
         rod_touching.keep(s, at, state.touching, contact.duration, scheme.curled, numbers[LASTING] > 0)
+
+
+@inlined
+def spinning(s, at, state, scheme):
+    """1 in lanes whose tip has gone round the root by `SPIN` of the strand's length, else 0."""
+    n = at.segments
+    o = FIRST_SEGMENT + (n - 1) * SEGMENT
+    x, y, z = rod_start.predict(s, at.edge + (n - 1) * AXES, state, scheme)
+    dx, dy, dz = load3(s, o + INERTIAL, 1)
+    x, y, z = x - dx, y - dy, z - dz
+    if scheme.ends.loose is not None:
+        u, v, w = rod_start.predict(s, rod_loose.row_of(at), rod_loose.body_of(state), scheme)
+        dx, dy, dz = load3(s, rod_loose.ROOT + INERTIAL, 1)
+        u, v, w = u - dx, v - dy, w - dz
+    else:
+        f = load(s, INVERSE_LENGTH)
+        u, v, w = load3(s, ROOT_SHIFT, 1)
+        u, v, w = f * u, f * v, f * w
+    x, y, z = x - u, y - v, z - w
+    return where(x * x + y * y + z * z > (SPIN * n) ** 2, broadcast(s, 1.0), 0.0)
 
 
 @inlined
