@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, store, store3, where
 from . import rod_loose
-from .records import AIR, DAMPING, DRAG, GRAVITY, LASTING, STEADY, STEP, VELOCITY_STEP
+from .records import AIR, DAMPING, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP
 from .rod_scratch import (
     ACCELERATION_SCALE,
     ADDED_VELOCITY,
@@ -45,13 +45,12 @@ FARTHEST = 1e10
 @device
 def set_coefficients(s, at, state, material, forcing, scheme):
     """Set the strand's coefficients in the scratch, by the method of each lane: Euler's in those whose strands are
-    `State.jolted`, or `State.touching` by more than `STEADY`, where BDF2 would go on with what contact or a jolt has
-    changed."""
+    `State.jolted`, where BDF2 would go on with what the jolt has changed."""
     numbers = forcing.numbers
     h, g = numbers[STEP], numbers[VELOCITY_STEP]
     mass = 1 + numbers[DRAG] * g  # that `Material.mass` has been multiplied by
     if scheme.second and scheme.mixed and scheme.share > 0:
-        calm = disturbed(s, at, state, scheme) > 0.0
+        calm = load(state.jolted, at.strand) > 0.0
         step = where(calm, broadcast(s, scheme.duration), h)
         velocity_step = where(calm, broadcast(s, scheme.duration), g)
         drag = 1.0 + numbers[DRAG] * velocity_step
@@ -87,17 +86,6 @@ def jolted(state, strand, crowded):
     if crowded is None:
         return False
     return any_lane(load(state.jolted, strand) > 0.0)
-
-
-@inlined
-def disturbed(s, at, state, scheme):
-    """Above 0 in lanes that take the step by Euler's method."""
-    found = broadcast(s, 0.0)
-    if scheme.pressed:
-        found = max(load(state.touching, at.strand) - STEADY, 0.0)
-    if scheme.crowded is not None:
-        found = max(found, load(state.jolted, at.strand))
-    return found
 
 
 @inlined

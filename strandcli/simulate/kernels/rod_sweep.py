@@ -18,11 +18,12 @@ from ...simd import (
     store3,
     where,
 )
-from . import rod, rod_loose, rod_start, rod_touching
-from .contact import resolve_contact
-from .records import LASTING, ROUNDING, Segment
+from . import contact_forces, rod, rod_loose, rod_start
+from .contact import keep_out
+from .records import ROUNDING, Segment
 from .rod_scratch import (
     AXES,
+    CONTACT_FORCE,
     CORRECTION,
     CROWD_CHANGE,
     DEGENERATE,
@@ -76,14 +77,12 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
     store3(positions, at.position, W, px - no_fma(length * ex), py - no_fma(length * ey), pz - no_fma(length * ez))
     store3(s, CORRECTION, 1, 0.0, 0.0, 0.0)
     store(s, DEGENERATE, 0.0)
-    rod_touching.begin(s)
     if scheme.second and scheme.share > 0:
-        store(s, IMPACT, spinning(s, at, state, scheme))
+        store(s, IMPACT, max(load(s, IMPACT), spinning(s, at, state, scheme)))
     if scheme.ends.loose is not None:
         px, py, pz = move_root(s, at, state, length, (px, py, pz), scheme)
     least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
     rate = 1.0 / load(s, SQUARE)
-    y0 = z0 = broadcast(s, 0.0)
     degenerate, fetched, ahead = False, next_pack * PACK + strand % PACK, 0
     if n > LONG:
         fetched, ahead = strand, AHEAD
@@ -100,10 +99,9 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         # the next step does not begin with compression that made H indefinite
         t = max(tension_of(s, n, j, scheme.curled), least)
         store(state.tension, at.tension + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
-        if scheme.pressed:
-            y0, z0 = rod.finish_mobility(s, o, y0, z0)
         if contact.any_solids:
-            resolve_contact(s, Segment(o, row, here, length, j == 0), (px, py, pz), state, contact, scheme.pressed)
+            keep_out(s, Segment(o, row, here, length, j == 0), (px, py, pz), state.positions, contact)
+            contact_forces.keep(s, at, j, state.push)
         x, y, z = correction(s, scheme.ends)
         ax, ay, az = load3(s, o + DISPLACEMENT, 1)
         store3(s, o + DISPLACEMENT, 1, ax + x, ay + y, az + z)
@@ -120,7 +118,7 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         else:
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
-        rod_touching.keep(s, at, state.touching, contact.duration, scheme.curled, numbers[LASTING] > 0)
+        store(state.touching, at.strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), 0.0))
 
 
 @inlined
