@@ -35,7 +35,7 @@ def rotate_end_out(s, segment, q, d, positions, contact):
     """Return the unit edge d from q, rotated until its end is outside of all solids: one after the other rotates it,
     the deepest first."""
     # apart from `rotate_whole_out`: with what that keeps from round to round, a step takes 6 % longer
-    length, slack = segment.length, slack_of(segment, q, contact)
+    length, slack = segment.length, slack_of(segment.length, q, contact)
     at = positions, segment.position
     for _ in range(ROUNDS):
         edges = edges_of(s, segment.scratch, d, length, False, segment.first)
@@ -52,10 +52,10 @@ def rotate_end_out(s, segment, q, d, positions, contact):
 
 
 @inlined
-def slack_of(segment, q, contact):
-    """Return the depth of an edge's end, metres, that counts as rounding; q: where the edge begins."""
+def slack_of(length, q, contact):
+    """Return the depth of the end of an edge of a length, metres, that counts as rounding; q: where it begins."""
     # without slack, the rounding of its beginning would rotate a short edge at every step
-    return max(SLACK * segment.length, contact.rounding * (abs(q[0]) + abs(q[1]) + abs(q[2])))
+    return max(SLACK * length, contact.rounding * (abs(q[0]) + abs(q[1]) + abs(q[2])))
 
 
 @inlined
@@ -66,7 +66,7 @@ def rotate_whole_out(s, segment, q, d, positions, contact):
     solid is set to the intersection of the two circles, and then its end alone is rotated out: particles have priority
     over segments. If an end, or more than `DEEP` of the segment, is still inside, other starting directions are
     tried."""
-    length, slack = segment.length, slack_of(segment, q, contact)
+    length, slack = segment.length, slack_of(segment.length, q, contact)
     enough = DEEP * length
     at = positions, segment.position
     zero = broadcast(length, 0.0)

@@ -48,8 +48,6 @@ ROW = 3 * W
 CLOSE = 5e-4
 """Change of all forces on a strand in a round, as a share of these, with which they count as found, both weighed by how
 far they move particles."""
-ROUNDED = 1e-5
-"""The same as a displacement, in segments, that is no more than rounding."""
 FAINT = 1e-20
 """Acceleration, m/s², that marks a particle without a force as one that contact acts on."""
 LEAST_MOBILITY = 1e-6
@@ -107,7 +105,7 @@ def search(s, at, length, state, contact):
         close = depth > -within
         if any_lane(close | (held > 0.0)):
             near = True
-            inside = close & ((depth > slack_of(segment, q, contact)) | (held > 0.0))
+            inside = close & ((depth > slack_of(length, q, contact)) | (held > 0.0))
             if any_lane(inside | (held > 0.0)):
                 acted = True
                 set_wanted(s, at, segment, found, (q, d, end), depth, inside, state, contact)
@@ -144,10 +142,10 @@ def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
 
 
 @device
-def update(s, at, push, friction):
+def update(s, at, length, state, contact):
     """Update forces by what `search` has found, with the mobilities that `rod.begin_mobility` has begun, and take what
     they change from the inertial residuals. Returns whether the forces on some strand are not found yet."""
-    reach, inverse_length = load(s, REACH), load(s, INVERSE_LENGTH)
+    reach, push = load(s, REACH), state.push
     total = changed = broadcast(s, 0.0)
     y = z = total
     for j in range(at.segments):
@@ -161,7 +159,10 @@ def update(s, at, push, friction):
             mobility = where(acted & (mobility > 0.0), min(max(mobility, LEAST_MOBILITY), 1.0), 1.0)
             f = reach * mobility
             force = in_cone(
-                scaled(f, past), load3(s, o + NORMAL, 1), load3(s, particle_gain(at.segments, j), 1), friction
+                scaled(f, past),
+                load3(s, o + NORMAL, 1),
+                load3(s, particle_gain(at.segments, j), 1),
+                contact.friction,
             )
             now = scaled(where(acted, 1.0 / f, 0.0), force)
             change = add_scaled(now, -1.0, past)
@@ -170,7 +171,8 @@ def update(s, at, push, friction):
             store3(s, o + INERTIAL, 1, x, v, w)
             total += f * size_of(now)
             changed += f * size_of(change)
-    return any_lane(changed > max(CLOSE * total, ROUNDED / inverse_length))
+    slack = slack_of(length, load3(state.positions, at.position + ROW, W), contact)
+    return any_lane(changed > max(CLOSE * total, slack))
 
 
 @inlined

@@ -296,7 +296,7 @@ def find_contact(s, at, state, material, forcing, scheme, contact, iterations, w
         if not acted:
             break
         rod.begin_mobility(s, at.segments, at.edge, material.mass, state.push)
-        if not contact_forces.update(s, at, state.push, contact.friction):
+        if not contact_forces.update(s, at, length, state, contact):
             break
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
     return worst, pressed, near
