@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..scene.motion import Pose, end_pose
-from .kernels.records import AIR, DRAG, GRAVITY, STEP, VELOCITY_STEP, Forcing, State
+from .kernels.records import AIR, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP, Forcing, State
 from .kernels.rod_scratch import PACK
 
 if TYPE_CHECKING:
@@ -64,9 +64,11 @@ class Pins:
         way = goals - tips(state)
         numbers = forcing.numbers.astype(np.float64)
         h, g, drag = numbers[STEP], numbers[VELOCITY_STEP], numbers[DRAG]  # h_x, h_v and γ of docs/solvers.md
-        if len(state.jolted) == len(way):  # strands that take Euler's method
-            marked = state.jolted[:, None] > 0
-            h, g = np.where(marked, dt, h), np.where(marked, dt, g)
+        among = forcing.numbers[LASTING] > 0
+        for marks in (state.jolted, state.touching) if among else (state.jolted,):  # as `kernels.rod_start.disturbed`
+            if len(marks) == len(way):
+                marked = marks[:, None] > 0
+                h, g = np.where(marked, dt, h), np.where(marked, dt, g)
         air = drag * forcing.gust[:, None] * numbers[AIR : AIR + 3, None]
         velocity = way * (1 + drag * g) / h - g * (numbers[GRAVITY : GRAVITY + 3, None] + air)
         for member in (state.velocity, state.ahead):  # arrays that a scene does not need are empty

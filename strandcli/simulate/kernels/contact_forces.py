@@ -41,7 +41,7 @@ from .rod_scratch import (
     SEGMENT,
 )
 from .rod_tension import lasting_share, particle_gain
-from .vectors import add_scaled, dot, scaled
+from .vectors import add_scaled, dot, scaled, select
 
 ROW = 3 * W
 """Numbers of a row of positions."""
@@ -96,7 +96,6 @@ def search(s, at, length, state, contact):
         segment = Segment(o, at.edge + j * AXES, at.position + (j + 2) * ROW, length, j == 0)
         e = add_scaled(load3(s, o + EDGE, 1), -1.0, left)
         d = scaled(1.0 / sqrt(max(dot(e, e), TINY)), e)
-        left = add_scaled(d, -1.0, e)
         end = add_scaled(q, length, d)
         held = reach * size_of(load3(state.push, segment.row, PACK))
         within = max(held, margin)
@@ -108,37 +107,41 @@ def search(s, at, length, state, contact):
             inside = close & ((depth > slack_of(length, q, contact)) | (held > 0.0))
             if any_lane(inside | (held > 0.0)):
                 acted = True
-                set_wanted(s, at, segment, found, (q, d, end), depth, inside, state, contact)
-        q = end
+                d = set_wanted(s, at, segment, found, (q, d, end), depth, inside, state, contact)
+        left = add_scaled(d, -1.0, e)
+        q = add_scaled(q, length, d)
     return acted, near
 
 
 @inlined
 def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
     """Set what `search` finds of the particle of a segment, in the lanes in which it is ``inside`` the solid in slot
-    ``found``, and nothing in others. ``place``: where the edge begins, its direction, and where it ends."""
+    ``found``, and nothing in others. ``place``: where the edge begins, its direction, and where it ends. Returns the
+    direction, turned in lanes where no edge from there can end at the surface: its depth is no force's."""
     q, d, end = place
     j = (segment.scratch - FIRST_SEGMENT) // SEGMENT
     n = normal_at(s, found, end, depth)
-    _, _, _, square = contact_circle(s, found, q, load(s, INVERSE_LENGTH))
-    able = inside & (square > 0.0)  # an edge that cannot end at the surface is turned alone: its depth is no force's
+    axis, _, share, square = contact_circle(s, found, q, load(s, INVERSE_LENGTH))
+    able = inside & (square > 0.0)
     way = slide(s, found, end, d, n, depth)
     wanted = add_scaled(scaled(depth + dot(way, n), n), -1.0, way)
     zero = broadcast(depth, 0.0)
     for c in range(3):
         store(s, segment.scratch + NORMAL + c, where(able, n[c], zero))
         store(s, particle_gain(at.segments, j) + c, where(able, wanted[c], zero))
-    share = load(s, lasting_share(at.segments, j))
-    new = able & (share < 0.0)
+    lasting = load(s, lasting_share(at.segments, j))
+    new = able & (lasting < 0.0)
     if any_lane(new):
         resting = resting_depth(s, found, segment, state, n, depth, contact.duration)
-        store(s, lasting_share(at.segments, j), where(new, resting / max(depth, TINY), share))
+        store(s, lasting_share(at.segments, j), where(new, resting / max(depth, TINY), lasting))
         store(s, IMPACT, where(new, broadcast(depth, 1.0), load(s, IMPACT)))
     push = load3(state.push, segment.row, PACK)
     bare = able & ~(size_of(push) > 0.0)
     if any_lane(bare):
         for c in range(3):
             store(state.push, segment.row + c * PACK, where(bare, FAINT * n[c], push[c]))
+    stuck = inside & (depth > 0.0) & (square <= 0.0)
+    return select(stuck, scaled(share, axis), d)
 
 
 @device

@@ -181,7 +181,7 @@ class Scheme(NamedTuple):
     pressed: Any
     """Whether solids press some strand of the vector."""
     mixed: Any
-    """Whether some strand of the vector is `State.jolted`."""
+    """Whether some strand of the vector takes the step by Euler's method (`rod_start.disturbed`)."""
     crowded: Any
     """Whether the strands around accelerate particles (`rod_start.set_steps_of_crowd`): True, or None."""
     duration: Any

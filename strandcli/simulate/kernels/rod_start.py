@@ -44,13 +44,13 @@ FARTHEST = 1e10
 
 @device
 def set_coefficients(s, at, state, material, forcing, scheme):
-    """Set the strand's coefficients in the scratch, by the method of each lane: Euler's in those whose strands are
-    `State.jolted`, where BDF2 would go on with what the jolt has changed."""
+    """Set the strand's coefficients in the scratch, by the method of each lane: Euler's in those that are `disturbed`,
+    where BDF2 would go on with what has changed."""
     numbers = forcing.numbers
     h, g = numbers[STEP], numbers[VELOCITY_STEP]
     mass = 1 + numbers[DRAG] * g  # that `Material.mass` has been multiplied by
     if scheme.second and scheme.mixed and scheme.share > 0:
-        calm = load(state.jolted, at.strand) > 0.0
+        calm = disturbed(state, at.strand, scheme.pressed, numbers) > 0.0
         step = where(calm, broadcast(s, scheme.duration), h)
         velocity_step = where(calm, broadcast(s, scheme.duration), g)
         drag = 1.0 + numbers[DRAG] * velocity_step
@@ -81,11 +81,22 @@ def set_steps_of_crowd(s, g, lasting, scheme):
 
 
 @inlined
-def jolted(state, strand, crowded):
-    """Whether some strand of a vector is `State.jolted`."""
+def disturbs(state, strand, crowded, pressed, numbers):
+    """Whether some strand of a vector is `disturbed`; never where strands do not interact."""
     if crowded is None:
         return False
-    return any_lane(load(state.jolted, strand) > 0.0)
+    return any_lane(disturbed(state, strand, pressed, numbers) > 0.0)
+
+
+@inlined
+def disturbed(state, strand, pressed, numbers):
+    """Above 0 where a strand takes the step by Euler's method: one that is `State.jolted`, or that solids press, as
+    they do some of the vector if ``pressed``, among strands that do, too: what these find knows solids of the step
+    before, and may leave the strand to them at any time."""
+    found = load(state.jolted, strand)
+    if pressed and numbers[LASTING] > 0.0:
+        found = max(found, load(state.touching, strand))
+    return found
 
 
 @inlined

@@ -243,7 +243,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         led = rod_lead.led_of(rod_lead.either(flags.second, flags.oval), flags.curled, numbers)
         scheme = Scheme(
-            numbers[MOVED], flags.second, touched, rod_start.jolted(state, strand, flags.crowded),
+            numbers[MOVED], flags.second, touched, rod_start.disturbs(state, strand, flags.crowded, touched, numbers),
             flags.crowded, contact.duration, led, flags.curled, Ends(flags.held, flags.loose, flags.curled), flags.oval,
         )  # fmt: skip
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
