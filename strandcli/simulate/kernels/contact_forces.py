@@ -48,6 +48,8 @@ ROW = 3 * W
 CLOSE = 5e-4
 """Change of all forces on a strand in a round, as a share of these, with which they count as found, both weighed by how
 far they move particles."""
+DEEP = 0.01
+"""Depth, as a share of an edge, that rounds go on with for longer: an edge that is turned by as much is a kink."""
 FAINT = 1e-20
 """Acceleration, m/s², that marks a particle without a force as one that contact acts on."""
 LEAST_MOBILITY = 1e-6
@@ -82,7 +84,7 @@ def size_of(vector):
 def search(s, at, length, state, contact):
     """Find where particles are in solids or leave them: set their `NORMAL` and, in place of their gain, the
     displacement by which contact should move them. Those without a force yet get a `FAINT` one. Returns whether there
-    are any in the vector, and whether some are nearer to a solid than `CLEAR`.
+    are any in the vector, whether some are nearer to a solid than `CLEAR`, and whether some are `DEEP` in one.
 
     Particles are where the last sweep of the step will see them, with edges of exact length.
     """
@@ -90,7 +92,7 @@ def search(s, at, length, state, contact):
     margin = CLEAR * length
     q = load3(state.positions, at.position + ROW, W)
     left = broadcast(s, 0.0), broadcast(s, 0.0), broadcast(s, 0.0)
-    acted, near = False, False
+    acted, near, deep = False, False, False
     for j in range(at.segments):
         o = FIRST_SEGMENT + j * SEGMENT
         segment = Segment(o, at.edge + j * AXES, at.position + (j + 2) * ROW, length, j == 0)
@@ -107,10 +109,11 @@ def search(s, at, length, state, contact):
             inside = close & ((depth > slack_of(length, q, contact)) | (held > 0.0))
             if any_lane(inside | (held > 0.0)):
                 acted = True
+                deep = deep or any_lane(depth > DEEP * length)
                 d = set_wanted(s, at, segment, found, (q, d, end), depth, inside, state, contact)
         left = add_scaled(d, -1.0, e)
         q = add_scaled(q, length, d)
-    return acted, near
+    return acted, near, deep
 
 
 @inlined

@@ -57,8 +57,9 @@ from .work_queue import TASKS, call_beside, take
 SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
 SETTLED = 5
 """Flags that are tested at run time."""
-CONTACT_ROUNDS = 4
-"""Rounds at most in which forces of contact are found; what they leave is carried on to the next step."""
+CONTACT_ROUNDS, MOST_CONTACT_ROUNDS = 4, 24
+"""Rounds in which forces of contact are found, at most, and the same where particles are deep in solids after these, as
+of strands that stand on their tips. What they leave is carried on to the next step."""
 SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, CROWD, CROWD_BYTES, STATE = range(9, 17)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
@@ -290,10 +291,10 @@ def find_contact(s, at, state, material, forcing, scheme, contact, iterations, w
     | |e|² − 1 | of each lane, which was ``worst``, whether solids press some strand, and whether some are near."""
     length, pressed = load(material.lengths, at.strand), scheme.pressed
     contact_forces.begin(s, at, state.push, pressed)
-    for _ in range(CONTACT_ROUNDS):
-        acted, near = contact_forces.search(s, at, length, state, contact)
+    for count in range(MOST_CONTACT_ROUNDS):
+        acted, near, deep = contact_forces.search(s, at, length, state, contact)
         pressed = pressed or acted
-        if not acted:
+        if not acted or (count >= CONTACT_ROUNDS and not deep):
             break
         rod.begin_mobility(s, at.segments, at.edge, material.mass, state.push)
         if not contact_forces.update(s, at, length, state, contact):
