@@ -18,7 +18,7 @@ from ...simd import (
     store3,
     where,
 )
-from . import contact_forces, rod, rod_loose, rod_start
+from . import contact_forces, rod, rod_loose, rod_spin, rod_start
 from .contact import keep_out
 from .records import ROUNDING, Segment
 from .rod_scratch import (
@@ -56,9 +56,6 @@ LONG = 300
 of the step has read is gone by its end."""
 AHEAD = 24
 """Segments that are fetched ahead then."""
-SPIN = 1.0
-"""Chord, over a strand's length, of a turn about its root in a step from which on BDF2 starts anew: it would keep a
-strand that turns by a radian and more turning for ever, against all drag."""
 
 
 @function
@@ -77,10 +74,11 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
     store3(positions, at.position, W, px - no_fma(length * ex), py - no_fma(length * ey), pz - no_fma(length * ez))
     store3(s, CORRECTION, 1, 0.0, 0.0, 0.0)
     store(s, DEGENERATE, 0.0)
+    spun = False
     if scheme.second and scheme.share > 0:
-        store(s, IMPACT, max(load(s, IMPACT), spinning(s, at, state, scheme)))
+        spun = rod_spin.find(s, at, state, scheme)
     if scheme.ends.loose is not None:
-        px, py, pz = move_root(s, at, state, length, (px, py, pz), scheme)
+        px, py, pz = move_root(s, at, state, length, (px, py, pz), scheme, spun)
     least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
     rate = 1.0 / load(s, SQUARE)
     degenerate, fetched, ahead = False, next_pack * PACK + strand % PACK, 0
@@ -114,31 +112,11 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         pz += length * z
         store3(positions, here, W, px, py, pz)
         if scheme.second:
-            update_velocity(s, o, row, length, state, scheme)
+            update_velocity(s, o, row, length, state, scheme, spun)
         else:
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
         store(state.touching, at.strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), 0.0))
-
-
-@inlined
-def spinning(s, at, state, scheme):
-    """1 in lanes whose tip has gone round the root by `SPIN` of the strand's length, else 0."""
-    n = at.segments
-    o = FIRST_SEGMENT + (n - 1) * SEGMENT
-    x, y, z = rod_start.predict(s, at.edge + (n - 1) * AXES, state, scheme)
-    dx, dy, dz = load3(s, o + INERTIAL, 1)
-    x, y, z = x - dx, y - dy, z - dz
-    if scheme.ends.loose is not None:
-        u, v, w = rod_start.predict(s, rod_loose.row_of(at), rod_loose.body_of(state), scheme)
-        dx, dy, dz = load3(s, rod_loose.ROOT + INERTIAL, 1)
-        u, v, w = u - dx, v - dy, w - dz
-    else:
-        f = load(s, INVERSE_LENGTH)
-        u, v, w = load3(s, ROOT_SHIFT, 1)
-        u, v, w = f * u, f * v, f * w
-    x, y, z = x - u, y - v, z - w
-    return where(x * x + y * y + z * z > (SPIN * n) ** 2, broadcast(s, 1.0), 0.0)
 
 
 @inlined
@@ -162,7 +140,7 @@ def correction(s, ends):
 
 
 @device
-def move_root(s, at, state, length, place, scheme):
+def move_root(s, at, state, length, place, scheme, spun):
     """Move a free root from its place: set its velocity, store where it is, and return that."""
     o, row, body = rod_loose.ROOT, rod_loose.row_of(at), rod_loose.body_of(state)
     x, y, z = rod_start.predict(s, row, body, scheme)
@@ -171,7 +149,7 @@ def move_root(s, at, state, length, place, scheme):
     x, y, z = x - dx - u, y - dy - v, z - dz - w
     store3(s, o + DISPLACEMENT, 1, x, y, z)
     if scheme.second:
-        update_velocity(s, o, row, length, body, scheme)
+        update_velocity(s, o, row, length, body, scheme, spun)
     else:
         set_velocity(s, o, row, length, body)
     x, y, z = place[0] + length * x, place[1] + length * y, place[2] + length * z
@@ -279,14 +257,17 @@ def set_velocity(s, o, row, length, state):
 
 
 @device
-def update_velocity(s, o, row, length, state, scheme):
+def update_velocity(s, o, row, length, state, scheme, spun):
     """Set the velocity that led to the displacement by BDF2, (u − (x_n − x_{n−1}) / 3) / h, and that which the next
     step goes on with. After an `IMPACT` BDF2 starts anew from u alone: it would extrapolate the jump of
-    velocity, and strands bounce. After a step of Euler's method it takes the acceleration to have been the same."""
+    velocity, and strands bounce. After a step of Euler's method it takes the acceleration to have been the same. Where
+    strands have ``spun``, of the displacement only what is across the strand goes on."""
     inverse_step = load(s, INVERSE_STEP)
     share = load(s, MOVED_SHARE)
     rate = 1 / scheme.duration
     impact = load(s, IMPACT) > 0.0
+    if spun:
+        rod_spin.turn(s, o)
     for c in range(3):
         u = length * load(s, o + DISPLACEMENT + c)
         p = row + c * PACK
