@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..scene.motion import Pose, end_pose
-from .kernels.records import AIR, DRAG, GRAVITY, STEADY, STEP, VELOCITY_STEP, Forcing, State
+from .kernels.records import AIR, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP, Forcing, State
 from .kernels.rod_scratch import PACK
 
 if TYPE_CHECKING:
@@ -64,9 +64,10 @@ class Pins:
         way = goals - tips(state)
         numbers = forcing.numbers.astype(np.float64)
         h, g, drag = numbers[STEP], numbers[VELOCITY_STEP], numbers[DRAG]  # h_x, h_v and γ of docs/solvers.md
-        for marks in (state.touching, state.jolted):  # strands that take Euler's method
+        among = forcing.numbers[LASTING] > 0
+        for marks in (state.jolted, state.touching) if among else (state.jolted,):  # as `kernels.rod_start.disturbed`
             if len(marks) == len(way):
-                marked = marks[:, None] > STEADY
+                marked = marks[:, None] > 0
                 h, g = np.where(marked, dt, h), np.where(marked, dt, g)
         air = drag * forcing.gust[:, None] * numbers[AIR : AIR + 3, None]
         velocity = way * (1 + drag * g) / h - g * (numbers[GRAVITY : GRAVITY + 3, None] + air)

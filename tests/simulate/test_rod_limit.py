@@ -62,9 +62,9 @@ def test_a_strand_that_slides_over_a_solid_is_of_first_order(kind: str, friction
         settings = {"rod.friction": friction, "rod.precision": "double", "rod.integrator": "euler"}
         return after(over([rising(kind)], 30.0, **settings), 2.5, rate)
 
-    best = end(960)
-    errors = [np.abs(end(rate) - best).max() for rate in (30, 60, 120, 240)]
-    assert errors[0] < 0.03
+    best = end(1920)
+    errors = [np.abs(end(rate) - best).max() for rate in (60, 120, 240, 480)]  # at 30 some are less by chance
+    assert errors[0] < 0.013
     assert np.log2(errors[0] / errors[-1]) / 3 > 0.8
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...blocks import lanes
 from ...groom.record import Groom
-from ..kernels.records import DAMPING, DRAG, STEADY, STEP, VELOCITY_STEP, State
+from ..kernels.records import DAMPING, DRAG, STEP, VELOCITY_STEP, State
 from ..kernels.rod_scratch import PACK
 from .kernels import contact_response, contact_solve
 from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, IMPACT, SECOND, SECOND_SEGMENT
@@ -100,7 +100,7 @@ class Forces:
         euler = np.zeros(count, bool)
         for marks in (solver.state.touching, solver.state.jolted):
             if solver.second and len(marks) == len(solver.state.edges):  # arrays that a scene does not need are empty
-                euler |= self.emitted(marks[:, None])[:, 0, 0] > STEADY
+                euler |= self.emitted(marks[:, None])[:, 0, 0] > 0
         square[euler], reach[euler], gain[euler] = dt * dt * mass, mass, 1
         return Method(euler, square, reach, gain)
 

@@ -28,8 +28,6 @@ SPHERES, CAPSULES, PLANES, BOXES, OTHERS = range(5)
 """Members of ``Contact.solids``, in the order of the fields of `strandcli.solids.Solids`."""
 MOTION, MOTION_SHIFT = 12, 9
 """Columns that follow a packed solid's: the rigid motion of this step, rotation by rows and then translation."""
-STEADY = 0.125
-"""`State.touching` of strands that solids press as in the step before."""
 
 
 class State(NamedTuple):
@@ -50,8 +48,7 @@ class State(NamedTuple):
     push: Any
     """(P, N, 3 S) acceleration of particles by contact with solids, m/s²; needed with these."""
     touching: Any
-    """(P, S) 1 for strands whose forces of contact have just changed, of curled ones some steps after it less, and
-    `STEADY` while these last; needed with solids. Those above `STEADY` take the step by Euler's method."""
+    """(P, S) 1 for strands that solids press; needed with solids."""
     twist: Any
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     crowd: Any
@@ -59,7 +56,8 @@ class State(NamedTuple):
     the rule contact, by which alone it is then. A step with code beside it (`work_queue.call_for`) has those of a pack
     in scratch of its own instead."""
     jolted: Any
-    """(P, S) 1 for strands that those around push otherwise than in the step before; needed where strands interact."""
+    """(P, S) 1 for strands that those around push otherwise than in the step before, which take the step by Euler's
+    method; needed where strands interact."""
     positions: Any
     """(blocks, N + 2, 3 W) world, metres: row 0 one segment before the root, row 1 the root."""
     residuals: Any
@@ -181,10 +179,9 @@ class Scheme(NamedTuple):
     second: Any
     """Whether the state has what BDF2 needs, to be written for the next step."""
     pressed: Any
-    """Whether some strand of the vector is `State.touching` since the step before."""
+    """Whether solids press some strand of the vector."""
     mixed: Any
-    """Whether some strand of the vector takes the step by Euler's method: `State.jolted`, or `State.touching` by more
-    than `STEADY`."""
+    """Whether some strand of the vector takes the step by Euler's method (`rod_start.disturbed`)."""
     crowded: Any
     """Whether the strands around accelerate particles (`rod_start.set_steps_of_crowd`): True, or None."""
     duration: Any
@@ -206,7 +203,7 @@ class Contact(NamedTuple):
     solids: Any
     """Pairs of rows and their size, as `contact_shapes.nearest` takes them."""
     any_solids: Any
-    """Whether there are any."""
+    """Whether there are any; at the end of a step, whether some are near strands of the vector."""
     segments: Any
     """Whether whole segments are kept out."""
     duration: Any
@@ -215,8 +212,6 @@ class Contact(NamedTuple):
     """Coulomb's coefficient."""
     rounding: Any
     """Relative rounding error of a coordinate."""
-    gain: Any
-    """Share of the depth at which a particle ends that its force makes up for in the next step."""
 
 
 class Segment(NamedTuple):

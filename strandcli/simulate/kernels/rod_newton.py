@@ -31,7 +31,7 @@ LONGEST_STEP = 1.9
 
 
 @device
-def iterate(s, at, state, material, forcing, scheme, iterations):
+def iterate(s, at, state, material, forcing, scheme, iterations, again):
     """Solve for τ and the edges by Newton's method; returns the greatest | |e|² − 1 | of each lane.
 
     Begins with x(τ) for the τ of the step before, or for a greater one where loads turn out to be far greater than it
@@ -40,6 +40,8 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
 
     From where H is indefinite in some lane on, iterations are steps of sequential quadratic programming: H is that of
     the present τ, not of the changed one. Energy is the merit function: a step after one that raised it is halved.
+
+    ``again``: whether this goes on from the last τ and edges of the same step, with other forces.
     """
     n, mass, joint, tolerance = at.segments, material.mass, material.joint, forcing.numbers[TOLERANCE]
     ends = scheme.ends
@@ -48,8 +50,9 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
     mean_share = EVEN / n
     step = broadcast(s, 1.0)
     past_energy = broadcast(s, rod.GREATEST_ERROR * rod.GREATEST_ERROR)
-    indefinite = quadratic = False  # the latter: whether iterations are steps of quadratic programming
-    for count in range(-1, max(iterations, 1) + 1):
+    indefinite = again and any_lane(load(s, INDEFINITE) > 0.0)
+    quadratic = False  # whether iterations are steps of quadratic programming
+    for count in range(1 if again else -1, max(iterations, 1) + 1):
         if count > 1 and not any_lane(min(worst, max(single_share * worst, mean_share * total)) > tolerance):
             break
         if count == 0:
@@ -60,7 +63,11 @@ def iterate(s, at, state, material, forcing, scheme, iterations):
         quadratic = count > 0 and (indefinite or quadratic)
         if count > 0:
             far = quadratic or any_lane(worst > rod.FAR)
-            corrected = correct(s, n, joint, forcing.numbers, scheme, count)
+            corrected = again and count == 1
+            if corrected:
+                set_loads(s, n, mass, joint, ends, False)
+            else:
+                corrected = correct(s, n, joint, forcing.numbers, scheme, count)
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR

@@ -36,9 +36,9 @@ CORRECTION = 11
 DEGENERATE = 14
 """In the last sweep: 1 where an edge has no finite direction, from there to the tip."""
 IMPACT = 15
-"""In the last sweep: above 0 where a particle has met a solid anew, from there to the tip."""
+"""Above 0 where BDF2 starts anew: a particle has met a solid, or the strand spins."""
 CONTACT_FORCE = 16
-"""In the last sweep: the sum of all contact accelerations' absolute coordinates, m/s²."""
+"""In the last sweep: the sum of the absolute coordinates of all accelerations by contact that last, m/s²."""
 SOLID_SLOTS = 17
 """Two slots for the nearest solid, 8 vectors each (`contact_place`)."""
 REACH = 33
@@ -53,12 +53,13 @@ CROWD_STEP = 37
 """h of velocities for the accelerations by the strands around, s."""
 CROWD_CHANGE = 38
 """That by which they change the velocity that the step begins with, s: as much, or 0 where they act all through it."""
-CONTACT_CHANGE = 39
-"""In the last sweep: the sum of by how much these coordinates differ from those of the step before, m/s²."""
+
+SPIN_AXIS = 39
+"""(3) In the last sweep: the direction from root to tip where a strand has spun (`rod_spin`), else 0."""
 
 SEGMENT = 17
 """Vectors of a segment. An odd number: vectors at distances of a power of two would share lines of the cache."""
-FIRST_SEGMENT = 40 + 2 * SEGMENT
+FIRST_SEGMENT = 42 + 2 * SEGMENT
 """Place of the first segment."""
 EDGE = 0
 """(3) Of a segment: e_j, of unit length at the start and the end of a step."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, store, store3, where
 from . import rod_loose
-from .records import AIR, DAMPING, DRAG, GRAVITY, LASTING, STEADY, STEP, VELOCITY_STEP
+from .records import AIR, DAMPING, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP
 from .rod_scratch import (
     ACCELERATION_SCALE,
     ADDED_VELOCITY,
@@ -44,14 +44,13 @@ FARTHEST = 1e10
 
 @device
 def set_coefficients(s, at, state, material, forcing, scheme):
-    """Set the strand's coefficients in the scratch, by the method of each lane: Euler's in those whose strands are
-    `State.jolted`, or `State.touching` by more than `STEADY`, where BDF2 would go on with what contact or a jolt has
-    changed."""
+    """Set the strand's coefficients in the scratch, by the method of each lane: Euler's in those that are `disturbed`,
+    where BDF2 would go on with what has changed."""
     numbers = forcing.numbers
     h, g = numbers[STEP], numbers[VELOCITY_STEP]
     mass = 1 + numbers[DRAG] * g  # that `Material.mass` has been multiplied by
     if scheme.second and scheme.mixed and scheme.share > 0:
-        calm = disturbed(s, at, state, scheme) > 0.0
+        calm = disturbed(state, at.strand, scheme.pressed, numbers) > 0.0
         step = where(calm, broadcast(s, scheme.duration), h)
         velocity_step = where(calm, broadcast(s, scheme.duration), g)
         drag = 1.0 + numbers[DRAG] * velocity_step
@@ -82,21 +81,21 @@ def set_steps_of_crowd(s, g, lasting, scheme):
 
 
 @inlined
-def jolted(state, strand, crowded):
-    """Whether some strand of a vector is `State.jolted`."""
+def disturbs(state, strand, crowded, pressed, numbers):
+    """Whether some strand of a vector is `disturbed`; never where strands do not interact."""
     if crowded is None:
         return False
-    return any_lane(load(state.jolted, strand) > 0.0)
+    return any_lane(disturbed(state, strand, pressed, numbers) > 0.0)
 
 
 @inlined
-def disturbed(s, at, state, scheme):
-    """Above 0 in lanes that take the step by Euler's method."""
-    found = broadcast(s, 0.0)
-    if scheme.pressed:
-        found = max(load(state.touching, at.strand) - STEADY, 0.0)
-    if scheme.crowded is not None:
-        found = max(found, load(state.jolted, at.strand))
+def disturbed(state, strand, pressed, numbers):
+    """Above 0 where a strand takes the step by Euler's method: one that is `State.jolted`, or that solids press, as
+    they do some of the vector if ``pressed``, among strands that do, too: what these find knows solids of the step
+    before, and may leave the strand to them at any time."""
+    found = load(state.jolted, strand)
+    if pressed and numbers[LASTING] > 0.0:
+        found = max(found, load(state.touching, strand))
     return found
 
 

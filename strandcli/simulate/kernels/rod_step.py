@@ -28,14 +28,13 @@ from ...simd import (
     vector_pointer_at,
     where,
 )
-from . import rod, rod_curl, rod_held, rod_lead, rod_loose, rod_newton, rod_start, rod_sweep
+from . import contact_forces, rod, rod_curl, rod_held, rod_lead, rod_loose, rod_newton, rod_start, rod_sweep
 from .records import (
     FRICTION,
     MOVED,
     ROTATION,
     ROUNDING,
     SHIFTED,
-    STEADY,
     STEP,
     TRANSLATION,
     TURNED,
@@ -48,7 +47,7 @@ from .records import (
     Scheme,
     State,
 )
-from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, PACK, ROOT_SHIFT, SEGMENT
+from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, IMPACT, PACK, ROOT_SHIFT, SEGMENT
 from .rod_sweep import ROW
 from .work_queue import TASKS, call_beside, take
 
@@ -58,9 +57,9 @@ from .work_queue import TASKS, call_beside, take
 SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
 SETTLED = 5
 """Flags that are tested at run time."""
-CURLED_GAIN = 0.1
-"""`Contact.gain` of curled strands, which go on giving way to a force for many steps: their matrix is that of rests
-that stay, which is stiffer than a coil."""
+CONTACT_ROUNDS, MOST_CONTACT_ROUNDS = 4, 24
+"""Rounds in which forces of contact are found, at most, and the same where particles are deep in solids after these, as
+of strands that stand on their tips. What they leave is carried on to the next step."""
 SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, CROWD, CROWD_BYTES, STATE = range(9, 17)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
@@ -227,7 +226,6 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
     contact = Contact(
         solids, flags.solids, flags.segments,
         numbers[STEP] * (1 + 1.5 * numbers[MOVED]), numbers[FRICTION], 0.25 * numbers[ROUNDING],
-        CURLED_GAIN if flags.curled else 1.0,
     )  # fmt: skip
     for lane in range(0, PACK, lane_count(scratch)):
         strand = pack * PACK + lane
@@ -244,10 +242,9 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         if flags.loose is None:
             place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
-        moved = touched and any_lane(load(state.touching, strand) > STEADY)
         led = rod_lead.led_of(rod_lead.either(flags.second, flags.oval), flags.curled, numbers)
         scheme = Scheme(
-            numbers[MOVED], flags.second, touched, moved or rod_start.jolted(state, strand, flags.crowded),
+            numbers[MOVED], flags.second, touched, rod_start.disturbs(state, strand, flags.crowded, touched, numbers),
             flags.crowded, contact.duration, led, flags.curled, Ends(flags.held, flags.loose, flags.curled), flags.oval,
         )  # fmt: skip
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
@@ -257,15 +254,53 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
             rod_curl.set_rest(scratch, at, state, material, forcing, scheme)
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         rod_start.give_way(scratch)
-        worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations)
+        store(scratch, IMPACT, 0.0)
+        worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations, False)
+        met = contact
+        if flags.solids:
+            worst, pressed, near = find_contact(
+                scratch, at, state, material, forcing, scheme, contact, iterations, worst
+            )
+            scheme, met = pressed_by(scheme, pressed), nearby(contact, near)
         # | |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both
         residual = worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst)))
         store(state.residuals, strand, residual)
-        if touched:
-            rod.begin_mobility(scratch, n, at.edge, material.mass, state.push)
         if flags.loose is not None:
             rod_loose.find_shift(scratch, n, material.mass)
-        rod_sweep.sweep(scratch, at, next_pack, state, material, numbers, scheme, contact)
+        rod_sweep.sweep(scratch, at, next_pack, state, material, numbers, scheme, met)
+
+
+@inlined
+def pressed_by(scheme, pressed):
+    """A `Scheme` with ``pressed``."""
+    return Scheme(
+        scheme.share, scheme.second, pressed, scheme.mixed, scheme.crowded, scheme.duration, scheme.led,
+        scheme.curled, scheme.ends, scheme.oval,
+    )  # fmt: skip
+
+
+@inlined
+def nearby(contact, near):
+    """A `Contact` whose solids are there where they are ``near``."""
+    return Contact(contact.solids, near, contact.segments, contact.duration, contact.friction, contact.rounding)
+
+
+@device
+def find_contact(s, at, state, material, forcing, scheme, contact, iterations, worst):
+    """Find the forces of contact of a step after its iterations, and go on with these. Returns the greatest
+    | |e|² − 1 | of each lane, which was ``worst``, whether solids press some strand, and whether some are near."""
+    length, pressed = load(material.lengths, at.strand), scheme.pressed
+    contact_forces.begin(s, at, state.push, pressed)
+    for count in range(MOST_CONTACT_ROUNDS):
+        acted, near, deep = contact_forces.search(s, at, length, state, contact)
+        pressed = pressed or acted
+        if not acted or (count >= CONTACT_ROUNDS and not deep):
+            break
+        rod.begin_mobility(s, at.segments, at.edge, material.mass, state.push)
+        if not contact_forces.update(s, at, length, state, contact):
+            break
+        worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
+    return worst, pressed, near
 
 
 @device

@@ -18,11 +18,12 @@ from ...simd import (
     store3,
     where,
 )
-from . import rod, rod_loose, rod_start, rod_touching
-from .contact import resolve_contact
-from .records import LASTING, ROUNDING, Segment
+from . import contact_forces, rod, rod_loose, rod_spin, rod_start
+from .contact import keep_out
+from .records import ROUNDING, Segment
 from .rod_scratch import (
     AXES,
+    CONTACT_FORCE,
     CORRECTION,
     CROWD_CHANGE,
     DEGENERATE,
@@ -73,12 +74,13 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
     store3(positions, at.position, W, px - no_fma(length * ex), py - no_fma(length * ey), pz - no_fma(length * ez))
     store3(s, CORRECTION, 1, 0.0, 0.0, 0.0)
     store(s, DEGENERATE, 0.0)
-    rod_touching.begin(s)
+    spun = False
+    if scheme.second and scheme.share > 0:
+        spun = rod_spin.find(s, at, state, scheme)
     if scheme.ends.loose is not None:
-        px, py, pz = move_root(s, at, state, length, (px, py, pz), scheme)
+        px, py, pz = move_root(s, at, state, length, (px, py, pz), scheme, spun)
     least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
     rate = 1.0 / load(s, SQUARE)
-    y0 = z0 = broadcast(s, 0.0)
     degenerate, fetched, ahead = False, next_pack * PACK + strand % PACK, 0
     if n > LONG:
         fetched, ahead = strand, AHEAD
@@ -95,10 +97,9 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         # the next step does not begin with compression that made H indefinite
         t = max(tension_of(s, n, j, scheme.curled), least)
         store(state.tension, at.tension + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
-        if scheme.pressed:
-            y0, z0 = rod.finish_mobility(s, o, y0, z0)
         if contact.any_solids:
-            resolve_contact(s, Segment(o, row, here, length, j == 0), (px, py, pz), state, contact, scheme.pressed)
+            keep_out(s, Segment(o, row, here, length, j == 0), (px, py, pz), state.positions, contact)
+            contact_forces.keep(s, at, j, state.push)
         x, y, z = correction(s, scheme.ends)
         ax, ay, az = load3(s, o + DISPLACEMENT, 1)
         store3(s, o + DISPLACEMENT, 1, ax + x, ay + y, az + z)
@@ -111,11 +112,11 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         pz += length * z
         store3(positions, here, W, px, py, pz)
         if scheme.second:
-            update_velocity(s, o, row, length, state, scheme)
+            update_velocity(s, o, row, length, state, scheme, spun)
         else:
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
-        rod_touching.keep(s, at, state.touching, contact.duration, scheme.curled, numbers[LASTING] > 0)
+        store(state.touching, at.strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), 0.0))
 
 
 @inlined
@@ -139,7 +140,7 @@ def correction(s, ends):
 
 
 @device
-def move_root(s, at, state, length, place, scheme):
+def move_root(s, at, state, length, place, scheme, spun):
     """Move a free root from its place: set its velocity, store where it is, and return that."""
     o, row, body = rod_loose.ROOT, rod_loose.row_of(at), rod_loose.body_of(state)
     x, y, z = rod_start.predict(s, row, body, scheme)
@@ -148,7 +149,7 @@ def move_root(s, at, state, length, place, scheme):
     x, y, z = x - dx - u, y - dy - v, z - dz - w
     store3(s, o + DISPLACEMENT, 1, x, y, z)
     if scheme.second:
-        update_velocity(s, o, row, length, body, scheme)
+        update_velocity(s, o, row, length, body, scheme, spun)
     else:
         set_velocity(s, o, row, length, body)
     x, y, z = place[0] + length * x, place[1] + length * y, place[2] + length * z
@@ -256,14 +257,17 @@ def set_velocity(s, o, row, length, state):
 
 
 @device
-def update_velocity(s, o, row, length, state, scheme):
+def update_velocity(s, o, row, length, state, scheme, spun):
     """Set the velocity that led to the displacement by BDF2, (u − (x_n − x_{n−1}) / 3) / h, and that which the next
     step goes on with. After an `IMPACT` BDF2 starts anew from u alone: it would extrapolate the jump of
-    velocity, and strands bounce. After a step of Euler's method it takes the acceleration to have been the same."""
+    velocity, and strands bounce. After a step of Euler's method it takes the acceleration to have been the same. Where
+    strands have ``spun``, of the displacement only what is across the strand goes on."""
     inverse_step = load(s, INVERSE_STEP)
     share = load(s, MOVED_SHARE)
     rate = 1 / scheme.duration
     impact = load(s, IMPACT) > 0.0
+    if spun:
+        rod_spin.turn(s, o)
     for c in range(3):
         u = length * load(s, o + DISPLACEMENT + c)
         p = row + c * PACK

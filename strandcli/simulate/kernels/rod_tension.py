@@ -54,12 +54,12 @@ FORCE = 4
 
 def scratch_size(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
-    return vectors_for(n) + n * (GAIN + FORCE)
+    return vectors_for(n) + n * (GAIN + FORCE + 1)
 
 
 @inlined
 def particle_gain(n, j):
-    """Place of the gain of the particle after segment j. They lie apart, since nothing else reads them."""
+    """Place of the gain of the particle after segment j. They lie apart, since hardly anything else reads them."""
     return FIRST_SEGMENT + (n + 2) * SEGMENT + j * GAIN
 
 
@@ -68,6 +68,12 @@ def firm_force(n, j):
     """Place of the force on edge j (3) that keeps it where motion leads it, in the units of τ, and of its size, by
     which τ is the greater in a step; of strands that are not curled nothing reads them."""
     return FIRST_SEGMENT + (n + 2) * SEGMENT + n * GAIN + j * FORCE
+
+
+@inlined
+def lasting_share(n, j):
+    """Place of the share of the force of contact on the particle after segment j that is no impact's, and lasts."""
+    return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE) + j
 
 
 @device

@@ -1,4 +1,4 @@
-"""Strands that lean on solids swing as free ones do, and which of them take a step by Euler's method."""
+"""Strands that lean on solids swing as free ones do."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from strand_kit import scene_of
 from strandcli.groom.emit import emit
-from strandcli.simulate.kernels.records import STEADY
-from strandcli.simulate.kernels.rod_touching import CALM, CHANGE, SLIGHT, SLIGHT_OF_CURLS
 from strandcli.simulate.rod import RodSolver
 
 Floats = NDArray[np.float64]
@@ -52,39 +50,9 @@ def swings(rate: int, seconds: int) -> Floats:
     return np.ptp(np.array(found).reshape(seconds, rate), axis=1) / 2
 
 
-@pytest.mark.parametrize(("rate", "kept"), [(24, 0.42), (48, 0.85), (96, 0.95)])
+@pytest.mark.parametrize(("rate", "kept"), [(24, 0.97), (48, 0.97), (96, 0.97)])
 def test_what_hangs_over_a_pole_keeps_its_swing(rate: int, kept: float) -> None:
     """In four seconds, some five cycles; by Euler's method .08, .28 and .52 of it are left. Nor does the swing grow."""
     found = swings(rate, 4)
-    assert kept < found[3] / found[0] < 1.05
+    assert kept < found[3] / found[0] < 1.02
     assert 0.035 < found[0] < 0.05
-
-
-@pytest.mark.parametrize("rest", ["rest: straight, friction: 0.2", "rest: shape, friction: 0.2"])
-def test_strands_are_marked_by_how_forces_of_contact_change(rest: str) -> None:
-    """Against NumPy, at each step of strands that fall on a pole and swing."""
-    curled = "shape" in rest
-    curl = ", curl_turns: 2, curl_angle: 30" if curled else ""
-    solver = over_a_pole(60, f"precision: double, {rest}", f"{curl}, jitter: 20", strands=24)
-    state, dt, seen = solver.state, 1 / 60, set()
-    for i in range(90):
-        push, mark = state.push.copy(), state.touching.copy()
-        before = rows(solver, -1) - rows(solver, 1)
-        solver.step((i + 1) * dt, dt)
-        way = np.linalg.norm(rows(solver, -1) - rows(solver, 1) - before, axis=1)
-        shape = len(push), -1, push.shape[2] // 3
-
-        def total(values: Floats, shape: tuple[int, int, int] = shape) -> Floats:
-            return np.abs(values).reshape(shape).sum(1).reshape(-1)[: solver.strands]
-
-        force, change = total(state.push), total(state.push - push)
-        past, now = (one.reshape(-1)[: solver.strands] for one in (mark, state.touching))
-        after = np.maximum(past - CALM, 0) if curled else np.zeros_like(past)
-        after = np.where(force > 0, np.maximum(after, STEADY), after)
-        little = (SLIGHT_OF_CURLS if curled else SLIGHT) * push.shape[1] * way
-        much = (change > CHANGE * force) | ((force > 0) & (dt**2 * change >= little))
-        np.testing.assert_allclose(now, np.where(much, 1, after), atol=1e-6, err_msg=str(i))
-        seen |= set(now[now <= STEADY])
-        if (now == 1).any():
-            seen.add(1.0)
-    assert {0.0, STEADY, 1.0} <= seen

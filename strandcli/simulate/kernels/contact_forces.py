@@ -1,0 +1,243 @@
+"""Forces of contact between rods and solids, found within a step, in rounds.
+
+Each round searches for the depths of all particles, updates the forces on them, and has Newton's iterations go on. A
+force is the multiplier of an augmented Lagrangian (Nocedal & Wright 2006, §17.3): a particle at depth δ, with the
+multiplier λ so far, gets
+
+    λ' = max(0, λ + w δ),  at the surface if λ' > 0, released from λ if not,
+
+and in the tangent plane the same with the sliding distance, at most μ λ' (Coulomb's law). Both are displacements,
+forces times h²; w is the ratio of the effective mass of all that such forces on the strand move to the particle's: with
+H of the iterations and χ = 1 at particles with forces, 1 / w = H⁻¹ M χ. That bounds the row sums of the response to the
+forces, so all are updated at once without overshoot. The next step begins with the forces of this one, as accelerations
+of particles, less what has stopped an impact. At rest δ = 0, and the force is the same at each step. What depth is left
+after the last round is for `contact`, which turns edges out of solids.
+"""
+
+from __future__ import annotations
+
+from ...constants import W
+from ...jit import device, inlined
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from .contact import CLEAR, slack_of
+from .contact_circle import contact_circle
+from .contact_place import CARRIED, CENTRE, ROUND, SIZE
+from .contact_shapes import TINY, edges_of, nearest
+from .records import Segment
+from .rod import finish_mobility
+from .rod_scratch import (
+    ACCELERATION_SCALE,
+    AXES,
+    CONTACT_FORCE,
+    EDGE,
+    FIRST_SEGMENT,
+    IMPACT,
+    INERTIAL,
+    INVERSE_LENGTH,
+    LOAD,
+    MOBILITY,
+    PACK,
+    REACH,
+    SEGMENT,
+)
+from .rod_tension import lasting_share, particle_gain
+from .vectors import add_scaled, dot, scaled, select
+
+ROW = 3 * W
+"""Numbers of a row of positions."""
+CLOSE = 5e-4
+"""Change of all forces on a strand in a round, as a share of these, with which they count as found, both weighed by how
+far they move particles."""
+DEEP = 0.01
+"""Depth, as a share of an edge, that rounds go on with for longer: an edge that is turned by as much is a kink."""
+FAINT = 1e-20
+"""Acceleration, m/s², that marks a particle without a force as one that contact acts on."""
+LEAST_MOBILITY = 1e-6
+"""Lower bound of a particle's mobility as a share of its own."""
+STEEP = 0.01
+"""Least sine, squared, of the angle between an edge and a surface by which its sliding is found."""
+UNKNOWN = -1.0
+"""`lasting_share` of a particle that nothing has pressed so far."""
+NORMAL = LOAD
+"""(3) In a round: the normal of the solid that a particle is in, zero where it is in none."""
+
+
+@device
+def begin(s, at, push, pressed):
+    """Begin a step: all forces that there are last. ``pressed``: whether some strand of the vector has any."""
+    store(s, IMPACT, 0.0)
+    store(s, CONTACT_FORCE, 0.0)
+    for j in range(at.segments):
+        share = broadcast(s, UNKNOWN)
+        if pressed:
+            share = where(size_of(load3(push, at.edge + j * AXES, PACK)) > 0.0, 1.0, share)
+        store(s, lasting_share(at.segments, j), share)
+
+
+@inlined
+def size_of(vector):
+    """The sum of the absolute coordinates."""
+    return abs(vector[0]) + abs(vector[1]) + abs(vector[2])
+
+
+@device
+def search(s, at, length, state, contact):
+    """Find where particles are in solids or leave them: set their `NORMAL` and, in place of their gain, the
+    displacement by which contact should move them. Those without a force yet get a `FAINT` one. Returns whether there
+    are any in the vector, whether some are nearer to a solid than `CLEAR`, and whether some are `DEEP` in one.
+
+    Particles are where the last sweep of the step will see them, with edges of exact length.
+    """
+    reach = load(s, REACH)
+    margin = CLEAR * length
+    q = load3(state.positions, at.position + ROW, W)
+    left = broadcast(s, 0.0), broadcast(s, 0.0), broadcast(s, 0.0)
+    acted, near, deep = False, False, False
+    for j in range(at.segments):
+        o = FIRST_SEGMENT + j * SEGMENT
+        segment = Segment(o, at.edge + j * AXES, at.position + (j + 2) * ROW, length, j == 0)
+        e = add_scaled(load3(s, o + EDGE, 1), -1.0, left)
+        d = scaled(1.0 / sqrt(max(dot(e, e), TINY)), e)
+        end = add_scaled(q, length, d)
+        held = reach * size_of(load3(state.push, segment.row, PACK))
+        within = max(held, margin)
+        edges = edges_of(s, o, d, length, contact.segments, segment.first)
+        depth, found = nearest(s, end, edges, (state.positions, segment.position, True), within, contact.solids)
+        close = depth > -within
+        if any_lane(close | (held > 0.0)):
+            near = True
+            inside = close & ((depth > slack_of(length, q, contact)) | (held > 0.0))
+            if any_lane(inside | (held > 0.0)):
+                acted = True
+                deep = deep or any_lane(depth > DEEP * length)
+                d = set_wanted(s, at, segment, found, (q, d, end), depth, inside, state, contact)
+        left = add_scaled(d, -1.0, e)
+        q = add_scaled(q, length, d)
+    return acted, near, deep
+
+
+@inlined
+def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
+    """Set what `search` finds of the particle of a segment, in the lanes in which it is ``inside`` the solid in slot
+    ``found``, and nothing in others. ``place``: where the edge begins, its direction, and where it ends. Returns the
+    direction, turned in lanes where no edge from there can end at the surface: its depth is no force's."""
+    q, d, end = place
+    j = (segment.scratch - FIRST_SEGMENT) // SEGMENT
+    n = normal_at(s, found, end, depth)
+    axis, _, share, square = contact_circle(s, found, q, load(s, INVERSE_LENGTH))
+    able = inside & (square > 0.0)
+    way = slide(s, found, end, d, n, depth)
+    wanted = add_scaled(scaled(depth + dot(way, n), n), -1.0, way)
+    zero = broadcast(depth, 0.0)
+    for c in range(3):
+        store(s, segment.scratch + NORMAL + c, where(able, n[c], zero))
+        store(s, particle_gain(at.segments, j) + c, where(able, wanted[c], zero))
+    lasting = load(s, lasting_share(at.segments, j))
+    new = able & (lasting < 0.0)
+    if any_lane(new):
+        resting = resting_depth(s, found, segment, state, n, depth, contact.duration)
+        store(s, lasting_share(at.segments, j), where(new, resting / max(depth, TINY), lasting))
+        store(s, IMPACT, where(new, broadcast(depth, 1.0), load(s, IMPACT)))
+    push = load3(state.push, segment.row, PACK)
+    bare = able & ~(size_of(push) > 0.0)
+    if any_lane(bare):
+        for c in range(3):
+            store(state.push, segment.row + c * PACK, where(bare, FAINT * n[c], push[c]))
+    stuck = inside & (depth > 0.0) & (square <= 0.0)
+    return select(stuck, scaled(share, axis), d)
+
+
+@device
+def update(s, at, length, state, contact):
+    """Update forces by what `search` has found, with the mobilities that `rod.begin_mobility` has begun, and take what
+    they change from the inertial residuals. Returns whether the forces on some strand are not found yet."""
+    reach, push = load(s, REACH), state.push
+    total = changed = broadcast(s, 0.0)
+    y = z = total
+    for j in range(at.segments):
+        o = FIRST_SEGMENT + j * SEGMENT
+        row = at.edge + j * AXES
+        y, z = finish_mobility(s, o, y, z)
+        past = load3(push, row, PACK)
+        acted = size_of(past) > 0.0
+        if any_lane(acted):
+            mobility = load(s, o + MOBILITY)
+            mobility = where(acted & (mobility > 0.0), min(max(mobility, LEAST_MOBILITY), 1.0), 1.0)
+            f = reach * mobility
+            force = in_cone(
+                scaled(f, past),
+                load3(s, o + NORMAL, 1),
+                load3(s, particle_gain(at.segments, j), 1),
+                contact.friction,
+            )
+            now = scaled(where(acted, 1.0 / f, 0.0), force)
+            change = add_scaled(now, -1.0, past)
+            store3(push, row, PACK, now[0], now[1], now[2])
+            x, v, w = add_scaled(load3(s, o + INERTIAL, 1), load(s, ACCELERATION_SCALE), change)
+            store3(s, o + INERTIAL, 1, x, v, w)
+            total += f * size_of(now)
+            changed += f * size_of(change)
+    slack = slack_of(length, load3(state.positions, at.position + ROW, W), contact)
+    return any_lane(changed > max(CLOSE * total, slack))
+
+
+@inlined
+def in_cone(held, n, wanted, friction):
+    """The displacement by a force, ``held`` and what is ``wanted`` besides, that pulls at nothing and keeps to
+    Coulomb's law; n: normal, or zero where there is no contact, and then no force."""
+    along, more = max(dot(held, n), 0.0), dot(wanted, n)
+    pressed = max(along + more, 0.0)
+    x = add_scaled(add_scaled(held, 1.0, wanted), -(dot(held, n) + more), n)
+    f = min(sqrt(friction * friction * pressed * pressed / max(dot(x, x), TINY)), 1.0)
+    f = where(dot(n, n) > 0.5, f, 0.0)
+    return add_scaled(scaled(f, x), pressed, n)
+
+
+@inlined
+def keep(s, at, j, push):
+    """Leave of the force on the particle of segment j what lasts."""
+    share = load(s, lasting_share(at.segments, j))
+    row = at.edge + j * AXES
+    force = load3(push, row, PACK)
+    if any_lane(share < 1.0):
+        force = scaled(max(share, 0.0), force)
+        store3(push, row, PACK, force[0], force[1], force[2])
+    store(s, CONTACT_FORCE, load(s, CONTACT_FORCE) + size_of(force))
+
+
+@inlined
+def normal_at(s, found, end, depth):
+    """Return the unit normal of the solid in slot ``found`` at a particle ``depth`` below its surface."""
+    round = load(s, found + ROUND) > 0.0
+    centre = load3(s, found + CENTRE, 1)
+    x, y, z = end[0] - centre[0], end[1] - centre[1], end[2] - centre[2]
+    away = load(s, found + SIZE) - depth
+    deep = round & (depth > away)
+    if any_lane(deep):  # near the centre, the radius less the depth cancels
+        away = where(deep, sqrt(x * x + y * y + z * z), away)
+    away = 1.0 / max(away, TINY)
+    return (
+        where(round, away * x, centre[0]), where(round, away * y, centre[1]), where(round, away * z, centre[2]),
+    )  # fmt: skip
+
+
+@inlined
+def slide(s, found, end, d, n, depth):
+    """Return the vector by which a particle slides on the solid in slot ``found`` in this step: from its position moved
+    with the solid to the point where the edge, rotated, ends at the surface."""
+    f = dot(d, n)
+    turned = f * (depth / max(1.0 - f * f, STEEP))
+    carried = load3(s, found + CARRIED, 1)
+    return add_scaled((end[0] - carried[0], end[1] - carried[1], end[2] - carried[2]), -turned, d)
+
+
+@inlined
+def resting_depth(s, found, segment, state, n, depth, duration):
+    """Return the part of the depth of a particle in new contact that its velocity before the step does not account for;
+    the rest is an impact and gives no lasting force."""
+    v = load3(state.velocity, segment.row, PACK)
+    before = load3(state.positions, segment.position, W)
+    carried = load3(s, found + CARRIED, 1)
+    way = carried[0] - before[0], carried[1] - before[1], carried[2] - before[2]
+    fall = dot(n, way) - duration * dot(n, v)
+    return max(depth - max(fall, 0.0), 0.0)

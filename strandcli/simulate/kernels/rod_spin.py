@@ -1,0 +1,61 @@
+"""Strands that turn about their root by a radian or more in a step, as short ones with hinged roots may.
+
+BDF2 takes the chord of the turn for the way that a particle goes on, and extrapolates velocities that have turned: it
+would keep such a strand turning for ever, against all drag, or throw it to and fro. There it starts anew, with what of
+the motion is across the strand at the end of the step.
+"""
+
+from __future__ import annotations
+
+from ...jit import device, inlined
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from . import rod_loose, rod_start
+from .rod_scratch import (
+    AXES,
+    DISPLACEMENT,
+    EDGE,
+    FIRST_SEGMENT,
+    IMPACT,
+    INERTIAL,
+    INVERSE_LENGTH,
+    ROOT_SHIFT,
+    SEGMENT,
+    SPIN_AXIS,
+)
+from .rod_tension import TINY
+from .vectors import add_scaled, dot, scaled, sum_of
+
+SPIN = 1.0
+"""Chord, over a strand's length, of a turn in a step from which on BDF2 starts anew."""
+
+
+@device
+def find(s, at, state, scheme):
+    """Set `SPIN_AXIS`, and `IMPACT` too, in the lanes whose strands have spun; returns whether there are any."""
+    n = at.segments
+    tip = rod_start.predict(s, at.edge + (n - 1) * AXES, state, scheme)
+    way = add_scaled(tip, -1.0, load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + INERTIAL, 1))
+    if scheme.ends.loose is not None:
+        root = rod_start.predict(s, rod_loose.row_of(at), rod_loose.body_of(state), scheme)
+        root = add_scaled(root, -1.0, load3(s, rod_loose.ROOT + INERTIAL, 1))
+    else:
+        root = scaled(load(s, INVERSE_LENGTH), load3(s, ROOT_SHIFT, 1))
+    way = add_scaled(way, -1.0, root)
+    spun = dot(way, way) > (SPIN * n) ** 2
+    if not any_lane(spun):
+        return False
+    axis = load3(s, FIRST_SEGMENT + EDGE, 1)
+    for j in range(1, n):
+        axis = sum_of(axis, load3(s, FIRST_SEGMENT + j * SEGMENT + EDGE, 1))
+    f = where(spun, 1.0 / sqrt(max(dot(axis, axis), TINY)), 0.0)
+    store3(s, SPIN_AXIS, 1, f * axis[0], f * axis[1], f * axis[2])
+    store(s, IMPACT, where(spun, broadcast(f, 1.0), load(s, IMPACT)))
+    return True
+
+
+@inlined
+def turn(s, o):
+    """Leave of the displacement of the particle at place o what is across `SPIN_AXIS`."""
+    u, axis = load3(s, o + DISPLACEMENT, 1), load3(s, SPIN_AXIS, 1)
+    u = add_scaled(u, -dot(u, axis), axis)
+    store3(s, o + DISPLACEMENT, 1, u[0], u[1], u[2])
