@@ -13,6 +13,7 @@ from numba.core.registry import cpu_target
 from strandcli.constants import VECTOR
 from strandcli.simd import (  # fmt: skip
     any_lane,
+    bits_of_places,
     broadcast,
     count_true,
     floor,
@@ -167,6 +168,21 @@ def copied(given, out):
     """Four whole numbers."""
     store(quadruple_pointer(out), 4, load(quadruple_pointer(given), 1))
     return lane_count(quadruple_pointer(out))
+
+
+@njit
+def placed(given, out):
+    """Places of two rows of numbers, each beside the other."""
+    rows = pointer(given)
+    store(pointer(out), 0, bits_of_places(1 << 28, load(rows, 0), 1000, load(rows, lane_count(rows))))
+
+
+def test_places_have_all_bits_of_whole_numbers() -> None:
+    lanes = VECTOR // 4
+    rows, columns = np.arange(lanes) * 7 + 2**20, np.arange(lanes)[::-1] - 3
+    out = np.empty(lanes, np.float32)
+    placed(np.concatenate([rows, columns]).astype(np.float32), out)
+    np.testing.assert_array_equal(out.view(np.int32), (1 << 28) + 1000 * rows + columns)
 
 
 def test_four_whole_numbers_are_a_vector() -> None:
