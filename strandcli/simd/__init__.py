@@ -35,6 +35,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     movemask(x < y)                  in which, as bits of a number, the first the lowest
     count_true(x < y)                in how many
     reduce_max(x), broadcast(x, 2.0)
+    bits_of_places(o, x, stride, y)  the whole numbers o + stride * x + y, to be stored
     lane(x, k), with_lane(x, k, 2.0) the number in one lane, and the vector with another one there: slow
     no_fma(x * y) + z                rounds the product, where it would be fused
     prefetch3(rows, o, stride)       has the processor fetch what `load3` is going to read; any address is allowed
@@ -54,6 +55,7 @@ from __future__ import annotations
 from .arithmetic import has_fma
 from .lanes import (
     any_lane,
+    bits_of_places,
     broadcast,
     count_true,
     floor,
@@ -101,6 +103,7 @@ from .records import (
 __all__ = [
     "any_lane",
     "array_at",
+    "bits_of_places",
     "broadcast",
     "count_true",
     "deinterleave",

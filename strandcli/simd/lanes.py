@@ -156,3 +156,28 @@ def with_lane(typingctx: Any, x: Any, k: Any, number: Any) -> Any:
         return builder.insert_element(args[0], one, args[1])
 
     return x(x, k, number), emit
+
+
+@intrinsic
+def bits_of_places(typingctx: Any, begin: Any, x: Any, stride: Any, y: Any) -> Any:
+    """The bits of the whole numbers begin + stride * x + y, of 32 bits, as a vector in single precision that may be
+    stored and no more; x and y: vectors of whole numbers."""
+    vectors = isinstance(x, VectorType) and isinstance(y, VectorType) and x.dtype.bitwidth == SINGLE
+    if not (vectors and isinstance(begin, types.Integer) and isinstance(stride, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        count = args[1].type.count
+        whole = ir.VectorType(ir.IntType(SINGLE), count)
+        none, same = ir.Constant(whole, ir.Undefined), ir.Constant(whole, None)
+
+        def spread(k: int) -> Any:
+            number = context.cast(builder, args[k], sig.args[k], types.int32)
+            first = builder.insert_element(none, number, ir.Constant(ir.IntType(SINGLE), 0))
+            return builder.shuffle_vector(first, none, same)
+
+        product = builder.mul(builder.fptosi(args[1], whole), spread(2))
+        places = builder.add(builder.add(product, builder.fptosi(args[3], whole)), spread(0))
+        return builder.bitcast(places, args[1].type)
+
+    return x(begin, x, stride, y), emit

@@ -18,7 +18,8 @@ def motion_at_rest(rod: str, length: float, solids: str = "", seconds: int = 16,
     rules, rate = "[gravity, collision]" if solids else "[gravity]", 24
     scene = scene_of(
         f"solver: rod\nrod: {{radius: 1.0e-4, drag: 5, damping: 0.01, {rod}}}\ntime: {{fps: {rate}}}\n"
-        f"emitter: {{shape: {{kind: disc, radius: 0.03}}, strands: 100, particles: 12, length: {length}, jitter: 20{more}}}\n"
+        f"emitter: {{shape: {{kind: disc, radius: 0.03}}, strands: 100, particles: 12, length: {length}, "
+        f"jitter: 20{more}}}\n"
         f"rules: {rules}\nsolids: [{solids}]\n"
     )
     solver = RodSolver(scene, emit(scene.emitter, scene.seed))

@@ -29,7 +29,8 @@ from .kernels.map_parts import PartsInMap
 from .kernels.shadow_arrays import ShadowArrays
 from .map_extents import allocate_extents, spread_extents
 from .shadow_model import casts_map, model_of
-from .strands_in_map import NO_EXTENTS, parts_in_map, project, simplified, view_numbers
+from .shares import share_of, shares_of
+from .strands_in_map import NO_EXTENTS, Drawn, parts_in_map, project, simplified, view_numbers
 
 TEXEL = 1.5
 """Side of an opacity map's texel, in strand spacings."""
@@ -82,6 +83,10 @@ class ShadowMaps:
     """From `tables_of_cells`, once all opacity maps are divided."""
     chances: NDArray[np.float32] | None = None
     """(strands,) from `chances_of`, to leave out most strands deep in shadow; None: none are."""
+    shares: list[float] = field(default_factory=list)
+    """Share of the strands that each map has, from `shares_of`; empty: each has all."""
+    heads: dict[int, NDArray[np.float32]] = field(default_factory=dict)
+    """Of each opacity map that is divided, `OpacityMap.heads`."""
     _lengths: list[int] = field(default_factory=list)
     """Numbers of each opacity map that is divided."""
 
@@ -155,7 +160,8 @@ class ShadowMaps:
         likely = (begin + length) * maps // len(self._lengths)
         self.stacks = scratch.extend("stacks", begin + length, np.float32, begin, likely)
         over = np.float32(self.over)
-        opacity_maps.divide(extents, layers, np.float32(texel), over, rows, self.stacks[begin:])
+        self.heads[number] = heads = scratch.borrow(f"map_heads_{number}", (len(extents), 4), np.float32)
+        opacity_maps.divide(extents, layers, np.float32(texel), over, rows, self.stacks[begin:], heads)
 
     def _stack(self, number: int) -> NDArray[np.float32] | None:
         """Return an opacity map, None before it is divided."""
@@ -174,13 +180,15 @@ class ShadowMaps:
     ) -> PartsInMap:
         """Return what polylines from `simplified` draw into an opacity map, valid until the next are requested; widen
         its extents if they are given."""
-        return parts_in_map(lines, self.views[number], int(self.sizes[number]), self.thickness, workers, scratch,
-                            self.chances, self.over, extents)  # fmt: skip
+        drawn = Drawn(lines, self.thickness, self.chances)
+        if self.shares:
+            drawn = share_of(drawn, self.shares[number], scratch)
+        return parts_in_map(drawn, self.views[number], int(self.sizes[number]), workers, scratch, self.over, extents)
 
     def _draw(self, number: int, parts: PartsInMap) -> None:
         """Add parts to the layers of an opacity map."""
         over, layers = np.float32(self.over), self.layers[number]
-        opacity_map = splats.OpacityMap(self.extents[number], over, layers, self._stack(number))
+        opacity_map = splats.OpacityMap(self.heads[number], over, layers, self._stack(number))
         opacity_maps.draw(parts, int(self.sizes[number]), view_numbers(self.views[number]), opacity_map)
 
     def _fill(self, number: int, lines: Polylines, workers: int, scratch: Scratch) -> None:
@@ -210,14 +218,16 @@ def plan_maps(
     """
     views: list[View] = []
     layers: list[int] = []
+    shares: list[float] = []
     owners = []
-    for light in lights:
+    for light, share in zip(lights, shares_of(lights, counted), strict=True):
         before = len(views)
         if casts_map(light, counted):
             count = model_of(light).layers(light.shadow)
             found = _views_of(light, count > 0, bounds, thickness, spacing)
             views += found
             layers += [count] * len(found)
+            shares += [share] * len(found)
         owners.append((before, len(views) - before))
     if not views:
         return None
@@ -226,7 +236,9 @@ def plan_maps(
     begin, texels, extents = allocate_extents(sizes, deep, scratch)
     packed = np.stack([view.pack() for view in views])
     over = 1.0 / max(_fall_length(bounds, thickness, spacing), TINY)
-    return ShadowMaps(views, packed, begin, sizes, texels, owners, None, layers, extents, thickness, over)
+    return ShadowMaps(
+        views, packed, begin, sizes, texels, owners, None, layers, extents, thickness, over, shares=shares
+    )
 
 
 def _views_of(

@@ -63,11 +63,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations, again):
         quadratic = count > 0 and (indefinite or quadratic)
         if count > 0:
             far = quadratic or any_lane(worst > rod.FAR)
-            corrected = again and count == 1
-            if corrected:
-                set_loads(s, n, mass, joint, ends, False)
-            else:
-                corrected = correct(s, n, joint, forcing.numbers, scheme, count)
+            corrected = count == 1 and correct(s, n, mass, joint, forcing.numbers, scheme, again)
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR
@@ -94,13 +90,15 @@ def iterate(s, at, state, material, forcing, scheme, iterations, again):
 
 
 @device
-def correct(s, n, joint, numbers, scheme, count):
-    """Correct rests of oval sections before the first iteration; returns whether there are loads by that."""
+def correct(s, n, mass, joint, numbers, scheme, again):
+    """Before the first iteration, set the loads by other forces, or correct rests of oval sections; returns whether
+    there are loads by that."""
+    if again:
+        set_loads(s, n, mass, joint, scheme.ends, False)
+        return True
     if scheme.oval is None:
         return False
-    if scheme.led and count == 1:
-        return rod_oval.correct(s, n, joint, numbers)
-    return False
+    return scheme.led and rod_oval.correct(s, n, joint, numbers)
 
 
 @device

@@ -28,7 +28,7 @@ from ...simd import (
     vector_pointer_at,
     where,
 )
-from . import contact_forces, rod, rod_curl, rod_held, rod_lead, rod_loose, rod_newton, rod_start, rod_sweep
+from . import rod_contact, rod_curl, rod_held, rod_lead, rod_loose, rod_newton, rod_start, rod_sweep
 from .records import (
     FRICTION,
     MOVED,
@@ -57,9 +57,6 @@ from .work_queue import TASKS, call_beside, take
 SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
 SETTLED = 5
 """Flags that are tested at run time."""
-CONTACT_ROUNDS, MOST_CONTACT_ROUNDS = 4, 24
-"""Rounds in which forces of contact are found, at most, and the same where particles are deep in solids after these, as
-of strands that stand on their tips. What they leave is carried on to the next step."""
 SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, CROWD, CROWD_BYTES, STATE = range(9, 17)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
@@ -258,49 +255,16 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations, False)
         met = contact
         if flags.solids:
-            worst, pressed, near = find_contact(
+            worst, pressed, near = rod_contact.find(
                 scratch, at, state, material, forcing, scheme, contact, iterations, worst
             )
-            scheme, met = pressed_by(scheme, pressed), nearby(contact, near)
+            scheme, met = rod_contact.pressed_by(scheme, pressed), rod_contact.nearby(contact, near)
         # | |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both
         residual = worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst)))
         store(state.residuals, strand, residual)
         if flags.loose is not None:
             rod_loose.find_shift(scratch, n, material.mass)
         rod_sweep.sweep(scratch, at, next_pack, state, material, numbers, scheme, met)
-
-
-@inlined
-def pressed_by(scheme, pressed):
-    """A `Scheme` with ``pressed``."""
-    return Scheme(
-        scheme.share, scheme.second, pressed, scheme.mixed, scheme.crowded, scheme.duration, scheme.led,
-        scheme.curled, scheme.ends, scheme.oval,
-    )  # fmt: skip
-
-
-@inlined
-def nearby(contact, near):
-    """A `Contact` whose solids are there where they are ``near``."""
-    return Contact(contact.solids, near, contact.segments, contact.duration, contact.friction, contact.rounding)
-
-
-@device
-def find_contact(s, at, state, material, forcing, scheme, contact, iterations, worst):
-    """Find the forces of contact of a step after its iterations, and go on with these. Returns the greatest
-    | |e|² − 1 | of each lane, which was ``worst``, whether solids press some strand, and whether some are near."""
-    length, pressed = load(material.lengths, at.strand), scheme.pressed
-    contact_forces.begin(s, at, state.push, pressed)
-    for count in range(MOST_CONTACT_ROUNDS):
-        acted, near, deep = contact_forces.search(s, at, length, state, contact)
-        pressed = pressed or acted
-        if not acted or (count >= CONTACT_ROUNDS and not deep):
-            break
-        rod.begin_mobility(s, at.segments, at.edge, material.mass, state.push)
-        if not contact_forces.update(s, at, length, state, contact):
-            break
-        worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
-    return worst, pressed, near
 
 
 @device

@@ -119,7 +119,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "splats in an opacity map": (
         splats.add,
         (np.ones(splats.ROOM, np.float32), 3, lines.Window(0, 8, 8),
-         splats.OpacityMap(np.ones((16, 2), np.float32), ONE, 5, np.ones(512, np.float32))),
+         splats.OpacityMap(np.ones((16, 4), np.float32), ONE, 5, np.ones(512, np.float32))),
     ),
     "dual angles": (dual.angles, (*[ONE] * 9, 64)),
     "dual lobes": (dual.lobes, (ONE,) * 8),

@@ -201,8 +201,9 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     cell_extents.spread(extents, size // 2, np.float32(0), np.empty(cell_extents.room_of(size // 2), np.float32))
     count = opacity_maps.number_cells(extents, rows)
     stacks = np.empty(opacity.numbers_of(len(rows), count, layers), np.float32)
-    opacity_maps.divide(extents, layers, np.float32(1e-3), np.float32(1), rows, stacks)
-    opacity_maps.draw(parts, size, seen, splats.OpacityMap(extents, np.float32(1), layers, stacks))
+    heads = np.empty((len(rows), splats.HEAD_NUMBERS), np.float32)
+    opacity_maps.divide(extents, layers, np.float32(1e-3), np.float32(1), rows, stacks, heads)
+    opacity_maps.draw(parts, size, seen, splats.OpacityMap(heads, np.float32(1), layers, stacks))
     texels = stacks[len(rows) :].reshape(-1, opacity.stride_for(layers))[:, opacity.HEAD :].astype(np.float64)
     area = texels.sum() / (size / 2) ** 2  # on a plane a metre away
     length = float(np.linalg.norm(world[-1] - world[0]))

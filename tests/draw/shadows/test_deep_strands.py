@@ -21,10 +21,12 @@ SPACING = 0.04
 STRANDS = 6000
 
 
-def maps_of(lines: Polylines, chances: np.ndarray | None, workers: int = 2) -> ShadowMaps:
+def maps_of(
+    lines: Polylines, chances: np.ndarray | None, workers: int = 2, shares: list[float] | None = None
+) -> ShadowMaps:
     maps = plan_maps((SUN,), BOX, Scratch(), THICK, SPACING)
     assert maps is not None
-    maps.chances = chances
+    maps.chances, maps.shares = chances, shares or []
     maps.build(lines, workers, Scratch())
     return maps
 

@@ -22,7 +22,7 @@ from strandcli.draw.shadows.kernels import opacity
 from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
 from strandcli.draw.shadows.kernels.strand_shadows import count_behind, count_in_front
 from strandcli.draw.shadows.shadow import ShadowMaps, map_arrays, plan_maps
-from strandcli.draw.shadows.strands_in_map import parts_in_map, parts_of, view_numbers
+from strandcli.draw.shadows.strands_in_map import Drawn, parts_in_map, parts_of, view_numbers
 from strandcli.draw.zbuffer.raster import to_screen
 from strandcli.errors import RefusedError
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
@@ -158,7 +158,7 @@ def test_bands_have_about_as_much_to_do() -> None:
     lines = straight(4000, 6)
     lines.world[:, 1] -= 0.5 * (lines.world[:, 1] + 1)  # most lie at one end
     maps = maps_of(SUN, lines)
-    parts = parts_in_map(lines, maps.views[0], int(maps.sizes[0]), WIDE, 3, Scratch())
+    parts = parts_in_map(Drawn(lines, WIDE), maps.views[0], int(maps.sizes[0]), 3, Scratch())
     middle = (parts.order[:, 2] + parts.order[:, 3]) // 2
     shares = np.histogram(middle, parts.borders)[0] / len(middle)
     assert shares.min() > 0.25

@@ -107,7 +107,8 @@ def spread(extents, side, reach, found):
     """Widen the extents of cells by those of the eight about them, at both ends by at most `reach` metres; but empty
     ones have all that these have.
 
-    extents (side², 2): of `OpacityMap`, changed; side: cells along a side; found: memory, of the shape `room_of`.
+    extents (side², 2): nearest and farthest depth, metres, changed; side: cells along a side; found: memory, of the
+    shape `room_of`.
     """
     across = side + 2
     numbers, padded = extents.reshape(-1), found.reshape(-1)

@@ -17,6 +17,8 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 INF = np.float32(np.inf)
 NEXT = np.uint64(1)
+ROW = 2
+"""Column of `OpacityMap.heads`: the number of a cell's row."""
 AHEAD = 12
 """Parts of strands that are fetched before they are drawn."""
 LINE = 16
@@ -105,8 +107,8 @@ def draw_segments(work, n, count, window, view, opacity_map):
 def number_cells(extents, rows):
     """Number the cells that contain strands from 1 on; return how many there are.
 
-    extents (cells, 2): of `OpacityMap`; rows (cells,) out: the numbers, 0 for empty cells. float32 represents every
-    integer up to the greatest number of cells.
+    extents (cells, 2): `NEAREST` and `FARTHEST` depth, metres, (inf, −inf) in empty cells; rows (cells,) out: the
+    numbers, 0 for empty cells. float32 represents every integer up to the greatest number of cells.
     """
     count = np.int64(0)
     for cell in range(extents.shape[0]):
@@ -117,11 +119,12 @@ def number_cells(extents, rows):
 
 
 @parallel
-def divide(extents, layers, least, over, rows, stacks):
-    """Initialise the rows of all cells with empty layers, and replace the extents by the heads of these rows.
+def divide(extents, layers, least, over, rows, stacks, heads):
+    """Initialise the rows of all cells with empty layers, and replace the extents by `START` and `SCALE` of these rows,
+    0 in empty cells.
 
     extents (cells, 2): metres, at least `least` metres apart; over: 1 / h, 1/m; rows (cells,): from `number_cells`;
-    stacks (`opacity.numbers_of`,) out.
+    stacks (`opacity.numbers_of`,) out; heads (cells, 4) out: of `OpacityMap`.
     """
     stride = HEAD + TEXELS * (layers + 1)
     cells = extents.shape[0]
@@ -140,6 +143,8 @@ def divide(extents, layers, least, over, rows, stacks):
                 stacks[k] = ZERO
             stacks[begin + np.uint64(START)] = extents[cell, START]
             stacks[begin + np.uint64(SCALE)] = extents[cell, SCALE]
+        heads[cell, START], heads[cell, SCALE] = extents[cell, START], extents[cell, SCALE]
+        heads[cell, ROW] = rows[cell]
 
 
 @parallel

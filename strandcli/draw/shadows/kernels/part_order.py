@@ -13,8 +13,8 @@ def sort(found, places, costs, begin, loads, order, borders):
     """Write the parts that are there in their order, and borders of bands with about the same cost; return how many
     parts there are.
 
-    found, places, costs: from `thin`; begin (tiles + 1,) int64 and loads (rows,) float64: changed; order (R, 4),
-    borders (threads + 1,) out: of `PartsInMap`.
+    found, places, costs: from `part_vertices.thin`, the last without rows where there is one band; begin (tiles + 1,)
+    int64 and loads (rows,) float64: changed; order (R, 4), borders (threads + 1,) out: of `PartsInMap`.
     """
     begin[:] = 0
     loads[:] = 0.0
@@ -22,8 +22,9 @@ def sort(found, places, costs, begin, loads, order, borders):
     for part in range(found.shape[0]):
         if found[part, COUNT] > 0:
             begin[np.int64(places[part]) + 1] += 1
-            loads[(found[part, TOP] + found[part, BOTTOM]) >> 1] += costs[part]
-            whole += costs[part]
+            if costs.shape[0] > 0:
+                loads[(found[part, TOP] + found[part, BOTTOM]) >> 1] += costs[part]
+                whole += costs[part]
     for tile in range(1, begin.shape[0]):
         begin[tile] += begin[tile - 1]
     for part in range(found.shape[0]):

@@ -134,9 +134,9 @@ def write_word(world, along, low, begin, last, bits, at, out_world, out_along):
     """Write the vertices of a word, from number `low` on, whose bits are set, from place `at` on; begin, last: first
     and last vertex of the strand; else as in `write`."""
     per = np.float32(1.0) / np.float32(max(last - begin, 1))
-    for v in range(max(begin, low), min(last, low + WORD - 1) + 1):
-        if (bits >> np.uint64(v - low)) & ONE:
-            place = np.uint64(v)
-            out_world[at, 0], out_world[at, 1], out_world[at, 2] = world[place, 0], world[place, 1], world[place, 2]
-            out_along[at] = np.float32(v - begin) * per if along is None else along[place]
-            at += ONE
+    while bits != NONE:  # and not vertex by vertex, of which the processor would have to guess whether they stay
+        place = np.uint64(low) + popcount(bits ^ (bits - ONE)) - ONE
+        bits &= bits - ONE
+        out_world[at, 0], out_world[at, 1], out_world[at, 2] = world[place, 0], world[place, 1], world[place, 2]
+        out_along[at] = np.float32(np.int64(place) - begin) * per if along is None else along[place]
+        at += ONE

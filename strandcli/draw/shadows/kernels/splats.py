@@ -17,7 +17,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, function
-from ....simd import floor, gather, gather2, half_width_pointer, lane_count, load, pointer, prefetch, store, where
+from ....simd import (
+    bits_of_places,
+    floor,
+    gather4,
+    half_width_pointer,
+    lane_count,
+    load,
+    pointer,
+    prefetch,
+    store,
+    where,
+)
 from .map_segments import (
     ACROSS,
     AREA,
@@ -35,7 +46,7 @@ from .map_segments import (
     STEEP,
     STEP,
 )
-from .opacity import HEAD, START, TEXELS
+from .opacity import HEAD, TEXELS
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -43,28 +54,30 @@ ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 OUTSIDE = np.float32(-10.0)
 """Place of a splat that adds nothing."""
+HEAD_NUMBERS = 4
+"""Numbers of a cell in `OpacityMap.heads`."""
 PAIR = 2
 """Texels that a splat adds to."""
 
 # Rows of a batch, one number a splat: place, texels, of which one is whole; depth, metres; area, texels². Then two rows
-# each, one a texel: the row of its cell in the map, 0 where nothing is added; the place in that row; what is added.
+# each, one a texel: what is added, and int32 where.
 U, V, DEEP, SIZE = (OUT + row * BATCH for row in range(4))
-ROW, PLACE, ADDED, AT = (OUT + row * BATCH for row in (4, 6, 8, 10))
-ROOM = OUT + 12 * BATCH
+ADDED, AT = (OUT + row * BATCH for row in (4, 6))
+ROOM = OUT + 8 * BATCH
 """Numbers of a batch with what is kept of segments."""
 
 
 class OpacityMap(NamedTuple):
     """One map under construction."""
 
-    extents: NDArray[np.float32]
-    """(cells, 2) before `divide`: `NEAREST` and `FARTHEST` depth, metres, (inf, −inf) in empty cells; after it:
-    `opacity.START` and `opacity.SCALE`, 0 in empty cells."""
+    heads: NDArray[np.float32]
+    """(cells, 4) `opacity.START` and `opacity.SCALE`, 0 in empty cells, and the number of the cell's row, 0 in these;
+    from `opacity_maps.divide`."""
     over: Any
     """float32: 1 / h, 1/m."""
     layers: int
     stacks: NDArray[np.float32] | None
-    """(`opacity.numbers_of`,) the map itself; None in the pass that finds the extents."""
+    """(`opacity.numbers_of`,) the map itself, None before it is divided."""
 
 
 @device
@@ -124,15 +137,7 @@ def add(work, n, window, opacity_map):
     for k in range(0, n, lane_count(rows)):
         find(rows, k, window, opacity_map)
     stacks, places = opacity_map.stacks, work.view(np.int32)
-    cells = np.int32((window.width >> 1) ** 2)
-    stride = np.int32(HEAD + TEXELS * (opacity_map.layers + 1))
     numbers = pointer(stacks)
-    for texel in range(PAIR):
-        begin = np.uint64(texel * BATCH)
-        for k in range(np.uint64(n)):
-            at = begin + k
-            place = np.int32(work[np.uint64(ROW) + at]) * stride + np.int32(work[np.uint64(PLACE) + at])
-            places[np.uint64(AT) + at] = cells + place
     for k in range(np.uint64(n)):
         prefetch(numbers, np.int64(places[np.uint64(AT) + k]))
         prefetch(numbers, np.int64(places[np.uint64(AT + BATCH) + k]))
@@ -144,7 +149,8 @@ def add(work, n, window, opacity_map):
 @device
 def find(rows, k, window, opacity_map):
     """Write where a vector of splats from number k on adds, and how much."""
-    heads, table = pointer(opacity_map.extents), pointer(opacity_map.stacks)
+    heads = pointer(opacity_map.heads)
+    cells, stride = (window.width >> 1) ** 2, HEAD + TEXELS * (opacity_map.layers + 1)
     top, bottom, size = np.float32(window.top), np.float32(window.bottom), np.float32(window.width)
     u, v, d, area = load(rows, U + k), load(rows, V + k), load(rows, DEEP + k), load(rows, SIZE + k)
     left, up = floor(u), floor(v)
@@ -158,13 +164,13 @@ def find(rows, k, window, opacity_map):
         inside = (row >= top) & (row < bottom) & (column >= ZERO) & (column < size)
         cell_row, cell_column = floor(row * HALF), floor(column * HALF)
         cell = where(inside, cell_row * (size * HALF) + cell_column, ZERO)
-        front, most = gather2(heads, 0, cell, 2, np.float32(START))
+        front, most, number, _ = gather4(heads, 0, cell, HEAD_NUMBERS, ZERO)
         far = max((d - front) * opacity_map.over, ZERO)
         ended = floor(most * (far / (far + ONE)))
         layer = min(ended, np.float32(opacity_map.layers - 1))
         own = TWO * (row - TWO * cell_row) + (column - TWO * cell_column)
         at = texel * BATCH + k
-        number = where(inside, gather(table, 0, cell, 1, ZERO), ZERO)
-        store(rows, ROW + at, number)
-        store(rows, PLACE + at, np.float32(HEAD) + np.float32(TEXELS) * (layer + ONE) + own)
+        number = where(inside, number, ZERO)
+        place = np.float32(HEAD) + np.float32(TEXELS) * (layer + ONE) + own
+        store(rows, AT + at, bits_of_places(cells, number, stride, place))
         store(rows, ADDED + at, where(number > ZERO, part, ZERO))  # row 0 stays empty

@@ -1,0 +1,45 @@
+"""The rounds of a rod's step in which forces of contact with solids are found, and what follows for its end."""
+
+from __future__ import annotations
+
+from ...jit import device, inlined
+from ...simd import load
+from . import contact_forces, rod, rod_newton
+from .records import Contact, Scheme
+
+ROUNDS, MOST_ROUNDS = 4, 24
+"""Rounds in which forces of contact are found, at most, and the same where particles are deep in solids after these, as
+of strands that stand on their tips. What they leave is carried on to the next step."""
+
+
+@inlined
+def pressed_by(scheme, pressed):
+    """A `Scheme` with ``pressed``."""
+    return Scheme(
+        scheme.share, scheme.second, pressed, scheme.mixed, scheme.crowded, scheme.duration, scheme.led,
+        scheme.curled, scheme.ends, scheme.oval,
+    )  # fmt: skip
+
+
+@inlined
+def nearby(contact, near):
+    """A `Contact` whose solids are there where they are ``near``."""
+    return Contact(contact.solids, near, contact.segments, contact.duration, contact.friction, contact.rounding)
+
+
+@device
+def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
+    """Find the forces of contact of a step after its iterations, and go on with these. Returns the greatest
+    | |e|² − 1 | of each lane, which was ``worst``, whether solids press some strand, and whether some are near."""
+    length, pressed = load(material.lengths, at.strand), scheme.pressed
+    contact_forces.begin(s, at, state.push, pressed)
+    for count in range(MOST_ROUNDS):
+        acted, near, deep = contact_forces.search(s, at, length, state, contact)
+        pressed = pressed or acted
+        if not acted or (count >= ROUNDS and not deep):
+            break
+        rod.begin_mobility(s, at.segments, at.edge, material.mass, state.push)
+        if not contact_forces.update(s, at, length, state, contact):
+            break
+        worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
+    return worst, pressed, near
