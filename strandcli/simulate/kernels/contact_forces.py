@@ -148,9 +148,10 @@ def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
 
 
 @device
-def update(s, at, length, state, contact):
+def update(s, at, length, state, contact, gain):
     """Update forces by what `search` has found, with the mobilities that `rod.begin_mobility` has begun, and take what
-    they change from the inertial residuals. Returns whether the forces on some strand are not found yet."""
+    they change from the inertial residuals. ``gain``: factor of what `search` has found. Returns whether the forces on
+    some strand are not found yet."""
     reach, push = load(s, REACH), state.push
     total = changed = broadcast(s, 0.0)
     y = z = total
@@ -167,7 +168,7 @@ def update(s, at, length, state, contact):
             force = in_cone(
                 scaled(f, past),
                 load3(s, o + NORMAL, 1),
-                load3(s, particle_gain(at.segments, j), 1),
+                scaled(gain, load3(s, particle_gain(at.segments, j), 1)),
                 contact.friction,
             )
             now = scaled(where(acted, 1.0 / f, 0.0), force)

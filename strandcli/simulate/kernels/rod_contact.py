@@ -10,6 +10,9 @@ from .records import Contact, Scheme
 ROUNDS, MOST_ROUNDS = 4, 24
 """Rounds in which forces of contact are found, at most, and the same where particles are deep in solids after these, as
 of strands that stand on their tips. What they leave is carried on to the next step."""
+LIVELY, HALF = 2, 0.5
+"""Rounds after which forces change by half of what depths ask for, where whole segments are kept out: one that is in a
+solid is so for both of its particles, and forces might come and go from round to round."""
 
 
 @inlined
@@ -39,7 +42,8 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
         if not acted or (count >= ROUNDS and not deep):
             break
         rod.begin_mobility(s, at.segments, at.edge, material.mass, state.push)
-        if not contact_forces.update(s, at, length, state, contact):
+        gain = HALF if contact.segments and count >= LIVELY else 1.0
+        if not contact_forces.update(s, at, length, state, contact, gain):
             break
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
     return worst, pressed, near
