@@ -29,6 +29,9 @@ SPHERES, CAPSULES, PLANES, BOXES, OTHERS = range(5)
 MOTION, MOTION_SHIFT = 12, 9
 """Columns that follow a packed solid's: the rigid motion of this step, rotation by rows and then translation."""
 
+CHANGED = 2.0
+"""`State.touching` of strands of which other particles than in the step before are pressed."""
+
 
 class State(NamedTuple):
     """What a step changes. Members that a scene does not need have one row, which is not read."""
@@ -48,7 +51,8 @@ class State(NamedTuple):
     push: Any
     """(P, N, 3 S) acceleration of particles by contact with solids, m/s²; needed with these."""
     touching: Any
-    """(P, S) 1 for strands that solids press; needed with solids."""
+    """(P, S) 1 for strands that solids press, `CHANGED` for those that take the next step by Euler's method, as BDF2
+    would go on with forces that have come or gone; needed with solids."""
     twist: Any
     """(P, N, S) twist angles of the frames about their edges, radians; needed by curled strands."""
     crowd: Any

@@ -46,4 +46,6 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
         if not contact_forces.update(s, at, length, state, contact, gain):
             break
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
+    if pressed:
+        contact_forces.mark_released(s, at, state.push)
     return worst, pressed, near

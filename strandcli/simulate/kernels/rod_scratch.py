@@ -54,12 +54,14 @@ CROWD_STEP = 37
 CROWD_CHANGE = 38
 """That by which they change the velocity that the step begins with, s: as much, or 0 where they act all through it."""
 
+CONTACT_CHANGE = 42
+"""The sum of the absolute coordinates of all changes of accelerations by contact in the rounds of a step, m/s²."""
 SPIN_AXIS = 39
 """(3) In the last sweep: the direction from root to tip where a strand has spun (`rod_spin`), else 0."""
 
 SEGMENT = 17
 """Vectors of a segment. An odd number: vectors at distances of a power of two would share lines of the cache."""
-FIRST_SEGMENT = 42 + 2 * SEGMENT
+FIRST_SEGMENT = 43 + 2 * SEGMENT
 """Place of the first segment."""
 EDGE = 0
 """(3) Of a segment: e_j, of unit length at the start and the end of a step."""

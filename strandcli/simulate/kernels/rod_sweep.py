@@ -23,7 +23,6 @@ from .contact import keep_out
 from .records import ROUNDING, Segment
 from .rod_scratch import (
     AXES,
-    CONTACT_FORCE,
     CORRECTION,
     CROWD_CHANGE,
     DEGENERATE,
@@ -116,7 +115,7 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         else:
             set_velocity(s, o, row, length, state)
     if contact.any_solids:
-        store(state.touching, at.strand, where(load(s, CONTACT_FORCE) > 0.0, broadcast(s, 1.0), 0.0))
+        contact_forces.mark(s, at, state.touching, contact.duration)
 
 
 @inlined
