@@ -51,12 +51,11 @@ def layers(x: NDArray[np.float32], high: float) -> NDArray[np.float64]:
     return metres / (LENGTH / 3 * high * ACROSS * D) * D**2
 
 
-@pytest.mark.parametrize(("fps", "most"), [(24, 1.12), (60, 1.18)])
-@pytest.mark.parametrize(("method", "low"), [("euler", 0.06), ("bdf2", 0.03)])
-def test_a_pile_on_a_table_is_as_high_as_its_density_says(fps: int, most: float, method: str, low: float) -> None:
+@pytest.mark.parametrize(("fps", "most"), [(24, 1.12), (60, 1.15)])
+@pytest.mark.parametrize("method", ["euler", "bdf2"])
+def test_a_pile_on_a_table_is_as_high_as_its_density_says(fps: int, most: float, method: str) -> None:
     """Strands fall by 9 (1.4) times their distance in a step. Away from the tips, where the pile ends, it is as high
-    as it is dense within 6 %, by BDF2 within 3 %, and no layer of a cell's height is denser than allowed by more than
-    12 % (18 %): from one placing of the strands to another the densest is so by 2 to 10 % (12 to 17 %)."""
+    as it is dense within 6 %, and no layer of a cell's height is denser than allowed by more than 12 % (15 %)."""
     solver = solver_of(PILE.format(fps=fps, method=method), strands())
     height, dense = [], []
     for frame in range(2, fps + 2):
@@ -65,7 +64,7 @@ def test_a_pile_on_a_table_is_as_high_as_its_density_says(fps: int, most: float,
             x = solver.particles()
             height.append(x[:, 2:5, 1].mean())
             dense.append(layers(x, 0.008))
-    assert np.mean(height) == pytest.approx(ROWS * D / 2, rel=low)
+    assert np.mean(height) == pytest.approx(ROWS * D / 2, rel=0.06)
     assert np.mean(dense, 0).max() < most
 
 
