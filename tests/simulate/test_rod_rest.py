@@ -52,3 +52,22 @@ def test_strands_that_hang_down_to_a_floor_rest_on_their_tips(height: float, roo
     """With one round of contact all of them move by some 15 mm a frame for ever."""
     above = f", rotation: [180, 0, 0], position: [0, {height - 0.02}, 0]"
     assert motion_at_rest(f"root: {root}", 0.1, FLOOR, more=above) < 3e-4
+
+
+def test_strands_that_leave_a_solid_are_marked_no_more() -> None:
+    """They go by BDF2 again from the step after the one by Euler's method on."""
+    scene = scene_of(
+        "solver: rod\nrod: {radius: 1.0e-4, drag: 5}\ntime: {fps: 24}\n"
+        "emitter: {shape: {kind: disc, radius: 0.01}, strands: 20, particles: 8, length: 0.1, jitter: 5,"
+        " keys: [{time: 0, rotation: [180, 0, 0], position: [0, 0.05, 0]},"
+        " {time: 1, rotation: [180, 0, 0], position: [0, 0.05, 0]},"
+        " {time: 2, rotation: [180, 0, 0], position: [0, 0.3, 0]}]}\n"
+        "rules: [emitter_motion, gravity, collision]\nsolids: [{kind: plane, position: [0, -0.02, 0]}]\n"
+    )
+    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
+    seen = []
+    for i in range(72):
+        solver.step((i + 1) / 24, 1 / 24)
+        seen.append(solver.state.touching.reshape(-1)[:20].copy())
+    assert all(seen[22] > 0)
+    assert not seen[-1].any()

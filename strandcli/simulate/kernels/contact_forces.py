@@ -116,8 +116,9 @@ def search(s, at, length, state, contact):
             inside = close & ((depth > slack_of(length, q, contact)) | (held > 0.0))
             if any_lane(inside | (held > 0.0)):
                 acted = True
-                deep = deep or any_lane(depth > DEEP * length)
                 d = set_wanted(s, at, segment, found, (q, d, end), depth, inside, state, contact)
+                able = size_of(load3(s, o + NORMAL, 1)) > 0.0
+                deep = deep or any_lane(able & (depth > DEEP * length))
         left = add_scaled(d, -1.0, e)
         q = add_scaled(q, length, d)
     return acted, near, deep

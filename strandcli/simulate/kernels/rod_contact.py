@@ -48,4 +48,4 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
     if pressed:
         contact_forces.mark_released(s, at, state.push)
-    return worst, pressed, near
+    return worst, pressed, near or pressed  # those that solids have just left are to be marked, too

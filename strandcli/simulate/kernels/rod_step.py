@@ -240,9 +240,10 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
             place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         led = rod_lead.led_of(rod_lead.either(flags.second, flags.oval), flags.curled, numbers)
+        disturbs = rod_start.disturbs(scratch, state, strand, flags.crowded, touched, numbers)
         scheme = Scheme(
-            numbers[MOVED], flags.second, touched, rod_start.disturbs(state, strand, flags.crowded, touched, numbers),
-            flags.crowded, contact.duration, led, flags.curled, Ends(flags.held, flags.loose, flags.curled), flags.oval,
+            numbers[MOVED], flags.second, touched, disturbs, flags.crowded, contact.duration, led, flags.curled,
+            Ends(flags.held, flags.loose, flags.curled), flags.oval,
         )  # fmt: skip
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
         if flags.held is not None:
