@@ -51,11 +51,12 @@ def layers(x: NDArray[np.float32], high: float) -> NDArray[np.float64]:
     return metres / (LENGTH / 3 * high * ACROSS * D) * D**2
 
 
-@pytest.mark.parametrize(("fps", "most"), [(24, 1.12), (60, 1.15)])
+@pytest.mark.parametrize(("fps", "most"), [(24, 1.12), (60, 1.18)])
 @pytest.mark.parametrize("method", ["euler", "bdf2"])
 def test_a_pile_on_a_table_is_as_high_as_its_density_says(fps: int, most: float, method: str) -> None:
     """Strands fall by 9 (1.4) times their distance in a step. Away from the tips, where the pile ends, it is as high
-    as it is dense within 6 %, and no layer of a cell's height is denser than allowed by more than 12 % (15 %)."""
+    as it is dense within 6 %, and no layer of a cell's height is denser than allowed by more than 12 % (18 %): one
+    placing of the strands differs from another by 4 %."""
     solver = solver_of(PILE.format(fps=fps, method=method), strands())
     height, dense = [], []
     for frame in range(2, fps + 2):
