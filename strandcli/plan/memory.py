@@ -201,7 +201,7 @@ def _map_bytes(plan: Plan, scene: Scene, light: Any) -> int:
     if not layers:
         return 8 * side**2 * views
     found, rows = map_rows(scene, plan.sizes, side, light.shadow.texel)
-    return int(3 * found**2 + 4 * rows * (6 + 4 * (layers + 1))) * views
+    return int(14 * found**2 + 16 * rows * (layers + 1)) * views
 
 
 def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:

@@ -204,7 +204,7 @@ def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     heads = np.empty((len(rows), splats.HEAD_NUMBERS), np.float32)
     opacity_maps.divide(extents, layers, np.float32(1e-3), np.float32(1), rows, stacks, heads)
     opacity_maps.draw(parts, size, seen, splats.OpacityMap(heads, np.float32(1), layers, stacks))
-    texels = stacks[len(rows) :].reshape(-1, opacity.stride_for(layers))[:, opacity.HEAD :].astype(np.float64)
+    texels = stacks[opacity.HEAD * len(rows) :].astype(np.float64)
     area = texels.sum() / (size / 2) ** 2  # on a plane a metre away
     length = float(np.linalg.norm(world[-1] - world[0]))
     wide = width_by_rays(view, Polylines(first, world), radius, ALONG // 2) / view.focal

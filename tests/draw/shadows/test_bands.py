@@ -94,8 +94,11 @@ def weights(maps: ShadowMaps) -> np.ndarray:
     """(size, size): τ of all strands in each texel of the first map."""
     assert maps.stacks is not None
     size, half = int(maps.sizes[0]), int(maps.sizes[0]) // 2
-    rows = maps.stacks[half * half :].reshape(-1, opacity.stride_for(LAYERS))
-    ends = rows[maps.stacks[: half * half].astype(int), -4:].reshape(half, half, 2, 2)
+    heads = maps.stacks[: opacity.HEAD * half * half].reshape(-1, opacity.HEAD)
+    rows = maps.stacks[opacity.HEAD * half * half :].reshape(-1, opacity.stride_for(LAYERS))
+    ends = rows[heads[:, opacity.ROW].astype(int), -4:]
+    np.testing.assert_array_equal(heads[:, opacity.WHOLE :], ends)
+    ends = ends.reshape(half, half, 2, 2)
     return ends.transpose(0, 2, 1, 3).reshape(size, size)
 
 

@@ -73,9 +73,10 @@ def test_a_map_counts_projected_area() -> None:
     lines = straight(200)
     maps = maps_of(SUN, lines)
     assert maps.stacks is not None
-    rows = maps.stacks[32 * 32 :].reshape(-1, opacity.stride_for(DEEP.layers))
+    heads, rows = maps.stacks[: opacity.HEAD * 32 * 32], maps.stacks[opacity.HEAD * 32 * 32 :]
+    rows = rows.reshape(-1, opacity.stride_for(DEEP.layers))
     assert not rows[0].any()  # of cells that no strand comes to
-    assert np.count_nonzero(maps.stacks[: 32 * 32]) == len(rows) - 1 < 32 * 32
+    assert np.count_nonzero(heads[opacity.ROW :: opacity.HEAD]) == len(rows) - 1 < 32 * 32
     texels = rows[:, -4:].sum(1, dtype=np.float64)
     whole = texels.sum() / maps.views[0].focal ** 2
     world = lines.world.astype(np.float64).reshape(200, 9, 3)
@@ -93,8 +94,8 @@ def test_texels_and_layers_are_those_of_splats_one_by_one() -> None:
     assert maps.stacks is not None
     size, layers = int(maps.sizes[0]), maps.layers[0]
     cells = (size // 2) ** 2
-    numbers = maps.stacks[:cells].astype(int)
-    rows = maps.stacks[cells:].reshape(-1, opacity.stride_for(layers))[numbers, opacity.HEAD :]
+    numbers = maps.stacks[: opacity.HEAD * cells][opacity.ROW :: opacity.HEAD].astype(int)
+    rows = maps.stacks[opacity.HEAD * cells :].reshape(-1, opacity.stride_for(layers))[numbers]
     four = rows.reshape(size // 2, size // 2, layers + 1, opacity.TEXELS)
     texels = four.reshape(size // 2, size // 2, layers + 1, 2, 2).transpose(0, 3, 1, 4, 2).reshape(size, size, -1)
     expected = splatted(maps, lines, WIDE)

@@ -12,6 +12,7 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.shadows import strands_in_map
+from strandcli.draw.shadows.kernels import opacity
 from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.draw.shadows.strands_in_map import BENT, LONGEST
 from strandcli.scene.model import DirectionalLight, Shadow
@@ -90,8 +91,8 @@ def test_maps_hold_what_their_lines_add() -> None:
     assert len(simple.world) < 0.8 * len(lines.world)
     expected = splatted(maps, lines, WIDE)[..., -1]
     assert maps.stacks is not None
-    rows = maps.stacks[len(maps.extents[0]) :].reshape(-1, 6 + 4 * 14)
-    assert rows[:, -4:].sum(dtype=np.float64) == pytest.approx(expected.sum(), rel=1e-4)
+    heads = maps.stacks[: opacity.HEAD * len(maps.extents[0])].reshape(-1, opacity.HEAD)
+    assert heads[:, opacity.WHOLE :].sum(dtype=np.float64) == pytest.approx(expected.sum(), rel=1e-4)
 
 
 @pytest.mark.parametrize("points", [0, 1, 2])

@@ -59,7 +59,8 @@ def heads_of(across, down, there, d, deep):
 def cell_at(across, down, there, deep):
     """Return the number of the row of a `DeepMap` for cells; 0 without strands, and outside of the mask `there`.
     Vectors."""
-    number = gather(deep.rows, deep.start, where(there, down, ZERO), deep.size >> 1, where(there, across, ZERO))
+    half, column = deep.size >> 1, np.float32(opacity.HEAD) * where(there, across, ZERO)
+    number = gather(deep.rows, deep.start + opacity.ROW, where(there, down, ZERO), opacity.HEAD * half, column)
     return where(there, number, ZERO)
 
 
@@ -89,8 +90,8 @@ def passed_at(number, layer, part, deep):
 def passed_in_cell(number, layer, part, deep):
     """Return the same of all four texels."""
     body, stride = rows_of(deep)
-    low = gather4(deep.rows, body + opacity.HEAD, number, stride, opacity.EACH * layer)
-    high = gather4(deep.rows, body + opacity.HEAD + opacity.TEXELS, number, stride, opacity.EACH * layer)
+    low = gather4(deep.rows, body, number, stride, opacity.EACH * layer)
+    high = gather4(deep.rows, body + opacity.TEXELS, number, stride, opacity.EACH * layer)
     some = number > ZERO
     return (
         where(some, low[0] + part * (high[0] - low[0]), ZERO), where(some, low[1] + part * (high[1] - low[1]), ZERO),
@@ -102,4 +103,4 @@ def passed_in_cell(number, layer, part, deep):
 def rows_of(deep):
     """Return the index of the first row of a `DeepMap`, and the numbers of a row."""
     half = deep.size >> 1
-    return deep.start + half * half, opacity.HEAD + opacity.TEXELS * (deep.layers + 1)
+    return deep.start + opacity.HEAD * half * half, opacity.TEXELS * (deep.layers + 1)

@@ -33,15 +33,14 @@ def depth_of_cell(x, y, z, lights, i, shadows):
         if not in_map(u, v, d, shadows.views, one, np.float32(size - 1)):
             continue
         start, stacks = np.uint64(shadows.starts[one]), shadows.stacks
-        half = size >> 1
-        cell = np.uint64((np.int64(v) >> 1) * half + (np.int64(u) >> 1))
-        if np.int32(stacks[start + cell]) == 0:
+        head = opacity.head_at(np.int64(v), np.int64(u), start, size)
+        if np.int32(stacks[head + np.uint64(opacity.ROW)]) == 0:
             return ZERO
         row = opacity.cell_of(np.int64(v), np.int64(u), start, size, layers, stacks)
-        far = max(d - lights[i, BIAS] - stacks[row + np.uint64(opacity.START)], ZERO) * lights[i, PER_FALL]
-        ended = min(stacks[row + np.uint64(opacity.SCALE)] * (far / (far + ONE)), np.float32(layers))
+        far = max(d - lights[i, BIAS] - stacks[head + np.uint64(opacity.START)], ZERO) * lights[i, PER_FALL]
+        ended = min(stacks[head + np.uint64(opacity.SCALE)] * (far / (far + ONE)), np.float32(layers))
         layer = min(np.int64(ended), layers - 1)
-        at = row + np.uint64(opacity.HEAD + opacity.TEXELS * layer)
+        at = row + np.uint64(opacity.TEXELS * layer)
         low, high = mean_at(stacks, at), mean_at(stacks, at + np.uint64(opacity.TEXELS))
         return low + (ended - np.float32(layer)) * (high - low)
     return ZERO

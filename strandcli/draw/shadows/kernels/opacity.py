@@ -14,10 +14,10 @@ density estimate with an adaptive window. The layers that measure the distance s
 because a thin layer contains one strand or none. A strand's own contribution in front of itself, half of what it adds
 at the window's centre, is subtracted.
 
-A cell with strands is a row of numbers: nearest depth, n (1 + h / D), τ of all strands in each of the four texels, and
-then for each layer boundary the τ in front of it, in each of them. Within a layer τ is linear. A map is one flat array:
-a table of the row number of each cell, followed by the rows. All empty cells, nine tenths of a ponytail's map, share
-row 0.
+A cell's head is nearest depth, n (1 + h / D), the number of its row, and τ of all strands in each of the four texels;
+in its row stands for each layer boundary the τ in front of it, in each of them. Within a layer τ is linear. A map is
+one flat array: the heads of all cells, for neighbours are looked up together, and then the rows. All empty cells, nine
+tenths of a ponytail's map, share row 0.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ import math
 import numpy as np
 
 from ....jit import device, function, inlined
-from ....simd import any_lane, broadcast, floor, gather, gather2, gather4, gather8, pointer, reduce_max, where
+from ....simd import any_lane, broadcast, floor, gather, gather4, gather8, pointer, reduce_max, where
 from ...common.kernels.approximations import exp
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS, PER_FALL
 from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
@@ -37,18 +37,17 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
-START, SCALE = 0, 1
-"""Offsets in a row of the nearest depth, metres, and of n (1 + h / D), one after the other."""
-WHOLE = 2
-"""Offset of τ in front of the last layer's end, in each of the four texels: beside what every look-up reads."""
-HEAD = 6
-"""Numbers of a row before its layer boundaries."""
+START, SCALE, ROW, WHOLE = 0, 1, 2, 4
+"""Offsets in a head of the nearest depth, metres; of n (1 + h / D); of the number of the cell's row, 0 without strands;
+and of τ in front of the last layer's end, in each of the four texels."""
+HEAD = 8
+"""Numbers of a head."""
 TEXELS = 4
 """Texels of a cell, and so numbers of a layer boundary."""
 OWN = np.float32(0.375)
 """Half of what a strand one texel wide has on its own middle line, 2/3 along the map's axes to .78 between them."""
-BEGIN, NEXT = np.float32(HEAD), np.float32(HEAD + TEXELS)
-"""Offsets in a row of the first and second layer boundary."""
+NEXT = np.float32(TEXELS)
+"""Offset in a row of the second layer boundary."""
 EACH = np.float32(TEXELS)
 """Distance between layer boundaries."""
 CLOSE = np.float32(0.8)
@@ -61,28 +60,33 @@ CROWDED = np.float32(0.1)
 
 def stride_for(layers: int) -> int:
     """Return the numbers of a row."""
-    return HEAD + TEXELS * (layers + 1)
+    return TEXELS * (layers + 1)
 
 
 def numbers_of(cells: int, rows: int, layers: int) -> int:
     """Return the length of a map with so many cells and, besides the empty row, so many rows."""
-    return cells + (rows + 1) * stride_for(layers)
+    return HEAD * cells + (rows + 1) * stride_for(layers)
 
 
 @inlined
 def cell_of(row, column, start, size, layers, stacks):
     """Return the index in `stacks` of the row of a texel's cell; start: first index of the map, uint64."""
     half = size >> 1
-    cell = np.uint64((row >> 1) * half + (column >> 1))
-    number = np.uint64(np.int32(stacks[start + cell]))
-    return start + np.uint64(half * half) + number * np.uint64(HEAD + TEXELS * (layers + 1))
+    number = np.uint64(np.int32(stacks[head_at(row, column, start, size) + np.uint64(ROW)]))
+    return start + np.uint64(HEAD * half * half) + number * np.uint64(TEXELS * (layers + 1))
 
 
 @inlined
-def head_of(rows, start, number, layers):
-    """Return nearest depth and `SCALE` of the rows `number`, and τ of all strands in each of the four texels. Vectors;
-    rows: `pointer` to the maps; start: first row of the map."""
-    return gather8(rows, start, number, HEAD + TEXELS * (layers + 1), np.float32(START))[:HEAD]
+def head_at(row, column, start, size):
+    """Return the index in `stacks` of the head of a texel's cell; start: first index of the map, uint64."""
+    return start + np.uint64(HEAD * ((row >> 1) * (size >> 1) + (column >> 1)))
+
+
+@inlined
+def head_of(rows, start, half, up, left):
+    """Return the heads of the cells in rows `up` and columns `left` of a map, `half` cells along a side. Vectors; rows:
+    `pointer` to the maps; start: first index of the map."""
+    return gather8(rows, start, up, HEAD * half, np.float32(HEAD) * left)
 
 
 @inlined
@@ -102,8 +106,8 @@ def layers_at(d, head, over, layers):
 def depth_at(rows, start, number, k, part, which, layers):
     """Return τ in front of a depth at layer k and position `part` (from `layers_at`) of a texel; which: its number, 0
     to 3. Vectors."""
-    stride = HEAD + TEXELS * (layers + 1)
-    low = gather(rows, start, number, stride, BEGIN + EACH * k + which)
+    stride = TEXELS * (layers + 1)
+    low = gather(rows, start, number, stride, EACH * k + which)
     high = gather(rows, start, number, stride, NEXT + EACH * k + which)
     return low + part * (high - low)
 
@@ -118,13 +122,13 @@ def mean(texels):
 def growth_at(rows, start, number, k, dense, reach, layers):
     """Return the mean growth of a cell's τ, 1/m, over layer k and the layers within `reach` metres of it; 0 where the
     depth is farther than that behind the last layer. dense: layers a metre. Vectors."""
-    stride = HEAD + TEXELS * (layers + 1)
+    stride = TEXELS * (layers + 1)
     most = np.float32(layers)
     aside = floor(min(most, max(ZERO, reach * dense)))
     first = min(most, max(ZERO, k - aside))
     last = min(most, k + aside + ONE)
-    low = mean(gather4(rows, start + HEAD, number, stride, EACH * first))
-    high = mean(gather4(rows, start + HEAD, number, stride, EACH * last))
+    low = mean(gather4(rows, start, number, stride, EACH * first))
+    high = mean(gather4(rows, start, number, stride, EACH * last))
     return (high - low) * dense / max(last - first, ONE)
 
 
@@ -136,23 +140,22 @@ def in_front(u, v, d, scale, rows, start, size, over, layers, behind):
     Vectors; rows: `pointer` to the maps."""
     half = size >> 1
     last = np.float32(half - 2)
-    body = start + half * half
+    body = start + HEAD * half * half
     wide_u = HALF * (u - HALF)
     wide_v = HALF * (v - HALF)
     left = min(last, max(ZERO, floor(wide_u)))
     up = min(last, max(ZERO, floor(wide_v)))
     wide_u = min(max(wide_u - left, ZERO), ONE)
     wide_v = min(max(wide_v - up, ZERO), ONE)
-    a, b = gather2(rows, start, up, half, left)
-    c, e = gather2(rows, start, up + ONE, half, left)
-    head_a = head_of(rows, body, a, layers)
+    head_a = head_of(rows, start, half, up, left)
     k_a, part_a, gone_a, dense_a = layers_at(d, head_a, over, layers)
-    head_b = head_of(rows, body, b, layers)
+    head_b = head_of(rows, start, half, up, left + ONE)
     k_b, part_b, gone_b, dense_b = layers_at(d, head_b, over, layers)
-    head_c = head_of(rows, body, c, layers)
+    head_c = head_of(rows, start, half, up + ONE, left)
     k_c, part_c, gone_c, dense_c = layers_at(d, head_c, over, layers)
-    head_e = head_of(rows, body, e, layers)
+    head_e = head_of(rows, start, half, up + ONE, left + ONE)
     k_e, part_e, gone_e, dense_e = layers_at(d, head_e, over, layers)
+    a, b, c, e = head_a[ROW], head_b[ROW], head_c[ROW], head_e[ROW]
     column, row = floor(u), floor(v)
     right, low = column - (left + left), row - (up + up)  # of the first texel, from that of the first cell: 0, 1 or 2
     texels_a, mean_a, thick_a = passed_in(rows, body, a, k_a, part_a, layers)
@@ -184,8 +187,8 @@ def in_front(u, v, d, scale, rows, start, size, over, layers, behind):
 def passed_in(rows, start, number, k, part, layers):
     """Return τ in front of a depth, in the four texels of cells; the mean of the four; and how much that grows in the
     layer. Vectors; arguments as in `depth_at`."""
-    stride = HEAD + TEXELS * (layers + 1)
-    p, q, r, s, p_end, q_end, r_end, s_end = gather8(rows, start + HEAD, number, stride, EACH * k)
+    stride = TEXELS * (layers + 1)
+    p, q, r, s, p_end, q_end, r_end, s_end = gather8(rows, start, number, stride, EACH * k)
     low, high = mean((p, q, r, s)), mean((p_end, q_end, r_end, s_end))
     texels = p + part * (p_end - p), q + part * (q_end - q), r + part * (r_end - r), s + part * (s_end - s)
     return texels, low + part * (high - low), high - low

@@ -10,15 +10,13 @@ from ...zbuffer.kernels.lines import Window
 from . import cell_extents, map_segments, splats
 from .map_parts import AT, BOTTOM, COUNT, TOP
 from .minmax import FARTHEST, NEAREST
-from .opacity import HEAD, SCALE, START, TEXELS, WHOLE
+from .opacity import HEAD, ROW, SCALE, START, TEXELS, WHOLE
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 INF = np.float32(np.inf)
 NEXT = np.uint64(1)
-ROW = 2
-"""Column of `OpacityMap.heads`: the number of a cell's row."""
 AHEAD = 12
 """Parts of strands that are fetched before they are drawn."""
 LINE = 16
@@ -126,37 +124,43 @@ def divide(extents, layers, least, over, rows, stacks, heads):
     extents (cells, 2): metres, at least `least` metres apart; over: 1 / h, 1/m; rows (cells,): from `number_cells`;
     stacks (`opacity.numbers_of`,) out; heads (cells, 4) out: of `OpacityMap`.
     """
-    stride = HEAD + TEXELS * (layers + 1)
+    stride = TEXELS * (layers + 1)
     cells = extents.shape[0]
     for k in range(stride):
-        stacks[cells + k] = ZERO
+        stacks[HEAD * cells + k] = ZERO
     for cell in prange(cells):
-        stacks[cell] = rows[cell]
         near = extents[cell, NEAREST]
         there = rows[cell] > ZERO
         thick = max(extents[cell, FARTHEST] - near, least)
         extents[cell, START] = near if there else ZERO
         extents[cell, SCALE] = np.float32(layers) * (ONE + ONE / (thick * over)) if there else ZERO
         if there:
-            begin = np.uint64(cells + np.int64(rows[cell]) * stride)
+            begin = np.uint64(HEAD * cells + np.int64(rows[cell]) * stride)
             for k in range(begin, begin + np.uint64(stride)):
                 stacks[k] = ZERO
-            stacks[begin + np.uint64(START)] = extents[cell, START]
-            stacks[begin + np.uint64(SCALE)] = extents[cell, SCALE]
         heads[cell, START], heads[cell, SCALE] = extents[cell, START], extents[cell, SCALE]
         heads[cell, ROW] = rows[cell]
+        head = np.uint64(HEAD * cell)
+        for k in range(np.uint64(HEAD)):
+            stacks[head + k] = ZERO
+        stacks[head + np.uint64(START)], stacks[head + np.uint64(SCALE)] = extents[cell, START], extents[cell, SCALE]
+        stacks[head + np.uint64(ROW)] = rows[cell]
 
 
 @parallel
 def sum_layers(cells, layers, stacks):
     """Replace the τ of each layer by the cumulative τ in front of its end, and store that of the last one
-    in the row's head, too.
+    in the cell's head, too.
 
     cells: number of the map's cells; stacks (`opacity.numbers_of`,): changed in place.
     """
-    stride = HEAD + TEXELS * (layers + 1)
-    for row in prange((stacks.shape[0] - cells) // stride - 1):
-        at = np.uint64(cells + (row + 1) * stride + HEAD)
+    stride = TEXELS * (layers + 1)
+    for cell in prange(cells):
+        head = np.uint64(HEAD * cell)
+        number = np.int64(stacks[head + np.uint64(ROW)])
+        if number == 0:
+            continue
+        at = np.uint64(HEAD * cells + number * stride)
         one = two = three = four = ZERO
         for _ in range(layers + 1):
             one += stacks[at]
@@ -168,6 +172,5 @@ def sum_layers(cells, layers, stacks):
             stacks[at + NEXT + NEXT] = three
             stacks[at + NEXT + NEXT + NEXT] = four
             at += np.uint64(TEXELS)
-        begin = np.uint64(cells + (row + 1) * stride + WHOLE)
         for texel in range(np.uint64(TEXELS)):
-            stacks[begin + texel] = stacks[at - np.uint64(TEXELS) + texel]
+            stacks[head + np.uint64(WHOLE) + texel] = stacks[at - np.uint64(TEXELS) + texel]

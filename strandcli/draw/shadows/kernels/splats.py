@@ -150,7 +150,7 @@ def add(work, n, window, opacity_map):
 def find(rows, k, window, opacity_map):
     """Write where a vector of splats from number k on adds, and how much."""
     heads = pointer(opacity_map.heads)
-    cells, stride = (window.width >> 1) ** 2, HEAD + TEXELS * (opacity_map.layers + 1)
+    begin, stride = HEAD * (window.width >> 1) ** 2, TEXELS * (opacity_map.layers + 1)
     top, bottom, size = np.float32(window.top), np.float32(window.bottom), np.float32(window.width)
     u, v, d, area = load(rows, U + k), load(rows, V + k), load(rows, DEEP + k), load(rows, SIZE + k)
     left, up = floor(u), floor(v)
@@ -171,6 +171,6 @@ def find(rows, k, window, opacity_map):
         own = TWO * (row - TWO * cell_row) + (column - TWO * cell_column)
         at = texel * BATCH + k
         number = where(inside, number, ZERO)
-        place = np.float32(HEAD) + np.float32(TEXELS) * (layer + ONE) + own
-        store(rows, AT + at, bits_of_places(cells, number, stride, place))
+        place = np.float32(TEXELS) * (layer + ONE) + own
+        store(rows, AT + at, bits_of_places(begin, number, stride, place))
         store(rows, ADDED + at, where(number > ZERO, part, ZERO))  # row 0 stays empty
