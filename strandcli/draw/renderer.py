@@ -23,7 +23,7 @@ from .film.aovs import Recorder
 from .film.film import backdrop_of, curve_of, grain_of
 from .film.kernels import film
 from .geometry.curves import Polylines
-from .geometry.extent import Thickness, bounds_of, extents_of, thickness_of
+from .geometry.extent import Thickness, bounds_of, boxes_of, extents_of, thickness_of
 from .geometry.spacing import first_emitted, spacing_of
 from .lighting import occlusion
 from .lighting.environment import sky_of
@@ -128,8 +128,7 @@ class Renderer:
             if moving:
                 assert before is not None
                 where = self.scratch.borrow("between", positions.shape, np.float32)
-                start = at - 1 / scene.time.fps
-                lens.interpolate(before, positions, scene.emitter, carried, start, at, shot, where)
+                lens.interpolate(before, positions, scene.emitter, carried, at - 1 / scene.time.fps, at, shot, where)
                 self._drawing.lap("curves")
             image, made = self._expose(where, lengths, shot, workers, light)
             light = made if camera.shutter == 0 else None  # with the shutter closed the light does not change
@@ -150,11 +149,12 @@ class Renderer:
         if recorder is not None:
             recorder.ids = strands.ids
         extents = None if strands.level is None else extents_of(strands.positions)
-        bounds = bounds_of(strands.positions, strands.count, strands.fade, extents)
+        boxes = None if extents is not None else boxes_of(strands.positions, strands.count)
+        bounds = bounds_of(strands.positions, strands.count, strands.fade, extents, boxes)
         view = self._view(shot, bounds, pinhole)
         solids, thickness = self.solids(at), thickness_of(scene.material, view, bounds)
         if made is None:
-            maps, hidden = self._plan_shadows(strands, bounds, thickness, solids)
+            maps, hidden = self._plan_shadows(strands, bounds, thickness, solids, self._spacing(strands, boxes))
         else:
             maps, hidden = made.maps, made.occlusion
         drawing.lap("shadow")
@@ -187,10 +187,10 @@ class Renderer:
         return canvas.image, lighting
 
     def _plan_shadows(
-        self, strands: Strands, bounds: NDArray[np.float64], thickness: Thickness, solids: Solids | None
+        self, strands: Strands, bounds: NDArray[np.float64], thickness: Thickness, solids: Solids | None, spacing: float
     ) -> tuple[ShadowMaps | None, Occlusion | None]:
         """Return empty shadow maps, and the ambient occlusion; None for what the scene does not have."""
-        scene, spacing = self.scene, self._spacing(strands)
+        scene = self.scene
         maps = plan_maps(scene.lights, bounds, self.scratch, thickness, spacing, self._counts)
         if not scene.occluded or scene.ambient_occlusion is None:
             return maps, None
@@ -283,7 +283,7 @@ class Renderer:
         """Return a picture (height, width, 3) with undefined contents."""
         return np.empty((*self.scene.image.drawn[::-1], 3), np.uint8)
 
-    def _spacing(self, strands: Strands) -> float:
+    def _spacing(self, strands: Strands, boxes: NDArray[np.float32] | None) -> float:
         """Return the distance between neighbouring drawn strands, metres, for opacity maps; 0 if there are none. It is
         measured between all of these strands, and converted to the density that level of detail leaves."""
         if not self._deep:
@@ -291,7 +291,7 @@ class Renderer:
         count, level, whole, ids = strands.total, strands.level, strands.whole, strands.ids
         even = whole is None and (ids is None or isinstance(self.children, Children))
         among = first_emitted(count, ids) if even else None
-        spacing = spacing_of(*(strands.positions, count, among) if whole is None else whole.around())
+        spacing = spacing_of(*((strands.positions, count, among, boxes) if whole is None else whole.around()))
         return spacing if level is None else spacing * math.sqrt(count / self._most / level.share)
 
 

@@ -16,6 +16,7 @@ from ..view.camera import View
 from ..view.kernels import project
 from .curves import Polylines
 from .kernels import bounds
+from .kernels import boxes as block_boxes
 
 
 @dataclass(frozen=True)
@@ -49,23 +50,26 @@ def extents_of(positions: NDArray[np.float32]) -> Extents:
     return extents
 
 
+def boxes_of(positions: NDArray[np.float32], strands: int) -> NDArray[np.float32]:
+    """Return the bounding boxes of the first ``strands`` of positions (blocks, n + 1, 3 W), metres, in parts, from
+    `kernels.boxes.find`."""
+    found = np.empty((-(-strands // W), block_boxes.boxes_in(positions.shape[1]), block_boxes.COLUMNS), np.float32)
+    block_boxes.find(positions, strands, found)
+    return found
+
+
 def bounds_of(
     positions: NDArray[np.float32], strands: int, fade: NDArray[np.float32] | None = None,
-    extents: Extents | None = None,
+    extents: Extents | None = None, boxes: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float64]:  # fmt: skip
     """Return the bounding box (2, 3) of the first ``strands`` of positions (blocks, n + 1, 3 W), metres.
 
     Other strands do not count, so that a frame does not depend on those that other frames need. ``fade`` (strands,):
-    strands that fade extend the box in proportion, so that it does not jump. ``extents``: from `extents_of`, if they
-    are known."""
+    strands that fade extend the box in proportion, so that it does not jump. ``extents``: from `extents_of`, and
+    ``boxes``: from `boxes_of`, if they are known."""
     if fade is None:
-        rows = positions.reshape(*positions.shape[:2], 3, W)[:, 1:]
-        whole = strands // W
-        parts = [rows[:whole], rows[whole : whole + 1, ..., : strands - whole * W]]
-        parts = [part for part in parts if part.size]
-        # first over blocks: over several axes at once NumPy takes ten times as long
-        low = np.min([part.min(0).min((0, 2)) for part in parts], 0)
-        return np.stack([low, np.max([part.max(0).max((0, 2)) for part in parts], 0)]).astype(np.float64)
+        low, high = np.split((boxes_of(positions, strands) if boxes is None else boxes)[:, -1], 2, 1)
+        return np.stack([low.min(0), high.max(0)]).astype(np.float64)
     low, high = extents_of(positions) if extents is None else extents
     lanes = np.full((len(positions), W), -1, np.float32)
     lanes.reshape(-1)[:strands] = fade

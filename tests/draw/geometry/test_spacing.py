@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from strandcli.blocks import pack
+from strandcli.draw.geometry.extent import boxes_of
 from strandcli.draw.geometry.kernels import spacing as kernel
 from strandcli.draw.geometry.spacing import NEIGHBOURS, first_emitted, spacing_at, spacing_of
 
@@ -48,7 +49,7 @@ def test_nearest_strands_are_those_of_all_pairs() -> None:
     own = rng.integers(-1, 300, 20)
     own[:3] = -1, 0, 299
     found = np.empty((20, 5), np.float32)
-    kernel.nearest(pack(strands), 300, points, own, found)
+    kernel.nearest(pack(strands), 300, boxes_of(pack(strands), 300), points, own, found)
     for point, one, mine in zip(points, own, found, strict=True):
         others = sorted(distances(strand, point) for s, strand in enumerate(strands) if s != one)
         np.testing.assert_allclose(mine, others[:5], atol=2e-3)
@@ -57,10 +58,26 @@ def test_nearest_strands_are_those_of_all_pairs() -> None:
 def test_padding_and_the_strand_itself_do_not_count() -> None:
     packed = pack(crooked(3))
     found = np.empty((1, 4), np.float32)
-    kernel.nearest(packed, 3, crooked(3)[:1, 1].astype(np.float32), np.array([0]), found)
+    point = crooked(3)[:1, 1].astype(np.float32)
+    kernel.nearest(packed, 3, boxes_of(packed, 3), point, np.array([0]), found)
     assert np.isfinite(found[0]).tolist() == [True, True, False, False]
     assert found[0, 0] > 0
     assert spacing_of(packed, 1) == 0
+
+
+def test_parts_that_are_too_far_are_left_out_of_long_strands_alone() -> None:
+    """Of strands of several parts, with the same distances as in a single one."""
+    strands = crooked(700, 30)
+    strands[:, :, 0] += 0.2 * np.arange(700)[:, None]
+    packed, own = pack(strands), np.arange(0, 700, 50)
+    points = strands[own, 17].astype(np.float32)
+    boxes = boxes_of(packed, 700)
+    everywhere = np.empty_like(boxes)
+    everywhere[..., :3], everywhere[..., 3:] = -1e9, 1e9
+    found, expected = np.empty((2, len(own), 5), np.float32)
+    kernel.nearest(packed, 700, boxes, points, own, found)
+    kernel.nearest(packed, 700, everywhere, points, own, expected)
+    np.testing.assert_array_equal(found, expected)
 
 
 @pytest.mark.parametrize("factor", [0.01, 3.0, 1000.0])
