@@ -53,8 +53,8 @@ CLOSE = 1e-4
 """Change of all forces on a strand in a round, as a share of these, with which they count as found, both weighed by how
 far they move particles."""
 DEEP, HOVER = 0.01, 0.001
-"""Depth, as a share of an edge, with which rounds go on for longer, for an edge that is turned by as much is a kink; and
-height above the surface, of what is pressed, with which they do: strands hover on their tips."""
+"""Depth, as a share of an edge, with which rounds go on for longer, for an edge that is turned by as much is a kink;
+and height above the surface, of what is pressed, with which they do: strands hover on their tips."""
 FAINT = 1e-20
 """Acceleration, m/s², that marks a particle without a force as one that contact acts on."""
 LEAST_MOBILITY = 1e-6
@@ -198,7 +198,7 @@ def update(s, at, length, state, contact, mass, gain, along):
             keep_change(s, at, j, select(along.going, last, none), none)
     slack = slack_of(length, load3(state.positions, at.position + ROW, W), contact)
     store(s, CONTACT_WORK, where(along.going, load(s, CONTACT_WORK), load(s, INVERSE_LENGTH) * work))
-    return any_lane(changed > max(CLOSE * total, slack))
+    return any_lane(along.going | (changed > max(CLOSE * total, slack)))
 
 
 @inlined

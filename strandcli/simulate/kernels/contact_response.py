@@ -29,6 +29,7 @@ from .rod_scratch import (
     EDGE,
     EDGE_FACTOR,
     FIRST_SEGMENT,
+    FIRST_WORK,
     INERTIAL,
     INVERSE_LENGTH,
     INVERSE_PIVOT,
@@ -37,6 +38,7 @@ from .rod_scratch import (
     PARTICLE_FACTOR,
     REACHED,
     SEGMENT,
+    WIDTH,
 )
 from .rod_tension import force_change, particle_gain
 from .vectors import add_scaled, dot, scaled, sum_of
@@ -47,6 +49,8 @@ BOW = 0.5
 """Greatest change of an edge, in lengths of it, that a response may predict: of what is linear, no more holds."""
 FAIR = 0.5
 """Share of the work at which a search along a change ends."""
+NARROW = 0.05
+"""Width of a bracket, as a share of the first, at which its search ends: what strands do may jump."""
 LEAST = 0.1
 """Least share of the way to the end of a bracket that a secant may name; it is averaged with the middle."""
 
@@ -83,12 +87,16 @@ def bracket(s, n, mass):
     for j in range(n):
         left += mass[j] * dot(load3(s, force_change(n, j), 1), load3(s, particle_gain(n, j), 1))
     left *= load(s, INVERSE_LENGTH)
-    bracketed = beyond < 0.0
+    bracketed = (beyond < 0.0) & (load(s, WIDTH) > NARROW)
     reached = where(bracketed, load(s, REACHED), 1.0)
-    over = (begun > 0.0) & (left < -FAIR * begun)
-    under = bracketed & (left > FAIR * begun)
+    width = where(bracketed, load(s, WIDTH), 1.0)
+    fair = FAIR * where(bracketed, load(s, FIRST_WORK), begun)
+    over = (begun > 0.0) & (left < -fair)
+    under = bracketed & (left > fair)
     going = over | under
     kept = where(over, reached, where(under, 1.0 - reached, 1.0))
+    store(s, FIRST_WORK, kept / FAIR * fair)
+    store(s, WIDTH, kept * width)
     begun = kept * where(under, left, begun)
     beyond = kept * where(over, left, beyond)
     secant = min(max(begun / max(begun - beyond, rod.TINY), LEAST), 1.0)

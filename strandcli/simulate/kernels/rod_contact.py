@@ -7,10 +7,10 @@ from ...simd import load
 from . import contact_forces, contact_response, rod, rod_newton
 from .records import Contact, Scheme
 
-ROUNDS, MOST_ROUNDS = 4, 24
-"""Rounds in which forces of contact are found, at most, and the same where particles are deep in solids after these, or
-above them though pressed, as of strands that stand on their tips: these are asked how they respond
-(`contact_response`). What rounds leave is carried on to the next step."""
+ROUNDS, PLAIN, MOST_ROUNDS = 4, 10, 32
+"""Rounds in which forces of contact are found, at most; the same where particles are deep in solids after these, or
+above them though pressed; and the same where they are so still, as of strands that stand on their tips: these are asked
+how they respond (`contact_response`). What rounds leave is carried on to the next step."""
 LIVELY, HALF = 2, 0.5
 """Rounds after which forces change by half of what depths ask for, where whole segments are kept out: one that is in a
 solid is so for both of its particles, and forces might come and go from round to round."""
@@ -42,7 +42,7 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
         acted, near, deep = contact_forces.search(s, at, length, state, contact)
         pressed = pressed or acted
         # where pressures have been lengthened friction has to follow, so rounds go on
-        asked = count > ROUNDS and not contact.segments
+        asked = count > PLAIN and not contact.segments
         if not acted or (count >= ROUNDS and not deep and not asked):
             break
         rod.begin_mobility(s, at.segments, at.edge, mass, state.push)
@@ -52,7 +52,7 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
             along = contact_response.bracket(s, at.segments, mass)
         if not contact_forces.update(s, at, length, state, contact, mass, gain, along):
             break
-        if count >= ROUNDS and not contact.segments:
+        if count >= PLAIN and not contact.segments:
             contact_response.lengthen(s, at, state, mass, scheme.ends, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
     if pressed:
