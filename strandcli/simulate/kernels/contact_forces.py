@@ -30,6 +30,7 @@ from .rod_scratch import (
     AXES,
     CONTACT_CHANGE,
     CONTACT_FORCE,
+    CONTACT_WORK,
     DISPLACEMENT,
     EDGE,
     FIRST_SEGMENT,
@@ -43,7 +44,7 @@ from .rod_scratch import (
     ROOT_SHIFT,
     SEGMENT,
 )
-from .rod_tension import lasting_share, particle_gain
+from .rod_tension import force_change, lasting_share, particle_gain
 from .vectors import add_scaled, dot, scaled, select
 
 ROW = 3 * W
@@ -51,8 +52,9 @@ ROW = 3 * W
 CLOSE = 1e-4
 """Change of all forces on a strand in a round, as a share of these, with which they count as found, both weighed by how
 far they move particles."""
-DEEP = 0.01
-"""Depth, as a share of an edge, that rounds go on with for longer: an edge that is turned by as much is a kink."""
+DEEP, HOVER = 0.01, 0.001
+"""Depth, as a share of an edge, with which rounds go on for longer, for an edge that is turned by as much is a kink;
+and height above the surface, of what is pressed, with which they do: strands hover on their tips."""
 FAINT = 1e-20
 """Acceleration, m/s², that marks a particle without a force as one that contact acts on."""
 LEAST_MOBILITY = 1e-6
@@ -107,7 +109,7 @@ def search(s, at, length, state, contact):
         d = scaled(1.0 / sqrt(max(dot(e, e), TINY)), e)
         end = add_scaled(q, length, d)
         held = reach * size_of(load3(state.push, segment.row, PACK))
-        within = max(held, margin)
+        within = max(where(held > 0.0, at.segments * length, margin), held)
         edges = edges_of(s, o, d, length, contact.segments, segment.first)
         depth, found = nearest(s, end, edges, (state.positions, segment.position, True), within, contact.solids)
         close = depth > -within
@@ -118,7 +120,8 @@ def search(s, at, length, state, contact):
                 acted = True
                 d = set_wanted(s, at, segment, found, (q, d, end), depth, inside, state, contact)
                 able = size_of(load3(s, o + NORMAL, 1)) > 0.0
-                deep = deep or any_lane(able & (depth > DEEP * length))
+                far = (held > DEEP * length) & ~able
+                deep = deep or any_lane((able & ((depth > DEEP * length) | (depth < -HOVER * length))) | far)
         left = add_scaled(d, -1.0, e)
         q = add_scaled(q, length, d)
     return acted, near, deep
@@ -139,7 +142,7 @@ def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
     zero = broadcast(depth, 0.0)
     for c in range(3):
         store(s, segment.scratch + NORMAL + c, where(able, n[c], zero))
-        store(s, particle_gain(at.segments, j) + c, where(able, wanted[c], zero))
+        store(s, particle_gain(at.segments, j) + c, where(inside, wanted[c], zero))
     lasting = load(s, lasting_share(at.segments, j))
     new = able & (lasting < 0.0)
     if any_lane(new):
@@ -156,39 +159,54 @@ def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
 
 
 @device
-def update(s, at, length, state, contact, gain):
+def update(s, at, length, state, contact, mass, gain, along):
     """Update forces by what `search` has found, with the mobilities that `rod.begin_mobility` has begun, and take what
-    they change from the inertial residuals. ``gain``: factor of what `search` has found. Returns whether the forces on
-    some strand are not found yet."""
+    they change from the inertial residuals; in lanes that go ``along`` the last change, by what that says. ``gain``:
+    factor of what `search` has found. Returns whether the forces on some strand are not found yet."""
     reach, push = load(s, REACH), state.push
-    total = changed = broadcast(s, 0.0)
+    total = changed = work = broadcast(s, 0.0)
     y = z = total
+    none = total, total, total
+    sign = where(along.move < 0.0, broadcast(s, -1.0), 1.0)  # what is taken back has not changed
     for j in range(at.segments):
         o = FIRST_SEGMENT + j * SEGMENT
         row = at.edge + j * AXES
         y, z = finish_mobility(s, o, y, z)
         past = load3(push, row, PACK)
         acted = size_of(past) > 0.0
+        last = scaled(along.kept, load3(s, force_change(at.segments, j), 1))
         if any_lane(acted):
             mobility = load(s, o + MOBILITY)
             mobility = where(acted & (mobility > 0.0), min(max(mobility, LEAST_MOBILITY), 1.0), 1.0)
             f = reach * mobility
-            force = in_cone(
-                scaled(f, past),
-                load3(s, o + NORMAL, 1),
-                scaled(gain, load3(s, particle_gain(at.segments, j), 1)),
-                contact.friction,
-            )
+            normal, wanted = load3(s, o + NORMAL, 1), load3(s, particle_gain(at.segments, j), 1)
+            force = in_cone(scaled(f, past), normal, scaled(gain, wanted), contact.friction)
             now = scaled(where(acted, 1.0 / f, 0.0), force)
             change = add_scaled(now, -1.0, past)
+            change = select(along.going, scaled(along.move, last), change)
+            pressing = scaled(dot(change, normal), normal)
+            work += mass[j] * dot(pressing, wanted)
+            keep_change(s, at, j, select(along.going, last, pressing), normal)
+            now = add_scaled(past, 1.0, change)
             store3(push, row, PACK, now[0], now[1], now[2])
             x, v, w = add_scaled(load3(s, o + INERTIAL, 1), load(s, ACCELERATION_SCALE), change)
             store3(s, o + INERTIAL, 1, x, v, w)
             total += f * size_of(now)
             changed += f * size_of(change)
-            store(s, CONTACT_CHANGE, load(s, CONTACT_CHANGE) + size_of(change))
+            store(s, CONTACT_CHANGE, load(s, CONTACT_CHANGE) + sign * size_of(change))
+        else:
+            keep_change(s, at, j, select(along.going, last, none), none)
     slack = slack_of(length, load3(state.positions, at.position + ROW, W), contact)
-    return any_lane(changed > max(CLOSE * total, slack))
+    store(s, CONTACT_WORK, where(along.going, load(s, CONTACT_WORK), load(s, INVERSE_LENGTH) * work))
+    return any_lane(along.going | (changed > max(CLOSE * total, slack)))
+
+
+@inlined
+def keep_change(s, at, j, change, normal):
+    """Keep the change of pressure on the particle of segment j, and the normal, for `contact_response`."""
+    o = force_change(at.segments, j)
+    store3(s, o, 1, change[0], change[1], change[2])
+    store3(s, o + 3, 1, normal[0], normal[1], normal[2])
 
 
 @device

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import load
-from . import contact_forces, rod, rod_newton
+from . import contact_forces, contact_response, rod, rod_newton
 from .records import Contact, Scheme
 
-ROUNDS, MOST_ROUNDS = 4, 24
-"""Rounds in which forces of contact are found, at most, and the same where particles are deep in solids after these, as
-of strands that stand on their tips. What they leave is carried on to the next step."""
+ROUNDS, PLAIN, MOST_ROUNDS = 4, 10, 32
+"""Rounds in which forces of contact are found, at most; the same where particles are deep in solids after these, or
+above them though pressed; and the same where they are so still, as of strands that stand on their tips: these are asked
+how they respond (`contact_response`). What rounds leave is carried on to the next step."""
 LIVELY, HALF = 2, 0.5
 """Rounds after which forces change by half of what depths ask for, where whole segments are kept out: one that is in a
 solid is so for both of its particles, and forces might come and go from round to round."""
@@ -34,17 +35,25 @@ def nearby(contact, near):
 def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
     """Find the forces of contact of a step after its iterations, and go on with these. Returns the greatest
     | |e|² − 1 | of each lane, which was ``worst``, whether solids press some strand, and whether some are near."""
-    length, pressed = load(material.lengths, at.strand), scheme.pressed
+    length, pressed, mass = load(material.lengths, at.strand), scheme.pressed, material.mass
     contact_forces.begin(s, at, state.push, pressed)
+    contact_response.begin(s)
     for count in range(MOST_ROUNDS):
         acted, near, deep = contact_forces.search(s, at, length, state, contact)
         pressed = pressed or acted
-        if not acted or (count >= ROUNDS and not deep):
+        # where pressures have been lengthened friction has to follow, so rounds go on
+        asked = count > PLAIN and not contact.segments
+        if not acted or (count >= ROUNDS and not deep and not asked):
             break
-        rod.begin_mobility(s, at.segments, at.edge, material.mass, state.push)
+        rod.begin_mobility(s, at.segments, at.edge, mass, state.push)
         gain = HALF if contact.segments and count >= LIVELY else 1.0
-        if not contact_forces.update(s, at, length, state, contact, gain):
+        along = contact_response.nowhere(s)
+        if asked:
+            along = contact_response.bracket(s, at.segments, mass)
+        if not contact_forces.update(s, at, length, state, contact, mass, gain, along):
             break
+        if count >= PLAIN and not contact.segments:
+            contact_response.lengthen(s, at, state, mass, scheme.ends, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
     if pressed:
         contact_forces.mark_released(s, at, state.push)

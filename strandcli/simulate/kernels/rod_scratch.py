@@ -58,10 +58,20 @@ CONTACT_CHANGE = 42
 """The sum of the absolute coordinates of all changes of accelerations by contact in the rounds of a step, m/s²."""
 SPIN_AXIS = 39
 """(3) In the last sweep: the direction from root to tip where a strand has spun (`rod_spin`), else 0."""
+CONTACT_WORK = 43
+"""Σ M a·w of the last change a of accelerations by contact, and the displacements w that were wanted before it."""
+BEYOND = 44
+"""The same at the end of that change where it has gone too far, below 0; 0 where not."""
+REACHED = 45
+"""How far along that change the strand is: 1 at its end."""
+WIDTH = 46
+"""The length of that change as a share of what it was at first."""
+FIRST_WORK = 47
+"""The work along that change at its beginning if it was as steep as at first."""
 
 SEGMENT = 17
 """Vectors of a segment. An odd number: vectors at distances of a power of two would share lines of the cache."""
-FIRST_SEGMENT = 43 + 2 * SEGMENT
+FIRST_SEGMENT = 48 + 2 * SEGMENT
 """Place of the first segment."""
 EDGE = 0
 """(3) Of a segment: e_j, of unit length at the start and the end of a step."""

@@ -50,11 +50,13 @@ GAIN = 3
 """Vectors of scratch that this module adds a segment: the Kalman gain of the next particle."""
 FORCE = 4
 """Vectors of scratch a segment after those: `firm_force`."""
+CHANGE = 6
+"""Vectors of scratch a segment after `lasting_share`: `force_change`."""
 
 
 def scratch_size(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
-    return vectors_for(n) + n * (GAIN + FORCE + 1)
+    return vectors_for(n) + n * (GAIN + FORCE + 1 + CHANGE)
 
 
 @inlined
@@ -76,13 +78,21 @@ def lasting_share(n, j):
     return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE) + j
 
 
+@inlined
+def force_change(n, j):
+    """Place of the change of the acceleration by contact of the particle after segment j in a round (3), and of the
+    normal (3)."""
+    return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE + 1) + j * CHANGE
+
+
 @device
-def filter_forward(s, n, mass, loose, foreseen):
+def filter_forward(s, n, mass, loose, foreseen, inexact):
     """Kalman filter from the root to the tip: set `INNOVATION` and the gains, `EDGE_GAIN` taking the place of the
     loads.
 
     ``foreseen``: loads are subtracted from the means, which follow the same recurrence, so that r is what is left after
-    the change that they lead to. ``loose``: whether roots are free, None where not.
+    the change that they lead to. ``loose``: whether roots are free, None where not. ``inexact``: None where edges count
+    as of exact length, and r is of loads alone.
     """
     zero = broadcast(s, 0.0)
     noise = load(s, FIRST_SEGMENT + INVERSE_PIVOT)
@@ -102,7 +112,7 @@ def filter_forward(s, n, mass, loose, foreseen):
         # covariances of the observation with both parts of the state
         h = matrix_product(mixed, direction)
         k = symmetric_product(edge, direction)
-        precision, seen = observe(direction, k, mean_edge, noise, mass[j])
+        precision, seen = observe(direction, k, mean_edge, noise, mass[j], inexact)
         store(s, o + INNOVATION, seen)
         # transport to the next segment as if nothing had been observed
         f = load(s, o + SEGMENT + EDGE_FACTOR)
@@ -144,7 +154,7 @@ def begin_loose(s, mean_edge, noise, foreseen):
 
 
 @inlined
-def observe(direction, covariance, mean_edge, noise, mass):
+def observe(direction, covariance, mean_edge, noise, mass, inexact):
     """1 over the variance of the observation of e·z, and the innovation over that variance. ``covariance`` is that of
     the observation with the edge's change z, whose mean is ``mean_edge``; ``noise`` is the variance of the edge's
     noise."""
@@ -155,7 +165,10 @@ def observe(direction, covariance, mean_edge, noise, mass):
     least = max(noise * square + short, TINY)
     precision = 1.0 / max(short + x * kx + y * ky + z * kz, least)
     wx, wy, wz = mean_edge
-    return precision, (length_residual(square) - (x * wx + y * wy + z * wz)) * precision
+    seen = -(x * wx + y * wy + z * wz)
+    if inexact is not None:
+        seen = length_residual(square) - (x * wx + y * wy + z * wz)
+    return precision, seen * precision
 
 
 @inlined
