@@ -15,8 +15,9 @@ from .rest_shape import ends_apart
 
 FIRM, LOOSE, FLAT = 0.5, 10.0, 10.0
 """Step over the frequency at which a coil stretches in which `SHARES` of `firmness` keep its edges where they are led.
-Strands whose joints turn by less than `LOOSE` radians in all need as much in steps that are as much longer; flat coils
-in shorter ones: of `FLAT` times the distance between their ends, over their length and these radians."""
+That is of strands whose joints turn by `LOOSE` radians in all. The less they turn, the longer are steps that need as
+much; the more, the shorter, where following edges by extrapolation is a greater error. Flat coils need it in shorter
+ones: of `FLAT` times the distance between their ends, over their length and these radians."""
 SHARES = 0.6, 1.6
 """Such a step from which firmness counts, which would be an error in shorter ones, and from which all of it does."""
 LED_UP_TO, LATE_FROM, STAY_FROM, STAY = 0.3, 0.6, 1.0, 2.0
@@ -58,7 +59,7 @@ class CoilSteps:
         self.rates = stretch_rates(torsion, material.stiffness, square, rows - 1)
         """(P, S) angular frequencies, rad/s, at which strands stretch as springs do."""
         flat = FLAT * np.maximum(long, TINY) / turning
-        self._firm = np.minimum(FIRM * np.maximum(1.0, LOOSE / turning), flat)
+        self._firm = np.minimum(FIRM * LOOSE / turning, flat)
         self._over = math.sqrt(3 * torsion) / turning  # 1 / sqrt(R)
 
     def set(self, dt: float, bdf2: bool) -> None:
