@@ -15,7 +15,20 @@ from ..blocks import aligned, lanes, on_large_pages
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
-from .kernels.records import LEAD, NUMBERS, POSE, ROOT_TWIST, ROUNDING, SOFT, TORSION, WIDE_SLOPE, Flags, Forcing, Material, State
+from .kernels.records import (
+    LEAD,
+    NUMBERS,
+    POSE,
+    ROOT_TWIST,
+    ROUNDING,
+    SOFT,
+    TORSION,
+    WIDE_SLOPE,
+    Flags,
+    Forcing,
+    Material,
+    State,
+)
 from .kernels.rod_scratch import PACK
 from .material import coil_rates, integrator_of, matter_along, stiffness, torsion
 from .precision import needs_double
@@ -33,8 +46,8 @@ Floats = NDArray[np.float64]
 CLAMP = 2.0
 """Relative rigidity of clamped roots, which have half a segment before their joint."""
 HINGE = 1e-9
-"""Relative rigidity of a hinged root whose strand is curled: its rest shape pulls at the first edge through that joint,
-which must not have none."""
+"""Relative rigidity of a hinged root whose strand is curled: what its rest shape does to the first edge is written as a
+bend of that joint, which must not have none. Greater ones hold stiff strands up."""
 
 
 class Matter(NamedTuple):
