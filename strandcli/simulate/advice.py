@@ -163,8 +163,8 @@ def coarse_curls(scene: Scene, groom: Groom) -> list[str]:
         return []
     return [
         f"rod.rest: {scene.rod.rest}: {int(coarse.sum()):,} of {groom.strands:,} strands have curls with as few as "
-        f"{2 * np.pi / mean.max():.2g} segments a turn, and may move for ever: a curl needs {FEWEST_A_TURN:g}, and more "
-        "to have its shape; use more emitter.particles, or fewer turns"
+        f"{2 * np.pi / mean.max():.2g} segments a turn, and may move for ever: a curl needs {FEWEST_A_TURN:g}, and "
+        "more to have its shape; use more emitter.particles, or fewer turns"
     ]
 
 
