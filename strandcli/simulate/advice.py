@@ -40,6 +40,12 @@ ROUNDED = 1e-12
 """Relative error of a stiffness that is no more than rounding."""
 RETURNED = 1e-6
 """Tolerance between the first and the last pose of a loop, metres and elements of the rotation matrix."""
+FEWEST_A_TURN = 5.0
+"""Segments a turn of a curl below which it may not come to rest: what carries its shape along turns too far in one."""
+HALF = 0.5
+"""Share of a strand's joints that are a curl's above which it is one."""
+BENT = 0.2
+"""Radians by which edges turn from one to the next from which a joint counts as that of a curl."""
 SMALL = 0.5
 """Radius of a sphere or capsule, in segments, below which it fits between two particles."""
 
@@ -75,7 +81,7 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
                 f"{name}: its radius of {solid.radius:g} m is less than half a segment of {segment.max():.3g} m, so it "
                 f"passes between two particles unnoticed; {_catching(scene)}, or use more emitter.particles"
             )
-    return found + _broken_loops(scene) + softness(scene, groom)
+    return found + _broken_loops(scene) + coarse_curls(scene, groom) + softness(scene, groom)
 
 
 def _idle_rod(scene: Scene) -> list[str]:
@@ -138,6 +144,28 @@ def _broken_loops(scene: Scene) -> list[str]:
                 "to where they began: it jumps there; give it a last key like the first"
             )
     return found
+
+
+def coarse_curls(scene: Scene, groom: Groom) -> list[str]:
+    """Return a warning if curls that rods are to keep have fewer than `FEWEST_A_TURN` segments a turn."""
+    n = scene.emitter.particles - 1
+    if scene.solver != "rod" or scene.rod.rest == "straight" or n < 3:
+        return []
+    edges = np.stack(unit_edges(groom, n)[0])
+    # of a helix bends are across its axis, and from one to the next turn as it does
+    bends = np.diff(edges / np.linalg.norm(edges, axis=2, keepdims=True), axis=0)
+    size = np.maximum(np.linalg.norm(bends, axis=2), ROUNDED)
+    turns = np.arccos(np.clip((bends[1:] * bends[:-1]).sum(2) / (size[1:] * size[:-1]), -1, 1))
+    curled = np.minimum(size[1:], size[:-1]) > BENT
+    mean = (turns * curled).sum(0) / np.maximum(curled.sum(0), 1)
+    coarse = (mean > 2 * np.pi / FEWEST_A_TURN * (1 + RETURNED)) & (curled.mean(0) > HALF)
+    if not coarse.any():
+        return []
+    return [
+        f"rod.rest: {scene.rod.rest}: {int(coarse.sum()):,} of {groom.strands:,} strands have curls with as few as "
+        f"{2 * np.pi / mean.max():.2g} segments a turn, and may move for ever: a curl needs {FEWEST_A_TURN:g}, and "
+        "more to have its shape; use more emitter.particles, or fewer turns"
+    ]
 
 
 def softness(scene: Scene, groom: Groom) -> list[str]:

@@ -34,6 +34,7 @@ from .rod_motion import Motion, change_of
 from .rod_numbers import StepNumbers
 from .rod_pinned import TOLERANCE as PINNED_TOLERANCE
 from .rod_pinned import Pins
+from .rod_roots import Roots
 from .rod_setup import (
     coil_rate,
     flags_of,
@@ -41,7 +42,6 @@ from .rod_setup import (
     hinged,
     material_of,
     matter_of,
-    packed,
     precision_of,
     rest_of,
     shape_of,
@@ -106,17 +106,14 @@ class RodSolver(Solver):
         self._gravity = tuple(self.surroundings.gravity.tolist())
         arrays = self.state, self.material, self.forcing
         self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
-        coils = CoilSteps(*arrays[1:], self.state.edges) if shape.curled else None
+        edges = self.state.edges if rod.yield_strain is None else None
+        coils = CoilSteps(*arrays[1:], edges) if shape.curled else None
         self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, shape.coiled, coils)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
+        self.roots = Roots(self.deforming, self.strands, rod, arrays, shape.curled)
         self.yielding = yielding_of(scene, self.material)
         self._sudden = self.pins is not None and self.yielding is not None
         """Whether rest shapes of taut strands may change at once, which iterations may fail."""
-        self._across: NDArray[Any] | None = None
-        """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
-        if self.deforming is not None and shape.curled:
-            rows = self.material.bends[:, 0].reshape(-1, 3, PACK).transpose(0, 2, 1)
-            self._across = rows.reshape(-1, 3)[: self.strands].copy()
         self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
         self._steady = not (self._coil_rate or self._sudden) and self.contact is None and self.deforming is None
         """Whether a step is one of the kernel's."""
@@ -131,7 +128,7 @@ class RodSolver(Solver):
         crowd = {} if self.crowd is None else self.crowd.state_arrays()
         found = {} if self.contact is None else self.contact.state_arrays()
         rest = {} if self.yielding is None else {"bends": self.material.bends}
-        return {**super().state_arrays(), **state, "roots": self.forcing.roots, **last, **crowd, **found, **rest}
+        return {**super().state_arrays(), **state, **self.roots.state_arrays(), **last, **crowd, **found, **rest}
 
     def check(self, state: Mapping[str, NDArray[Any]], frame: int) -> None:
         """Raise `ValueError` for a state that is none of a frame."""
@@ -141,11 +138,11 @@ class RodSolver(Solver):
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""
+        self.roots.restore(state)
         super().restore(state)
         for name, one in self.state._asdict().items():
             if one is not self.positions:
                 one[...] = state[f"state {name}"]
-        self.forcing.roots[...] = state["roots"]
         last = state["last"].tolist()
         self._last_step, self.pose = last[0], pose_of(last[1:])
         self.surroundings.set_last_poses(state["poses"])
@@ -155,6 +152,7 @@ class RodSolver(Solver):
             self.contact.restore(state)
         if self.yielding is not None:
             self.material.bends[...] = state["bends"]
+            self.numbers.measure_coils()
 
     def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
         """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
@@ -201,7 +199,8 @@ class RodSolver(Solver):
                 self.crowd.begin_anew()
         if around.any_solids and (moved.jumps or self._last_step == 0):
             self._put_outside(time - dt)
-        self._deform(time)
+        self.roots.deform(time, self.pose)
+        self.roots.begin_frames(self.pose, pose)
         bdf2 = self.second and dt == self._last_step and not moved.jumps
         gust = around.gust(time, self.positions)
         if gust is not None:
@@ -227,25 +226,12 @@ class RodSolver(Solver):
             short = short and bool((self.state.residuals <= RESIDUAL_MOST).all())
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
-        if self.loose:
+        if self.loose or self.roots.hinged:
             begin_before_roots(self.positions)
-        if self.yielding is not None:
-            self.yielding.follow(self.state, self.material, self.forcing, pose)
+        if self.yielding is not None and self.yielding.follow(self.state, self.material, self.forcing, pose):
+            self.numbers.measure_coils()
         self.pose, self._last_step = pose, dt
         return short
-
-    def _deform(self, time: float) -> None:
-        """Set the roots in the emitter's frame where they move there, and how far they came since the last step."""
-        if self.deforming is None:
-            return
-        forcing, past = self.forcing, np.array(self.pose.rotation, self.dtype)
-        before = forcing.roots.copy()
-        roots, directions = self.deforming.at(time)
-        if self._across is not None:
-            across = np.einsum("nij,nj->ni", self.deforming.turns(time), self._across)
-            self.material.bends[:, 0] = packed(across, self.dtype)
-        forcing.roots[...], forcing.directions[...] = packed(roots, self.dtype), packed(directions, self.dtype)
-        forcing.drift[...] = turned(past, forcing.roots - before).reshape(forcing.drift.shape)
 
     def _run(self, pose: Pose, change: memoryview, beside: tuple[int, ...] = NOTHING) -> None:
         """Run the kernel to a pose of the emitter, with its ``change`` as `Forcing.pose`."""
@@ -272,7 +258,7 @@ class RodSolver(Solver):
 
     def place_roots(self, frame: int) -> None:
         """Put the first two rows where they are at a frame, to the bits of a step that ends there."""
-        self._deform((frame - 1) / self.scene.time.fps)
+        self.roots.deform((frame - 1) / self.scene.time.fps, self.pose)
         turn, moved = (np.array(part, self.dtype) for part in self.motion.pose((frame - 1) / self.scene.time.fps))
         roots = turned(turn, self.forcing.roots) + moved[:, None]
         before = roots - self.material.lengths[:, None] * turned(turn, self.forcing.directions)
@@ -282,7 +268,7 @@ class RodSolver(Solver):
     def take(self, frame: int, particles: NDArray[np.floating]) -> None:
         """As for any solver."""
         super().take(frame, particles)
-        if self.loose:
+        if self.loose or self.roots.hinged:
             begin_before_roots(self.positions)
 
     def errors(self, frame: int) -> dict[str, float | None]:

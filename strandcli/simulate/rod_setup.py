@@ -15,7 +15,20 @@ from ..blocks import aligned, lanes, on_large_pages
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
-from .kernels.records import LEAD, NUMBERS, POSE, ROUNDING, SOFT, TORSION, Flags, Forcing, Material, State
+from .kernels.records import (
+    LEAD,
+    NUMBERS,
+    POSE,
+    ROOT_TWIST,
+    ROUNDING,
+    SOFT,
+    TORSION,
+    WIDE_SLOPE,
+    Flags,
+    Forcing,
+    Material,
+    State,
+)
 from .kernels.rod_scratch import PACK
 from .material import coil_rates, integrator_of, matter_along, stiffness, torsion
 from .precision import needs_double
@@ -30,9 +43,11 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-HINGE = 1e-4
-"""Relative rigidity of a hinged root whose strand is curled: its rest shape pulls at the first edge through that joint,
-which must not have none."""
+CLAMP = 2.0
+"""Relative rigidity of clamped roots, which have half a segment before their joint."""
+HINGE = 1e-9
+"""Relative rigidity of a hinged root whose strand is curled: what its rest shape does to the first edge is written as a
+bend of that joint, which must not have none. Greater ones hold stiff strands up."""
 
 
 class Matter(NamedTuple):
@@ -234,6 +249,7 @@ def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags, rod: Rod, coi
     numbers[ROUNDING] = 4 * float(np.finfo(dtype).eps)
     numbers[TORSION] = torsion(rod, coiled)
     numbers[SOFT], numbers[LEAD] = softness(rod), lead(rod)
+    numbers[ROOT_TWIST], numbers[WIDE_SLOPE] = CLAMP, -1.0
     of_curls = packs if flags.curled else 1
     return Forcing(
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),

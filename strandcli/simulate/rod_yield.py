@@ -35,8 +35,8 @@ class Yielding:
         reach[0] = 0.5
         self.limits = (rod.yield_strain or 0.0) * (reach / radius)[:, None, None] * material.lengths
 
-    def follow(self, state: State, material: Material, forcing: Forcing, pose: Pose) -> None:
-        """Have rest shapes follow the strands as they are, with the emitter in a pose."""
+    def follow(self, state: State, material: Material, forcing: Forcing, pose: Pose) -> bool:
+        """Have rest shapes follow the strands as they are, with the emitter in a pose. Return whether some change."""
         # t: edge before the joint; a, b: axes across it, carried along the strand as by `kernels.rod_curl`, before they
         # are turned by the angle of twist; x, y: bend less rest, along the turned axes
         turn = np.array(pose.rotation, state.edges.dtype)
@@ -44,7 +44,7 @@ class Yielding:
         bends = material.bends.reshape(*material.bends.shape[:2], 3, PACK)
         t = np.einsum("ij,pjk->ipk", turn, forcing.directions.reshape(-1, 3, PACK))
         a = np.einsum("ij,pjk->ipk", turn, bends[:, 0])
-        angle = np.zeros_like(t[0])
+        angle, changed = np.zeros_like(t[0]), False
         for j in range(len(self.limits)):
             e, b = edges[j], np.cross(t, a, axis=0)
             cosine, sine = np.cos(angle), np.sin(angle)
@@ -54,6 +54,7 @@ class Yielding:
             away = np.sqrt(x * x + y * y)
             beyond = away > self.limits[j]
             if beyond.any():
+                changed = True
                 share = np.where(beyond, 1 - self.limits[j] / np.maximum(away, 1e-30), 0.0)
                 v, w = rest[:, 1] + share * x, rest[:, 2] + share * y
                 along = np.sqrt(np.maximum(1 - v * v - w * w, 0.0)) - 1  # t plus the rest is a unit vector
@@ -63,6 +64,7 @@ class Yielding:
             a = a - (a * e).sum(0) / np.maximum(1 + (t * e).sum(0), FOLD) * (t + e)
             a /= np.sqrt((a * a).sum(0))
             t = e
+        return changed
 
 
 def yielding_of(scene: Scene, material: Material) -> Yielding | None:

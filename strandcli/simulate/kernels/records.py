@@ -11,14 +11,16 @@ from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
 VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, LED, LEAD, LASTING = 14, 15, 16, 17, 18, 19, 20, 21
-NUMBERS = 22
+ROOT_TWIST, WIDE_SLOPE = 22, 23
+NUMBERS = 24
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
 bending rigidity, h of velocities in s, angle in radians by which clamped tips are turned, relative rigidity of their
 joint, relative mass of free roots times 1 + drag h, of oval sections the share by which the softer direction's rigidity
-is less, above 0 where rest shapes are led (`Scheme.led`), the share of that which follows velocities, and above 0 where
-`State.crowd` are accelerations by contact, which act all through a step as gravity does."""
+is less, above 0 where rest shapes are led (`Scheme.led`), the share of that which follows velocities, above 0 where
+`State.crowd` are accelerations by contact, which act all through a step as gravity does, the relative rigidity against
+twist about the root, and how the torque of oval sections rises by the square of what they bend along the wide axis."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this

@@ -38,7 +38,7 @@ from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3, where
 from ...simd.turning import cosine_sine, cosine_sine_of_small
 from . import rod_held, rod_lead, rod_oval
-from .records import DAMPING, ROUNDING, SOFT, STEP, TIP_JOINT, TORSION
+from .records import DAMPING, ROOT_TWIST, ROUNDING, SOFT, STEP, TIP_JOINT, TORSION, WIDE_SLOPE
 from .rod_frames import CLAMP, carried, cross, first_normal
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT, STIFFNESS
 from .rod_tension import firm_force, particle_gain
@@ -104,8 +104,9 @@ def transport_frames(s, at, state, material, forcing, scheme, soft):
         if soft is not None:
             x, y, z = c * ax + d * bx, c * ay + d * by, c * az + d * bz
             turn, stiff = rod_oval.torque(
-                (ex, ey, ez), (x, y, z), (c * bx - d * ax, c * by - d * ay, c * bz - d * az), v, w, soft
-            )
+                (ex, ey, ez), (x, y, z), (c * bx - d * ax, c * by - d * ay, c * bz - d * az), v, w, soft,
+                forcing.numbers[WIDE_SLOPE],
+            )  # fmt: skip
         else:
             v, w = v * c - w * d, v * d + w * c
             x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
@@ -114,7 +115,7 @@ def transport_frames(s, at, state, material, forcing, scheme, soft):
             turn = v * g - w * f
         store3(s, o + TARGET, 1, x, y, z)
         if j > 0:
-            before = torsion * joint[j - 1]
+            before = torsion * (joint[j - 1] if j > 1 else forcing.numbers[ROOT_TWIST])
             after = torsion * joint[j]
             if held is None and j + 1 == n:
                 after = 0.0

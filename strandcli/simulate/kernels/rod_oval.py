@@ -27,12 +27,13 @@ SLIGHT = 1e-4
 
 
 @inlined
-def torque(e, wide, thin, v, w, soft):
+def torque(e, wide, thin, v, w, soft, slope):
     """Torque about the edge before a joint by the bend of an oval section, over κ, and how it falls with ψ. v, w: the
-    rest along both axes."""
+    rest along both axes; ``slope``: `WIDE_SLOPE`, −1, or 1 where nothing but bends tells ψ, as of straight strands on
+    hinges: Newton's method would overshoot there and energy grow, and the bound of the fall, σ (x² + y²), is taken."""
     x = e[0] * wide[0] + e[1] * wide[1] + e[2] * wide[2]
     y = e[0] * thin[0] + e[1] * thin[1] + e[2] * thin[2]
-    return v * y - (w + soft * (y - w)) * x, v * x + (1.0 - soft) * w * y + soft * (y * y - x * x)
+    return v * y - (w + soft * (y - w)) * x, v * x + (1.0 - soft) * w * y + soft * (y * y + slope * (x * x))
 
 
 @device
