@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from crossing_kit import solver_of, strands
 from strandcli.simulate.kernels.rod_scratch import PACK
-from tests.simulate.test_strand_contact import CROSS, RULE, Floats, solver_of, strands
+from tests.simulate.test_strand_contact import CROSS, RULE, Floats
 
 
 def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump() -> None:
