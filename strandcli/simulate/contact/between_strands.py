@@ -182,7 +182,9 @@ class StrandContact:
     ) -> tuple[Contacts, Floats]:
         """Return the contacts of a round and their forces: those of the rounds before at the places where they were
         found, and those that are ``found`` now. Places that moved from round to round would let rounds not converge."""
+        past = held.excess()
         held.update(start, end)
+        held.urge(past, TOLERANCE * self.thickness)
         # the normal of others is that of the end, which is on the wrong side where they have passed each other
         some = (found.excess() > 0) | (found.numbers[:, SAME] > ALIKE)
         new, old = self._codes(found.pairs), self._codes(held.pairs)

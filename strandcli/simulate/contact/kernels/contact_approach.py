@@ -40,6 +40,9 @@ BOUND = 4.0
 """Segments from the second on over which strands that begin too close come to be led apart: roots hold them there."""
 SLOPE = 0.1
 """By how much the distance that strands keep grows along them, from that of their roots to their thickness."""
+DEEP = 0.5
+"""Share of the thickness from which on strands are too close when a step begins to be kept on their sides in all of it:
+of a crowd that begins inside each other not all can be, and those that are would be thrown."""
 TOUCH = 1e-3
 """Share of the least distance within which segments whose ends lie in a plane pass through each other."""
 OBLIQUE = 0.05
@@ -237,7 +240,7 @@ def look_at(start, end, lengths, pair, sizes, number, vector, scratch):
     decided = t >= 1.0 or distance <= CLOSE * least
     touch(start, end, pair, (t, distance, thickness), number, vector, scratch)
     # what does not keep a pair apart, at a joint or to the side of where it goes, may let it through later
-    if t < 1.0 and not (decided and number[COUNTS] > 0.0 and number[GAP] < number[WANTED]):
+    if t < 1.0 and begin > DEEP * thickness and not (decided and number[COUNTS] > 0.0 and number[GAP] < number[WANTED]):
         passes, t, distance = rest_of_step(start, end, pair, t, CLOSE * least, scratch)
         if passes or not decided:
             touch(start, end, pair, (t, distance, thickness), number, vector, scratch)
