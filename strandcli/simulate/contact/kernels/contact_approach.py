@@ -40,7 +40,7 @@ BOUND = 4.0
 """Segments from the second on over which strands that begin too close come to be led apart: roots hold them there."""
 SLOPE = 0.1
 """By how much the distance that strands keep grows along them, from that of their roots to their thickness."""
-DEEP = 0.5
+DEEP = 0.25
 """Share of the thickness from which on strands are too close when a step begins to be kept on their sides in all of it:
 of a crowd that begins inside each other not all can be, and those that are would be thrown."""
 TOUCH = 1e-3
