@@ -10,30 +10,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strand_kit import scene_of
+from crossing_kit import crossings, solver_of, strands
 from strandcli.errors import UsageError
-from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
 from strandcli.simulate.contact.between_strands import in_parts
 from strandcli.simulate.contact.kernels import contact_response
 from strandcli.simulate.contact.nearby import Nearby
 from strandcli.simulate.kernels.rod_scratch import PACK
-from strandcli.simulate.rod import RodSolver
 
 Floats = NDArray[np.float64]
 CROSS = "rod: {{rest: straight, radius: 1.0e-3, young: {young}, drag: 0}}\ntime: {{fps: 24}}\n"
 RULE = "emitter: {{strands: 2, particles: 11, length: 1}}\nrules: [gravity, contact: {{thickness: {d}, friction: 0.5}}]"
-
-
-def strands(roots: Any, ways: Any, lengths: Any) -> Groom:
-    way = np.array(ways, float)
-    way /= np.linalg.norm(way, axis=1)[:, None]
-    count = len(lengths)
-    return Groom(
-        np.array(roots, np.float32), way.astype(np.float32), np.array(lengths, np.float32),
-        np.zeros(count, np.float32),
-    )  # fmt: skip
 
 
 def laid_pair(n: int, turns: float, radius: float, length: float) -> Groom:
@@ -48,41 +36,6 @@ def laid_pair(n: int, turns: float, radius: float, length: float) -> Groom:
         np.array([p[0] for p in points], np.float32), ways[:, 0].astype(np.float32), lengths.astype(np.float32),
         np.zeros(2, np.float32), ways=ways,
     )  # fmt: skip
-
-
-def solver_of(text: str, groom: Groom | None = None) -> RodSolver:
-    one = scene_of("solver: rod\n" + text)
-    return RodSolver(one, groom or emit(one.emitter, one.seed))
-
-
-def crossings(a: Floats, b: Floats) -> int:
-    """Segments of different strands that pass through each other on straight ways from ``a`` to ``b``, (S, N + 1, 3):
-    where the four ends lie in a plane, the roots of a cubic, the segments must not cross in it."""
-    count = 0
-    for s in range(len(a)):
-        for t in range(s + 1, len(a)):
-            for i in range(a.shape[1] - 1):
-                for j in range(a.shape[1] - 1):
-                    count += crosses(a[s, i : i + 2], b[s, i : i + 2], a[t, j : j + 2], b[t, j : j + 2])
-    return count
-
-
-def crosses(p: Floats, p1: Floats, q: Floats, q1: Floats) -> bool:
-    def parts(t: float) -> tuple[Floats, Floats, Floats]:
-        x, y = p + t * (p1 - p), q + t * (q1 - q)
-        return x[1] - x[0], y[1] - y[0], y[0] - x[0]
-
-    times = np.array([0, 1 / 3, 2 / 3, 1.0])
-    volumes = [np.linalg.det(np.stack(parts(t))) for t in times]
-    if min(volumes) > 0 or max(volumes) < 0:  # a cubic may still have two roots between: strands that just touch
-        return False
-    for root in np.roots(np.linalg.solve(np.vander(times, 4), volumes)):
-        if abs(root.imag) < 1e-9 and 0 < root.real <= 1:
-            e, f, w = parts(root.real)
-            places, *_ = np.linalg.lstsq(np.stack([e, -f], 1), w, rcond=None)
-            if (places >= 0).all() and (places <= 1).all():
-                return True
-    return False
 
 
 @pytest.mark.parametrize(("speed", "young"), [(1, "5.0e+9"), (10, "5.0e+5"), (1000, "5.0e+9")])

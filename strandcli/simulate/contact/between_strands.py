@@ -182,7 +182,9 @@ class StrandContact:
     ) -> tuple[Contacts, Floats]:
         """Return the contacts of a round and their forces: those of the rounds before at the places where they were
         found, and those that are ``found`` now. Places that moved from round to round would let rounds not converge."""
+        past = held.excess()
         held.update(start, end)
+        held.urge(past, TOLERANCE * self.thickness)
         # the normal of others is that of the end, which is on the wrong side where they have passed each other
         some = (found.excess() > 0) | (found.numbers[:, SAME] > ALIKE)
         new, old = self._codes(found.pairs), self._codes(held.pairs)
@@ -211,7 +213,7 @@ class StrandContact:
     def _near(self, start: Floats, end: Floats, pairs: NDArray[np.int64], sizes: tuple[float, ...]) -> Contacts:
         """Return the contacts among some pairs that are near at the end of a step."""
         numbers, vectors = np.zeros((len(pairs), NUMBERS)), np.zeros((len(pairs), VECTORS))
-        contact_approach.look(start, end, self.lengths, pairs, sizes, numbers, vectors, np.zeros((3, 2, 3)))
+        contact_approach.look(start, end, self.lengths, pairs, sizes, numbers, vectors, np.zeros((6, 2, 3)))
         near = (numbers[:, COUNTS] > 0) & (numbers[:, GAP] < sizes[-1])
         return Contacts(pairs, numbers, vectors).where(near)
 

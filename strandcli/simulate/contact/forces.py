@@ -12,7 +12,7 @@ from ...groom.record import Groom
 from ..kernels.records import DAMPING, DRAG, STEP, VELOCITY_STEP, State
 from ..kernels.rod_scratch import PACK
 from .kernels import contact_response, contact_solve
-from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, IMPACT, SECOND, SECOND_SEGMENT
+from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, IMPACT, NORMAL, SECOND, SECOND_SEGMENT, URGENCY
 from .kernels.contact_response import BAND, BLOCK
 
 if TYPE_CHECKING:
@@ -89,8 +89,19 @@ class Forces:
         contact_solve.solve(found.pairs, contacts, (responses, own), settings, after, moves, rows)
         moved = float(np.abs(moves).max())
         share = min(1.0, TRUST * max(float(found.excess().max()), self.thickness) / max(moved, TINY))
-        forces += share * (after - forces)
+        leans = np.asarray(self._held(solver.state).any((1, 2)))
+        found.numbers[:, URGENCY] *= leans[found.pairs[:, FIRST]] | leans[found.pairs[:, SECOND]]
+        urgent = found.numbers[:, URGENCY] > 0
+        forces += share * np.maximum(found.numbers[:, URGENCY, None], 1) * (after - forces)
+        forces[urgent] = self._in_cone(forces[urgent], found.vectors[urgent, NORMAL : NORMAL + 3])
         return moved
+
+    def _in_cone(self, forces: Floats, normals: Floats) -> Floats:
+        """Return forces (m, 3) that press, and of which what is across their normals is no more than friction."""
+        along = np.maximum(np.einsum("ic,ic->i", forces, normals), 0)[:, None]
+        across = forces - np.einsum("ic,ic->i", forces, normals)[:, None] * normals
+        size = np.linalg.norm(across, axis=1, keepdims=True)
+        return np.asarray(along * normals + across * np.minimum(1, self.friction * along / np.maximum(size, TINY)))
 
     def _method(self, dt: float, solver: Any) -> Method:
         """What `rod_start.set_coefficients` makes of a step of ``dt`` seconds."""
