@@ -73,10 +73,9 @@ def test_a_map_counts_projected_area() -> None:
     lines = straight(200)
     maps = maps_of(SUN, lines)
     assert maps.stacks is not None
-    heads, rows = maps.stacks[: opacity.HEAD * 32 * 32], maps.stacks[opacity.HEAD * 32 * 32 :]
-    rows = rows.reshape(-1, opacity.stride_for(DEEP.layers))
+    rows = maps.stacks[opacity.HEAD * 32 * 32 :].reshape(-1, opacity.stride_for(DEEP.layers))
     assert not rows[0].any()  # of cells that no strand comes to
-    assert np.count_nonzero(heads[opacity.ROW :: opacity.HEAD]) == len(rows) - 1 < 32 * 32
+    assert np.count_nonzero(maps.stacks[opacity.ROW : opacity.HEAD * 32 * 32 : opacity.HEAD]) == len(rows) - 1 < 32 * 32
     texels = rows[:, -4:].sum(1, dtype=np.float64)
     whole = texels.sum() / maps.views[0].focal ** 2
     world = lines.world.astype(np.float64).reshape(200, 9, 3)
