@@ -6,8 +6,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strandcli.simulate.kernels.crowd_limit import BETWEEN_ONLY, FARTHEST, WIDELY, limit
-from strandcli.simulate.kernels.crowd_records import BETWEEN, CELL, FALL, FULL, MASS, MOMENTUM, NUMBERS, SPEED, Room
+from strandcli.simulate.kernels.crowd_limit import BETWEEN_ONLY, HASTENED, LED, WIDELY, limit
+from strandcli.simulate.kernels.crowd_records import (
+    BETWEEN,
+    CELL,
+    FALL,
+    FULL,
+    MASS,
+    MOMENTUM,
+    MOST,
+    NUMBERS,
+    SPEED,
+    Room,
+)
 
 WIDE, HIGH, DEEP = 16, 7, 6
 COUNT = WIDE * HIGH * DEEP
@@ -15,7 +26,7 @@ BOX = np.array([0, 0, 0, WIDE, HIGH, DEEP, 0])
 LIVE = np.ones((DEEP + 2, HIGH + 2), np.uint64)
 
 
-def made() -> tuple[NDArray[np.float32], Room, NDArray[np.float32], NDArray[np.float32]]:
+def made(share: float = 0.5) -> tuple[NDArray[np.float32], Room, NDArray[np.float32], NDArray[np.float32]]:
     """A grid with few strands at its sides, and far too much pressure within."""
     rng = np.random.default_rng(5)
     grid = rng.random((COUNT, CELL)).astype(np.float32).T.copy()
@@ -26,7 +37,7 @@ def made() -> tuple[NDArray[np.float32], Room, NDArray[np.float32], NDArray[np.f
     empty = np.zeros(COUNT, np.float32)
     room = Room(np.where(rng.random(COUNT) > 0.1, 1, -0.1).astype(np.float32), empty, empty, 0.2 * inner, empty)
     numbers = np.zeros(NUMBERS, np.float32)
-    numbers[FULL], numbers[SPEED], numbers[FALL + 1] = 0.3, 2.0, -0.3
+    numbers[FULL], numbers[SPEED], numbers[FALL + 1], numbers[MOST] = 0.3, 2.0, -0.3, share
     return grid, room, numbers, (30 * inner * (room.open > 0)).astype(np.float32)
 
 
@@ -36,13 +47,16 @@ def most(at: int, next: int, axis: int, grid: NDArray[np.float32], room: Room, n
     both = float(grid[MASS, at] + grid[MASS, next])
     m = float(WIDELY) * both + float(BETWEEN_ONLY) * float(grid[BETWEEN + axis, first])
     speed = way * float(grid[MOMENTUM + axis, at] + grid[MOMENTUM + axis, next]) / both / float(numbers[SPEED])
-    led = float(FARTHEST) + max(-speed, 0) + max(-way * float(numbers[FALL + axis]), 0)
+    share = float(numbers[MOST])
+    led = max(float(HASTENED) * share**2 + max(-speed, 0), float(LED) * share - speed)
+    led += max(-way * float(numbers[FALL + axis]), 0)
     return m / float(numbers[FULL]) * led + max(float(room.held[at] - room.held[next]), 0)
 
 
-def test_pressure_is_the_greatest_that_no_face_throws_strands_with() -> None:
-    """Against the least sums along all ways between cells."""
-    grid, room, numbers, found = made()
+@pytest.mark.parametrize("share", [0.5, 0.05])
+def test_pressure_is_the_greatest_that_no_face_throws_strands_with(share: float) -> None:
+    """Against the least sums along all ways between cells, in long and in short steps."""
+    grid, room, numbers, found = made(share)
     pressure = found.copy()
     limit(BOX, np.stack([LIVE, LIVE]), grid, room, numbers, pressure)
     wanted = found.astype(float)

@@ -2,14 +2,17 @@
 
 Where strands are far too dense beside room, as when thousands begin inside each other, what pressure hands to the few
 at the edge would throw them by dozens of cells. On a face it may stop what comes against it and what falls against it,
-hold what it held before, and lead apart by `FARTHEST` cells a step:
+hold what it held before, and hasten what it leads apart by a, or bring it to the speed w:
 
-    p_c − p_d <= m (FARTHEST + max(−v, 0) + max(−g, 0)) + HELD max(p'_c − p'_d, 0)
+    p_c − p_d <= m (max(a + max(−v, 0), w − v) + max(−g, 0)) + HELD max(p'_c − p'_d, 0),    a = 2 s², w = s / 2
 
-of the metres m that the impulse on the face moves, their velocity v from c to d, gravity's change g of it, both in
-cells a step, and the pressure p' of the step before. Of all pressures that are no greater than what was found, the
-greatest with that is taken: the least of sums along all ways from a cell, which sweeps to and fro find. Impulses are
-those of a pressure still, so that sums of momentum stay.
+of the metres m that the impulse on the face moves, their velocity v from c to d, gravity's change g of it, all in cells
+a step, the pressure p' of the step before, and the share s of the density that it makes up for in the step at the most,
+`numbers[MOST]`. It is a half of long steps, where a, half a cell, is what counts. Where steps are short s is in
+proportion to them, and a is an acceleration and w a speed that do not depend on how short: steps that are cut into many
+for coils add up, and half a cell in each would throw strands. Of all pressures that are no greater than what was found,
+the greatest with that is taken: the least of sums along all ways from a cell, which sweeps to and fro find. Impulses
+are those of a pressure still, so that sums of momentum stay.
 """
 
 from __future__ import annotations
@@ -18,10 +21,11 @@ import numpy as np
 
 from ...jit import device, function
 from ...simd import any_lane, load, pointer
-from .crowd_records import BETWEEN, FALL, FULL, LANES, MASS, MOMENTUM, SIZE, SPEED
+from .crowd_records import BETWEEN, FALL, FULL, LANES, MASS, MOMENTUM, MOST, SIZE, SPEED
 
-FARTHEST = np.float32(0.5)
-"""Cells that pressure leads strands apart by in a step, at the most."""
+HASTENED, LED = np.float32(2), np.float32(0.5)
+"""a over s², and w over s. With w alone strands that move on together could not be held; with a alone curls that press
+each other are a tenth denser than with half a cell a step at any length, with both by a fortieth."""
 SWEEPS = 8
 """To and fro, at the most."""
 BETWEEN_ONLY = np.float32(0.5)
@@ -106,10 +110,12 @@ def greatest(at, next, first, axis, way, grid, room, numbers, pressure):
         return pressure[at]
     full = numbers[FULL]
     m = moved(first, at + next - first, axis, grid, SLIVER * full) / full
-    if pressure[at] <= pressure[next] + m * FARTHEST:
+    apart = HASTENED * numbers[MOST] * numbers[MOST]
+    if pressure[at] <= pressure[next] + m * apart:
         return pressure[at]
     both = max(grid[MASS, at] + grid[MASS, next], SLIVER * full)
     against = (grid[MOMENTUM + axis, at] + grid[MOMENTUM + axis, next]) / both * -way / numbers[SPEED]
     held = max(room.held[at] - room.held[next], np.float32(0))
     fall = -way * numbers[FALL + axis]
-    return pressure[next] + held + m * (FARTHEST + max(against, np.float32(0)) + max(fall, np.float32(0)))
+    led = max(apart + max(against, np.float32(0)), LED * numbers[MOST] + against)
+    return pressure[next] + held + m * (led + max(fall, np.float32(0)))
