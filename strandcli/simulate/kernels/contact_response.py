@@ -49,6 +49,8 @@ BOW = 0.5
 """Greatest change of an edge, in lengths of it, that a response may predict: of what is linear, no more holds."""
 FAIR = 0.5
 """Share of the work at which a search along a change ends."""
+LOST = 1e-3
+"""Error of |e|² with which iterations have not found lengths."""
 NARROW = 0.05
 """Width of a bracket, as a share of the first, at which its search ends: what strands do may jump."""
 LEAST = 0.1
@@ -81,12 +83,13 @@ def begin(s):
 
 
 @device
-def bracket(s, n, mass):
-    """Return where, and how, to search along the last change (`Along`), from what it has left of the work."""
+def bracket(s, n, mass, worst):
+    """Return where, and how, to search along the last change (`Along`), from what it has left of the work. ``worst``:
+    error of |e|² after it; a change for which iterations find no lengths has gone too far."""
     begun, beyond, left = load(s, CONTACT_WORK), load(s, BEYOND), broadcast(s, 0.0)
     for j in range(n):
         left += mass[j] * dot(load3(s, force_change(n, j), 1), load3(s, particle_gain(n, j), 1))
-    left *= load(s, INVERSE_LENGTH)
+    left = where(worst > LOST, -begun, load(s, INVERSE_LENGTH) * left)
     bracketed = (beyond < 0.0) & (load(s, WIDTH) > NARROW)
     reached = where(bracketed, load(s, REACHED), 1.0)
     width = where(bracketed, load(s, WIDTH), 1.0)

@@ -11,9 +11,13 @@ ROUNDS, PLAIN, MOST_ROUNDS = 4, 10, 32
 """Rounds in which forces of contact are found, at most; the same where particles are deep in solids after these, or
 above them though pressed; and the same where they are so still, as of strands that stand on their tips: these are asked
 how they respond (`contact_response`). What rounds leave is carried on to the next step."""
+CALM = 8
+"""Rounds at the end of which pressures are lengthened no more, so that iterations come to an end."""
 LIVELY, HALF = 2, 0.5
 """Rounds after which forces change by half of what depths ask for, where whole segments are kept out: one that is in a
 solid is so for both of its particles, and forces might come and go from round to round."""
+WHOLE_ROUNDS = 24
+"""As `MOST_ROUNDS`, where whole segments are kept out."""
 
 
 @inlined
@@ -38,7 +42,7 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
     length, pressed, mass = load(material.lengths, at.strand), scheme.pressed, material.mass
     contact_forces.begin(s, at, state.push, pressed)
     contact_response.begin(s)
-    for count in range(MOST_ROUNDS):
+    for count in range(WHOLE_ROUNDS if contact.segments else MOST_ROUNDS):
         acted, near, deep = contact_forces.search(s, at, length, state, contact)
         pressed = pressed or acted
         # where pressures have been lengthened friction has to follow, so rounds go on
@@ -49,10 +53,10 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
         gain = HALF if contact.segments and count >= LIVELY else 1.0
         along = contact_response.nowhere(s)
         if asked:
-            along = contact_response.bracket(s, at.segments, mass)
+            along = contact_response.bracket(s, at.segments, mass, worst)
         if not contact_forces.update(s, at, length, state, contact, mass, gain, along):
             break
-        if count >= PLAIN and not contact.segments:
+        if PLAIN <= count < MOST_ROUNDS - CALM and not contact.segments:
             contact_response.lengthen(s, at, state, mass, scheme.ends, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
     if pressed:
