@@ -60,7 +60,7 @@ def test_strands_that_hang_down_to_a_floor_rest_on_their_tips(height: float, roo
 @pytest.mark.parametrize("root", ["clamped", "hinged"])
 @pytest.mark.parametrize("height", [0.09, 0.098])
 def test_strands_little_longer_than_their_height_rest_on_their_tips(height: float, root: str, radius: str) -> None:
-    """Without their response to forces of contact some move by 5 to 40 mm a frame for ever."""
+    """Without their response to forces of contact some move by 5 to 10 mm a frame for ever."""
     above = f", rotation: [180, 0, 0], position: [0, {height - 0.02}, 0]"
     assert motion_at_rest(f"root: {root}, friction: 0", 0.1, FLOOR, more=above, radius=radius) < 1e-4
 
