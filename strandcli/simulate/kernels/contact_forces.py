@@ -93,8 +93,8 @@ def size_of(vector):
 def search(s, at, length, state, contact):
     """Find where particles are in solids or leave them: set their `NORMAL` and, in place of their gain, the
     displacement by which contact should move them. Those without a force yet get a `FAINT` one. Returns whether there
-    are any in the vector, whether some are nearer to a solid than `CLEAR`, and whether some are `DEEP` in one or, though
-    pressed, `HOVER` above one.
+    are any in the vector, whether some are nearer to a solid than `CLEAR`, and whether some are `DEEP` in one or
+    `HOVER` above one.
 
     Particles are where the last sweep of the step will see them, with edges of exact length.
     """
