@@ -28,7 +28,7 @@ from .compiling import folder
 from .compiling.clock import clock
 from .output.state_file import FREE, DamagedError, ForeignError, read_state, state_pieces
 
-__all__ = ["FREE", "Arrays", "kept"]
+__all__ = ["FREE", "Arrays", "find", "keep", "kept", "key_of"]
 
 SUFFIX = ".arrays"
 MOST_BYTES = 512 << 20
@@ -57,15 +57,30 @@ def kept(
 
     if folder.cache.trouble is not None:
         return list(made().values())
-    key = _key(kind, code, of)
-    path = folder.cache.path / f"{kind}-{key[:24]}{SUFFIX}"
-    found = _read(path, key, like)
+    key = key_of(kind, code, of)
+    found = find(kind, key, like)
     if found is None:
         found = made()
-        small = sum(one.nbytes for one in found.values()) <= LARGEST
-        if small and folder.cache.write(path, state_pieces(key, found)):
-            _remove_oldest(path.parent)
+        keep(kind, key, found)
     return list(found.values())
+
+
+def find(kind: str, key: str, like: Arrays) -> Arrays | None:
+    """The arrays that are kept under a key (see `key_of`), if there are such, of the types and shapes of ``like``."""
+    return _read(_path(kind, key), key, like) if folder.cache.trouble is None else None
+
+
+def keep(kind: str, key: str, arrays: Arrays) -> None:
+    """Keep arrays under a key, where a file can be written and they are not too large."""
+    if folder.cache.trouble is not None or sum(one.nbytes for one in arrays.values()) > LARGEST:
+        return
+    path = _path(kind, key)
+    if folder.cache.write(path, state_pieces(key, arrays)):
+        _remove_oldest(path.parent)
+
+
+def _path(kind: str, key: str) -> Path:
+    return folder.cache.path / f"{kind}-{key[:24]}{SUFFIX}"
 
 
 def _read(path: Path, key: str, like: Arrays) -> Arrays | None:
@@ -90,7 +105,7 @@ def _read(path: Path, key: str, like: Arrays) -> Arrays | None:
     return found
 
 
-def _key(kind: str, code: Sequence[str], of: Iterable[Any]) -> str:
+def key_of(kind: str, code: Sequence[str], of: Iterable[Any]) -> str:
     """64 hexadecimal digits: the hash of all that the bits of what is kept follow from."""
     from .jit import sources
 

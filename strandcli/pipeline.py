@@ -17,6 +17,7 @@ from .stages import FrameRenderer, MovedStrands, Notify, Positions, RunOptions, 
 
 if TYPE_CHECKING:
     from .checkpoints import Checkpoints
+    from .first_frame import FirstFrame
     from .remembered import Remembered
 
 Item = TypeVar("Item")
@@ -42,7 +43,7 @@ def render(
     keep_going: bool = False,
     notify: Notify | None = None,
     warn: Notify | None = None,
-    checkpoints: Checkpoints | Remembered | None = None,
+    checkpoints: Checkpoints | FirstFrame | Remembered | None = None,
 ) -> Iterator[Frame]:
     """Frames of a scene in ascending order (all of them by default); those before the first are simulated unseen.
 

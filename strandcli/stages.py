@@ -26,6 +26,7 @@ from .scene.model import MeshShape, Scene
 if TYPE_CHECKING:
     from .checkpoints import Checkpoints
     from .draw.renderer import Renderer
+    from .first_frame import FirstFrame
     from .remembered import Remembered
 
 Notify = Callable[[str], None]
@@ -44,7 +45,7 @@ class RunOptions:
     """Is handed what is being done."""
     warn: Notify | None = None
     """Is handed what is hardly meant."""
-    checkpoints: Checkpoints | Remembered | None = None
+    checkpoints: Checkpoints | FirstFrame | Remembered | None = None
     """From where the simulation goes on, and where it leaves its state."""
 
     def of_panel(self, number: int) -> RunOptions:
@@ -97,6 +98,8 @@ class SimulationStage:
         """Whether strands move on while a frame is drawn."""
         self._given = given
         self._done = 0
+        self._went_on: int | None = None
+        """The frame at which the simulation last went on from what an earlier run left."""
         self._wrong = False
         self._told = False
         """Whether it was said that strands come through each other."""
@@ -128,7 +131,7 @@ class SimulationStage:
         """Move on to a frame. Raises `SimulationError` where it has gone wrong."""
         solver, draw = self.solver, self.options.draw
         given = self._given
-        before = None
+        before = self._went_on = None
         seconds: dict[str, float | None] = {"simulate": None if given is not None else 0.0}
         # frames that are not drawn are looked at too: a run that has gone wrong stops there
         for passed in [number] if given is not None else self._to_simulate(number):
@@ -147,6 +150,8 @@ class SimulationStage:
         counts = {"strands": self.groom.strands, "particles": self.groom.strands * self.scene.emitter.particles}
         kept = solver.particles() if self.options.keep_positions else None
         frame = Frame(number, None, kept, {"frame": number, "seconds": seconds, "counts": counts, "error": error})
+        if self._went_on is not None:
+            frame.report["went_on_from"] = self._went_on
         if self._wrong and draw:
             return self._drop_nonfinite(frame, before)
         positions = solver.positions.copy() if self.snapshots else solver.positions
@@ -158,6 +163,8 @@ class SimulationStage:
         if kept is not None and not self._wrong:
             before = 1 if self.options.draw and self.scene.camera.shutter > 0 and number > 1 else 0
             found = kept.go_on(self.solver, self._done, number - before)
+            if found > self._done:
+                self._went_on = found
             self._done = min(found, number - 1)  # its errors are measured anew
         return range(self._done + 1, number + 1)
 

@@ -42,10 +42,12 @@ def frames_of(
             keep_going=motion.keep_going, checkpoints=kept,
         )  # fmt: skip
     from .. import pipeline
+    from ..first_frame import FirstFrame
 
     found = pipeline.render(
         scene, numbers, threads=threads, positions=motion.positions, keep_going=motion.keep_going,
-        keep_positions=keep_positions, notify=progress.note, warn=warn, checkpoints=kept,
+        keep_positions=keep_positions, notify=progress.note, warn=warn,
+        checkpoints=FirstFrame(kept, progress.note),
     )  # fmt: skip
     return motion.watch.over(found)
 

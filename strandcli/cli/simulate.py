@@ -69,6 +69,7 @@ def command(
 
                 runtime.start(threads, progress.note)
                 from .. import pipeline
+                from ..first_frame import FirstFrame
 
                 warn = warner(progress, quiet)
                 for frame in pipeline.render(
@@ -80,7 +81,7 @@ def command(
                     keep_going=keep_going,
                     notify=progress.note,
                     warn=warn,
-                    checkpoints=checkpoints.of_run(output, checkpoint, warn),
+                    checkpoints=FirstFrame(checkpoints.of_run(output, checkpoint, warn), progress.note),
                 ):
                     if frame.positions is not None:  # they are, where they are asked for
                         writer.write(frame.number, frame.positions, frame.report["error"])

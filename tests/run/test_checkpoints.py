@@ -30,7 +30,7 @@ from strandcli.simulate.solver import Solver
 from strandcli.simulate.thesis import ThesisSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
 
-PRESETS = ("curly", "hair", "headline", "minimal", "ponytail", "solvers")
+PRESETS = ("brush", "curly", "hair", "headline", "minimal", "ponytail", "solvers")
 MORE = [pytest.param(name, marks=pytest.mark.long) for name in ("bob", "fox", "fur", "grass", "groom", "portrait")]
 SMALL = {"emitter.strands": 70, "emitter.particles": 6, "image.size": [24, 20], "time.preroll": 0.1}
 KEYS = [{"time": 0}, {"time": 0.5, "position": [0.3, 0.1, 0], "rotation": [10, 60, 20]}]

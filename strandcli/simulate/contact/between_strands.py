@@ -94,11 +94,12 @@ class StrandContact:
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what lasts from a step to the next."""
-        return {"found": np.array([self.penetration, *self.handed]), "free touching": self._impacts.past}
+        return {"found": np.array([self.penetration, *self.handed]), "free touching": self._impacts.past.reshape(-1)}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from that."""
-        self.penetration, self._impacts.past = float(state["found"][0]), np.array(state["free touching"])
+        self._impacts.past = np.array(state["free touching"]).reshape(-1, 2)
+        self.penetration = float(state["found"][0])
         self.handed[...] = state["found"][1:]
 
     def _rounds(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
