@@ -10,7 +10,8 @@ from .finding import BROKEN, Finding
 CHECKS: dict[str, Callable[[], Iterator[Finding]]] = {
     "versions": software.versions, "numba": software.numba_settings, "threading": software.threading_layers,
     "processor": machine.processor, "threads": machine.threads, "memory": machine.memory, "disk": machine.disk,
-    "cache": kernels.kept, "presets": software.presets, "extras": software.optional, "self-test": self_test.picture,
+    "cache": kernels.kept, "presets": software.presets,
+    "bytecode": software.bytecode, "extras": software.optional, "self-test": self_test.picture,
 }  # fmt: skip
 
 

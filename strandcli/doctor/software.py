@@ -95,6 +95,25 @@ def threading_layers() -> Iterator[Finding]:
         yield Finding("threading", OK, text)
 
 
+def bytecode() -> Iterator[Finding]:
+    """Whether Python keeps its modules compiled; if not, each run compiles them again, which takes longer than a small
+    picture."""
+    spec = importlib.util.find_spec("numba")
+    if spec is None or spec.origin is None:  # told by another check
+        return
+    kept = importlib.util.cache_from_source(spec.origin)
+    if os.path.exists(kept):
+        yield Finding("bytecode", OK, f"kept in {os.path.dirname(kept)}")
+    elif sys.dont_write_bytecode:
+        yield Finding(
+            "bytecode", NOTE, "Python is told not to write any: each run begins a second later",
+            "unset PYTHONDONTWRITEBYTECODE, or once, as in an image: python -m compileall -q "
+            f"{os.path.dirname(os.path.dirname(spec.origin))}",
+        )  # fmt: skip
+    else:
+        yield Finding("bytecode", OK, "none yet; Python writes it where it may")
+
+
 def optional() -> Iterator[Finding]:
     """Extras, and ffmpeg, which none of the usual work needs."""
     there, ways = [], []

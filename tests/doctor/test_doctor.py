@@ -6,6 +6,7 @@ import json
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from PIL import Image
@@ -143,3 +144,21 @@ def test_versions_that_are_too_old_are_told(monkeypatch: pytest.MonkeyPatch) -> 
     assert found.state == BROKEN
     assert "too old: numba" in found.text
     assert "missing: no-such-package" in found.text
+
+
+def test_bytecode_that_nobody_keeps_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def found(kept: bool, told_not_to: bool) -> Finding:
+        path = tmp_path / "numba" / "__init__.py"
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+        there = tmp_path / f"kept-{kept}"
+        monkeypatch.setattr(software.importlib.util, "find_spec", lambda name: SimpleNamespace(origin=str(path)))
+        monkeypatch.setattr(software.importlib.util, "cache_from_source", lambda origin: str(there))
+        monkeypatch.setattr(software.sys, "dont_write_bytecode", told_not_to)
+        if kept:
+            there.touch()
+        (one,) = software.bytecode()
+        return one
+
+    assert [found(kept, told).state for kept in (True, False) for told in (True, False)] == [OK, OK, NOTE, OK]
+    assert f"compileall -q {tmp_path}" in found(False, True).advice
