@@ -248,11 +248,12 @@ class RodSolver(Solver):
         tension = state.tension.copy()
         self.forcing.drift[...] = 0
         self.surroundings.solids(time, 0.0)
-        state.crowd[...], state.jolted[...] = 0, 0
+        stop(state.crowd, state.root_crowd, state.jolted)
         self.numbers.set_moment(self.pins is not None)
         self._run(self.pose, change_of(self.pose, self.pose, self.dtype))
         state.tension[...] = tension
         stop(state.velocity, state.before, state.ahead, state.moved, state.push, state.touching)
+        stop(state.root_velocity, state.root_before, state.root_ahead, state.root_moved, state.root_push)
         if self.crowd is not None:
             self.crowd.begin_anew()
 

@@ -231,6 +231,8 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         root_before=of_roots(flags.loose and flags.second),
         root_ahead=of_roots(flags.loose and flags.second),
         root_moved=of_roots(flags.loose and flags.second),
+        root_push=of_roots(flags.loose and flags.solids),
+        root_crowd=of_roots(flags.loose and flags.crowded),
     )
 
 

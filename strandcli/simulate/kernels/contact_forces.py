@@ -18,15 +18,15 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
 from .contact import CLEAR, slack_of
 from .contact_circle import contact_circle
 from .contact_place import CARRIED, CENTRE, ROUND, SIZE
 from .contact_shapes import TINY, edges_of, nearest
+from .contact_spots import NORMAL, begin_spot, released, size_of, spot_of, update_spot
 from .records import CHANGED, Segment
 from .rod import finish_mobility
 from .rod_scratch import (
-    ACCELERATION_SCALE,
     AXES,
     CONTACT_CHANGE,
     CONTACT_FORCE,
@@ -35,16 +35,13 @@ from .rod_scratch import (
     EDGE,
     FIRST_SEGMENT,
     IMPACT,
-    INERTIAL,
     INVERSE_LENGTH,
-    LOAD,
-    MOBILITY,
     PACK,
     REACH,
     ROOT_SHIFT,
     SEGMENT,
 )
-from .rod_tension import force_change, lasting_share, particle_gain
+from .rod_tension import lasting_share, particle_gain
 from .vectors import add_scaled, dot, scaled, select
 
 ROW = 3 * W
@@ -57,17 +54,11 @@ DEEP, HOVER = 0.01, 0.001
 and height above the surface, of what is pressed, with which they do: strands hover on their tips."""
 FAINT = 1e-20
 """Acceleration, m/s², that marks a particle without a force as one that contact acts on."""
-LEAST_MOBILITY = 1e-6
-"""Lower bound of a particle's mobility as a share of its own."""
 SLIGHT = 0.3
 """Share of the tip's way in `mark`. Strands over a pole keep .90 of their swing in four seconds at 24 steps a second,
 with a third of this .77, a tenth .41, and without the rule .99, but then a fine one over a ball rocks for ever."""
 STEEP = 0.01
 """Least sine, squared, of the angle between an edge and a surface by which its sliding is found."""
-UNKNOWN = -1.0
-"""`lasting_share` of a particle that nothing has pressed so far."""
-NORMAL = LOAD
-"""(3) In a round: the normal of the solid that a particle is in, zero where it is in none."""
 
 
 @device
@@ -77,35 +68,27 @@ def begin(s, at, push, pressed):
     store(s, CONTACT_FORCE, 0.0)
     store(s, CONTACT_CHANGE, 0.0)
     for j in range(at.segments):
-        share = broadcast(s, UNKNOWN)
-        if pressed:
-            share = where(size_of(load3(push, at.edge + j * AXES, PACK)) > 0.0, 1.0, share)
-        store(s, lasting_share(at.segments, j), share)
-
-
-@inlined
-def size_of(vector):
-    """The sum of the absolute coordinates."""
-    return abs(vector[0]) + abs(vector[1]) + abs(vector[2])
+        begin_spot(s, spot_of(at.segments, j, at.edge + j * AXES), push, pressed)
 
 
 @device
-def search(s, at, length, state, contact):
+def search(s, at, length, state, contact, root, held_root):
     """Find where particles are in solids or leave them: set their `NORMAL` and, in place of their gain, the
     displacement by which contact should move them. Those without a force yet get a `FAINT` one. Returns whether there
     are any in the vector, whether some are nearer to a solid than `CLEAR`, and whether some are `DEEP` in one or
     `HOVER` above one.
 
-    Particles are where the last sweep of the step will see them, with edges of exact length.
+    Particles are where the last sweep of the step will see them, with edges of exact length. ``root``: where that of
+    the strand is; ``held_root``: whether it is held, and not free.
     """
     reach = load(s, REACH)
     margin = CLEAR * length
-    q = load3(state.positions, at.position + ROW, W)
+    q = root
     left = broadcast(s, 0.0), broadcast(s, 0.0), broadcast(s, 0.0)
     acted, near, deep = False, False, False
     for j in range(at.segments):
         o = FIRST_SEGMENT + j * SEGMENT
-        segment = Segment(o, at.edge + j * AXES, at.position + (j + 2) * ROW, length, j == 0)
+        segment = Segment(o, at.edge + j * AXES, at.position + (j + 2) * ROW, length, held_root and j == 0)
         e = add_scaled(load3(s, o + EDGE, 1), -1.0, left)
         d = scaled(1.0 / sqrt(max(dot(e, e), TINY)), e)
         end = add_scaled(q, length, d)
@@ -147,7 +130,8 @@ def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
     lasting = load(s, lasting_share(at.segments, j))
     new = able & (lasting < 0.0)
     if any_lane(new):
-        resting = resting_depth(s, found, segment, state, n, depth, contact.duration)
+        before = load3(state.velocity, segment.row, PACK), load3(state.positions, segment.position, W)
+        resting = resting_depth(s, found, before, n, depth, contact.duration)
         store(s, lasting_share(at.segments, j), where(new, resting / max(depth, TINY), lasting))
         store(s, IMPACT, where(new, broadcast(depth, 1.0), load(s, IMPACT)))
     push = load3(state.push, segment.row, PACK)
@@ -160,64 +144,38 @@ def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
 
 
 @device
-def update(s, at, length, state, contact, mass, gain, along):
+def update(s, at, length, state, contact, mass, gain, along, of_root):
     """Update forces by what `search` has found, with the mobilities that `rod.begin_mobility` has begun, and take what
     they change from the inertial residuals; in lanes that go ``along`` the last change, by what that says. ``gain``:
-    factor of what `search` has found. Returns whether the forces on some strand are not found yet."""
-    reach, push = load(s, REACH), state.push
-    total = changed = work = broadcast(s, 0.0)
-    y = z = total
-    none = total, total, total
-    sign = where(along.move < 0.0, broadcast(s, -1.0), 1.0)  # what is taken back has not changed
+    factor of what `search` has found; ``of_root``: the mobility of a free root, and sums of what forces on it are, what
+    they change, and their work. Returns whether the forces on some strand are not found yet."""
+    y, sums = of_root
+    z = broadcast(s, 0.0)
+    factors = load(s, REACH), gain, contact.friction, direction_of(s, along)
     for j in range(at.segments):
-        o = FIRST_SEGMENT + j * SEGMENT
-        row = at.edge + j * AXES
-        y, z = finish_mobility(s, o, y, z)
-        past = load3(push, row, PACK)
-        acted = size_of(past) > 0.0
-        last = scaled(along.kept, load3(s, force_change(at.segments, j), 1))
-        if any_lane(acted):
-            mobility = load(s, o + MOBILITY)
-            mobility = where(acted & (mobility > 0.0), min(max(mobility, LEAST_MOBILITY), 1.0), 1.0)
-            f = reach * mobility
-            normal, wanted = load3(s, o + NORMAL, 1), load3(s, particle_gain(at.segments, j), 1)
-            force = in_cone(scaled(f, past), normal, scaled(gain, wanted), contact.friction)
-            now = scaled(where(acted, 1.0 / f, 0.0), force)
-            change = add_scaled(now, -1.0, past)
-            change = select(along.going, scaled(along.move, last), change)
-            pressing = scaled(dot(change, normal), normal)
-            work += mass[j] * dot(pressing, wanted)
-            keep_change(s, at, j, select(along.going, last, pressing), normal)
-            now = add_scaled(past, 1.0, change)
-            store3(push, row, PACK, now[0], now[1], now[2])
-            x, v, w = add_scaled(load3(s, o + INERTIAL, 1), load(s, ACCELERATION_SCALE), change)
-            store3(s, o + INERTIAL, 1, x, v, w)
-            total += f * size_of(now)
-            changed += f * size_of(change)
-            store(s, CONTACT_CHANGE, load(s, CONTACT_CHANGE) + sign * size_of(change))
-        else:
-            keep_change(s, at, j, select(along.going, last, none), none)
+        y, z = finish_mobility(s, FIRST_SEGMENT + j * SEGMENT, y, z)
+        spot = spot_of(at.segments, j, at.edge + j * AXES)
+        sums = update_spot(s, spot, state.push, mass[j], factors, along, sums)
+    total, changed, work = sums
     slack = slack_of(length, load3(state.positions, at.position + ROW, W), contact)
     store(s, CONTACT_WORK, where(along.going, load(s, CONTACT_WORK), load(s, INVERSE_LENGTH) * work))
     return any_lane(along.going | (changed > max(CLOSE * total, slack)))
 
 
 @inlined
-def keep_change(s, at, j, change, normal):
-    """Keep the change of pressure on the particle of segment j, and the normal, for `contact_response`."""
-    o = force_change(at.segments, j)
-    store3(s, o, 1, change[0], change[1], change[2])
-    store3(s, o + 3, 1, normal[0], normal[1], normal[2])
+def direction_of(s, along):
+    """-1 in lanes that take a change back, else 1: what is taken back has not changed."""
+    return where(along.move < 0.0, broadcast(s, -1.0), 1.0)
 
 
 @device
 def mark_released(s, at, push):
     """Have BDF2 start anew in lanes where a particle that solids pressed is free now: it would go on with the force."""
-    released = load(s, IMPACT)
+    impact = load(s, IMPACT)
     for j in range(at.segments):
-        free = ~(size_of(load3(push, at.edge + j * AXES, PACK)) > 0.0)
-        released = where(free & (load(s, lasting_share(at.segments, j)) >= 0.0), 1.0, released)
-    store(s, IMPACT, released)
+        spot = spot_of(at.segments, j, at.edge + j * AXES)
+        impact = where(released(s, spot, push), 1.0, impact)
+    store(s, IMPACT, impact)
 
 
 @inlined
@@ -234,30 +192,6 @@ def mark(s, at, touching, duration):
     one = broadcast(s, 1.0)
     found = where(still | (load(s, IMPACT) > 0.0), CHANGED * one, one)
     store(touching, at.strand, where(pressed | (load(s, IMPACT) > 0.0), found, 0.0))
-
-
-@inlined
-def in_cone(held, n, wanted, friction):
-    """The displacement by a force, ``held`` and what is ``wanted`` besides, that pulls at nothing and keeps to
-    Coulomb's law; n: normal, or zero where there is no contact, and then no force."""
-    along, more = max(dot(held, n), 0.0), dot(wanted, n)
-    pressed = max(along + more, 0.0)
-    x = add_scaled(add_scaled(held, 1.0, wanted), -(dot(held, n) + more), n)
-    f = min(sqrt(friction * friction * pressed * pressed / max(dot(x, x), TINY)), 1.0)
-    f = where(dot(n, n) > 0.5, f, 0.0)
-    return add_scaled(scaled(f, x), pressed, n)
-
-
-@inlined
-def keep(s, at, j, push):
-    """Leave of the force on the particle of segment j what lasts."""
-    share = load(s, lasting_share(at.segments, j))
-    row = at.edge + j * AXES
-    force = load3(push, row, PACK)
-    if any_lane(share < 1.0):
-        force = scaled(max(share, 0.0), force)
-        store3(push, row, PACK, force[0], force[1], force[2])
-    store(s, CONTACT_FORCE, load(s, CONTACT_FORCE) + size_of(force))
 
 
 @inlined
@@ -287,11 +221,10 @@ def slide(s, found, end, d, n, depth):
 
 
 @inlined
-def resting_depth(s, found, segment, state, n, depth, duration):
+def resting_depth(s, found, begun, n, depth, duration):
     """Return the part of the depth of a particle in new contact that its velocity before the step does not account for;
-    the rest is an impact and gives no lasting force."""
-    v = load3(state.velocity, segment.row, PACK)
-    before = load3(state.positions, segment.position, W)
+    the rest is an impact and gives no lasting force. ``begun``: that velocity, and its place then."""
+    v, before = begun
     carried = load3(s, found + CARRIED, 1)
     way = carried[0] - before[0], carried[1] - before[1], carried[2] - before[2]
     fall = dot(n, way) - duration * dot(n, v)

@@ -19,22 +19,20 @@ from typing import Any, NamedTuple
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
-from . import rod, rod_loose, rod_tension
+from . import contact_root, rod, rod_loose, rod_tension
+from .contact_spots import lengthen_spot, spot_of
 from .rod_scratch import (
     ACCELERATION_SCALE,
     AXES,
     BEYOND,
-    CONTACT_CHANGE,
     CONTACT_WORK,
     EDGE,
     EDGE_FACTOR,
     FIRST_SEGMENT,
     FIRST_WORK,
-    INERTIAL,
     INVERSE_LENGTH,
     INVERSE_PIVOT,
     LOAD,
-    PACK,
     PARTICLE_FACTOR,
     REACHED,
     SEGMENT,
@@ -83,12 +81,14 @@ def begin(s):
 
 
 @device
-def bracket(s, n, mass, worst):
+def bracket(s, n, mass, worst, ends):
     """Return where, and how, to search along the last change (`Along`), from what it has left of the work. ``worst``:
     error of |e|² after it; a change for which iterations find no lengths has gone too far."""
     begun, beyond, left = load(s, CONTACT_WORK), load(s, BEYOND), broadcast(s, 0.0)
     for j in range(n):
         left += mass[j] * dot(load3(s, force_change(n, j), 1), load3(s, particle_gain(n, j), 1))
+    if ends.loose is not None:
+        left += dot(contact_root.pushed(s, n), contact_root.wanted(s, n))
     left = where(worst > LOST, -begun, load(s, INVERSE_LENGTH) * left)
     bracketed = (beyond < 0.0) & (load(s, WIDTH) > NARROW)
     reached = where(bracketed, load(s, REACHED), 1.0)
@@ -122,19 +122,9 @@ def lengthen(s, at, state, mass, ends, along):
     more = where(able, max(min(work / max(given, rod.TINY), most), 1.0) - 1.0, 0.0)
     store(s, CONTACT_WORK, (1.0 + more) * work)
     for j in range(n):
-        o = FIRST_SEGMENT + j * SEGMENT
-        row = at.edge + j * AXES
-        past, last = load3(state.push, row, PACK), load3(s, force_change(n, j), 1)
-        normal = load3(s, force_change(n, j) + 3, 1)
-        now = add_scaled(past, more, last)
-        now = add_scaled(now, max(-dot(now, normal), 0.0), normal)
-        change = add_scaled(now, -1.0, past)
-        store3(state.push, row, PACK, now[0], now[1], now[2])
-        x, y, z = add_scaled(load3(s, o + INERTIAL, 1), load(s, ACCELERATION_SCALE), change)
-        store3(s, o + INERTIAL, 1, x, y, z)
-        store(s, CONTACT_CHANGE, load(s, CONTACT_CHANGE) + abs(dot(change, normal)))
-        x, y, z = sum_of(last, change)
-        store3(s, force_change(n, j), 1, x, y, z)
+        lengthen_spot(s, spot_of(n, j, at.edge + j * AXES), state.push, more)
+    if ends.loose is not None:
+        lengthen_spot(s, contact_root.spot_of_root(n, rod_loose.row_of(at)), state.root_push, more)
 
 
 @device
@@ -146,7 +136,7 @@ def respond(s, n, mass, ends):
     for j in range(n - 1, -1, -1):
         p = add_scaled(p, -mass[j], pushed(s, n, j))
         p, q = set_load(s, FIRST_SEGMENT + j * SEGMENT, p, q)
-    set_root_load(s, p, ends)
+    set_root_load(s, n, p, ends)
     rod_tension.filter_forward(s, n, mass, ends.loose, True, None)
     p, q, force = none, none, none
     ahead = none, none, (zero, zero)
@@ -157,7 +147,7 @@ def respond(s, n, mass, ends):
         p = add_scaled(add_scaled(sum_of(p, pull), -1.0, force), -mass[j], pushed(s, n, j))
         p, q = set_load(s, o, p, q)
         force = pull
-    set_root_load(s, add_scaled(p, -1.0, force), ends)
+    set_root_load(s, n, add_scaled(p, -1.0, force), ends)
 
 
 @inlined
@@ -176,9 +166,10 @@ def set_load(s, o, p, q):
 
 
 @inlined
-def set_root_load(s, p, ends):
-    """Set the load of a free root, given p of V before the first edge, less the force of that edge."""
+def set_root_load(s, n, p, ends):
+    """Set the load of a free root, given p of V before the first of n edges, less the force of that edge."""
     if ends.loose is not None:
+        p = add_scaled(p, -load(s, ACCELERATION_SCALE), contact_root.pushed(s, n))
         x, y, z = scaled(load(s, rod_loose.ROOT + INVERSE_PIVOT), p)
         store3(s, rod_loose.ROOT + LOAD, 1, x, y, z)
 
@@ -196,4 +187,6 @@ def responded(s, n, mass, ends):
         x, y, z = rod.edge_change(s, FIRST_SEGMENT + j * SEGMENT, x, y, z, u, v, w)
         u, v, w = u + x, v + y, w + z
         total += mass[j] * dot((u, v, w), load3(s, force_change(n, j), 1))
+    if ends.loose is not None:
+        total += dot(rod_loose.change(s), contact_root.pushed(s, n))
     return total

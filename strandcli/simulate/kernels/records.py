@@ -78,6 +78,10 @@ class State(NamedTuple):
     """(P, 1, 3 S) as ``ahead``."""
     root_moved: Any
     """(P, 1, 3 S) as ``moved``."""
+    root_push: Any
+    """(P, 1, 3 S) as ``push``, of free roots."""
+    root_crowd: Any
+    """(P, 1, 3 S) as ``crowd``, of free roots; all of them, with code beside the step, too."""
 
 
 class Material(NamedTuple):

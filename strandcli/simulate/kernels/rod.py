@@ -184,7 +184,7 @@ def scale_loads(s, n, factor):
 def begin_mobility(s, n, edge, mass, push):
     """Begin H⁻¹ M χ by a sweep from the tip to the root, which `finish_mobility` ends; χ is 1 for particles with a
     force of contact. H⁻¹ M χ is how far such forces move a particle, as a share of how far they would move each
-    alone."""
+    alone. Returns what of −M χ a free root would be moved by."""
     p = broadcast(s, 0.0)
     q = p
     for j in range(n - 1, -1, -1):
@@ -195,6 +195,7 @@ def begin_mobility(s, n, edge, mass, push):
         store(s, o + MOBILITY, load(s, o + INVERSE_PIVOT) * sum)
         p -= load(s, o + PARTICLE_FACTOR) * sum
         q = load(s, o + EDGE_FACTOR) * sum
+    return p
 
 
 @inlined

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from ...constants import W
 from ...jit import device, inlined
-from ...simd import load
-from . import contact_forces, contact_response, rod, rod_newton
+from ...simd import broadcast, load, load3
+from . import contact_forces, contact_response, contact_root, rod, rod_loose, rod_newton
 from .records import Contact, Scheme
 
 ROUNDS, PLAIN, MOST_ROUNDS = 4, 10, 32
@@ -42,23 +43,53 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
     length, pressed, mass = load(material.lengths, at.strand), scheme.pressed, material.mass
     contact_forces.begin(s, at, state.push, pressed)
     contact_response.begin(s)
+    ends = scheme.ends
+    if ends.loose is not None:
+        contact_root.begin(s, at, state, pressed)
     for count in range(WHOLE_ROUNDS if contact.segments else MOST_ROUNDS):
-        acted, near, deep = contact_forces.search(s, at, length, state, contact)
+        acted, near, deep = search(s, at, length, state, scheme, contact, mass)
         pressed = pressed or acted
         # where pressures have been lengthened friction has to follow, so rounds go on
         asked = count > PLAIN and not contact.segments
         if not acted or (count >= ROUNDS and not deep and not asked):
             break
-        rod.begin_mobility(s, at.segments, at.edge, mass, state.push)
+        of_root = rod.begin_mobility(s, at.segments, at.edge, mass, state.push)
         gain = HALF if contact.segments and count >= LIVELY else 1.0
         along = contact_response.nowhere(s)
         if asked:
-            along = contact_response.bracket(s, at.segments, mass, worst)
-        if not contact_forces.update(s, at, length, state, contact, mass, gain, along):
+            along = contact_response.bracket(s, at.segments, mass, worst, ends)
+        known = update_root(s, at, state, ends, contact, gain, along, of_root)
+        if not contact_forces.update(s, at, length, state, contact, mass, gain, along, known):
             break
         if PLAIN <= count < MOST_ROUNDS - CALM and not contact.segments:
-            contact_response.lengthen(s, at, state, mass, scheme.ends, along)
+            contact_response.lengthen(s, at, state, mass, ends, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
     if pressed:
         contact_forces.mark_released(s, at, state.push)
+        if ends.loose is not None:
+            contact_root.mark_released(s, at, state)
     return worst, pressed, near or pressed  # those that solids have just left are to be marked, too
+
+
+@inlined
+def search(s, at, length, state, scheme, contact, mass):
+    """`contact_forces.search`, of free roots too."""
+    root, held = load3(state.positions, at.position + contact_forces.ROW, W), True
+    acted, near, deep = False, False, False
+    if scheme.ends.loose is not None:
+        rod_loose.find_shift(s, at.segments, mass)
+        root, acted, near, deep = contact_root.search(s, at, length, state, pressed_by(scheme, True), contact)
+        held = False
+    more_acted, more_near, deeper = contact_forces.search(s, at, length, state, contact, root, held)
+    return acted or more_acted, near or more_near, deep or deeper
+
+
+@inlined
+def update_root(s, at, state, ends, contact, gain, along, of_root):
+    """What `contact_forces.update` takes of roots, after an update of those that are free; ``of_root``: as
+    `rod.begin_mobility` returns it."""
+    zero = broadcast(s, 0.0)
+    known = zero, (zero, zero, zero)
+    if ends.loose is not None:
+        known = contact_root.update(s, at, state, contact, gain, along, of_root)
+    return known

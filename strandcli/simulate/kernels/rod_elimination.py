@@ -79,8 +79,7 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
     the loads. Returns 1 in lanes with a pivot that is too small.
 
     What is None is compiled out. ``bounded``: whether τ is bounded in `INDEFINITE` lanes. ``judged``: pivots are judged
-    and not stored. ``ends``: as in `Scheme`. A pivot that is too small is raised: in a definite H that does
-    no harm; in another, those before it would run away to −∞.
+    and not stored. A pivot that is too small is raised: in a definite H without harm; else those before run away.
 
     Loads. The residual is ρ_j = M_j (u*_j − u_j) − f_j + f_{j+1} with f_j = τ_j e_j − F_j + b_j − b_{j+1}, b_j = κ_j
     (c_j − c̄_j), where the edge before the first is the clamped direction, and F_j what keeps edges where they are led.
@@ -105,6 +104,8 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
             held = t
             if bounded is not None and bounded:
                 held = bounded_tension(s, t, min(mass[max(j - 1, 0)], mass[j]), k)
+                if ends.loose is not None and j == 0:
+                    held = bounded_at_root(s, held)
             a += mass[j]
             g = a + b
             rigid = g + b + c + held
@@ -129,8 +130,8 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
         bend = x[2], y[2], z[2]
         force = x[3], y[3], z[3]
     if ends.loose is not None:
-        if bounded is not None:
-            rod_loose.set_pivot(s, a)
+        if bounded is not None or judged is not None:
+            lost = judge_root(s, a, lost, bounded)
         rod_loose.set_load(s, p, force)
     return lost
 
@@ -152,6 +153,23 @@ def bounded_tension(s, tension, light, stiffness):
     by_mass = broadcast(s, -MASS_SHARE * light)
     by_beam = min(by_mass, -BEAM_SHARE * sqrt(light * stiffness))
     return where(given > 0.0, max(tension, where(given > 1.0, by_mass, by_beam)), tension)
+
+
+@inlined
+def bounded_at_root(s, held):
+    """The bounded τ of the edge at a free root, which is lighter than other particles."""
+    least = -MASS_SHARE * load(s, rod_loose.ROOT + rod_loose.MASS)
+    return where(load(s, INDEFINITE) > 0.0, max(held, least), held)
+
+
+@inlined
+def judge_root(s, a, lost, bounded):
+    """Judge the pivot of a free root, from a of V, and set it where ``bounded`` is not None; return 1 in lanes that are
+    ``lost`` or in which it is too small."""
+    least = (MARGIN - 1.0) * load(s, rod_loose.ROOT + rod_loose.MASS)
+    if bounded is not None:
+        rod_loose.set_pivot(s, max(a, least))
+    return where(a >= least, lost, 1.0)
 
 
 @inlined

@@ -49,8 +49,7 @@ class Body(NamedTuple):
 def body_of(state):
     """The root's motion."""
     return Body(
-        state.root_velocity, state.root_before, state.root_ahead, state.root_moved, state.root_velocity,
-        state.root_velocity,
+        state.root_velocity, state.root_before, state.root_ahead, state.root_moved, state.root_push, state.root_crowd,
     )  # fmt: skip
 
 

@@ -104,6 +104,7 @@ def state_of(kind, descriptor, rows=0):
         pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
         pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
         pointer_at(kind, descriptor[STATE + 16]), pointer_at(kind, descriptor[STATE + 17]),
+        pointer_at(kind, descriptor[STATE + 18]), pointer_at(kind, descriptor[STATE + 19]),
     )  # fmt: skip
 
 
