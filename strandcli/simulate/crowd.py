@@ -107,7 +107,7 @@ class Crowd:
         self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
         count = max(len(self.parts), numba.get_num_threads())
         self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
-        self.strands = CrowdStrands(self.samples, n, metres, len(self.boxes), dtype)
+        self.strands = CrowdStrands(self.samples, n, metres, len(self.boxes), dtype, scene.rod.root == "free")
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
@@ -146,7 +146,7 @@ class Crowd:
         lattice = strands.lattice(self.cell, dt, self._last_step)
         strands.note(moving, lattice, self.parts, self._last_step == 0)
         if not self._lay(lattice):
-            state.crowd[...], state.jolted[...] = 0, 0
+            state.crowd[...], state.root_crowd[...], state.jolted[...] = 0, 0, 0
             self._last_step = 0.0
             return NOTHING
         whole = self.boxes[-1]

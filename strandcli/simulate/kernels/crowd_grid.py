@@ -148,7 +148,7 @@ def locate(moving, lattice, packs, sample, box, origins, rows):
     is read once: LLVM does not know that scratch is none of them."""
     nodes, others, out = pointer(moving.nodes), pointer(moving.others), pointer(rows)
     first, count, again, inverse = lattice.begin[sample], lattice.blend.shape[1], lattice.again, lattice.inverse
-    at_root = lattice.first[sample] == 0
+    at_root = lattice.first[sample] == 0 and len(moving.root_velocity) == 0
     of_root = lattice.weights[sample, 0]
     o, p, q = origins[0], origins[1], origins[2]
     pack, ahead = packs[0], (packs[1] - packs[0]) * moving.nodes.shape[1]
