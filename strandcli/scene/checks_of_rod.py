@@ -33,7 +33,7 @@ def _clashes(scene: Scene) -> Iterator[Clash]:
             "hinged roots hold no strand up, as rest: sag_free asks of them; use root: clamped, or rest: shape",
         )
     if rod.root == "free":
-        yield from _of_free_roots(scene, listed)
+        yield from _of_free_roots(scene)
     if rod.end != "free" and "emitter_motion" in listed and deforming_ground(scene) is not None:
         yield ("rod.end", "emitter", "rules"), f"tips cannot be {rod.end} on an emitter that deforms; use end: free"
     if rod.end == "free" and rod.end_keys:
@@ -68,7 +68,7 @@ def _of_sections(rod: Rod, listed: set[str]) -> Iterator[Clash]:
         yield ("rod.section", "rules"), "does not go with the rule contact; leave one of them out"
 
 
-def _of_free_roots(scene: Scene, listed: set[str]) -> Iterator[Clash]:
+def _of_free_roots(scene: Scene) -> Iterator[Clash]:
     rod = scene.rod
     if rod.rest == "sag_free":
         yield (
@@ -79,7 +79,3 @@ def _of_free_roots(scene: Scene, listed: set[str]) -> Iterator[Clash]:
         yield ("rod.root", "rod.yield_strain"), "strands whose roots are free keep no set; leave one of them out"
     if rod.end == "clamped":
         yield ("rod.root", "rod.end"), "a clamped tip needs a root that is held; use end: pinned, or root: clamped"
-    names = [name for name in ("collision", "interaction", "contact") if name in listed]
-    if names:
-        what = f"the rule {names[0]}" if len(names) == 1 else f"the rules {', '.join(names[:-1])} and {names[-1]}"
-        yield ("rod.root", "rules"), f"free roots do not go with {what}; leave one of them out"

@@ -54,7 +54,7 @@ def test_curls_answer_a_force_as_their_response_says(integrator: str, fps: int, 
     method, both = forces._method(1 / fps, solver), np.arange(2)
     contact_response.respond(
         np.array([[0, PARTICLE, 1, PARTICLE]]), numbers, forces._factors(both, method, solver), both,
-        forces.lengths / method.reach, response, np.empty((contact_response.BLOCK * SEGMENTS, 3)),
+        forces.lengths / method.reach, 0, response, np.empty((contact_response.BLOCK * SEGMENTS, 3)),
     )  # fmt: skip
     moved = places[1] - places[0]
     wanted = response[0, 0, :, 0, 0] * PUSH * forces.lengths[0] * float(solver.mass[PARTICLE]) / fps**2

@@ -110,9 +110,7 @@ def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:
         ("rest: sag_free", "gravity", r":2:\d+: rod\.root: free roots hold no strand up"),
         ("yield_strain: 0.1", "gravity", r":2:\d+: rod\.root: strands whose roots are free keep no set"),
         ("end: clamped", "gravity", r":2:\d+: rod\.root: a clamped tip needs a root that is held"),
-        ("rest: straight", "collision", r":2:\d+: rod\.root: free roots do not go with the rule collision"),
-        ("rest: straight", "contact, collision", r"free roots do not go with the rules collision and contact; leave"),
-        ("rest: sag_free", "contact", r"hold no strand up.*use straight; free roots do not go with the rule contact"),
+        ("rest: sag_free, end: clamped", "contact", r"hold no strand up.*use straight; a clamped tip needs a root"),
     ],
 )
 def test_what_free_roots_do_not_go_with_is_refused_in_one_line_with_its_place(rod: str, rules: str, words: str) -> None:

@@ -25,36 +25,38 @@ from .contact_columns import (
 )
 
 AXES = 3
-TURNS = 6
-"""Corrections of the direction in which a contact slides."""
+TURNS, MORE_TURNS = 6, 24
+"""Corrections of the direction in which a contact slides, and of strands with free roots."""
 TINY = 1e-30
 SOFT = 1e-7
 """Share of a contact's own response that is added to it, so that it can be inverted."""
 
 
 @device
-def moved(moves, strand, segment, share, c):
-    """Coordinate c of the displacement of a place on a segment; roots do not move."""
-    x = share * moves[strand, segment, c]
-    if segment > 0:
-        x += (1.0 - share) * moves[strand, segment - 1, c]
+def moved(moves, strand, end, share, c):
+    """Coordinate c of the displacement of a place on the segment that ends at particle ``end`` of those that move;
+    roots that are held do not."""
+    x = share * moves[strand, end, c]
+    if end > 0:
+        x += (1.0 - share) * moves[strand, end - 1, c]
     return x
 
 
 @device
-def moved_by(response, segment, share, c, d):
+def moved_by(response, end, share, c, d):
     """The same by a unit of force along d."""
-    x = share * response[segment, c, d]
-    if segment > 0:
-        x += (1.0 - share) * response[segment - 1, c, d]
+    x = share * response[end, c, d]
+    if end > 0:
+        x += (1.0 - share) * response[end - 1, c, d]
     return x
 
 
 @function
-def own_responses(pairs, numbers, responses, out):
-    """Set ``out`` (m, 3, 3): how the way between both places of a contact changes by its own force."""
+def own_responses(pairs, numbers, responses, loose, out):
+    """Set ``out`` (m, 3, 3): how the way between both places of a contact changes by its own force. ``loose``: as
+    `contact_response.respond` takes it."""
     for i in range(len(pairs)):
-        a, b = pairs[i, FIRST_SEGMENT], pairs[i, SECOND_SEGMENT]
+        a, b = pairs[i, FIRST_SEGMENT] + loose, pairs[i, SECOND_SEGMENT] + loose
         same = pairs[i, FIRST] == pairs[i, SECOND]
         alpha, beta = numbers[i, ALPHA], numbers[i, BETA]
         one, other = responses[i, 0], responses[i, 1]
@@ -91,8 +93,9 @@ def dot(a, i, b, j):
 
 
 @device
-def force_of(vector, wanted, friction, w, rows):
-    """Set ``rows[1]``, the force of one contact, where ``rows[0]`` is the way between its places without it."""
+def force_of(vector, wanted, friction, w, rows, loose):
+    """Set ``rows[1]``, the force of one contact, where ``rows[0]`` is the way between its places without it. ``loose``:
+    whether roots are free."""
     free, force, way, sliding = rows[0], rows[1], rows[2], rows[3]
     missing = wanted - dot(vector, NORMAL, free, 0)
     start = dot(vector, NORMAL, vector, START)
@@ -112,32 +115,20 @@ def force_of(vector, wanted, friction, w, rows):
         return
     for c in range(AXES):
         sliding[c] = sliding[c] / max(size, TINY)
-    slide(vector, missing, friction, w, rows)
+    if loose > 0:
+        settle(vector, missing, friction, w, rows)
+    else:
+        slide(vector, missing, friction, w, rows)
 
 
 @device
 def slide(vector, missing, friction, w, rows):
     """Set the force of a contact that slides: its friction opposes the way that it leaves. ``rows[3]``: a direction to
     begin with."""
-    free, force, way, sliding = rows[0], rows[1], rows[2], rows[3]
+    way, sliding = rows[2], rows[3]
     for _ in range(TURNS):
-        gain = own = 0.0
-        for c in range(AXES):
-            for d in range(AXES):
-                normal = vector[NORMAL + c] * w[c, d]
-                own += normal * vector[NORMAL + d]
-                gain += normal * (vector[NORMAL + d] + friction * sliding[d])
-        push = missing / max(gain, 0.1 * own)
-        for c in range(AXES):
-            force[c] = push * (vector[NORMAL + c] + friction * sliding[c])
-        for c in range(AXES):
-            way[c] = free[c] - vector[START + c] + w[c, 0] * force[0] + w[c, 1] * force[1] + w[c, 2] * force[2]
-        along = dot(vector, NORMAL, way, 0)
-        size = 0.0
-        for c in range(AXES):
-            way[c] -= along * vector[NORMAL + c]
-            size += way[c] ** 2
-        size = max(math.sqrt(size), TINY)
+        slid_by(vector, missing, friction, w, rows)
+        size = max(math.sqrt(dot(way, 0, way, 0)), TINY)
         total = 0.0
         for c in range(AXES):
             sliding[c] = 0.5 * (sliding[c] - way[c] / size)
@@ -147,13 +138,54 @@ def slide(vector, missing, friction, w, rows):
             sliding[c] = sliding[c] / max(total, TINY)
 
 
+@device
+def slid_by(vector, missing, friction, w, rows):
+    """Set the force of a contact that slides against the direction ``rows[3]``, and the way ``rows[2]`` that it slides
+    then; return its normal part, and the response along the normal."""
+    free, force, way, sliding = rows[0], rows[1], rows[2], rows[3]
+    gain = own = 0.0
+    for c in range(AXES):
+        for d in range(AXES):
+            normal = vector[NORMAL + c] * w[c, d]
+            own += normal * vector[NORMAL + d]
+            gain += normal * (vector[NORMAL + d] + friction * sliding[d])
+    push = missing / max(gain, 0.1 * own)
+    for c in range(AXES):
+        force[c] = push * (vector[NORMAL + c] + friction * sliding[c])
+    for c in range(AXES):
+        way[c] = free[c] - vector[START + c] + w[c, 0] * force[0] + w[c, 1] * force[1] + w[c, 2] * force[2]
+    along = dot(vector, NORMAL, way, 0)
+    for c in range(AXES):
+        way[c] -= along * vector[NORMAL + c]
+    return push, own
+
+
+@device
+def settle(vector, missing, friction, w, rows):
+    """As `slide`, by projected gradients, which converge where a contact slides by far less than friction moves it,
+    too: without, strands that nothing but contact holds creep for ever."""
+    way, sliding = rows[2], rows[3]
+    for _ in range(MORE_TURNS):
+        push, own = slid_by(vector, missing, friction, w, rows)
+        rate = 1.0 / max(w[0, 0] + w[1, 1] + w[2, 2] - own, TINY)
+        total = 0.0
+        for c in range(AXES):
+            sliding[c] = friction * push * sliding[c] - rate * way[c]
+            total += sliding[c] ** 2
+        total = math.sqrt(total)
+        for c in range(AXES):
+            sliding[c] = sliding[c] / max(total, TINY)
+    slid_by(vector, missing, friction, w, rows)
+
+
 @function
 def solve(pairs, contacts, responses, settings, forces, moves, rows):
-    """Change ``forces`` (m, 3) and with them ``moves`` (S, N, 3), displacements against `END` of the contacts'
+    """Change ``forces`` (m, 3) and with them ``moves`` (S, P, 3), displacements against `END` of the contacts'
     ``vectors``, until no contact changes its way by more than the tolerance. ``contacts``: numbers and vectors;
     ``responses``: those of `contact_response.respond` and `own_responses`; ``settings``: friction, sweeps at the most,
-    tolerance in metres, response of contacts that are left out; ``rows`` (7, 3) is scratch. Returns the sweeps."""
-    _, sweeps, tolerance, _ = settings
+    tolerance in metres, response of contacts that are left out, and ``loose`` as these take it; ``rows`` (7, 3) is
+    scratch. Returns the sweeps."""
+    _, sweeps, tolerance, _, _ = settings
     for sweep in range(sweeps):
         worst = 0.0
         for i in range(len(pairs)):
@@ -165,7 +197,7 @@ def solve(pairs, contacts, responses, settings, forces, moves, rows):
 
 @function
 def move(pairs, responses, forces, moves):
-    """Add to ``moves`` (S, N, 3) what ``forces`` (m, 3) move particles by."""
+    """Add to ``moves`` (S, P, 3) what ``forces`` (m, 3) move particles by."""
     for i in range(len(pairs)):
         apply(pairs[i], responses[i], forces[i, 0], forces[i, 1], forces[i, 2], moves)
 
@@ -186,20 +218,20 @@ def solve_one(i, pairs, contacts, responses, settings, forces, moves, rows):
     """Solve for the force of one contact, with what the others do; return by how much its way changes, metres."""
     numbers, vectors = contacts
     response, own = responses
-    a, b = pairs[i, FIRST], pairs[i, SECOND]
+    a, b, loose = pairs[i, FIRST], pairs[i, SECOND], settings[4]
     soft = own[i, 0, 0] + own[i, 1, 1] + own[i, 2, 2]
     if soft <= settings[3]:
         return 0.0
     w = rows[4:7]
     soft *= SOFT + numbers[i, YIELDING] / AXES
     for c in range(AXES):
-        x = vectors[i, END + c] + moved(moves, b, pairs[i, SECOND_SEGMENT], numbers[i, BETA], c)
-        x -= moved(moves, a, pairs[i, FIRST_SEGMENT], numbers[i, ALPHA], c)
+        x = vectors[i, END + c] + moved(moves, b, pairs[i, SECOND_SEGMENT] + loose, numbers[i, BETA], c)
+        x -= moved(moves, a, pairs[i, FIRST_SEGMENT] + loose, numbers[i, ALPHA], c)
         rows[0, c] = x - own[i, c, 0] * forces[i, 0] - own[i, c, 1] * forces[i, 1] - own[i, c, 2] * forces[i, 2]
         for d in range(AXES):
             w[c, d] = own[i, c, d]
         w[c, c] += soft
-    force_of(vectors[i], numbers[i, WANTED], settings[0], w, rows)
+    force_of(vectors[i], numbers[i, WANTED], settings[0], w, rows, loose)
     worst, some = 0.0, False
     for d in range(AXES):
         change = rows[1, d] - forces[i, d]
