@@ -55,7 +55,7 @@ class CrowdStrands:
         if last is None or last.roots is not roots or last.positions is not state.positions or last.mass is not mass:
             self._moving = last = Moving(
                 state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
-                self._metres, mass,
+                self._metres, mass, None, None,
             )  # fmt: skip
         return last
 
@@ -68,7 +68,7 @@ class CrowdStrands:
         kind, samples = self._kind, self._samples
         steps = kind(dt), kind(dt / before if before else 1.0), kind(1 - crowd_excess.HELD)
         sampled = samples.first, samples.counts, self._weights, samples.mass.astype(kind)
-        made = Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
+        made = Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps, None))
         self._sampled = known, made
         return made
 

@@ -94,7 +94,7 @@ def moving_of(kind, descriptor):
         array_at(kind, descriptor[OTHERS], (packs, nodes, AXES)),
         array_at(kind, descriptor[PUSHED], (packs, nodes, AXES)),
         array_at(kind, descriptor[JOLTED], (packs, PACK)), array_at(kind, descriptor[ENDS], (packs, 6)),
-        array_at(kind, descriptor[ROOTS], (packs, AXES)), None, None,
+        array_at(kind, descriptor[ROOTS], (packs, AXES)), None, None, None, None,
     )  # fmt: skip
 
 
@@ -110,7 +110,7 @@ def lattice_of(kind, descriptor):
         array_at(kind, descriptor[NODE_WEIGHTS], (nodes, descriptor[NODE_MOST])),
         array_at(np.int64, descriptor[FIRST_NODE], (samples,)),
         array_at(kind, descriptor[BLEND], (samples, descriptor[BLENDED])), numbers[INVERSE],
-        array_at(kind, descriptor[ORIGIN], (1, 3)), None, numbers[AGAIN], None,
+        array_at(kind, descriptor[ORIGIN], (1, 3)), None, numbers[AGAIN], None, None,
     )  # fmt: skip
 
 
