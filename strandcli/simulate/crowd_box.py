@@ -32,8 +32,8 @@ def moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64
 
 
 def coarser(cell: float, ends: NDArray[np.float64], margin: int) -> float:
-    """Return how large cells can be so that they are few enough, those of a flat groom too. ``ends``: lowest and highest
-    cells of strands, part by part, and ``margin``: as `crowd_boxes.find_boxes` has them."""
+    """Return how large cells can be so that they are few enough, those of a flat groom too. ``ends``, lowest and
+    highest cells of strands, part by part, and ``margin``: as `crowd_boxes.find_boxes` has them."""
     along = ends[:, 3:].max(0) - ends[:, :3].min(0) + 1
     factor = 1.0
     while np.prod(np.ceil(along / factor) + 1 + 2 * margin) > MOST_CELLS:

@@ -29,7 +29,7 @@ class Overlap:
     def __init__(self, packs: int, samples: int, dtype: Any) -> None:
         self._shape, self._kind = (packs, samples, PACK), np.dtype(dtype).type
         self.time = math.nan
-        """Seconds since strands began; NaN before the first step."""
+        """Seconds since strands began inside each other; NaN before the first step."""
         self.roots: NDArray[Any] | None = None
         """As `Moving.overlap`."""
         self._offsets: NDArray[Any] | None = None
@@ -66,7 +66,9 @@ class Overlap:
         return moving._replace(overlap=self.roots, offsets=self._offsets), lattice._replace(parted=parted)
 
     def advance(self, dt: float) -> None:
-        """Go on by a step of ``dt`` seconds."""
+        """Go on by a step of ``dt`` seconds, for as long as anything is let be."""
+        if self.roots is None:
+            return
         self.time += dt
         if self.time > DURATION - dt / 2:  # times do not add up to the last digit
             self.roots = self._offsets = None

@@ -70,8 +70,9 @@ def test_strands_that_coincide_part_in_all_directions_to_the_same_bits() -> None
         assert max(moves(solver, 1, 24)) < 2
         found.append(solver.particles())
     np.testing.assert_array_equal(*found)
-    assert np.std(found[0][:, -1, [0, 2]], axis=0).min() > 0.01
-    assert np.abs(found[0][:, -1, [0, 2]].mean(0)).max() < 0.005
+    tips = found[0][:, -1, [0, 2]]
+    assert np.std(tips, axis=0).min() > 0.01
+    assert (np.abs(tips.mean(0)) < np.std(tips, axis=0) / 2).all()
 
 
 def test_what_strands_hand_to_each_other_while_they_part_stays() -> None:
