@@ -26,8 +26,8 @@ from .crowd_records import BETWEEN, COUNTING, FALL, FULL, LANES, MASS, MOMENTUM,
 
 HASTENED, LED = np.float32(2), np.float32(1)
 """a over s², and w over s. With w alone strands that move on together could not be held; with a alone curls that press
-each other are a tenth denser than with half a cell a step at any length. With w = s / 2 curls begin more calmly, by
-43 mm a frame at the most in place of 70, but a tuft stands 5.5 % too low at 60 steps a second."""
+each other are a tenth denser than with half a cell a step at any length. With w = s / 2 a tuft stands 5.5 % too low at
+60 steps a second."""
 SWEEPS = 8
 """To and fro, at the most."""
 BETWEEN_ONLY = np.float32(0.5)
