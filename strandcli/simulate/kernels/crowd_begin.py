@@ -6,7 +6,7 @@ import numpy as np
 
 from ...jit import device, function, parallel, prange
 from .crowd_grid import locate
-from .crowd_homes import home_at
+from .crowd_homes import LEAST_ROOM, home_at
 from .crowd_records import BELOW, FIRST, FULL, LAST, MASS, SIZE
 from .rod_scratch import PACK
 
@@ -20,8 +20,9 @@ def find_shares(box, grid, open, numbers, homes, closed, shares):
     """Set the share of each cell's metres with which it is not too dense, ``shares`` (cells,), 1 where it is no denser
     than `INSIDE`. ``homes``, ``closed``: as `crowd_homes.settle` has left them; no rows where there are no solids."""
     for at in range(len(shares)):
-        most = numbers[FULL] * open[at]
-        shares[at] = most / grid[MASS, at] if 0 < INSIDE * most < grid[MASS, at] else np.float32(1)
+        most, metres = numbers[FULL] * open[at], grid[MASS, at]
+        inside = most > 0 and metres > INSIDE * max(most, LEAST_ROOM * numbers[FULL])
+        shares[at] = most / metres if inside else np.float32(1)
     for far in range(2 if len(homes) > 0 else 0):
         for at in closed[far, 1 : 1 + closed[far, 0]]:
             if homes[at] > 0:
