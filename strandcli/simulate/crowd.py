@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from itertools import accumulate, pairwise
 from operator import is_
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
@@ -21,7 +21,9 @@ from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.touched import touched
 from ..solids import Solids
-from .crowd_box import extent_of, moved
+from .crowd_box import MOST_CELLS, coarser, extent_of, moved
+from .crowd_moment import Moment
+from .crowd_overlap import Overlap
 from .crowd_samples import samples_of
 from .crowd_strands import CrowdStrands
 from .kernels import crowd_boxes, crowd_forces, crowd_grid, crowd_pressure, crowd_shelter
@@ -37,6 +39,7 @@ from .kernels.crowd_records import (
     LOST,
     LOW,
     NUMBERS,
+    OVERLAP,
     RATIO,
     ROWS,
     SIZE,
@@ -44,6 +47,7 @@ from .kernels.crowd_records import (
     STOP,
     WAY,
     Lattice,
+    Moving,
     Room,
 )
 from .kernels.crowd_records import MOST as SHARE_OF_MOST
@@ -60,27 +64,10 @@ FRICTION_TIME = 0.01
 EASE, MOST = 15.0, 0.5
 """Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
 other are led apart."""
-MOST_CELLS = 4_000_000
-"""Of the box about the strands: some 120 bytes each, 470 MB."""
 NONE_MET = np.empty(0, np.float32), np.empty(0, np.int8), np.empty((2, 1), np.int32)
 """What `crowd_forces.act` takes where there are no solids."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
 """Parts that strands are cut into at the most, and segments of each at the least."""
-
-
-class Moment(NamedTuple):
-    """The step that strands are prepared for."""
-
-    time: float
-    """At its end, seconds."""
-    step: float
-    """Its length, seconds."""
-    wind: tuple[float, float, float]
-    """Acceleration of strands at rest by the open wind, m/s²."""
-    gravity: tuple[float, float, float]
-    """m/s²."""
-    solids: Solids | None
-    """Those that strands collide with, at its end."""
 
 
 class Crowd:
@@ -108,6 +95,7 @@ class Crowd:
         count = max(len(self.parts), numba.get_num_threads())
         self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
         self.strands = CrowdStrands(self.samples, n, metres, len(self.boxes), dtype, scene.rod.root == "free")
+        self.overlap = Overlap(packs, len(self.samples.first), dtype)
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
@@ -145,39 +133,55 @@ class Crowd:
         moving = strands.moving(state, roots, mass)
         lattice = strands.lattice(self.cell, dt, self._last_step)
         strands.note(moving, lattice, self.parts, self._last_step == 0)
-        if not self._lay(lattice):
+        if not self._press(moving, lattice, moment):
             state.crowd[...], state.root_crowd[...], state.jolted[...] = 0, 0, 0
             self._last_step = 0.0
             return NOTHING
-        whole = self.boxes[-1]
+        if self.overlap.begin(moving, lattice, self.parts, self._found(moment), self.scratch[0]):
+            self.pressure[...] = 0
+            self._press(moving, lattice, moment)
+        if moment.solids is not None or any(moment.wind):
+            less, *back = self._others.sum((0, 2), dtype=np.float64)
+            self.given += less * self._numbers[CHANGE : CHANGE + 3]
+            self.given += float(self._numbers[SPEED] * self._numbers[FULL]) * np.array(back)
+        if self.density is None:
+            self.density = self.found
+        self._last_step = dt
+        given = self.boxes[-1], self.targets, self.scratch, strands.shares(lattice, mass)
+        if later and self.overlap.roots is None:
+            return strands.beside(moving, lattice, given, state.crowd)
+        moving, lattice = self.overlap.taken(moving, lattice, dt)
+        crowd_forces.accelerate(moving, lattice, self.parts, *given, state.crowd, strands.handed)
+        self.overlap.advance(dt)
+        return NOTHING
+
+    def _press(self, moving: Moving, lattice: Lattice, moment: Moment) -> bool:
+        """Set pressure, and what it does to cells, in a step; False where a coordinate is not finite."""
+        if not self._lay(lattice):
+            return False
+        moving, lattice = self.overlap.taken(moving, lattice, moment.step)
         most = crowd_grid.deposit(
             moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
             self.near,
         )  # fmt: skip
         among = moment.solids is not None
         if moment.solids is not None:
-            self._find_room(whole, moment.solids)
+            self._find_room(self.boxes[-1], moment.solids)
         self._set_numbers(0.0 if among else float(most) / self.cell**3, moment)
         room = self.room if any(moment.wind) else self._calm
         most_open = crowd_forces.act(
-            whole, self.grid, self.near, room, self._numbers, self._work, self._met if among else NONE_MET,
+            self.boxes[-1], self.grid, self.near, room, self._numbers, self._work, self._met if among else NONE_MET,
             self.pressure.reshape(-1), self.targets, self._others,
         )  # fmt: skip
-        if among or any(moment.wind):
-            less, *back = self._others.sum((0, 2), dtype=np.float64)
-            self.given += less * self._numbers[CHANGE : CHANGE + 3]
-            self.given += float(self._numbers[SPEED] * self._numbers[FULL]) * np.array(back)
         self.found = float(most_open if among else most) / self.cell**3
+        return True
+
+    def _found(self, moment: Moment) -> tuple[Any, ...] | None:
+        """Return what `Overlap.begin` takes of a step; None where no density is given: none is too dense."""
         if self.density is None:
-            self.density = self.found
-        self._last_step = dt
-        shares = strands.shares(lattice, mass)
-        if later:
-            return strands.beside(moving, lattice, (whole, self.targets, self.scratch, shares), state.crowd)
-        crowd_forces.accelerate(
-            moving, lattice, self.parts, whole, self.targets, self.scratch, shares, state.crowd, strands.handed
-        )
-        return NOTHING
+            return None
+        met = (NONE_MET if moment.solids is None else self._met)[1:]
+        return self.boxes[-1], self.grid, self.room.open, self._numbers, *met
 
     def begin_frame(self) -> None:
         """Forget what strands have handed to each other."""
@@ -203,6 +207,7 @@ class Crowd:
         numbers[FULL] = (found if self.density is None else self.density) * self.cell**3
         numbers[RATIO], numbers[SHARE_OF_MOST] = dt / (2 * self.cell), min(EASE * dt, MOST)
         numbers[LOST] = 1 - (1 - self.friction) ** (dt / FRICTION_TIME)
+        numbers[OVERLAP] = self.overlap.roots is not None
         numbers[SPEED], numbers[STOP] = self.cell / dt, self._thickness / self.cell**2
         for axis, (wind, pull) in enumerate(zip(moment.wind, moment.gravity, strict=True)):
             numbers[WAY + axis] = wind / speed if speed > 0 else wind
@@ -213,13 +218,14 @@ class Crowd:
         numbers = np.array([math.nan if self.density is None else self.density, self.found, self._last_step])
         pressure = {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1]}
         strands = {name: getattr(self.strands, name) for name in ("others", "pushed", "handed")}
-        return {**pressure, **strands, "crowd": numbers, "given": self.given}
+        return {**pressure, **strands, **self.overlap.state_arrays(), "crowd": numbers, "given": self.given}
 
     def check(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Raise `ValueError` where pressure is not of its box."""
         size = state["box"][SIZE : SIZE + 3].tolist()
         if min(size) < 0 or math.prod(size) != len(state["free pressure"]):
             raise ValueError("its pressure is not of its box")
+        self.overlap.check(state)
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""
@@ -230,6 +236,7 @@ class Crowd:
         for name in ("others", "pushed", "handed"):
             getattr(self.strands, name)[...] = state[name]
         self.given[...], self.strands.noted = state["given"], False
+        self.overlap.restore(state)
         density, self.found, self._last_step = state["crowd"].tolist()
         self.density = None if math.isnan(density) else density
 
@@ -274,15 +281,15 @@ class Crowd:
         """Set the boxes about the strands of each part and of all, and their origins; False where a coordinate is not
         finite. Raises `UsageError` where they take too many cells."""
         cells, count, changed = crowd_boxes.find_boxes(
-            self.strands.ends, self.cell, self.parts, self._margin, float(MOST_CELLS), self._ends, self.boxes,
-            self._before, lattice.origins,
+            self.strands.ends, self.cell, self.overlap.reach, self.parts, self._margin, float(MOST_CELLS), self._ends,
+            self.boxes, self._before, lattice.origins,
         )  # fmt: skip
         if math.isnan(cells):
             return False
         if cells > MOST_CELLS:
             raise UsageError(
                 f"{self.where}.cell: cells of {self.cell:.3g} m would be {cells:.3g} in the box about the strands, "
-                f"more than {MOST_CELLS:,}; make them at least {self.cell * self._coarser():.2g}"
+                f"more than {MOST_CELLS:,}; make them at least {coarser(self.cell, self._ends, self._margin):.2g}"
             )
         if count > len(self.memory):
             self.memory = aligned((int(count * 1.2), CELL))
@@ -290,11 +297,3 @@ class Crowd:
             self.pressure = moved(self.pressure, self._before, self.boxes[-1])
             self._empty_grid()
         return True
-
-    def _coarser(self) -> float:
-        """Return by what factor cells can be larger so that they are few enough, those of a flat groom too."""
-        along = self._ends[:, 3:].max(0) - self._ends[:, :3].min(0) + 1
-        factor = 1.0
-        while np.prod(np.ceil(along / factor) + 1 + 2 * self._margin) > MOST_CELLS:
-            factor *= 1.05
-        return 1.05 * factor  # it is told with two digits

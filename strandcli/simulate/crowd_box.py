@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from .kernels.crowd_records import LOW, SIZE
 
+MOST_CELLS = 4_000_000
+"""Of the box about the strands: some 120 bytes each, 470 MB."""
+
 
 def extent_of(positions: NDArray[Any]) -> float:
     """Return the greatest extent along an axis of strands in blocks."""
@@ -26,3 +29,13 @@ def moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64
         there = tuple(slice(max(d, 0), max(min(b, a + d), 0)) for d, a, b in ends)
         found[here] = values[there]
     return found
+
+
+def coarser(cell: float, ends: NDArray[np.float64], margin: int) -> float:
+    """Return how large cells can be so that they are few enough, those of a flat groom too. ``ends``, lowest and
+    highest cells of strands, part by part, and ``margin``: as `crowd_boxes.find_boxes` has them."""
+    along = ends[:, 3:].max(0) - ends[:, :3].min(0) + 1
+    factor = 1.0
+    while np.prod(np.ceil(along / factor) + 1 + 2 * margin) > MOST_CELLS:
+        factor *= 1.05
+    return 1.05 * factor * cell  # it is told with two digits

@@ -62,6 +62,7 @@ class CrowdStrands:
             self._moving = last = Moving(
                 state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
                 self._metres, mass, state.root_velocity[:free], state.root_crowd[:free], self._root_mass,
+                None, None,
             )  # fmt: skip
         return last
 
@@ -74,7 +75,7 @@ class CrowdStrands:
         kind, samples = self._kind, self._samples
         steps = kind(dt), kind(dt / before if before else 1.0), kind(1 - crowd_excess.HELD)
         sampled = samples.first, samples.counts, self._weights, samples.mass.astype(kind)
-        made = Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
+        made = Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps, None))
         self._sampled = known, made
         return made
 

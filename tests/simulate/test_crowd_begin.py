@@ -2,31 +2,117 @@
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from strand_kit import scene_of
+from strand_kit import require_same_after_restart, scene_of
 from strandcli.groom.emit import emit
+from strandcli.groom.record import Groom
+from strandcli.simulate.crowd_overlap import DURATION, REACH, offsets_of
+from strandcli.simulate.kernels.rod_scratch import PACK
 from strandcli.simulate.rod import RodSolver
+from tests.simulate.test_crowd import BALL, solver_of
+
+CELL = 0.02
+CURLED = ", curl_turns: 6, curl_angle: 50"
 
 
-@pytest.mark.parametrize("steps", [1, 10])
-@pytest.mark.parametrize("curled", ["", ", curl_turns: 6, curl_angle: 50"])
-def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump(curled: str, steps: int) -> None:
-    """Thirty times too dense at the start; coils cut steps into up to twenty. In a frame none moves by four cells,
-    however many steps it has; half a cell more in each of them would be up to seven."""
+def bundle(fps: int, curled: str = "", groom: Groom | None = None, density: float = 1e4) -> RodSolver:
+    """300 strands from a disc of a tenth of a cell, thirty times too dense."""
     rest = "rest: shape, " if curled else "rest: straight, "
     scene = scene_of(
-        f"solver: rod\nrod: {{{rest}radius: 1.0e-4, drag: 5}}\ntime: {{fps: {24 * steps}}}\n"
+        f"solver: rod\nrod: {{{rest}radius: 1.0e-4, drag: 5}}\ntime: {{fps: {fps}}}\n"
         "emitter: {shape: {kind: disc, radius: 0.001}, strands: 300, particles: 12, length: 0.2, jitter: 2, "
-        f"rotation: [180, 0, 0]{curled}}}\nrules: [gravity, interaction: {{cell: 0.02, density: 1.0e+4}}]"
+        f"rotation: [180, 0, 0]{curled}}}\nrules: [gravity, interaction: {{cell: {CELL}, density: {density}}}]"
     )
-    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
-    furthest, before = 0.0, solver.particles()
-    for frame in range(6):
+    return RodSolver(scene, groom or emit(scene.emitter, scene.seed))
+
+
+def alike() -> Groom:
+    """Strands that are all in the very same place."""
+    down = np.tile(np.array([0, -1, 0], np.float32), (300, 1))
+    return Groom(np.zeros_like(down), down, np.full(300, 0.2, np.float32), np.zeros(300, np.float32))
+
+
+def moves(solver: RodSolver, steps: int, frames: int) -> list[float]:
+    """The greatest way of a particle in each 24th of a second, in cells."""
+    found, before = [], solver.particles()
+    for frame in range(frames):
         for step in range(steps):
             solver.step((frame * steps + step + 1) / (24 * steps), 1 / (24 * steps))
         after = solver.particles()
-        furthest, before = max(furthest, float(np.linalg.norm(after - before, axis=2).max())), after
-    assert furthest < 4 * 0.02
-    assert np.std(after[:, -1, 0]) > 0.002  # and they are led apart
+        found.append(float(np.linalg.norm(after - before, axis=2).max()) / CELL)
+        before = after
+    return found
+
+
+@pytest.mark.parametrize("steps", [1, 10])
+@pytest.mark.parametrize("curled", ["", CURLED])
+def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump(curled: str, steps: int) -> None:
+    """Coils cut steps into up to twenty. In a frame none moves by half a cell at first, and by two cells after, however
+    many steps it has; were all pressed apart at once, up to three and a half (six and a half straight ones)."""
+    solver = bundle(24 * steps, curled)
+    found = moves(solver, steps, 12)
+    assert max(found[:6]) < 0.5
+    assert max(found) < 2
+    assert np.std(solver.particles()[:, -1, [0, 2]], axis=0).min() > (0.01 if curled else 0.002)
+
+
+def test_strands_that_coincide_part_in_all_directions_to_the_same_bits() -> None:
+    """Each in a direction of its own, which no number of threads changes; a grid tells them not apart."""
+    found: list[NDArray[np.float32]] = []
+    threads = numba.get_num_threads()
+    for count in (1, threads):
+        numba.set_num_threads(count)
+        solver = bundle(24, groom=alike())
+        assert max(moves(solver, 1, 24)) < 2
+        found.append(solver.particles())
+    np.testing.assert_array_equal(*found)
+    tips = found[0][:, -1, [0, 2]]
+    assert np.std(tips, axis=0).min() > 0.01
+    assert (np.abs(tips.mean(0)) < np.std(tips, axis=0) / 2).all()
+
+
+def test_what_strands_hand_to_each_other_while_they_part_stays() -> None:
+    solver = bundle(24)
+    for frame in range(2, 16):
+        solver.advance(frame)
+        assert solver.errors(frame)["momentum_lost"] < 1e-5
+
+
+def test_it_is_over_after_its_time_in_steps_of_any_length() -> None:
+    for fps in (24, 60):
+        solver = bundle(fps)
+        assert solver.crowd is not None
+        for step in range(fps + 1):
+            assert (solver.crowd.overlap.roots is not None) == (0 < step < round(DURATION * fps)), step
+            solver.step((step + 1) / fps, 1 / fps)
+
+
+def test_a_later_run_goes_on_from_a_checkpoint_while_strands_part() -> None:
+    whole, half = bundle(24), bundle(24)
+    require_same_after_restart(whole, half)
+    assert half.crowd is not None
+    assert half.crowd.overlap.roots is not None
+    state = whole.state_arrays()
+    with pytest.raises(ValueError, match="overlap"):
+        half.check({**state, "free overlap": state["free overlap"][1:]}, 20)
+
+
+def test_strands_that_are_hardly_too_dense_are_pressed_apart_at_once() -> None:
+    """As those that have no density given, and those that a tie holds."""
+    for rule in ("interaction", "interaction: {density: 1.0e+4, cell: 0.02}"):
+        solver = solver_of(f"emitter: {{{BALL}, strands: 300}}\nrules: [{rule}]")
+        assert solver.crowd is not None
+        solver.advance(2)
+        assert solver.crowd.overlap.time == 0
+        assert solver.crowd.overlap.roots is None
+
+
+def test_strands_are_beside_themselves_evenly() -> None:
+    """Of 8 parts of a cell each has an eighth of them."""
+    found = offsets_of(64).reshape(64, 3, PACK).transpose(0, 2, 1).reshape(-1, 3)
+    assert np.abs(found).max() <= REACH
+    assert np.abs(np.bincount((found > 0) @ [1, 2, 4], minlength=8) / len(found) - 1 / 8).max() < 0.02

@@ -16,7 +16,7 @@ from tests.simulate.test_crowd import BALL, solver_of
 )
 def test_they_are_those_of_all_packs_at_once(precision: str, cell: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each of which finds its nodes anew; with samples of several segments too, and where the emitter jumps."""
-    keys = "[{time: 0}, {time: 0.05, position: [0.1, 0, 0]}, {time: 0.1, position: [9, 0, 0]}]"
+    keys = "[{time: 0.042}, {time: 0.09, position: [0.1, 0, 0]}, {time: 0.12, position: [9, 0, 0]}]"
     text = (
         f"emitter: {{{BALL}, strands: 900, keys: {keys}}}\nrod: {{precision: {precision}}}\n"
         "solids: [{kind: sphere, radius: 0.1, follow: emitter}]\nrules: [emitter_motion, gravity, "

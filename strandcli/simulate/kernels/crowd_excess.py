@@ -6,6 +6,7 @@ import numpy as np
 
 from ...jit import device
 from ...simd import broadcast, load, pointer, store, where
+from .crowd_overlap import allowed
 from .crowd_records import FULL, LANES, MASS, MOMENTUM, MOST, RATIO, SIZE
 from .crowd_rows import beside_across, beside_along
 
@@ -52,7 +53,7 @@ def excess_of(at, sides, grid, room, pressure, numbers):
     closed += for_y[2]
     closed += for_z[2]
     dense, free = load(cells, MASS * count + at) / full, load(open, at)
-    more = dense - free
+    more = dense - allowed(at, free, cells, count, numbers)
     haste = min(HASTE * most, np.float32(1))
     slower = min(more * haste, most * min(max(dense, 1.0), DENSEST))
     more = where(more > 0.0, slower, more)

@@ -27,10 +27,12 @@ from ...simd import (
     store3,
     store_records,
 )
+from .crowd_overlap import beside, counting
 from .crowd_records import (
     BELOW,
     BETWEEN,
     CELL,
+    COUNTING,
     FIRST,
     LANES,
     LAST,
@@ -84,7 +86,7 @@ def deposit_pack(moving, lattice, pack, box, origins, grid, work):
     layer = wide * np.uint64(box[SIZE + 1])
     for sample in range(len(lattice.first)):
         locate(moving, lattice, (pack, pack + 1), sample, box, origins, rows)
-        weigh(moving.metres, pack, np.float32(lattice.mass[sample]), rows, found)
+        weigh(moving, pack, np.float32(lattice.mass[sample]), rows, found)
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
             x, x_next = weights_along(cells, 0, a)
@@ -101,15 +103,15 @@ def deposit_pack(moving, lattice, pack, box, origins, grid, work):
 
 
 @device
-def weigh(metres, pack, share, rows, found):
+def weigh(moving, pack, share, rows, found):
     """Set the columns of a cell that each strand's sample would fill alone, strand by strand."""
     records = pointer(found)
     for c in range(3):
         for k in range(PACK):
             found[(CELL + c) * PACK + k] = rows[VELOCITY + c, k]
-    m = load(pointer(metres), pack * PACK) * share
+    m = load(pointer(moving.metres), pack * PACK) * share
     u, v, w = load3(records, CELL * PACK, PACK)
-    store_records(records, 0, (m, m * u, m * v, m * w, m, m, m, m))
+    store_records(records, 0, (m, m * u, m * v, m * w, m, m, m, counting(moving.overlap, m, rows, found)))
 
 
 @device
@@ -172,9 +174,9 @@ def locate(moving, lattice, packs, sample, box, origins, rows):
             prefetch3(others, (place + ahead) * AXES + lane, PACK)
             a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
             u, v, w = u + weight * a, v + weight * b, w + weight * c
-        x, below = x * inverse, cell_before(x * inverse, wide)
-        y, above = y * inverse, cell_before(y * inverse, high)
-        z, behind = z * inverse, cell_before(z * inverse, deep)
+        at = pack, sample, lane
+        x, y, z = beside(moving.overlap, moving, lattice, at, rows, (x * inverse, y * inverse, z * inverse))
+        below, above, behind = cell_before(x, wide), cell_before(y, high), cell_before(z, deep)
         store3(out, SHARE * PACK + lane, PACK, x - below, y - above, z - behind)
         store(out, BELOW * PACK + lane, below + above * wide + behind * (wide * high))
         store3(out, VELOCITY * PACK + lane, PACK, u, v, w)
@@ -202,7 +204,7 @@ def merge_layer(boxes, o, memory, sums, grid, most):
             most[o, n] = reduce_max(found)
         else:
             most[o, n] = 0
-            for c in range(CELL - 1):
+            for c in range(CELL):
                 for i in range(0, wide, LANES):
                     store(out, c * cells + row + i, 0.0)
 
@@ -212,10 +214,11 @@ def part_columns(line, at, out, place, cells):
     """Write a vector of cells, one after the other, to the planes of columns; return their metres."""
     counted = load(pointer(COUNTED), 0)
     m, u, v, w = gather4(line, at, counted, CELL, 0.0)
-    x, y, z, _ = gather4(line, at + BETWEEN, counted, CELL, 0.0)
+    x, y, z, n = gather4(line, at + BETWEEN, counted, CELL, 0.0)
     store(out, MASS * cells + place, m)
     store3(out, MOMENTUM * cells + place, cells, u, v, w)
     store3(out, BETWEEN * cells + place, cells, x, y, z)
+    store(out, COUNTING * cells + place, n)
     return m
 
 

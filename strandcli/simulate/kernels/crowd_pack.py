@@ -100,7 +100,7 @@ def moving_of(kind, descriptor):
         array_at(kind, descriptor[ROOTS], (packs, AXES)), None, array_at(kind, descriptor[MASS_OF], (n,)),
         array_at(kind, descriptor[ROOT_VELOCITY], (descriptor[LOOSE], 1, AXES)),
         array_at(kind, descriptor[ROOT_CHANGE], (descriptor[LOOSE], 1, AXES)),
-        array_at(kind, descriptor[ROOT_MASS], (1,)),
+        array_at(kind, descriptor[ROOT_MASS], (1,)), None, None,
     )  # fmt: skip
 
 
@@ -116,7 +116,7 @@ def lattice_of(kind, descriptor):
         array_at(kind, descriptor[NODE_WEIGHTS], (nodes, descriptor[NODE_MOST])),
         array_at(np.int64, descriptor[FIRST_NODE], (samples,)),
         array_at(kind, descriptor[BLEND], (samples, descriptor[BLENDED])), numbers[INVERSE],
-        array_at(kind, descriptor[ORIGIN], (1, 3)), None, numbers[AGAIN], None,
+        array_at(kind, descriptor[ORIGIN], (1, 3)), None, numbers[AGAIN], None, None,
     )  # fmt: skip
 
 

@@ -1,0 +1,53 @@
+"""Strands that begin inside each other: what is too dense at the start is let be at first, and led apart by and by.
+
+A sample of a strand that begins where strands are r times as dense as allowed counts as too dense by the share
+c = 1 / r alone, so that there is no pressure at the start. The root of c, which parallel strands stand apart in
+proportion to, goes to 1 smoothly in time, whatever the steps: the density that is allowed in a cell, its metres over
+those that count, goes to that of the preset, and pressure grows as it has to. What pressure may hasten strands by
+(`crowd_limit`) is less by the same share.
+
+Those that coincide would move as one: the grid hands the same to all. While they do not count wholly it takes each up
+to half a cell beside itself, in a direction of its own, both where it leaves its metres and where it reads what
+pressure hands to it, so that sums of momentum stay.
+"""
+
+from __future__ import annotations
+
+from ...jit import device
+from ...simd import load, load3, pointer, store, where
+from .crowd_records import CELL, COUNTING, MASS, OVERLAP, RESULT
+from .rod_scratch import AXES, PACK
+
+
+@device
+def beside(overlap, moving, lattice, at, rows, place):
+    """Where the grid takes a sample to be, of the strands from lane ``at[2]`` of pack ``at[0]`` on, by its ``place``,
+    both in cells. Set the share of it that counts, in `RESULT` of scratch."""
+    if overlap is None:
+        return place
+    (pack, sample, lane), (x, y, z) = at, place
+    begun = load(pointer(overlap), (pack * overlap.shape[1] + sample) * PACK + lane)
+    root = begun + (1.0 - begun) * lattice.parted
+    store(pointer(rows), RESULT * PACK + lane, root * root)
+    u, v, w = load3(pointer(moving.offsets), pack * AXES + lane, PACK)
+    rest = 1.0 - root * root
+    return x + rest * u, y + rest * v, z + rest * w
+
+
+@device
+def counting(overlap, metres, rows, found):
+    """Of the metres of a sample of each strand those that count as too dense."""
+    if overlap is None:
+        return metres
+    for k in range(PACK):
+        found[(CELL + 3) * PACK + k] = rows[RESULT, k]
+    return metres * load(pointer(found), (CELL + 3) * PACK)
+
+
+@device
+def allowed(at, free, cells, count, numbers):
+    """The density that a vector of cells may have, over that of the preset, of which the share ``free`` is open."""
+    if numbers[OVERLAP] == 0:
+        return free
+    some = load(cells, COUNTING * count + at)
+    return where(some > 0.0, free * (load(cells, MASS * count + at) / some), free)
