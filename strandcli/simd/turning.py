@@ -41,31 +41,6 @@ def _to_an_eighth(q):
     )
 
 
-def _short_to_one(q):
-    even = 1.0 - q * (0.5 - q * (1.0 / 24 - q * (1.0 / 720 - q * (1.0 / 40320 - q * (1.0 / 3628800)))))
-    return even, q * (1.0 / 6 - q * (1.0 / 120 - q * (1.0 / 5040 - q * (1.0 / 362880 - q * (1.0 / 39916800)))))
-
-
-@device_where(_double, _short_to_one)
-def _to_one(q):
-    """The same up to one radian."""
-    even = 1.0 / 20922789888000 - q * (1.0 / 6402373705728000)
-    even = q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q * (1.0 / 87178291200 - q * even)))
-    odd = 1.0 / 355687428096000 - q * (1.0 / 121645100408832000)
-    odd = q * (-1.0 / 39916800 + q * (1.0 / 6227020800 - q * (1.0 / 1307674368000 - q * odd)))
-    return (
-        1.0 - q * (0.5 - q * (1.0 / 24 - q * (1.0 / 720 - q * (1.0 / 40320 + even)))),
-        q * (1.0 / 6 - q * (1.0 / 120 - q * (1.0 / 5040 - q * (1.0 / 362880 + odd)))),
-    )
-
-
-@inlined
-def cosine_sine_of_small(angle):
-    """Cosine and sine of angles of one radian at the most, to the last digits of either precision."""
-    even, odd = _to_one(angle * angle)
-    return even, angle - angle * odd
-
-
 @inlined
 def cosine_sine(angle):
     """Cosine and sine of radians, to the last digits of either precision for some thousand turns.

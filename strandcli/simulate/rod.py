@@ -23,7 +23,7 @@ from ..scene.motion import Pose
 from .contact.between_strands import TAUT, StrandContact, in_parts
 from .crowd import Crowd, Moment
 from .health import RESIDUAL_MOST
-from .kernels.records import AIR, LASTING, TOLERANCE
+from .kernels.records import AIR, FREE, LASTING, TOLERANCE, TURNED
 from .kernels.rod_scratch import PACK
 from .material import COIL_STEP, MOST_INNER
 from .momentum import errors_between_strands
@@ -117,6 +117,8 @@ class RodSolver(Solver):
         self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
         self._steady = not (self._coil_rate or self._sudden) and self.contact is None and self.deforming is None
         """Whether a step is one of the kernel's."""
+        self._alone = self.crowd is self.contact is self.deforming is None and not flags.held
+        """Whether nothing but the emitter, air and solids drives strands."""
         self._last_step = 0.0
         self.place_roots(1)
         self.kernel = StepKernel(self.strands, rod.iterations, flags, arrays, self.surroundings)
@@ -217,6 +219,9 @@ class RodSolver(Solver):
             )
         self.numbers.set(dt, bdf2, self.pins is not None)
         self._air[:] = moved.wind
+        if self.curled:
+            still = not (moved.jumps or any(moved.change[TURNED:]) or any(moved.air))
+            self.forcing.numbers[FREE] = still and self._alone and self.pins is None
         if self.contact is None:
             self._run(pose, moved.change, beside)
             short = True

@@ -8,20 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels.records import GRAVITY, TORSION, Forcing, Material
+from .kernels.records import TORSION, Forcing, Material
 from .kernels.rod_scratch import PACK
 from .material import FINE_TURN, firmness, stretch_rates
 from .rest_shape import ends_apart
 
 FIRM, LOOSE, FLAT = 0.5, 10.0, 10.0
 """Step over the frequency at which a coil stretches in which `SHARES` of `firmness` keep its edges where they are led.
-Strands whose joints turn by less than `LOOSE` radians in all need as much in steps that are as much longer, limp ones
-that turn by more in steps that are as much shorter; so do flat coils, of `FLAT` times the distance between their ends,
-over their length and these radians."""
-LIMP = 0.019, 0.016
-"""ω² L / (g R), with the frequency ω at which a coil stretches, its length L and R as at `CALM`, below which a coil
-begins to count as limp, and below which it is: (3 χ)² over Γ, what it weighs by its stiffness. What limp ones turn by
-comes and goes as they fall, and their energy would grow. Firmness costs some accuracy: others do without."""
+Strands whose joints turn by less than `LOOSE` radians in all need as much in steps that are as much longer; flat coils
+in steps that are as much shorter as `FLAT` times the distance between their ends, over their length and these
+radians."""
 SHARES = 0.6, 1.6
 """Such a step from which firmness counts, which would be an error in shorter ones, and from which all of it does."""
 LED_UP_TO, LATE_FROM, STAY_FROM, STAY = 0.3, 0.6, 1.0, 2.0
@@ -64,16 +60,11 @@ class CoilSteps:
         """(P, S) angular frequencies, rad/s, at which strands stretch as springs do."""
         flat = FLAT * np.maximum(long, TINY) / turning
         self._firm = np.minimum(FIRM * np.maximum(1.0, LOOSE / turning), flat)
-        self._limp = np.minimum(1.0, LOOSE / turning)
         self._over = math.sqrt(3 * torsion) / turning  # 1 / sqrt(R)
-        fine = self.rates / np.maximum(1.0, np.sqrt(square) / FINE_TURN)
-        self._stiff = (fine * self._over) ** 2 * material.lengths * (rows - 1)  # ω² L / R
 
     def set(self, dt: float, bdf2: bool) -> None:
         """Write those of a step of ``dt`` seconds."""
-        pull = max(float(np.linalg.norm(self._forcing.numbers[GRAVITY : GRAVITY + 3])), TINY)
-        limp = ramp(-self._stiff / pull, -LIMP[0], -LIMP[1])
-        firm = (1.0 if bdf2 else EULER) * self._firm * (1.0 - limp * (1.0 - self._limp))
+        firm = (1.0 if bdf2 else EULER) * self._firm
         steps = self.rates * dt
         self._forcing.firmness[...] = self._firmness * ramp(steps / firm, *SHARES)
         calm = np.minimum(1.0, CALM * self._over)

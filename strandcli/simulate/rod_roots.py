@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..constants import FOLD
-from .kernels.records import ROOT_TWIST, WIDE_SLOPE
+from .kernels.records import ROOT_TWIST
 from .kernels.rod_scratch import PACK
 from .rod_setup import packed
 from .rod_teleport import turned
@@ -48,8 +48,6 @@ class Roots:
         if self.hinged:
             self._forcing.numbers[ROOT_TWIST] = ANCHOR
             material.bends[:, 1] = 0
-            if not material.bends[:, 1:].any():
-                self._forcing.numbers[WIDE_SLOPE] = 1.0  # V'' of a bend of any direction is at most that
         elif deforming is not None and curled:
             self._across = self._normals.reshape(-1, 3, PACK).transpose(0, 2, 1).reshape(-1, 3)[:strands].copy()
 

@@ -23,12 +23,12 @@ from .kernels.records import (
     ROUNDING,
     SOFT,
     TORSION,
-    WIDE_SLOPE,
     Flags,
     Forcing,
     Material,
     State,
 )
+from .kernels.rod_energy import UNKNOWN
 from .kernels.rod_scratch import PACK
 from .material import coil_rates, integrator_of, matter_along, stiffness, torsion
 from .precision import needs_double
@@ -205,6 +205,9 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
     def zeros(needed: bool) -> NDArray[Any]:
         return on_large_pages((packs if needed else 1, n, 3 * PACK), dtype)
 
+    def of_strands(needed: bool) -> NDArray[Any]:
+        return aligned((packs if needed else 1, PACK), dtype)
+
     def of_roots(needed: bool) -> NDArray[Any]:
         return aligned((packs if needed else 1, 1, 3 * PACK), dtype)
 
@@ -212,6 +215,8 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         single = positions
         positions = on_large_pages(single.shape, dtype)
         positions[...] = single
+    energy = of_strands(flags.curled)
+    energy.fill(UNKNOWN)
     return State(
         edges=rows,
         velocity=zeros(True),
@@ -220,19 +225,21 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         moved=zeros(flags.second),
         tension=rest.tension,
         push=zeros(flags.solids),
-        touching=aligned((packs if flags.solids else 1, PACK), dtype),
+        touching=of_strands(flags.solids),
         twist=rest.twist,
         crowd=zeros(flags.crowded),
-        jolted=aligned((packs if flags.crowded else 1, PACK), dtype),
+        jolted=of_strands(flags.crowded),
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),
-        turned=aligned((packs if flags.held else 1, PACK), dtype),
+        turned=of_strands(bool(flags.held)),
         root_velocity=of_roots(flags.loose),
         root_before=of_roots(flags.loose and flags.second),
         root_ahead=of_roots(flags.loose and flags.second),
         root_moved=of_roots(flags.loose and flags.second),
         root_push=of_roots(flags.loose and flags.solids),
         root_crowd=of_roots(flags.loose and flags.crowded),
+        energy=energy,
+        calmed=of_strands(flags.curled),
     )
 
 
@@ -251,7 +258,7 @@ def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags, rod: Rod, coi
     numbers[ROUNDING] = 4 * float(np.finfo(dtype).eps)
     numbers[TORSION] = torsion(rod, coiled)
     numbers[SOFT], numbers[LEAD] = softness(rod), lead(rod)
-    numbers[ROOT_TWIST], numbers[WIDE_SLOPE] = CLAMP, -1.0
+    numbers[ROOT_TWIST] = CLAMP
     of_curls = packs if flags.curled else 1
     return Forcing(
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
 VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, LED, LEAD, LASTING = 14, 15, 16, 17, 18, 19, 20, 21
-ROOT_TWIST, WIDE_SLOPE = 22, 23
+ROOT_TWIST, FREE = 22, 23
 NUMBERS = 24
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
@@ -20,7 +20,7 @@ bending rigidity, h of velocities in s, angle in radians by which clamped tips a
 joint, relative mass of free roots times 1 + drag h, of oval sections the share by which the softer direction's rigidity
 is less, above 0 where rest shapes are led (`Scheme.led`), the share of that which follows velocities, above 0 where
 `State.crowd` are accelerations by contact, which act all through a step as gravity does, the relative rigidity against
-twist about the root, and how the torque of oval sections rises by the square of what they bend along the wide axis."""
+twist about the root, and above 0 where nothing but solids can give strands energy (`rod_energy`)."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
@@ -82,6 +82,11 @@ class State(NamedTuple):
     """(P, 1, 3 S) as ``push``, of free roots."""
     root_crowd: Any
     """(P, 1, 3 S) as ``crowd``, of free roots; all of them, with code beside the step, too."""
+    energy: Any
+    """(P, S) what strands may have, m²/s² times relative masses, `rod_energy.UNKNOWN` where it is not known; this and
+    the next one needed by curled strands."""
+    calmed: Any
+    """(P, S) above 0 for strands that take the next step by Euler's method, as their energy would grow."""
 
 
 class Material(NamedTuple):

@@ -3,7 +3,9 @@
 A joint's rest is a vector m_j in the frame of the edge before it, and its energy κ_j |e_j − m_j|² / 2. Frames are
 parallel-transported along the strand from the clamp and then turned about their edges by twist angles ψ_j, with the
 energy χ κ_j (ψ_j − ψ_{j−1})² / 2. Twist has no inertia: ψ is where torques about edges balance (Bergou et al. 2008,
-"Discrete Elastic Rods", §5). One iteration of Newton's method a step follows it.
+"Discrete Elastic Rods", §5). One iteration a step follows it, Newton's but for a bound in place of the second
+derivative (`rod_oval.torque`). That is below 0 where frames lag by more than a quarter turn, from where Newton's method
+would go anywhere: strands would gain energy from nothing.
 
 A rest vector that is carried along also exerts a force on the edge before the joint, and through the frames on all
 edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j the edge j feels
@@ -36,15 +38,16 @@ from __future__ import annotations
 from ...constants import FOLD
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3, where
-from ...simd.turning import cosine_sine, cosine_sine_of_small
+from ...simd.turning import cosine_sine
 from . import rod_held, rod_lead, rod_oval
-from .records import DAMPING, ROOT_TWIST, ROUNDING, SOFT, STEP, TIP_JOINT, TORSION, WIDE_SLOPE
+from .records import DAMPING, ROOT_TWIST, ROUNDING, SOFT, STEP, TIP_JOINT, TORSION
 from .rod_frames import CLAMP, carried, cross, first_normal
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT, STIFFNESS
 from .rod_tension import firm_force, particle_gain
 
-GREATEST_TWIST_CHANGE = 1.0
-"""Radians that ψ changes by in a step at the most."""
+GREATEST_TWIST_CHANGE = 3.0
+"""Radians that ψ changes by in a step at the most. Frames of coils that swing about turn by one and more; where they
+lag, rests turn the wrong way, and strands gain energy."""
 PRESSED, PRESSED_BY_TURN = 0.1, 2.0
 """Rigidity that keeps edges between the root and what a solid presses where they were, in units of κ, up to 1: that of
 all, and of θ². A force of contact is found once a step, and what is curled goes on giving way to it for many, so that
@@ -82,7 +85,7 @@ def softness(numbers, oval):
 @device
 def transport_frames(s, at, state, material, forcing, scheme, soft):
     """Set edges as `first_edge` has them, and transport frames along them from the root to the tip: set `TARGET` by the
-    ψ before the step, and eliminate the torques about edges, linearised in ψ. ``soft``: `softness`."""
+    ψ before the step, and eliminate the torques about edges, linear in ψ. ``soft``: `softness`."""
     held = scheme.ends.held
     torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
@@ -101,25 +104,21 @@ def transport_frames(s, at, state, material, forcing, scheme, soft):
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
         (ex, ey, ez), far = first_edge(at, j, state, way, far, forcing.numbers, scheme.led)
         store3(s, o + EDGE, 1, ex, ey, ez)
+        f, g = ax * ex + ay * ey + az * ez, bx * ex + by * ey + bz * ez
         if soft is not None:
             x, y, z = c * ax + d * bx, c * ay + d * by, c * az + d * bz
-            turn, stiff = rod_oval.torque(
-                (ex, ey, ez), (x, y, z), (c * bx - d * ax, c * by - d * ay, c * bz - d * az), v, w, soft,
-                forcing.numbers[WIDE_SLOPE],
-            )  # fmt: skip
+            turn, stiff = rod_oval.torque(c * f + d * g, c * g - d * f, v, w, soft)
         else:
             v, w = v * c - w * d, v * d + w * c
             x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
-            f, g = ax * ex + ay * ey + az * ez, bx * ex + by * ey + bz * ez
-            stiff = v * f + w * g
-            turn = v * g - w * f
+            turn, stiff = rod_oval.torque(f, g, v, w, soft)
         store3(s, o + TARGET, 1, x, y, z)
         if j > 0:
             before = torsion * (joint[j - 1] if j > 1 else forcing.numbers[ROOT_TWIST])
             after = torsion * joint[j]
             if held is None and j + 1 == n:
                 after = 0.0
-            stiff = joint[j] * max(stiff, 0.0)
+            stiff = joint[j] * stiff
             over = 1.0 / (before * (1.0 - b) + after + stiff)
             a = (joint[j] * turn + stiff * angle + before * a) * over
             b = after * over
@@ -236,7 +235,7 @@ def rest_vector(s, o, free, before, edge, turned, soft, bends, bend):
     ``bends``; ``free``: of the particle's gain, which becomes the thin axis of an oval section."""
     px, py, pz = before
     x, y, z = load3(s, o + TARGET, 1)
-    c, d = cosine_sine_of_small(turned)
+    c, d = cosine_sine(turned)
     wx, wy, wz = cross(px, py, pz, x, y, z)
     if soft is not None:
         u, v, w = load3(bends, bend, PACK)

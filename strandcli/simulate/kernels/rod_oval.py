@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load, load3, store, store3
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3
 from .records import DAMPING, ROUNDING, SOFT, STEP
 from .rod_scratch import (
     EDGE,
@@ -27,13 +27,21 @@ SLIGHT = 1e-4
 
 
 @inlined
-def torque(e, wide, thin, v, w, soft, slope):
-    """Torque about the edge before a joint by the bend of an oval section, over κ, and how it falls with ψ. v, w: the
-    rest along both axes; ``slope``: `WIDE_SLOPE`, −1, or 1 where nothing but bends tells ψ, as of straight strands on
-    hinges: Newton's method would overshoot there and energy grow, and the bound of the fall, σ (x² + y²), is taken."""
-    x = e[0] * wide[0] + e[1] * wide[1] + e[2] * wide[2]
-    y = e[0] * thin[0] + e[1] * thin[1] + e[2] * thin[2]
-    return v * y - (w + soft * (y - w)) * x, v * x + (1.0 - soft) * w * y + soft * (y * y + slope * (x * x))
+def torque(x, y, v, w, soft):
+    """Torque about the edge before a joint by its bend, over κ, and how fast it may fall with ψ at the most. x, y: the
+    edge along the wide and the thin axis; v, w: its rest; ``soft``: σ, None of round sections.
+
+    At an angle φ from balance the energy of a round section is −ρ cos φ. Of all parabolas that touch it there and are
+    nowhere below it, the flattest has the second derivative ρ sin φ / φ and is lowest at φ = 0 (de Leeuw & Lange 2009,
+    "Sharp quadratic majorization in one dimension"); sin φ / φ is at most (2 + cos φ) / 3 (Cusa and Huygens). What σ
+    adds, −σ y² / 2, is a cosine of twice the angle, of which √(V''² + 4 V'²) is the greatest V''.
+    """
+    if soft is None:
+        f, g = v * y - w * x, v * x + w * y
+        return f, (2.0 * sqrt(f * f + g * g) + g) * (1.0 / 3.0)
+    f = v * y - (w + soft * (y - w)) * x
+    g = v * x + (1.0 - soft) * (w * y) + soft * (y * y - x * x)
+    return f, sqrt(g * g + 4.0 * (f * f))
 
 
 @device

@@ -50,7 +50,7 @@ def set_coefficients(s, at, state, material, forcing, scheme):
     h, g = numbers[STEP], numbers[VELOCITY_STEP]
     mass = 1 + numbers[DRAG] * g  # that `Material.mass` has been multiplied by
     if scheme.second and scheme.mixed and scheme.share > 0:
-        calm = disturbed(s, state, at.strand, scheme.crowded, scheme.pressed, numbers) > 0.0
+        calm = disturbed(s, state, at.strand, scheme.crowded, scheme.pressed, scheme.curled, numbers) > 0.0
         step = where(calm, broadcast(s, scheme.duration), h)
         velocity_step = where(calm, broadcast(s, scheme.duration), g)
         drag = 1.0 + numbers[DRAG] * velocity_step
@@ -81,24 +81,27 @@ def set_steps_of_crowd(s, g, lasting, scheme):
 
 
 @inlined
-def disturbs(s, state, strand, crowded, pressed, numbers):
+def disturbs(s, state, strand, crowded, pressed, curled, numbers):
     """Whether some strand of a vector is `disturbed`."""
-    if crowded is None and not pressed:
+    if crowded is None and not (pressed or curled):
         return False
-    return any_lane(disturbed(s, state, strand, crowded, pressed, numbers) > 0.0)
+    return any_lane(disturbed(s, state, strand, crowded, pressed, curled, numbers) > 0.0)
 
 
 @inlined
-def disturbed(s, state, strand, crowded, pressed, numbers):
-    """Above 0 where a strand takes the step by Euler's method: one that is `State.jolted`, or that solids press anew or
-    no more; among strands that press each other any that solids press, for what these find knows solids of the step
-    before, and may leave the strand to them at any time. ``pressed``: whether some of the vector are."""
+def disturbed(s, state, strand, crowded, pressed, curled, numbers):
+    """Above 0 where a strand takes the step by Euler's method: one that is `State.jolted`, `State.calmed` where strands
+    are ``curled``, or that solids press anew or no more; among strands that press each other any that solids press, for
+    what these find knows solids of the step before, and may leave the strand to them at any time. ``pressed``: whether
+    some of the vector are."""
     found = broadcast(s, 0.0)
     if crowded is not None:
         found = load(state.jolted, strand)
     if pressed:
         least = 0.0 if numbers[LASTING] > 0.0 else 0.5 * CHANGED
         found = max(found, load(state.touching, strand) - least)
+    if curled:
+        found = max(found, load(state.calmed, strand))
     return found
 
 

@@ -28,7 +28,7 @@ from ...simd import (
     vector_pointer_at,
     where,
 )
-from . import rod_contact, rod_curl, rod_held, rod_lead, rod_loose, rod_newton, rod_start, rod_sweep
+from . import rod_contact, rod_curl, rod_energy, rod_held, rod_lead, rod_loose, rod_newton, rod_start, rod_sweep
 from .records import (
     FRICTION,
     MOVED,
@@ -241,7 +241,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
             place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         led = rod_lead.led_of(rod_lead.either(flags.second, flags.oval), flags.curled, numbers)
-        disturbs = rod_start.disturbs(scratch, state, strand, flags.crowded, touched, numbers)
+        disturbs = rod_start.disturbs(scratch, state, strand, flags.crowded, touched, flags.curled, numbers)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, disturbs, flags.crowded, contact.duration, led, flags.curled,
             Ends(flags.held, flags.loose, flags.curled), flags.oval,
@@ -249,6 +249,8 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
         if flags.held is not None:
             rod_held.place_clamp(scratch, at, state, material, forcing)
+        if flags.second and flags.curled:
+            rod_energy.begin(scratch, at, state, material, forcing, scheme)
         if scheme.curled:
             rod_curl.set_rest(scratch, at, state, material, forcing, scheme)
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
@@ -267,6 +269,8 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         if flags.loose is not None:
             rod_loose.find_shift(scratch, n, material.mass)
         rod_sweep.sweep(scratch, at, next_pack, state, material, numbers, scheme, met)
+        if flags.second and flags.curled:
+            rod_energy.keep(scratch, at, state, material, forcing, scheme, flags.solids)
 
 
 @device
