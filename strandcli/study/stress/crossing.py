@@ -22,6 +22,9 @@ FIT = np.linalg.inv(np.vander(SHARES, 4))
 REAL = 1e-9
 """Imaginary part of a root that counts as real."""
 
+MET = 1e-6
+"""Distance at which segments count as crossing, over their lengths."""
+
 
 class Passing:
     """Watches a rod solver with contact: the parts of its steps that it keeps."""
@@ -74,8 +77,11 @@ def _meet(volumes: Floats, p: Floats, p_way: Floats, q: Floats, q_way: Floats) -
         if abs(root.imag) < REAL and 0 < root.real <= 1:
             one, other = p + root.real * p_way, q + root.real * q_way
             basis = np.stack([one[1] - one[0], other[0] - other[1]], 1)
-            places, *_ = np.linalg.lstsq(basis, other[0] - one[0], rcond=None)
-            if (places >= 0).all() and (places <= 1).all():
+            apart = other[0] - one[0]
+            places, *_ = np.linalg.lstsq(basis, apart, rcond=None)
+            # parallel ones lie in a plane and yet do not meet
+            met = np.linalg.norm(basis @ places - apart) <= MET * np.linalg.norm(basis)
+            if met and (places >= 0).all() and (places <= 1).all():
                 return True
     return False
 

@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from itertools import chain, product
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from ...scene.model import EndKey, Rod, RuleUse, Scene, Section
 from ...simulate import solver_of
 from ...simulate.rules import registry
 from . import sheets
-from .axes import AXES, DEFAULTS, Case, case_named
+from .axes import Case, case_named
 from .crossing import Passing
 from .drive import Meter
 from .scenes import Started, groom_of, scene_of, times_of
@@ -36,9 +36,9 @@ STRANDS = "4"
 """In place of one: contact is dear, and of few strands it is as hard."""
 MOST_TOUCHING = 4
 """Strands that contact is tried with at the most."""
-SELDOM = 128
-"""Of how many cases, beside those that are pairs of all axes, one is tried with contact."""
-SHARE = {False: 2, True: 3}
+SELDOM, TOUCHING = 256, 10
+"""Of how many cases one is tried with contact, beside those that are pairs of all axes; of the small matrix."""
+SHARE = {False: 2, True: 4}
 """By how much runs are shorter than the matrix's, with the grid and with contact."""
 CLOSE = 0.05
 """By how much roots are brought together where no solid is in their way: strands meet."""
@@ -117,28 +117,29 @@ def bends(case: Case) -> bool:
     return not (start == "coincident" or (start == "zero" and case.value("n") == 1))
 
 
-def met_by(case: Case, kinds: tuple[str, ...], alone: bool = False) -> Iterator[Row]:
-    """The combinations that a case meets: of those that interact by the grid two or three, and where contact is tried
-    two of it; one ``alone`` in the small matrix."""
-    digest = hashlib.blake2b(case.name.encode(), digest_size=8).digest()
-    place = int.from_bytes(digest, "little")
-    tables = [False] * (2 + (place % 4 == 0)) if "interaction" in kinds else [False]
-    if "interaction" in kinds and touches(case, place):
-        tables += [True, True]
-    for turn, table in enumerate(tables[-1:] if alone else tables):
-        found = [row for row in rows(kinds, table) if bends(case) or TWIST[row[1]].get("rest") != "shape"]
+def met_by(case: Case, kinds: tuple[str, ...], touching: bool, count: int = 0) -> Iterator[Row]:
+    """The combinations that a case meets, two or three unless a ``count`` is given."""
+    place = _place(case)
+    found = [row for row in rows(kinds, touching) if bends(case) or TWIST[row[1]].get("rest") != "shape"]
+    for turn in range(count or 2 + (place % 4 == 0)):
         yield found[(place // 4 + turn * (len(found) // 2 + 1)) % len(found)]
 
 
-def touches(case: Case, place: int) -> bool:
-    """Whether contact is tried with a case: it takes a hundred times as long as the grid."""
-    few = case.value("strands") <= MOST_TOUCHING
-    return few and (case in _paired() or place // 1024 % SELDOM == 0)
+def _place(case: Case) -> int:
+    """A number by which a case's combinations are chosen."""
+    return int.from_bytes(hashlib.blake2b(case.name.encode(), digest_size=8).digest(), "little")
 
 
-@cache
-def _paired() -> frozenset[Case]:
-    return frozenset(chain(sheets.pairs("rod"), sheets.grooms("rod")))
+def touching(quick: bool) -> list[Case]:
+    """Cases that are tried with contact, which takes a hundred times as long as the grid: pairs of all axes, and a few
+    of the rest. None is far from the origin, for coordinates are rounded there by more than strands are thick."""
+    if quick:
+        found = sheets.quick("rod")[::TOUCHING]
+    else:
+        some = (case for case in sheets.full("rod") if _place(case) // 1024 % SELDOM == 0)
+        found = [*sheets.pairs("rod"), *sheets.grooms("rod"), *some]
+    near = (Case.of("rod", {**case.parameters, "offset": "0"}) for case in found)
+    return [case for case in dict.fromkeys(near) if case.value("strands") <= MOST_TOUCHING]
 
 
 def name_of(case: Case, row: Row) -> str:
@@ -155,10 +156,19 @@ def task_of(case: Case, row: Row) -> Task:
 def tasks(kinds: Sequence[str], quick: bool = False) -> list[Task]:
     """The matrix with these kinds on; the small one has one combination each."""
     wanted = tuple(kind for kind in KINDS if kind in kinds)
-    found: dict[tuple[Case, Row], None] = {}
-    for case in sheets.quick("rod") if quick else sheets.full("rod"):
-        found.update(dict.fromkeys((case, row) for row in met_by(case, wanted, quick)))
-    return [task_of(case, row) for case, row in found]
+    cases = sheets.quick("rod") if quick else sheets.full("rod")
+    free = "interaction" not in wanted
+    found = [(case, row) for case in cases for row in met_by(case, wanted, False, int(quick or free))]
+    if not free:
+        found += [(case, row) for case in touching(quick) for row in met_by(case, wanted, True, 1)]
+    return [task_of(case, row) for case, row in dict.fromkeys(found)]
+
+
+def kernels_of(task: Task) -> tuple[Any, ...]:
+    """What the kernels of a case depend on, but for double precision."""
+    (case,), given = task.cases, dict(zip(OWN, task.labels, strict=True))
+    rod, rules = TWIST[given["twist"]], tuple(BETWEEN[given["between"]])
+    return rules, "section" in rod, "end" in rod, given["integrator"], case.label("contact") == "none"
 
 
 def has_own_axes(name: str) -> bool:
@@ -203,7 +213,9 @@ def prepared(case: Case, row: Row) -> tuple[Scene, Started, NDArray[np.float64]]
         integrator=given["integrator"], root=given["root"],
         torsion=None if given["torsion"] == "none" else float(given["torsion"]), **more,
     )  # fmt: skip
-    uses = (RuleUse(name, registry()[name].Parameters(**_scaled(settings, L)), name) for name, settings in rules.items())
+    uses = (
+        RuleUse(name, registry()[name].Parameters(**_scaled(settings, L)), name) for name, settings in rules.items()
+    )
     return replace(scene, rod=matter, rules=(*scene.rules, *uses)), groom, times
 
 

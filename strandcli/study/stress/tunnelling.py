@@ -150,7 +150,7 @@ def _links(x: NDArray[np.floating]) -> float:
 
 
 def rows() -> list[dict[str, str]]:
-    """Every combination of what is thrown how fast, thin and finely, with the rest in turns that do not fall together."""
+    """Every combination of what is thrown how fast, thin and finely, with the rest in turns."""
     found = []
     for number, labels in enumerate(product(*AXES.values())):
         row = dict(zip(AXES, labels, strict=True))
