@@ -132,13 +132,15 @@ def _place(case: Case) -> int:
 
 def touching(quick: bool) -> list[Case]:
     """Cases that are tried with contact, which takes a hundred times as long as the grid: pairs of all axes, and a few
-    of the rest. None is far from the origin, for coordinates are rounded there by more than strands are thick."""
+    of the rest. None is far from the origin, for coordinates are rounded there by more than strands are thick, and none
+    has more than ten segments, which takes minutes."""
     if quick:
         found = sheets.quick("rod")[::TOUCHING]
     else:
         some = (case for case in sheets.full("rod") if _place(case) // 1024 % SELDOM == 0)
         found = [*sheets.pairs("rod"), *sheets.grooms("rod"), *some]
-    near = (Case.of("rod", {**case.parameters, "offset": "0"}) for case in found)
+    short = {True: {"offset": "0"}, False: {"offset": "0", "n": "10"}}
+    near = (Case.of("rod", case.parameters | short[case.value("n") <= 10]) for case in found)
     return [case for case in dict.fromkeys(near) if case.value("strands") <= MOST_TOUCHING]
 
 
