@@ -143,6 +143,20 @@ def test_a_solver_that_leaves_nan_or_raises_fails_its_case(monkeypatch: pytest.M
     assert run.perform(run.named(NAME))[0].why == "ZeroDivisionError: bug"
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        "rod/gamma=0/emitter=teleport/start=coincident/between=grid-fine/twist=oval/end=pinned/torsion=0.7",
+        "rod/dt=1e-4/B=1e-6/wind=gale/emitter=teleport/start=coincident/between=grid-fine/twist=turned/integrator=euler",
+        "rod/dt=1e-4/gamma=1e4/emitter=flip/start=coincident/between=grid-fine/twist=sag-free/end=pinned/integrator=euler",
+    ],
+)
+def test_taut_strands_with_pinned_tips_stay_so_a_hundred_lengths_away(name: str) -> None:
+    """Positions are rounded more there, which tips had no way to go by."""
+    (found,) = run.perform(run.named(name))
+    assert (found.verdict, found.why) == ("pass", "")
+
+
 @pytest.fixture
 def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
     monkeypatch.chdir(tmp_path)
