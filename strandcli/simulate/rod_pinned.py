@@ -26,10 +26,6 @@ HEAVY = 1e6
 TOLERANCE = 1e-6
 """Error of |e|² at which iterations stop, in single precision: what is left moves tips off their places."""
 
-SLACK = 2e-6
-"""Share of a strand's length by which its tip stays within reach: no iteration finds lengths for a place beyond, be it
-by rounding."""
-
 
 def tips(state: State) -> NDArray[np.float64]:
     """(P, 3, `PACK`) where the last particles of strands are, metres."""
@@ -70,7 +66,8 @@ class Pins:
         pose = poses[1]
         goals = np.einsum("ij,pjk->pik", np.array(pose.rotation), local) + np.array(pose.translation)[:, None]
         roots = self._roots(forcing, pose)
-        far, most = np.linalg.norm(goals - roots, axis=1), self._longest * (1 - SLACK)
+        far, most = np.linalg.norm(goals - roots, axis=1), self._longest
+        # no iteration finds lengths for a place out of reach; with slack a taut strand that is shaken has none either
         goals = roots + (goals - roots) * np.minimum(1, most / np.maximum(far, most))[:, None]
         way = goals - self._ends(state, forcing, poses[0])
         numbers = forcing.numbers.astype(np.float64)

@@ -149,6 +149,7 @@ def test_a_solver_that_leaves_nan_or_raises_fails_its_case(monkeypatch: pytest.M
         "rod/gamma=0/emitter=teleport/start=coincident/between=grid-fine/twist=oval/end=pinned/torsion=0.7",
         "rod/dt=1e-4/B=1e-6/wind=gale/emitter=teleport/start=coincident/between=grid-fine/twist=turned/integrator=euler",
         "rod/dt=1e-4/gamma=1e4/emitter=flip/start=coincident/between=grid-fine/twist=sag-free/end=pinned/integrator=euler",
+        "rod/dt=1e-4/gamma=7.7/emitter=shake/between=grid-coarse/twist=oval/end=pinned/root=hinged/torsion=0.7",
     ],
 )
 def test_taut_strands_with_pinned_tips_stay_so_a_hundred_lengths_away(name: str) -> None:
