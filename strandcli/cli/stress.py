@@ -8,9 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from ..errors import MismatchError, UsageError
+from ..scene.faults import shown
 from . import complete, options
+from .complete import listed
 from .progress import Progress
 from .say import say
 
@@ -22,10 +25,34 @@ if TYPE_CHECKING:
 MOST_TOLD = 20
 """Failing cases that are named one by one; --json has all."""
 
+KINDS = ("interaction", "twist")
+
+
+class TogetherType(click.ParamType):
+    """What every case has, separated by commas."""
+
+    name = "KINDS"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        if isinstance(value, tuple):
+            return value
+        kinds = tuple(dict.fromkeys(word.strip() for word in str(value).split(",")))
+        for kind in kinds:
+            if kind not in KINDS:
+                self.fail(f"unknown {shown(kind)}; choose {', '.join(KINDS)}, or both with a comma", param, ctx)
+        return kinds
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        return listed((*KINDS, ",".join(KINDS)), incomplete)
+
 
 @click.command()
 @click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--solver", type=click.Choice(("rod", "thesis", "both")), help="Solver to test.  [default: both]")
+@click.option(
+    "--with", "kinds", type=TogetherType(), default=(),
+    help="Run the matrix of rods with these on in every case: interaction, twist, or both with a comma.",
+)  # fmt: skip
 @click.option("--case", "case", metavar="NAME", help="Run this case alone, as the table and --json name it.")
 @click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name holds all of WORDS; or a pattern.")
 @click.option("--list", "listing", is_flag=True, help="Name the cases and run nothing.")
@@ -38,6 +65,7 @@ MOST_TOLD = 20
 def command(
     preset: str | None,
     solver: str | None,
+    kinds: tuple[str, ...],
     case: str | None,
     pattern: str | None,
     listing: bool,
@@ -59,13 +87,16 @@ def command(
     """
     if pattern is not None and not pattern.strip():
         raise UsageError("--filter: the text is empty; leave it out to run all cases")
-    if accept and (case or pattern or preset or solver == "rod"):
-        raise UsageError("--accept: takes the whole matrix of the solver thesis, and none of --case, --filter, PRESET")
+    if accept and (case or pattern or preset or kinds or solver == "rod"):
+        told = "none of --case, --filter, --with, PRESET"
+        raise UsageError(f"--accept: takes the whole matrix of the solver thesis, and {told}")
+    if kinds and (case or preset or solver == "thesis"):
+        raise UsageError("--with: takes the matrix of the solver rod, and neither --case nor PRESET")
     if html is not None:
         options.refuse_existing(html, overwrite)
     from ..study.stress import run as stress
 
-    work, only = _chosen(preset, solver, case, pattern, quick, accept)
+    work, only = _chosen(preset, "rod" if kinds else solver, case, pattern, quick, accept, kinds)
     names = [name for task in work for name in task.names if only(name)]
     if not names:
         raise UsageError(f"--filter {pattern}: no case has such a name; --list names them all")
@@ -110,8 +141,9 @@ def command(
 
 
 def _chosen(
-    preset: str | None, solver: str | None, case: str | None, pattern: str | None, quick: bool, accept: bool
-) -> tuple[Sequence[Task], Any]:
+    preset: str | None, solver: str | None, case: str | None, pattern: str | None, quick: bool, accept: bool,
+    kinds: tuple[str, ...],
+) -> tuple[Sequence[Task], Any]:  # fmt: skip
     """The work to do, and which names of it are wanted."""
     from ..study.stress import run as stress
 
@@ -126,7 +158,7 @@ def _chosen(
         work = [stress.named(case)]
     else:
         solvers = ("thesis",) if accept else ("rod", "thesis") if solver in (None, "both") else (str(solver),)
-        work = stress.tasks(solvers, quick)
+        work = stress.tasks(solvers, quick, kinds)
         if accept:
             work = list(dict.fromkeys([*work, *stress.tasks(solvers, quick=True)]))
     if case is not None:

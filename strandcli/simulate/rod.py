@@ -158,7 +158,7 @@ class RodSolver(Solver):
 
     def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
         """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
-        self.pins = self.pins or Pins(self.state, self.pose)
+        self.pins = self.pins or Pins(self.state, self.material, self.forcing, self.pose)
         self.pins.bring(at, seconds)
 
     def begin_frame(self) -> None:
@@ -242,7 +242,7 @@ class RodSolver(Solver):
         """Run the kernel to a pose of the emitter, with its ``change`` as `Forcing.pose`."""
         if self.pins is not None:
             self.forcing.numbers[TOLERANCE] = min(self.forcing.numbers[TOLERANCE], PINNED_TOLERANCE)
-            self.pins.aim(self.state, self.forcing, pose, *self._moment)
+            self.pins.aim(self.state, self.forcing, (self.pose, pose), *self._moment)
         self._change[:] = change
         self.kernel.run(beside)
 

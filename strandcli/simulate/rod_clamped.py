@@ -31,7 +31,7 @@ class Clamps(Pins):
     def __init__(self, state: State, material: Material, forcing: Forcing, rod: Rod, pose: Pose) -> None:
         """Clamps tips where they are and along their last edges, with the emitter in a pose. The clamp's axis is where
         the strand's frame is at the start, so that nothing is twisted but what the rest shape is."""
-        super().__init__(state, pose, rod.end_keys)
+        super().__init__(state, material, forcing, pose, rod.end_keys)
         forcing.numbers[TIP_JOINT] = 2 * rod.tip**4
         turn = np.array(pose.rotation)
         if state.twist.shape[1] > 1:
@@ -42,11 +42,11 @@ class Clamps(Pins):
         self.frames = np.einsum("ji,kjps->pkis", turn, np.stack([t, axis]))
         forcing.tips[...] = self.frames.reshape(forcing.tips.shape)
 
-    def aim(self, state: State, forcing: Forcing, pose: Pose, time: float, dt: float) -> None:
+    def aim(self, state: State, forcing: Forcing, poses: tuple[Pose, Pose], time: float, dt: float) -> None:
         """As for pins, and set the directions and angles of the step's end."""
-        super().aim(state, forcing, pose, time, dt)
+        super().aim(state, forcing, poses, time, dt)
         moved, turns = self.moved(time)
-        turn = np.array(pose.rotation) @ np.array(moved.rotation)
+        turn = np.array(poses[1].rotation) @ np.array(moved.rotation)
         forcing.tips[...] = np.einsum("ij,pkjs->pkis", turn, self.frames).reshape(forcing.tips.shape)
         forcing.numbers[TURN] = 2 * math.pi * turns
 
@@ -69,4 +69,4 @@ def pins_of(state: State, material: Material, forcing: Forcing, rod: Rod, pose: 
     """Return what holds the tips, where a preset asks for it."""
     if rod.end == "clamped":
         return Clamps(state, material, forcing, rod, pose)
-    return Pins(state, pose, rod.end_keys) if rod.end == "pinned" else None
+    return Pins(state, material, forcing, pose, rod.end_keys) if rod.end == "pinned" else None

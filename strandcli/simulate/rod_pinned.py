@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..scene.motion import Pose, end_pose
-from .kernels.records import AIR, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP, Forcing, State
+from .kernels.records import AIR, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP, Forcing, Material, State
 from .kernels.rod_scratch import PACK
 
 if TYPE_CHECKING:
@@ -36,10 +36,13 @@ def tips(state: State) -> NDArray[np.float64]:
 class Pins:
     """Where tips are pinned: ``places`` (P, 3, `PACK`) metres in the emitter's frame."""
 
-    def __init__(self, state: State, pose: Pose, keys: Sequence[EndKey] = ()) -> None:
+    def __init__(
+        self, state: State, material: Material, forcing: Forcing, pose: Pose, keys: Sequence[EndKey] = ()
+    ) -> None:  # fmt: skip
         """Pins tips where they are, with the emitter in a pose; keys move them on."""
-        self._keys = keys
-        away = tips(state) - np.array(pose.translation)[:, None]
+        self._keys, self._lengths = keys, material.lengths
+        self._longest = material.lengths.astype(np.float64) * state.edges.shape[1]
+        away = self._ends(state, forcing, pose) - np.array(pose.translation)[:, None]
         self.places = np.einsum("ji,pjk->pik", np.array(pose.rotation), away)
         self._starts, self._seconds = self.places, 0.0
 
@@ -51,17 +54,22 @@ class Pins:
         """Return how the keys move ends in the emitter's frame, and by how many turns about their directions."""
         return end_pose(self._keys, time)
 
-    def aim(self, state: State, forcing: Forcing, pose: Pose, time: float, dt: float) -> None:
+    def aim(self, state: State, forcing: Forcing, poses: tuple[Pose, Pose], time: float, dt: float) -> None:
         """Give tips the velocity that leads to their places at the end of a step of ``dt`` seconds at ``time``, with
-        the emitter in a pose. `kernels.rod_start` predicts u* = h / (1 + γ g) (v + g (gravity + γ wind)), with the rate
-        γ of drag: solved for v, where u* is the way to go."""
+        the emitter in two ``poses``, at the begin and the end. `kernels.rod_start` predicts u* = h / (1 + γ g) (v + g
+        (gravity + γ wind)), with the rate γ of drag: solved for v, where u* is the way to go."""
         share = min(max(time, 0.0) / self._seconds, 1.0) if self._seconds > 0 else 1.0
         local = self._starts + share * (self.places - self._starts)
         moved, _ = self.moved(time)
         if self._keys:
             local = np.einsum("ij,pjk->pik", np.array(moved.rotation), local) + np.array(moved.translation)[:, None]
+        pose = poses[1]
         goals = np.einsum("ij,pjk->pik", np.array(pose.rotation), local) + np.array(pose.translation)[:, None]
-        way = goals - tips(state)
+        roots = self._roots(forcing, pose)
+        far, most = np.linalg.norm(goals - roots, axis=1), self._longest
+        # no iteration finds lengths for a place out of reach; with slack a taut strand that is shaken has none either
+        goals = roots + (goals - roots) * np.minimum(1, most / np.maximum(far, most))[:, None]
+        way = goals - self._ends(state, forcing, poses[0])
         numbers = forcing.numbers.astype(np.float64)
         h, g, drag = numbers[STEP], numbers[VELOCITY_STEP], numbers[DRAG]  # h_x, h_v and γ of docs/solvers.md
         among = forcing.numbers[LASTING] > 0
@@ -77,3 +85,15 @@ class Pins:
         for member in (state.moved, state.push, state.crowd):
             if len(member) == len(way):
                 member[:, -1] = 0
+
+    def _ends(self, state: State, forcing: Forcing, pose: Pose) -> NDArray[np.float64]:
+        """Return (P, 3, `PACK`) where edges lead from roots. Positions are rounded more far from the origin, and a taut
+        strand has no way to go by that."""
+        edges = state.edges.sum(1, dtype=np.float64).reshape(len(state.edges), 3, PACK)
+        return self._roots(forcing, pose) + edges * self._lengths[:, None]
+
+    @staticmethod
+    def _roots(forcing: Forcing, pose: Pose) -> NDArray[np.float64]:
+        """Return (P, 3, `PACK`) roots, with the emitter in a pose."""
+        roots = forcing.roots.reshape(len(forcing.roots), 3, PACK).astype(np.float64)
+        return np.einsum("ij,pjk->pik", np.array(pose.rotation), roots) + np.array(pose.translation)[:, None]

@@ -109,7 +109,7 @@ def test_a_push_is_energy_gained(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_forces_of_contact_that_no_step_can_carry_do_not_end_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     labels = PINNED | {
         "dt": "noisy", "B": "1e-2", "emitter": "flip", "contact": "through", "n": "2", "start": "random",
-        "between": "thick",
+        "between": "thick", "end": "free",
     }  # fmt: skip
     found = traits.check_traits("rod", labels=labels)
     assert verdicts.judge("rod", {}, found).verdict == "pass"

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from . import crowds, films, kept, physics, sameness, shaking
+from . import crowds, films, kept, physics, sameness, shaking, tunnelling
 from .strand import Metrics
 
 Check = Callable[[str], Metrics]
@@ -82,11 +82,11 @@ KEPT: dict[str, Check] = {
     for contact in kept.CONTACTS
     for n in (3, 10)
 }
-CHECKS = {**PHYSICS, **SAMENESS, **SHAKING, **KEPT, **FILMS, **crowds.CHECKS}
+CHECKS = {**PHYSICS, **SAMENESS, **SHAKING, **KEPT, **FILMS, **crowds.CHECKS, **tunnelling.CHECKS}
 """By the name that follows the solver's."""
 
 QUICK = (
     "check=droop/gamma=1", "check=buckling/gamma=7.7/dt=60Hz", "check=rest/dt=60Hz/n=10", "check=determinism",
-    "check=twist",
+    "check=twist", *tunnelling.QUICK,
 )  # fmt: skip
-"""Those that need no kernel of their own."""
+"""Those that need few kernels of their own."""

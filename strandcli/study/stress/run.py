@@ -17,7 +17,7 @@ from typing import Any
 from ... import runtime
 from ...errors import UsageError
 from ...scene.faults import hint
-from . import checks, drive, expected, inputs, preset, sheets, traits
+from . import checks, drive, expected, inputs, preset, sheets, together, traits
 from .axes import AXES, SOLVERS, Case, case_named
 from .strand import NotRepresented, Refused
 from .task import Task
@@ -65,8 +65,10 @@ class Result:
         return expected.write("thesis", [(one.name, metric) for one in mine for metric in one.failed])
 
 
-def tasks(solvers: Sequence[str], quick: bool = False) -> list[Task]:
-    """The matrix of some solvers as pieces of work."""
+def tasks(solvers: Sequence[str], quick: bool = False, kinds: Sequence[str] = ()) -> list[Task]:
+    """The matrix of some solvers as pieces of work; with ``kinds``, that of rods with these on in every case."""
+    if kinds:
+        return together.tasks(kinds, quick)
     found = []
     for solver in solvers:
         found += [Task(solver, named=name) for name in inputs.INPUTS]
@@ -92,6 +94,8 @@ def named(name: str) -> Task:
                 + (f"there are {', '.join(begun)}" if begun else hint(rest, known, "they are"))
             )
         return Task(solver, named=rest)
+    if together.has_own_axes(name):
+        return together.named(name)
     case = case_named(name)
     if case.value("strands") > 1:
         return Task(solver, (case,))
@@ -176,7 +180,9 @@ def _one_of_each(work: Iterable[Task]) -> list[Task]:
     """A task for every kernel that the work needs."""
     found: dict[Any, Task] = {}
     for task in work:
-        if task.cases:
+        if task.labels and task.cases:
+            found.setdefault(together.kernels_of(task), task)
+        elif task.cases:
             case = task.cases[0]
             kind = (task.solver, case.value("n") > 10, case.label("contact") == "none" or task.solver == "thesis")
             found.setdefault(kind, task)
@@ -187,6 +193,8 @@ def perform(task: Task) -> list[Verdict]:
     """Verdicts on one piece of work."""
     if task.scene is not None:
         return [preset.perform(task)]
+    if task.labels:
+        return [together.perform(task)]
     if task.named:
         return [_named(task)]
     if task.solver == "thesis" and task.cases[0].label("tip") != "1":

@@ -9,7 +9,8 @@ from .axes import Case
 
 
 class Task(NamedTuple):
-    """A piece of work: a batch of cases, one named check or input, or a preset's scene with its labels."""
+    """A piece of work: a batch of cases, one named check or input, a preset's scene with its labels, or one case with
+    labels of what strands do together."""
 
     solver: str
     cases: tuple[Case, ...] = ()

@@ -45,6 +45,9 @@ LIMITS: dict[str, tuple[str, float]] = {
     "energy_gained": ("<=", 0.01),
     "energy_gained_told": ("", 0.0),
     "closeness": ("", 0.0),
+    "passed": ("<=", 0.0),
+    "passed_told": ("", 0.0),
+    "linking_changed": ("<=", 0.0),
     "refused": (">=", 1.0),
 }
 """Metric: how it compares with which limit; "" is told and not judged."""
@@ -79,6 +82,9 @@ MEANING = {
     "energy_gained": "energy gained where only weight works, m g L",
     "energy_gained_told": "the same in long steps of bdf2, m g L",
     "closeness": "strands closer than their thickness, over it",
+    "passed": "segments that have passed through others in contact",
+    "passed_told": "the same where strands begin inside each other",
+    "linking_changed": "linked curves that have passed through each other",
     "refused": "bad input refused by name",
 }
 
