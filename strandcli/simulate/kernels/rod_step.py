@@ -105,6 +105,7 @@ def state_of(kind, descriptor, rows=0):
         pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
         pointer_at(kind, descriptor[STATE + 16]), pointer_at(kind, descriptor[STATE + 17]),
         pointer_at(kind, descriptor[STATE + 18]), pointer_at(kind, descriptor[STATE + 19]),
+        pointer_at(kind, descriptor[STATE + 20]), pointer_at(kind, descriptor[STATE + 21]),
     )  # fmt: skip
 
 
