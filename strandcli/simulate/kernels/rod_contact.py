@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import load
+from ...simd import any_lane, load, sqrt, where
 from . import contact_forces, contact_response, rod, rod_newton
 from .records import Contact, Scheme
 
@@ -32,22 +32,33 @@ def pressed_by(scheme, pressed):
 @inlined
 def nearby(contact, near):
     """A `Contact` whose solids are there where they are ``near``."""
-    return Contact(contact.solids, near, contact.segments, contact.duration, contact.friction, contact.rounding)
+    return Contact(
+        contact.solids, near, contact.segments, contact.duration, contact.friction, contact.rounding, contact.moved
+    )
+
+
+@inlined
+def residual_of(worst):
+    """| |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both."""
+    return worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst)))
 
 
 @device
 def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
     """Find the forces of contact of a step after its iterations, and go on with these. Returns the greatest
-    | |e|² − 1 | of each lane, which was ``worst``, whether solids press some strand, and whether some are near."""
+    | |e|² − 1 | of each lane, which was ``worst``, whether solids press some strand, whether some are near, and in
+    which lanes rounds have come to no end and led the strand astray."""
     length, pressed, mass = load(material.lengths, at.strand), scheme.pressed, material.mass
     contact_forces.begin(s, at, state.push, pressed)
     contact_response.begin(s)
-    for count in range(WHOLE_ROUNDS if contact.segments else MOST_ROUNDS):
-        acted, near, deep = contact_forces.search(s, at, length, state, contact)
+    lost = worst < 0.0
+    most = WHOLE_ROUNDS if contact.segments else MOST_ROUNDS
+    for count in range(most):
+        acted, near, deep, astray = contact_forces.search(s, at, length, state, contact)
         pressed = pressed or acted
         # where pressures have been lengthened friction has to follow, so rounds go on
         asked = count > PLAIN and not contact.segments
-        if not acted or (count >= ROUNDS and not deep and not asked):
+        if not acted or (count >= ROUNDS and not any_lane(deep) and not asked):
             break
         rod.begin_mobility(s, at.segments, at.edge, mass, state.push)
         gain = HALF if contact.segments and count >= LIVELY else 1.0
@@ -59,6 +70,8 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
         if PLAIN <= count < MOST_ROUNDS - CALM and not contact.segments:
             contact_response.lengthen(s, at, state, mass, scheme.ends, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
+        if count == MOST_ROUNDS - 1:  # where whole segments are kept out, rounds end sooner
+            lost = astray
     if pressed:
         contact_forces.mark_released(s, at, state.push)
-    return worst, pressed, near or pressed  # those that solids have just left are to be marked, too
+    return worst, pressed, near or pressed, lost  # those that solids have just left are to be marked, too

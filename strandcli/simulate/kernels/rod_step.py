@@ -22,13 +22,11 @@ from ...simd import (
     load3,
     no_fma,
     pointer_at,
-    sqrt,
     store,
     store3,
     vector_pointer_at,
-    where,
 )
-from . import rod_contact, rod_curl, rod_held, rod_lead, rod_loose, rod_newton, rod_start, rod_sweep
+from . import rod_contact, rod_curl, rod_held, rod_lead, rod_loose, rod_newton, rod_parts, rod_start, rod_sweep
 from .records import (
     FRICTION,
     MOVED,
@@ -222,7 +220,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
     numbers = forcing.numbers
     contact = Contact(
         solids, flags.solids, flags.segments,
-        numbers[STEP] * (1 + 1.5 * numbers[MOVED]), numbers[FRICTION], 0.25 * numbers[ROUNDING],
+        numbers[STEP] * (1 + 1.5 * numbers[MOVED]), numbers[FRICTION], 0.25 * numbers[ROUNDING], True,
     )  # fmt: skip
     for lane in range(0, PACK, lane_count(scratch)):
         strand = pack * PACK + lane
@@ -254,18 +252,21 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         rod_start.give_way(scratch)
         store(scratch, IMPACT, 0.0)
         worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations, False)
-        met = contact
+        met, again, lost = contact, False, worst < 0.0
         if flags.solids:
-            worst, pressed, near = rod_contact.find(
+            worst, pressed, near, lost = rod_contact.find(
                 scratch, at, state, material, forcing, scheme, contact, iterations, worst
             )
             scheme, met = rod_contact.pressed_by(scheme, pressed), rod_contact.nearby(contact, near)
-        # | |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both
-        residual = worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst)))
-        store(state.residuals, strand, residual)
+            again = rod_parts.able(scheme, numbers) and any_lane(lost)
+        store(state.residuals, strand, rod_contact.residual_of(worst))
         if flags.loose is not None:
             rod_loose.find_shift(scratch, n, material.mass)
+        if again:
+            rod_parts.keep(scratch, at, state)
         rod_sweep.sweep(scratch, at, next_pack, state, material, numbers, scheme, met)
+        if again:
+            rod_parts.make(scratch, at, next_pack, state, material, forcing, scheme, contact, iterations, lost)
 
 
 @device

@@ -52,11 +52,13 @@ FORCE = 4
 """Vectors of scratch a segment after those: `firm_force`."""
 CHANGE = 6
 """Vectors of scratch a segment after `lasting_share`: `force_change`."""
+KEPT = 22
+"""Vectors of scratch a segment after those: `kept`."""
 
 
 def scratch_size(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
-    return vectors_for(n) + n * (GAIN + FORCE + 1 + CHANGE)
+    return vectors_for(n) + n * (GAIN + FORCE + 1 + CHANGE + KEPT)
 
 
 @inlined
@@ -83,6 +85,12 @@ def force_change(n, j):
     """Place of the change of the acceleration by contact of the particle after segment j in a round (3), and of the
     normal (3)."""
     return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE + 1) + j * CHANGE
+
+
+@inlined
+def kept(n, j):
+    """Place of what `rod_parts` keeps of segment j; nothing else reads it."""
+    return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE + 1 + CHANGE) + j * KEPT
 
 
 @device
