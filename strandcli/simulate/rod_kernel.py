@@ -10,7 +10,7 @@ import numba
 
 from ..blocks import aligned
 from ..constants import VECTOR
-from .kernels import rod_step, rod_tension, work_queue
+from .kernels import rod_descriptor, rod_step, rod_tension, work_queue
 from .kernels.records import Flags, Forcing, Material, State
 from .rod_others import module_among
 from .surroundings import Surroundings
@@ -38,7 +38,7 @@ class StepKernel:
         """(workers, size)."""
         self._kept = arrays, surroundings.solids(0.0, 0.0)
         self._surroundings, self._data = surroundings, surroundings.data
-        self._descriptor = rod_step.descriptor_of(
+        self._descriptor = rod_descriptor.descriptor_of(
             strands, segments, iterations, flags, self.scratch, *self._kept, self._data
         )
         self._alone = *NOTHING[:3], arrays[0].crowd.ctypes.data, 0
@@ -52,13 +52,15 @@ class StepKernel:
         as `work_queue.call_for` takes it, and the address of its descriptor; where it leaves accelerations, and bytes
         between those of two workers. Strands that interact have such."""
         if beside is not self._beside:
-            self._descriptor[rod_step.BEFORE : rod_step.CROWD_BYTES + 1] = beside if beside[2] else self._alone
+            self._descriptor[rod_descriptor.BEFORE : rod_descriptor.CROWD_BYTES + 1] = (
+                beside if beside[2] else self._alone
+            )
             self._beside = beside
         if self._code is None:  # compiled no sooner than anything moves, which need not be
             self._code = self._compiled()
         if self._data is not self._surroundings.data:
             self._data = self._surroundings.data
-            self._descriptor[rod_step.DATA :] = rod_step.data_numbers(self._data)
+            self._descriptor[rod_descriptor.DATA :] = rod_descriptor.data_numbers(self._data)
         # the other threads may be drawing frames: a step that took them away would wait for them
         workers = len(self.scratch)
         if workers > 1:
@@ -67,7 +69,7 @@ class StepKernel:
 
     def _compiled(self) -> int:
         """Return the address of the step that the scene needs: a shipped one, or one of a module written for it."""
-        wanted = self._flags[rod_step.SETTLED :]
+        wanted = self._flags[rod_descriptor.SETTLED :]
         if self._others or any(wanted[1:]):
             return _address(module_among(self._others, self._data, self._kind, wanted), "step")
         kind = "double" if self._kind == "float64" else "single"

@@ -22,7 +22,8 @@ import numpy as np
 
 from strandcli.jit import device, function
 from strandcli.simd import array_at
-from strandcli.simulate.kernels.rod_step import DATA, others_of, solids_of, work
+from strandcli.simulate.kernels.rod_descriptor import DATA, others_of, solids_of
+from strandcli.simulate.kernels.rod_step import work
 '''
 
 AMONG = '''\

@@ -21,7 +21,7 @@ from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
 from .contact import CLEAR, slack_of
 from .contact_circle import contact_circle
-from .contact_place import CARRIED, CENTRE, ROUND, SIZE
+from .contact_place import carried_to, normal_at
 from .contact_shapes import TINY, edges_of, nearest
 from .contact_spots import NORMAL, begin_spot, released, size_of, spot_of, update_spot
 from .records import CHANGED, Segment
@@ -52,6 +52,9 @@ far they move particles."""
 DEEP, HOVER = 0.01, 0.001
 """Depth, as a share of an edge, with which rounds go on for longer, for an edge that is turned by as much is a kink;
 and height above the surface, of what is pressed, with which they do: strands hover on their tips."""
+ASTRAY = 0.25
+"""Depth in a solid or height above it, of what is pressed, as a share of an edge, from which on rounds have led a
+strand astray."""
 FAINT = 1e-20
 """Acceleration, m/s², that marks a particle without a force as one that contact acts on."""
 SLIGHT = 0.3
@@ -75,8 +78,8 @@ def begin(s, at, push, pressed):
 def search(s, at, length, state, contact, root, held_root):
     """Find where particles are in solids or leave them: set their `NORMAL` and, in place of their gain, the
     displacement by which contact should move them. Those without a force yet get a `FAINT` one. Returns whether there
-    are any in the vector, whether some are nearer to a solid than `CLEAR`, and whether some are `DEEP` in one or
-    `HOVER` above one.
+    are any in the vector, whether some are nearer to a solid than `CLEAR`, and in which lanes some are `DEEP` in one or
+    `HOVER` above one, and in which `ASTRAY`.
 
     Particles are where the last sweep of the step will see them, with edges of exact length. ``root``: where that of
     the strand is; ``held_root``: whether it is held, and not free.
@@ -85,7 +88,7 @@ def search(s, at, length, state, contact, root, held_root):
     margin = CLEAR * length
     q = root
     left = broadcast(s, 0.0), broadcast(s, 0.0), broadcast(s, 0.0)
-    acted, near, deep = False, False, False
+    acted, near, deep, astray = False, False, reach < 0.0, reach < 0.0
     for j in range(at.segments):
         o = FIRST_SEGMENT + j * SEGMENT
         segment = Segment(o, at.edge + j * AXES, at.position + (j + 2) * ROW, length, held_root and j == 0)
@@ -105,10 +108,11 @@ def search(s, at, length, state, contact, root, held_root):
                 d = set_wanted(s, at, segment, found, (q, d, end), depth, inside, state, contact)
                 able = size_of(load3(s, o + NORMAL, 1)) > 0.0
                 far = (held > DEEP * length) & ~able
-                deep = deep or any_lane((able & ((depth > DEEP * length) | (depth < -HOVER * length))) | far)
+                deep = deep | (able & ((depth > DEEP * length) | (depth < -HOVER * length))) | far
+                astray = astray | ((able | far) & (abs(depth) > ASTRAY * length))
         left = add_scaled(d, -1.0, e)
         q = add_scaled(q, length, d)
-    return acted, near, deep
+    return acted, near, deep, astray
 
 
 @inlined
@@ -121,7 +125,8 @@ def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
     n = normal_at(s, found, end, depth)
     axis, _, share, square = contact_circle(s, found, q, load(s, INVERSE_LENGTH))
     able = inside & (square > 0.0)
-    way = slide(s, found, end, d, n, depth)
+    carried = carried_to(s, found, segment, state, contact)
+    way = slide(carried, end, d, n, depth)
     wanted = add_scaled(scaled(depth + dot(way, n), n), -1.0, way)
     zero = broadcast(depth, 0.0)
     for c in range(3):
@@ -131,7 +136,7 @@ def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
     new = able & (lasting < 0.0)
     if any_lane(new):
         before = load3(state.velocity, segment.row, PACK), load3(state.positions, segment.position, W)
-        resting = resting_depth(s, found, before, n, depth, contact.duration)
+        resting = resting_depth(carried, before, n, depth, contact.duration)
         store(s, lasting_share(at.segments, j), where(new, resting / max(depth, TINY), lasting))
         store(s, IMPACT, where(new, broadcast(depth, 1.0), load(s, IMPACT)))
     push = load3(state.push, segment.row, PACK)
@@ -195,37 +200,20 @@ def mark(s, at, touching, duration):
 
 
 @inlined
-def normal_at(s, found, end, depth):
-    """Return the unit normal of the solid in slot ``found`` at a particle ``depth`` below its surface."""
-    round = load(s, found + ROUND) > 0.0
-    centre = load3(s, found + CENTRE, 1)
-    x, y, z = end[0] - centre[0], end[1] - centre[1], end[2] - centre[2]
-    away = load(s, found + SIZE) - depth
-    deep = round & (depth > away)
-    if any_lane(deep):  # near the centre, the radius less the depth cancels
-        away = where(deep, sqrt(x * x + y * y + z * z), away)
-    away = 1.0 / max(away, TINY)
-    return (
-        where(round, away * x, centre[0]), where(round, away * y, centre[1]), where(round, away * z, centre[2]),
-    )  # fmt: skip
-
-
-@inlined
-def slide(s, found, end, d, n, depth):
-    """Return the vector by which a particle slides on the solid in slot ``found`` in this step: from its position moved
-    with the solid to the point where the edge, rotated, ends at the surface."""
+def slide(carried, end, d, n, depth):
+    """Return the vector by which a particle slides on a solid in this step: from its position ``carried`` by that to
+    the point where the edge, rotated, ends at the surface."""
     f = dot(d, n)
     turned = f * (depth / max(1.0 - f * f, STEEP))
-    carried = load3(s, found + CARRIED, 1)
     return add_scaled((end[0] - carried[0], end[1] - carried[1], end[2] - carried[2]), -turned, d)
 
 
 @inlined
-def resting_depth(s, found, begun, n, depth, duration):
+def resting_depth(carried, begun, n, depth, duration):
     """Return the part of the depth of a particle in new contact that its velocity before the step does not account for;
-    the rest is an impact and gives no lasting force. ``begun``: that velocity, and its place then."""
+    the rest is an impact and gives no lasting force. ``carried``: where the solid carries it; ``begun``: its velocity
+    before the step, and its place then."""
     v, before = begun
-    carried = load3(s, found + CARRIED, 1)
     way = carried[0] - before[0], carried[1] - before[1], carried[2] - before[2]
     fall = dot(n, way) - duration * dot(n, v)
     return max(depth - max(fall, 0.0), 0.0)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import inlined
-from ...simd import broadcast, load, load3, store, where
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
 from .records import MOTION_SHIFT
 
 CENTRE = 0
@@ -20,6 +20,7 @@ ROUND = 7
 """1 for a ball, 0 for a face."""
 SLOT = 8
 """Number of vectors in a slot."""
+TINY = 1e-20
 CARRIES = 2
 """Members of ``at`` beyond which a slot is to have `CARRIED`."""
 
@@ -46,3 +47,28 @@ def write_slot(s, found, other, nearer, round, place, size, solids, moved, at):
             there = solids[row] * x + solids[row + 1] * y + solids[row + 2] * z + solids[moved + MOTION_SHIFT + k]
             store(s, other + CARRIED + k, where(nearer, there, load(s, found + CARRIED + k)))
     return other, found
+
+
+@inlined
+def normal_at(s, found, end, depth):
+    """Return the unit normal of the solid in slot ``found`` at a particle ``depth`` below its surface."""
+    round = load(s, found + ROUND) > 0.0
+    centre = load3(s, found + CENTRE, 1)
+    x, y, z = end[0] - centre[0], end[1] - centre[1], end[2] - centre[2]
+    away = load(s, found + SIZE) - depth
+    deep = round & (depth > away)
+    if any_lane(deep):  # near the centre, the radius less the depth cancels
+        away = where(deep, sqrt(x * x + y * y + z * z), away)
+    away = 1.0 / max(away, TINY)
+    return (
+        where(round, away * x, centre[0]), where(round, away * y, centre[1]), where(round, away * z, centre[2]),
+    )  # fmt: skip
+
+
+@inlined
+def carried_to(s, found, segment, state, contact):
+    """Where the solid in slot ``found`` carries a particle in this step."""
+    carried = load3(s, found + CARRIED, 1)
+    if not contact.moved:
+        carried = load3(state.positions, segment.position, W)
+    return carried

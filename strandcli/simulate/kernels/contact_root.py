@@ -11,8 +11,8 @@ from ...simd import any_lane, broadcast, load, load3, store, store3, where
 from . import rod_loose, rod_start
 from .contact import CLEAR, slack_of
 from .contact_circle import TINY
-from .contact_forces import DEEP, FAINT, HOVER, ROW, direction_of, normal_at, resting_depth
-from .contact_place import CARRIED
+from .contact_forces import DEEP, FAINT, HOVER, ROW, direction_of, resting_depth
+from .contact_place import CARRIED, normal_at
 from .contact_shapes import edges_of, nearest
 from .contact_spots import NORMAL, Spot, begin_spot, keep_spot, released, size_of, update_spot
 from .rod_loose import MASS, ROOT
@@ -63,14 +63,15 @@ def search(s, at, length, state, scheme, contact):
         store3(s, spot.wanted, 1, wanted[0], wanted[1], wanted[2])
         lasting = load(s, spot.lasting)
         new = inside & (lasting < 0.0)
-        rest = resting_depth(s, found, (load3(body.velocity, spot.row, PACK), begun), n, depth, contact.duration)
+        since = load3(body.velocity, spot.row, PACK), begun
+        rest = resting_depth(load3(s, found + CARRIED, 1), since, n, depth, contact.duration)
         store(s, spot.lasting, where(new, rest / max(depth, TINY), lasting))
         store(s, IMPACT, where(new, 1.0, load(s, IMPACT)))
         push = load3(body.push, spot.row, PACK)
         push = select(inside & ~(size_of(push) > 0.0), scaled(FAINT, n), push)
         store3(body.push, spot.row, PACK, push[0], push[1], push[2])
     far = (held > DEEP * length) & ~inside
-    deep = any_lane((inside & ((depth > DEEP * length) | (depth < -HOVER * length))) | far)
+    deep = (inside & ((depth > DEEP * length) | (depth < -HOVER * length))) | far
     return q, acted, any_lane(close | (held > 0.0)), deep
 
 

@@ -20,11 +20,10 @@ from ...solids import COLUMNS
 from ...solids.kernels import box, capsule, plane, sphere
 from ...solids.kernels.box import HALF, ROW_X, ROW_Y, ROW_Z
 from .contact_others import by_others
-from .contact_place import SLOT, write_slot
+from .contact_place import SLOT, TINY, write_slot
 from .records import BOXES, CAPSULES, MOTION, PLANES, SPHERES
 from .rod_scratch import EDGE, SEGMENT, SOLID_SLOTS
 
-TINY = 1e-20
 OUT_OF_REACH = -1.0 / TINY
 """Less than any depth."""
 LEAST = 1e-6

@@ -227,6 +227,8 @@ class Contact(NamedTuple):
     """Coulomb's coefficient."""
     rounding: Any
     """Relative rounding error of a coordinate."""
+    moved: Any
+    """Whether solids have moved since the particles were where they are (`rod_parts`)."""
 
 
 class Segment(NamedTuple):

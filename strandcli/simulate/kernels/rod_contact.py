@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...constants import W
 from ...jit import device, inlined
-from ...simd import broadcast, load, load3
+from ...simd import any_lane, broadcast, load, load3, sqrt, where
 from . import contact_forces, contact_response, contact_root, rod, rod_loose, rod_newton
 from .records import Contact, Scheme
 
@@ -33,25 +33,34 @@ def pressed_by(scheme, pressed):
 @inlined
 def nearby(contact, near):
     """A `Contact` whose solids are there where they are ``near``."""
-    return Contact(contact.solids, near, contact.segments, contact.duration, contact.friction, contact.rounding)
+    return Contact(
+        contact.solids, near, contact.segments, contact.duration, contact.friction, contact.rounding, contact.moved
+    )
+
+
+@inlined
+def residual_of(worst):
+    """| |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both."""
+    return worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst)))
 
 
 @device
 def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
     """Find the forces of contact of a step after its iterations, and go on with these. Returns the greatest
-    | |e|² − 1 | of each lane, which was ``worst``, whether solids press some strand, and whether some are near."""
+    | |e|² − 1 | of each lane, which was ``worst``, whether solids press some strand, whether some are near, and in
+    which lanes rounds have come to no end and led the strand astray."""
     length, pressed, mass = load(material.lengths, at.strand), scheme.pressed, material.mass
     contact_forces.begin(s, at, state.push, pressed)
     contact_response.begin(s)
-    ends = scheme.ends
+    ends, lost = scheme.ends, worst < 0.0
     if ends.loose is not None:
         contact_root.begin(s, at, state, pressed)
     for count in range(WHOLE_ROUNDS if contact.segments else MOST_ROUNDS):
-        acted, near, deep = search(s, at, length, state, scheme, contact, mass)
+        acted, near, deep, astray = search(s, at, length, state, scheme, contact, mass)
         pressed = pressed or acted
         # where pressures have been lengthened friction has to follow, so rounds go on
         asked = count > PLAIN and not contact.segments
-        if not acted or (count >= ROUNDS and not deep and not asked):
+        if not acted or (count >= ROUNDS and not any_lane(deep) and not asked):
             break
         of_root = rod.begin_mobility(s, at.segments, at.edge, mass, state.push)
         gain = HALF if contact.segments and count >= LIVELY else 1.0
@@ -64,24 +73,26 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
         if PLAIN <= count < MOST_ROUNDS - CALM and not contact.segments:
             contact_response.lengthen(s, at, state, mass, ends, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
+        if count == MOST_ROUNDS - 1:  # where whole segments are kept out, rounds end sooner
+            lost = astray
     if pressed:
         contact_forces.mark_released(s, at, state.push)
         if ends.loose is not None:
             contact_root.mark_released(s, at, state)
-    return worst, pressed, near or pressed  # those that solids have just left are to be marked, too
+    return worst, pressed, near or pressed, lost  # those that solids have just left are to be marked, too
 
 
 @inlined
 def search(s, at, length, state, scheme, contact, mass):
     """`contact_forces.search`, of free roots too."""
     root, held = load3(state.positions, at.position + contact_forces.ROW, W), True
-    acted, near, deep = False, False, False
+    acted, near, deep = False, False, load(s, contact_forces.REACH) < 0.0
     if scheme.ends.loose is not None:
         rod_loose.find_shift(s, at.segments, mass)
         root, acted, near, deep = contact_root.search(s, at, length, state, pressed_by(scheme, True), contact)
         held = False
-    more_acted, more_near, deeper = contact_forces.search(s, at, length, state, contact, root, held)
-    return acted or more_acted, near or more_near, deep or deeper
+    more_acted, more_near, deeper, astray = contact_forces.search(s, at, length, state, contact, root, held)
+    return acted or more_acted, near or more_near, deep | deeper, astray
 
 
 @inlined

@@ -7,11 +7,7 @@ next one begins.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import device, function, inlined
@@ -21,14 +17,22 @@ from ...simd import (
     load,
     load3,
     no_fma,
-    pointer_at,
-    sqrt,
     store,
     store3,
     vector_pointer_at,
-    where,
 )
-from . import rod_contact, rod_curl, rod_energy, rod_held, rod_lead, rod_loose, rod_newton, rod_start, rod_sweep
+from . import (
+    rod_contact,
+    rod_curl,
+    rod_energy,
+    rod_held,
+    rod_lead,
+    rod_loose,
+    rod_newton,
+    rod_parts,
+    rod_start,
+    rod_sweep,
+)
 from .records import (
     FRICTION,
     MOVED,
@@ -40,129 +44,26 @@ from .records import (
     TURNED,
     Contact,
     Ends,
-    Flags,
-    Forcing,
-    Material,
     Place,
     Scheme,
-    State,
+)
+from .rod_descriptor import (
+    AFTER,
+    BEFORE,
+    BESIDE,
+    ITERATIONS,
+    SCRATCH,
+    SCRATCH_BYTES,
+    SEGMENTS,
+    flags_of,
+    forcing_of,
+    material_of,
+    solids_of,
+    state_of,
 )
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, IMPACT, PACK, ROOT_SHIFT, SEGMENT
 from .rod_sweep import ROW
 from .work_queue import TASKS, call_beside, take
-
-# columns of a descriptor after those of the work queue: numbers, what `call_beside` takes, an address for each array,
-# and solids: addresses of the four kinds, their sizes, and where there are any, address, size and columns of solids
-# without kernels of their own, and the address and shape of each array of their data
-SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
-SETTLED = 5
-"""Flags that are tested at run time."""
-SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, CROWD, CROWD_BYTES, STATE = range(9, 17)
-MATERIAL = STATE + len(State._fields)
-FORCING = MATERIAL + len(Material._fields)
-SOLIDS = FORCING + len(Forcing._fields)
-SIZES = SOLIDS + 4
-OTHERS, OTHERS_SIZE, OTHERS_COLUMNS, DATA = SIZES + 4, SIZES + 5, SIZES + 6, SIZES + 7
-
-
-def descriptor_of(
-    strands: int, segments: int, iterations: int, flags: Flags, scratch: NDArray[Any],
-    arrays: tuple[State, Material, Forcing], solids: tuple[NDArray[Any], ...], data: Sequence[NDArray[Any]] = (),
-) -> NDArray[np.int64]:  # fmt: skip
-    """(columns,) int64, what the kernel is given: numbers and addresses. The caller keeps all arrays alive.
-
-    ``scratch`` is (workers, size), of the same floating type as all arrays; ``solids`` are rows of spheres, capsules,
-    planes and boxes, and perhaps a fifth array of solids without kernels of their own, whose ``data`` are arrays of any
-    type.
-    """
-    flat = [one for part in arrays for one in part]
-    assert all(one.flags.c_contiguous and one.dtype == scratch.dtype for one in (scratch, *flat, *solids))
-    head = [0, -(-strands // PACK), segments, iterations, *flags[:SETTLED]]
-    numbers = [*head, scratch.ctypes.data, scratch.strides[0], *[0] * 5]
-    addresses = [one.ctypes.data for one in (*flat, *solids[:4])]
-    others = [number for one in solids[4:] for number in (one.ctypes.data, one.size, one.shape[1])]
-    others += data_numbers(data)
-    return np.array([*numbers, *addresses, *(one.size for one in solids[:4]), *others])
-
-
-def data_numbers(data: Sequence[NDArray[Any]]) -> list[int]:
-    """What a descriptor has from `DATA` on: address and shape of each array."""
-    return [number for one in data for number in (one.ctypes.data, *one.shape)]
-
-
-@device
-def state_of(kind, descriptor, rows=0):
-    """Pointers to the arrays of `State`, of a floating type. ``rows``: by how many those of accelerations by the
-    strands around are shifted, for the code that is run before a pack leaves them in a worker's row of scratch."""
-    return State(
-        pointer_at(kind, descriptor[STATE]), pointer_at(kind, descriptor[STATE + 1]),
-        pointer_at(kind, descriptor[STATE + 2]), pointer_at(kind, descriptor[STATE + 3]),
-        pointer_at(kind, descriptor[STATE + 4]), pointer_at(kind, descriptor[STATE + 5]),
-        pointer_at(kind, descriptor[STATE + 6]), pointer_at(kind, descriptor[STATE + 7]),
-        pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[CROWD] + rows * descriptor[CROWD_BYTES]),
-        pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
-        pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
-        pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
-        pointer_at(kind, descriptor[STATE + 16]), pointer_at(kind, descriptor[STATE + 17]),
-        pointer_at(kind, descriptor[STATE + 18]), pointer_at(kind, descriptor[STATE + 19]),
-        pointer_at(kind, descriptor[STATE + 20]), pointer_at(kind, descriptor[STATE + 21]),
-    )  # fmt: skip
-
-
-@device
-def material_of(kind, descriptor):
-    """Pointers to the arrays of `Material`."""
-    return Material(
-        pointer_at(kind, descriptor[MATERIAL]), pointer_at(kind, descriptor[MATERIAL + 1]),
-        pointer_at(kind, descriptor[MATERIAL + 2]), pointer_at(kind, descriptor[MATERIAL + 3]),
-        pointer_at(kind, descriptor[MATERIAL + 4]),
-    )  # fmt: skip
-
-
-@device
-def forcing_of(kind, descriptor):
-    """Pointers to the arrays of `Forcing`."""
-    return Forcing(
-        pointer_at(kind, descriptor[FORCING]), pointer_at(kind, descriptor[FORCING + 1]),
-        pointer_at(kind, descriptor[FORCING + 2]), pointer_at(kind, descriptor[FORCING + 3]),
-        pointer_at(kind, descriptor[FORCING + 4]), pointer_at(kind, descriptor[FORCING + 5]),
-        pointer_at(kind, descriptor[FORCING + 6]), pointer_at(kind, descriptor[FORCING + 7]),
-        pointer_at(kind, descriptor[FORCING + 8]),
-    )  # fmt: skip
-
-
-@device
-def second_of(descriptor, second):
-    """Whether steps are BDF2's; None where ``second`` is, which leaves that out."""
-    if second is None:
-        return None
-    return descriptor[SECOND] != 0
-
-
-@device
-def flags_of(descriptor, second, crowded, held, loose, oval):
-    """`Flags` as booleans but for those that are as they are given, and ``second``, which may be None."""
-    return Flags(
-        second_of(descriptor, second), descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
-        descriptor[DEFORMING] != 0, crowded, held, loose, oval,
-    )  # fmt: skip
-
-
-@device
-def solids_of(kind, descriptor):
-    """Solids as `contact_shapes.nearest` takes them, of a floating type."""
-    return (
-        (pointer_at(kind, descriptor[SOLIDS]), descriptor[SIZES]),
-        (pointer_at(kind, descriptor[SOLIDS + 1]), descriptor[SIZES + 1]),
-        (pointer_at(kind, descriptor[SOLIDS + 2]), descriptor[SIZES + 2]),
-        (pointer_at(kind, descriptor[SOLIDS + 3]), descriptor[SIZES + 3]),
-    )
-
-
-@device
-def others_of(kind, descriptor):
-    """Solids without kernels of their own: their rows, the size of all rows, and columns of each."""
-    return pointer_at(kind, descriptor[OTHERS]), descriptor[OTHERS_SIZE], descriptor[OTHERS_COLUMNS]
 
 
 @function
@@ -224,7 +125,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
     numbers = forcing.numbers
     contact = Contact(
         solids, flags.solids, flags.segments,
-        numbers[STEP] * (1 + 1.5 * numbers[MOVED]), numbers[FRICTION], 0.25 * numbers[ROUNDING],
+        numbers[STEP] * (1 + 1.5 * numbers[MOVED]), numbers[FRICTION], 0.25 * numbers[ROUNDING], True,
     )  # fmt: skip
     for lane in range(0, PACK, lane_count(scratch)):
         strand = pack * PACK + lane
@@ -258,20 +159,23 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         rod_start.give_way(scratch)
         store(scratch, IMPACT, 0.0)
         worst = rod_newton.iterate(scratch, at, state, material, forcing, scheme, iterations, False)
-        met = contact
+        met, again, lost = contact, False, worst < 0.0
         if flags.solids:
-            worst, pressed, near = rod_contact.find(
+            worst, pressed, near, lost = rod_contact.find(
                 scratch, at, state, material, forcing, scheme, contact, iterations, worst
             )
             scheme, met = rod_contact.pressed_by(scheme, pressed), rod_contact.nearby(contact, near)
-        # | |e| − 1 | from | |e|² − 1 |, where that is up to 1 as of an edge that is too short: the greater of both
-        residual = worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst)))
-        store(state.residuals, strand, residual)
+            again = rod_parts.able(scheme, numbers) and any_lane(lost)
+        store(state.residuals, strand, rod_contact.residual_of(worst))
         if flags.loose is not None:
             rod_loose.find_shift(scratch, n, material.mass)
+        if again:
+            rod_parts.keep(scratch, at, state)
         rod_sweep.sweep(scratch, at, next_pack, state, material, numbers, scheme, met)
         if flags.second and flags.curled:
             rod_energy.keep(scratch, at, state, material, forcing, scheme, flags.solids)
+        if again:
+            rod_parts.make(scratch, at, next_pack, state, material, forcing, scheme, contact, iterations, lost)
 
 
 @device

@@ -54,11 +54,13 @@ CHANGE = 6
 """Vectors of scratch a segment after `lasting_share`: `force_change`."""
 OF_ROOT = GAIN + 1 + CHANGE
 """Vectors of scratch after those of all segments: a gain, a lasting share and a change of force of a free root."""
+KEPT = 22
+"""Vectors of scratch a segment after those: `kept`."""
 
 
 def scratch_size(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
-    return vectors_for(n) + n * (GAIN + FORCE + 1 + CHANGE) + OF_ROOT
+    return vectors_for(n) + n * (GAIN + FORCE + 1 + CHANGE + KEPT) + OF_ROOT
 
 
 @inlined
@@ -91,6 +93,12 @@ def force_change(n, j):
 def of_root(n):
     """Place of what `OF_ROOT` says of a free root."""
     return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE + 1 + CHANGE)
+
+
+@inlined
+def kept(n, j):
+    """Place of what `rod_parts` keeps of segment j; nothing else reads it."""
+    return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE + 1 + CHANGE) + OF_ROOT + j * KEPT
 
 
 @device
