@@ -40,10 +40,11 @@ def loss_of(tips: Floats) -> float:
     return float(1 - np.exp(2 * np.polyfit(np.arange(len(sizes)), np.log(sizes), 1)[0]))
 
 
-@pytest.mark.parametrize(("turns", "friction", "most"), [(1.0, 0.5, 0.021), (2.5, 0.0, 0.024), (2.5, 0.5, 0.034)])
+@pytest.mark.parametrize(("turns", "friction", "most"), [(1.0, 0.5, 0.021), (2.5, 0.0, 0.024), (2.5, 0.5, 0.036)])
 def test_strands_that_touch_lose_little_more_than_in_fine_steps(turns: float, friction: float, most: float) -> None:
     """At 24 steps a second, against steps a sixteenth as long. A strand that touches nothing loses .02. Those that met
-    anew by Euler's method would lose .12, .07 and .07, those that went on with impacts .06."""
+    anew by Euler's method would lose .12, .07 and .07, those that went on with impacts .06. With friction it matters
+    where they stick: .03 to .05 by 2.3 to 2.5 turns at 21 to 29°, .07 to .15 by 2.7 turns."""
     (coarse, touched), (fine, _) = swing(turns, friction, 1), swing(turns, friction, 16)
     assert touched > 40
     assert loss_of(coarse) < loss_of(fine) + most

@@ -130,9 +130,16 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
         bend = x[2], y[2], z[2]
         force = x[3], y[3], z[3]
     if ends.loose is not None:
-        if bounded is not None or judged is not None:
-            lost = judge_root(s, a, lost, bounded)
-        rod_loose.set_load(s, p, force)
+        lost = end_at_root(s, a, lost, (p, force), bounded, judged)
+    return lost
+
+
+@inlined
+def end_at_root(s, a, lost, load, bounded, judged):
+    """End the sweep at a free root: judge its pivot as `sweep_to_root` does others, and set its ``load``."""
+    if bounded is not None or judged is not None:
+        lost = judge_root(s, a, lost, bounded)
+    rod_loose.set_load(s, load[0], load[1])
     return lost
 
 
