@@ -15,7 +15,8 @@ HELD = np.float32(0.5)
 them. With all of it pressure swings; with none, what the grid does not see has to be made up for by density."""
 HASTE = np.float32(2)
 """Share of what there is too much of that pressure makes up for in a step, over the share of the density that it does
-at the most: were it all, short steps would throw strands apart, which would go on until drag stops them."""
+at the most: were it all, short steps would throw strands apart, which would go on until drag stops them. At 60 steps a
+second a tuft stood 1.5 % too high then in place of 4 % too low, but a pressed layer was 5 % too thin in place of .2."""
 DENSEST = np.float32(4)
 """Densities, of those allowed, up to which that is a share of them: what is denser is led apart no faster."""
 
