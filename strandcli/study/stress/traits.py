@@ -77,6 +77,12 @@ QUIET: dict[str, tuple[str, ...]] = {
     "gamma": ("10", "1e4"), "wind": ("calm",), "emitter": ("still",), "contact": ("none",),
 }  # fmt: skip
 """Where nothing but weight works, so that energy may not grow: pairs of what is left."""
+LOOSE: dict[str, tuple[str, ...]] = {
+    **OTHERS, "root": ("free",), "dt": ("1e-4", "240Hz", "60Hz", "24Hz", "noisy"), "B": ("0", "1e-2", "1"),
+    "gamma": ("0", "10"), "wind": ("calm",),
+}  # fmt: skip
+"""Where roots are free. Strands of which some are blown away, or fall by tens of their lengths in a step, while solids
+hold others up, take more cells than a grid may have, which is told."""
 OWN = (*TRAITS, "integrator", "root", "torsion")
 """Axes that the matrix does not have."""
 
@@ -198,13 +204,20 @@ def _conservative(labels: dict[str, str]) -> bool:
 def combinations() -> Iterator[dict[str, str]]:
     """Every combination of traits with every row of a covering of the other axes; of what contact or sections refuse,
     one."""
-    rows, quiet = covering(OTHERS), covering(QUIET)
+    rows, quiet, loose = covering(OTHERS), covering(QUIET), covering(LOOSE)
     for labels in product(*TRAITS.values()):
         traits = dict(zip(TRAITS, labels, strict=True))
         if _left_out(**traits):
             continue
         found = rows + quiet if traits["between"] == "none" else rows
+        if _held_by_nothing(**traits):
+            found = found + loose
         yield from ({**{axis: row[axis] for axis in OTHERS}, **traits} for row in found)
+
+
+def _held_by_nothing(rest: str, end: str, section: str, **more: str) -> bool:
+    """Whether roots may be free: of straight strands without a set, whose tips nothing turns."""
+    return (rest, section, more["yield"]) == ("straight", "round", "none") and end != "turned"
 
 
 def _left_out(between: str, rest: str, end: str, section: str, **more: str) -> bool:
