@@ -158,7 +158,9 @@ class RodSolver(Solver):
 
     def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
         """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
-        self.pins = self.pins or Pins(self.state, self.material, self.forcing, self.pose)
+        self.pins = self.pins or Pins(
+            self.state, self.material, self.forcing, self.pose, loose=self.loose
+        )  # fmt: skip
         self.pins.bring(at, seconds)
 
     def begin_frame(self) -> None:

@@ -23,11 +23,15 @@ PINNED = {
 
 def test_every_combination_of_traits_meets_every_pair_of_the_other_axes() -> None:
     found: dict[tuple[str, ...], set[tuple[tuple[str, str], tuple[str, str]]]] = {}
+    loose: dict[tuple[str, ...], set[tuple[tuple[str, str], tuple[str, str]]]] = {}
     for row in traits.combinations():
-        met = found.setdefault(tuple(row[axis] for axis in traits.TRAITS), set())
+        which = loose if row["root"] == "free" else found
+        met = which.setdefault(tuple(row[axis] for axis in traits.TRAITS), set())
         met |= set(covering.pairs_of({axis: row[axis] for axis in traits.OTHERS}))
     wanted = set(covering.all_pairs(traits.OTHERS))
     assert all(met == wanted for met in found.values())
+    assert len(loose) == 8
+    assert all(met == set(covering.all_pairs(traits.LOOSE)) for met in loose.values())
     left_out = set(product(*traits.TRAITS.values())) - set(found)
     for between, _, end, limit, section in left_out:
         refused = between in ("thin", "thick"), limit != "none", end == "turned", section != "round"

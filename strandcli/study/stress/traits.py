@@ -247,7 +247,7 @@ def quick() -> list[str]:
     found, words = [], set()
     for name, row in zip(table(), combinations(), strict=True):
         told = refusal(row)
-        same = row["B"] != "1e6" and all(row[axis] == label for axis, label in plain.items())
+        same = row["B"] != "1e6" and row["root"] != "free" and all(row[axis] == label for axis, label in plain.items())
         if same if not told else told not in words:
             found.append(name)
             words.add(told)
