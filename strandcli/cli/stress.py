@@ -91,7 +91,7 @@ def command(
         told = "none of --case, --filter, --with, PRESET"
         raise UsageError(f"--accept: takes the whole matrix of the solver thesis, and {told}")
     if kinds and (case or preset or solver == "thesis"):
-        raise UsageError("--with: takes the matrix of the solver rod, and neither --case nor PRESET")
+        raise UsageError("--with: takes the solver rod's matrix, without PRESET; --case runs its cases by name alone")
     if html is not None:
         options.refuse_existing(html, overwrite)
     from ..study.stress import run as stress

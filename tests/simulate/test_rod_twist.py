@@ -101,9 +101,9 @@ FORMS = [(60, 3, 25), (50, 10, 100), (80, 4, 41), (70, 5, 40)]
 """Angle, turns and particles of coils."""
 
 
-def kicked(form: tuple[int, int, int], steps: float, more: str, weight: str = ", gravity") -> RodSolver:
+def kicked(form: tuple[int, int, int], steps: float, more: str) -> RodSolver:
     """Coils of hair without any damping, swung within two thirds of a second, in ``steps`` over the frequency at which
-    they stretch; ``weight``: the rule that makes soft ones limp."""
+    they stretch."""
     angle, turns, particles = form
 
     def solver(young: float) -> RodSolver:
@@ -111,7 +111,7 @@ def kicked(form: tuple[int, int, int], steps: float, more: str, weight: str = ",
             f"solver: rod\nrod: {{rest: shape, young: {young:e}, drag: 0, damping: 0, {more}}}\nemitter: {{strands: 16"
             f", particles: {particles}, length: 0.2, curl_turns: {turns}, curl_angle: {angle}, rotation: [180, 0, 0], "
             "keys: [{time: 0, rotation: [180, 0, 0]}, {time: 0.33, rotation: [180, 30, 10]}, {time: 0.66, rotation: "
-            f"[180, 0, 0]}}]}}\nrules: [emitter_motion{weight}]\n"
+            "[180, 0, 0]}]}\nrules: [emitter_motion, gravity]\n"
         )
         return RodSolver(scene, emit(scene.emitter, scene.seed))
 
@@ -142,7 +142,7 @@ def test_edges_are_kept_as_firmly_and_led_as_far_as_steps_ask_for() -> None:
         turning = 2 * math.pi * form[1] * math.sin(math.radians(form[0]))
         firm = min(0.5, 10 / turning * math.cos(math.radians(form[0])))
         for steps, led in ((0.02, 1.0), (0.2, 1.0), (0.3, 1.0), (3.0, 0.0)):
-            solver = kicked(form, steps, "torsion: 0.7", "")
+            solver = kicked(form, steps, "torsion: 0.7")
             solver._coil_rate = 0.0
             solver.step(1 / 24, 1 / 24)
             solver.step(2 / 24, 1 / 24)  # the first is one of Euler's method
