@@ -31,7 +31,7 @@ class Passing:
 
     def __init__(self, solver: Any) -> None:
         self._parts: list[tuple[float, Floats, Floats]] = []
-        contact = solver.contact
+        self.contact = contact = solver.contact
         make = contact.step
 
         def step(run: Callable[[], None], dt: float, solver: Any) -> bool:

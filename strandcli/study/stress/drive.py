@@ -7,13 +7,14 @@ so much is allowed for, and no more.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...groom.record import Groom
 from ...scene.model import Scene, SphereSolid
 from ...scene.motion import solid_pose
 from ...simulate import solver_of
@@ -48,20 +49,27 @@ def run(cases: Sequence[Case]) -> list[Outcome]:
 
 
 def _drive(cases: list[Case], found: list[Outcome]) -> None:
-    case = cases[0]
-    times = times_of(case)
-    scene, groom = scene_of(case, times), groom_of(cases)
+    times = times_of(cases[0])
+    _, meter, still = followed(cases[0], scene_of(cases[0], times), groom_of(cases), times)
+    for number, one in enumerate(found):
+        lanes = slice(number, number + 1) if len(found) > 1 else slice(None)
+        one.metrics = meter.metrics(lanes) | still
+
+
+def followed(
+    case: Case, scene: Scene, groom: Groom, times: NDArray[np.float64], watch: Callable[[Any], Any] = lambda _: None
+) -> tuple[Any, Meter, dict[str, float]]:
+    """Run a scene of a case to the ends of its steps; return what ``watch`` makes of its solver before the first, what
+    was measured, and whether a step of no duration moved anything."""
     solver: Any = solver_of(scene)(scene, groom)
     segments = groom.lengths.astype(np.float64) / case.value("n")
     meter = Meter(scene, segments, case.value("L"), touching=case.label("contact") != "none")
     before = solver.particles()
     solver.step(0.0, 0.0)
     still = np.array_equal(before, solver.particles())
+    watched = watch(solver)
     meter.follow(solver, times)
-    for number, one in enumerate(found):
-        lanes = slice(number, number + 1) if len(found) > 1 else slice(None)
-        one.metrics = meter.metrics(lanes)
-        one.metrics["moved_by_nothing"] = float(not still)
+    return watched, meter, {"moved_by_nothing": float(not still)}
 
 
 class Meter:

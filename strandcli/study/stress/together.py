@@ -21,12 +21,11 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...scene.faults import shown
 from ...scene.model import EndKey, Rod, RuleUse, Scene, Section
-from ...simulate import solver_of
 from ...simulate.rules import registry
 from . import sheets
 from .axes import Case, case_named
 from .crossing import Passing
-from .drive import Meter
+from .drive import followed
 from .scenes import Started, groom_of, scene_of, times_of
 from .task import Task
 from .verdicts import Verdict, judge, told_of
@@ -238,18 +237,16 @@ def coil(edges: NDArray[np.float64]) -> NDArray[np.float64]:
 def measured(case: Case, row: Row) -> dict[str, float]:
     """All that is measured in the matrix; in contact, how many segments pass through each other."""
     scene, groom, times = prepared(case, row)
-    solver: Any = solver_of(scene)(scene, groom)
-    segments = groom.lengths.astype(np.float64) / case.value("n")
-    meter = Meter(scene, segments, case.value("L"), touching=case.label("contact") != "none")
-    before = solver.particles()
-    solver.step(0.0, 0.0)
-    still = np.array_equal(before, solver.particles())
-    passing = Passing(solver) if solver.contact is not None else None
-    meter.follow(solver, times)
-    found = {**meter.metrics(slice(None)), "moved_by_nothing": float(not still)}
+    passing, meter, still = followed(case, scene, groom, times, _passing)
+    found = meter.metrics(slice(None)) | still
     if passing is not None:
-        found |= {"passed_told": passing.count(), "closeness": solver.contact.penetration / solver.contact.thickness}
+        contact = passing.contact
+        found |= {"passed_told": passing.count(), "closeness": contact.penetration / contact.thickness}
     return found
+
+
+def _passing(solver: Any) -> Passing | None:
+    return None if solver.contact is None else Passing(solver)
 
 
 def perform(task: Task) -> Verdict:
