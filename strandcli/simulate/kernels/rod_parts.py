@@ -66,6 +66,7 @@ def make(s, at, next_pack, state, material, forcing, scheme, contact, iterations
     )  # fmt: skip
     set_coefficients(s, at, material, forcing, own, root)
     add_velocity(state, at, root, -1.0)
+    most = broadcast(s, 0.0)
     for count in range(PARTS):
         met = Contact(
             contact.solids, True, contact.segments, part, contact.friction, contact.rounding, count == 0
@@ -74,11 +75,12 @@ def make(s, at, next_pack, state, material, forcing, scheme, contact, iterations
         store(s, IMPACT, 0.0)
         worst = rod_newton.iterate(s, at, state, material, forcing, own, iterations, False)
         worst, _, _, _ = rod_contact.find(s, at, state, material, forcing, own, met, iterations, worst)
+        most = max(most, worst)
         rod_sweep.sweep(s, at, next_pack, state, material, forcing.numbers, own, met)
     add_velocity(state, at, root, 1.0)
     end(s, at, state, scheme, lost)
     store(state.touching, at.strand, where(lost, broadcast(s, CHANGED), touching))
-    store(state.residuals, at.strand, where(lost, rod_contact.residual_of(worst), residual))
+    store(state.residuals, at.strand, where(lost, rod_contact.residual_of(most), residual))
 
 
 @inlined
