@@ -51,6 +51,14 @@ assert (EDGE_FACTOR, PARTICLE_FACTOR) == (INVERSE_PIVOT + 1, INVERSE_PIVOT + 2)
 
 
 @device
+def mend(s, at, state, material, forcing, scheme, iterations, worst):
+    """`descend` where iterations have left errors ``worst`` of |e|² beyond `LOST`. Returns the errors."""
+    if iterations >= WILLING and any_lane(worst > LOST):
+        worst = descend(s, at, state, material, forcing, scheme, iterations, worst)
+    return worst
+
+
+@device
 def descend(s, at, state, material, forcing, scheme, iterations, worst):
     """Take the iterations of a step anew in lanes whose errors ``worst`` of |e|² are beyond `LOST`; others keep all
     that they have. Returns the errors."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...jit import device
 from ...simd import any_lane, broadcast, load, sqrt, store, where
-from . import rod, rod_descent, rod_elimination, rod_oval, rod_start, rod_tension
+from . import rod, rod_elimination, rod_oval, rod_start, rod_tension
 from .records import TOLERANCE
 from .rod_scratch import AXES, FIRST_SEGMENT, INDEFINITE, SEGMENT, TENSION
 
@@ -86,8 +86,6 @@ def iterate(s, at, state, material, forcing, scheme, iterations, again):
             worst, total = rod.apply_change(s, n, ends, None)
     if quadratic:
         rod_elimination.factorise_bounded(s, n, mass, joint, ends)
-    if iterations >= rod_descent.WILLING and any_lane(worst > rod_descent.LOST):
-        worst = rod_descent.descend(s, at, state, material, forcing, scheme, iterations, worst)
     return worst
 
 
