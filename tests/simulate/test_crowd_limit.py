@@ -19,6 +19,7 @@ from strandcli.simulate.kernels.crowd_records import (
     SPEED,
     Room,
 )
+from strandcli.study.stress import run as stress
 
 WIDE, HIGH, DEEP = 16, 7, 6
 COUNT = WIDE * HIGH * DEEP
@@ -83,3 +84,10 @@ def test_pressure_that_throws_none_stays_as_it_is() -> None:
     limit(BOX, np.stack([LIVE, LIVE]), grid, room, numbers, pressure)
     np.testing.assert_array_equal(pressure, before)
     assert before.max() == pytest.approx(0.03, rel=0.1)
+
+
+def test_what_is_too_heavy_to_follow_is_not_pushed_without_end() -> None:
+    """Tips a million times as heavy in steps of ten seconds: pushes grew a hundred thousandfold each, to infinity."""
+    name = "rod/dt=10/n=3/L=1e6/tip=1e6/start=folded/between=grid-fine/twist=sag-free"
+    (verdict,) = stress.perform(stress.named(name))
+    assert verdict.verdict == "pass", verdict.why

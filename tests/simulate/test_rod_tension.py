@@ -28,7 +28,7 @@ LANES = VECTOR // 8
 def change(address, n, mass, joint):
     """Add to τ what the Newton step asks for."""
     pile = vector_pointer_at(np.float64, address)
-    rod_tension.filter_forward(pile, n, mass, None, False, True)
+    rod_tension.filter_forward(pile, n, mass, None, False, True, None)
     rod_elimination.change_tension(pile, n, mass, joint, Ends(None, None, False))
 
 

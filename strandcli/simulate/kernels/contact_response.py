@@ -137,7 +137,7 @@ def respond(s, n, mass, ends):
         p = add_scaled(p, -mass[j], pushed(s, n, j))
         p, q = set_load(s, FIRST_SEGMENT + j * SEGMENT, p, q)
     set_root_load(s, n, p, ends)
-    rod_tension.filter_forward(s, n, mass, ends.loose, True, None)
+    rod_tension.filter_forward(s, n, mass, ends.loose, True, None, None)
     p, q, force = none, none, none
     ahead = none, none, (zero, zero)
     for j in range(n - 1, -1, -1):

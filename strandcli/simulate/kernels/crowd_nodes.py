@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import W
-from ...jit import device, function, parallel, prange
+from ...jit import device, function, inlined, parallel, prange
 from ...simd import (
     any_lane,
     broadcast,
@@ -35,6 +35,9 @@ CHANGE = np.float32(0.25)
 """Share of what strands around have accelerated a strand by that this changes by from a step to the next, from which on
 it is jolted: BDF2 would go on with that, and tips would never come to rest. Strands that hold each other off while they
 swing together stay below."""
+FARTHEST = np.float32(1e4)
+"""Cells a step by which those around push a strand on at the most, for the next grid. Where it is too heavy to follow,
+that would push it back by more, and so on without end."""
 SLIGHT = np.float32(0.1)
 """Share of a strand's velocity against its tip by which that change at least changes velocities then."""
 
@@ -100,6 +103,7 @@ def keep_others(moving, lattice, packs, step, time, crowd):
     nodes, out, pushed = pointer(moving.nodes), pointer(moving.others), pointer(moving.pushed)
     count, pack = moving.nodes.shape[1], packs[0]
     ahead, loose = (packs[1] - pack) * count * AXES, len(moving.root_velocity) > 0
+    most = FARTHEST / (lattice.inverse * step)
     for lane in range(0, PACK, lane_count(out)):
         past = broadcast(out, 0.0)
         changed, speed = past, past
@@ -109,7 +113,8 @@ def keep_others(moving, lattice, packs, step, time, crowd):
             at = (first + node) * AXES + lane
             u, v, w = change_of_node(moving, lattice, pack, node, lane, crowd)
             a, b, c = load3(nodes, (first + node) * NODE * PACK + AXES + lane, PACK)
-            store3(out, at, PACK, time * u + a, time * v + b, time * w + c)
+            d, e, f = within(time * u, most), within(time * v, most), within(time * w, most)
+            store3(out, at, PACK, d + a, e + b, f + c)
             x, y, z = load3(pushed, at, PACK)
             prefetch3(pushed, at + ahead, PACK)
             store3(pushed, at, PACK, u, v, w)
@@ -120,6 +125,12 @@ def keep_others(moving, lattice, packs, step, time, crowd):
                 speed += a * a + b * b + c * c
         much = (changed > CHANGE * CHANGE * past) & (step * step * changed > SLIGHT * SLIGHT * speed)
         store(pointer(moving.jolted), pack * PACK + lane, where(much, broadcast(out, 1.0), 0.0))
+
+
+@inlined
+def within(velocity, most):
+    """A velocity along an axis, no more than ``most`` either way."""
+    return min(max(velocity, -most), most)
 
 
 @device

@@ -72,7 +72,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations, again):
                 if quadratic:
                     step = next_step(s, step, chosen, energy > past_energy * RISE, count)
                     past_energy = where(chosen, energy, past_energy)
-            rod_tension.filter_forward(s, n, mass, ends.loose, far or corrected, True)
+            rod_tension.filter_forward(s, n, mass, ends.loose, far or corrected, True, None)
             if quadratic:
                 indefinite = rod_elimination.change_tension(s, n, mass, joint, ends)
                 worst, total = apply_step(s, n, ends, step)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3
+from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from .records import DAMPING, ROUNDING, SOFT, STEP
 from .rod_scratch import (
     EDGE,
@@ -17,11 +17,13 @@ from .rod_scratch import (
     SEGMENT,
     STIFFNESS,
 )
-from .rod_tension import particle_gain
+from .rod_tension import TINY, particle_gain
 
 BEND = INNOVATION
 """Bend along the thin axis, which is in place of the particle's gain, by the edges that set the rest; then by how much
 that of the first solution is more."""
+FAR = 0.3
+"""Error of |e|² above which an edge of the first solution counts as one of unit length."""
 SLIGHT = 1e-4
 """Greatest change of a strand's bends along the thin axes, over the greatest of these, that is left out."""
 
@@ -79,7 +81,7 @@ def change_bends(s, n, rounding):
     px, py, pz = load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
     for j in range(n):
         o = FIRST_SEGMENT + j * SEGMENT
-        x, y, z = load3(s, o + EDGE, 1)
+        x, y, z = of_unit_length(load3(s, o + EDGE, 1))
         u, v, w = load3(s, particle_gain(n, j), 1)
         bend = load(s, o + BEND)
         change = u * (x - px) + v * (y - py) + w * (z - pz) - bend
@@ -88,6 +90,19 @@ def change_bends(s, n, rounding):
         changed = max(changed, abs(change))
         px, py, pz = x, y, z
     return changed > SLIGHT * most + rounding
+
+
+@inlined
+def of_unit_length(edge):
+    """An edge of the first solution, which of a strand that is flung about may be a million times too long: what it
+    says of bends then is its direction."""
+    x, y, z = edge
+    q = x * x + y * y + z * z
+    far = abs(q - 1.0) > FAR
+    if any_lane(far):
+        f = where(far, 1.0 / sqrt(max(q, TINY)), 1.0)
+        x, y, z = f * x, f * y, f * z
+    return x, y, z
 
 
 @inlined

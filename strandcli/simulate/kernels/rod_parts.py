@@ -13,7 +13,7 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3, where
-from . import rod_contact, rod_newton, rod_start, rod_sweep
+from . import rod_contact, rod_descent, rod_newton, rod_start, rod_sweep
 from .records import CHANGED, DRAG, LASTING, VELOCITY_STEP, Contact, Scheme
 from .rod_scratch import ADDED_VELOCITY, AXES, IMPACT, MOVED_SHARE, PACK, ROOT_SHIFT
 from .rod_sweep import ROW
@@ -66,6 +66,7 @@ def make(s, at, next_pack, state, material, forcing, scheme, contact, iterations
     )  # fmt: skip
     set_coefficients(s, at, material, forcing, own, root)
     add_velocity(state, at, root, -1.0)
+    most = broadcast(s, 0.0)
     for count in range(PARTS):
         met = Contact(
             contact.solids, True, contact.segments, part, contact.friction, contact.rounding, count == 0
@@ -74,11 +75,13 @@ def make(s, at, next_pack, state, material, forcing, scheme, contact, iterations
         store(s, IMPACT, 0.0)
         worst = rod_newton.iterate(s, at, state, material, forcing, own, iterations, False)
         worst, _, _, _ = rod_contact.find(s, at, state, material, forcing, own, met, iterations, worst)
+        worst = rod_descent.mend(s, at, state, material, forcing, own, iterations, worst)
+        most = max(most, worst)
         rod_sweep.sweep(s, at, next_pack, state, material, forcing.numbers, own, met)
     add_velocity(state, at, root, 1.0)
     end(s, at, state, scheme, lost)
     store(state.touching, at.strand, where(lost, broadcast(s, CHANGED), touching))
-    store(state.residuals, at.strand, where(lost, rod_contact.residual_of(worst), residual))
+    store(state.residuals, at.strand, where(lost, rod_contact.residual_of(most), residual))
 
 
 @inlined

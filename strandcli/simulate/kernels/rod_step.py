@@ -24,6 +24,7 @@ from ...simd import (
 from . import (
     rod_contact,
     rod_curl,
+    rod_descent,
     rod_energy,
     rod_held,
     rod_lead,
@@ -166,6 +167,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
             )
             scheme, met = rod_contact.pressed_by(scheme, pressed), rod_contact.nearby(contact, near)
             again = rod_parts.able(scheme, numbers) and any_lane(lost)
+        worst = rod_descent.mend(scratch, at, state, material, forcing, scheme, iterations, worst)
         store(state.residuals, strand, rod_contact.residual_of(worst))
         if flags.loose is not None:
             rod_loose.find_shift(scratch, n, material.mass)

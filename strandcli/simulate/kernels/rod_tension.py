@@ -57,10 +57,13 @@ OF_ROOT = GAIN + 1 + CHANGE
 KEPT = 22
 """Vectors of scratch a segment after those: `kept`."""
 
+SPARE, POINT = 10, 6
+"""Vectors of scratch a segment, the root and one more after those: `spare`, and then `point`."""
+
 
 def scratch_size(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
-    return vectors_for(n) + n * (GAIN + FORCE + 1 + CHANGE + KEPT) + OF_ROOT
+    return vectors_for(n) + n * (GAIN + FORCE + 1 + CHANGE + KEPT) + OF_ROOT + (n + 2) * (SPARE + POINT)
 
 
 @inlined
@@ -101,14 +104,27 @@ def kept(n, j):
     return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE + 1 + CHANGE) + OF_ROOT + j * KEPT
 
 
+@inlined
+def spare(n, j):
+    """Place of what `rod_descent` keeps of segment j, of the root where that is -1; nothing else reads it."""
+    return kept(n, n) + (j + 1) * SPARE
+
+
+@inlined
+def point(n, j):
+    """Place of the edge and the inertial residual of segment j that a line search of `rod_descent` starts from."""
+    return spare(n, n + 1) + (j + 1) * POINT
+
+
 @device
-def filter_forward(s, n, mass, loose, foreseen, inexact):
+def filter_forward(s, n, mass, loose, foreseen, inexact, rounding):
     """Kalman filter from the root to the tip: set `INNOVATION` and the gains, `EDGE_GAIN` taking the place of the
     loads.
 
     ``foreseen``: loads are subtracted from the means, which follow the same recurrence, so that r is what is left after
     the change that they lead to. ``loose``: whether roots are free, None where not. ``inexact``: None where edges count
-    as of exact length, and r is of loads alone.
+    as of exact length, and r is of loads alone. ``rounding``: None, or a share of the edge's variance that an
+    observation has at least: where stiff joints leave it less, it is rounding, which would grow from one to the next.
     """
     zero = broadcast(s, 0.0)
     noise = load(s, FIRST_SEGMENT + INVERSE_PIVOT)
@@ -128,7 +144,7 @@ def filter_forward(s, n, mass, loose, foreseen, inexact):
         # covariances of the observation with both parts of the state
         h = matrix_product(mixed, direction)
         k = symmetric_product(edge, direction)
-        precision, seen = observe(direction, k, mean_edge, noise, mass[j], inexact)
+        precision, seen = observe(direction, (k, edge), mean_edge, noise, mass[j], inexact, rounding)
         store(s, o + INNOVATION, seen)
         # transport to the next segment as if nothing had been observed
         f = load(s, o + SEGMENT + EDGE_FACTOR)
@@ -170,15 +186,17 @@ def begin_loose(s, mean_edge, noise, foreseen):
 
 
 @inlined
-def observe(direction, covariance, mean_edge, noise, mass, inexact):
-    """1 over the variance of the observation of e·z, and the innovation over that variance. ``covariance`` is that of
-    the observation with the edge's change z, whose mean is ``mean_edge``; ``noise`` is the variance of the edge's
-    noise."""
+def observe(direction, covariances, mean_edge, noise, mass, inexact, rounding):
+    """1 over the variance of the observation of e·z, and the innovation over that variance. ``covariances`` are
+    that of the observation with the edge's change z, whose mean is ``mean_edge``, and that of z; ``noise`` is the
+    variance of the edge's noise; ``inexact`` and ``rounding``: as of `filter_forward`."""
     x, y, z = direction
-    kx, ky, kz = covariance
+    (kx, ky, kz), edge = covariances
     square = x * x + y * y + z * z
     short = max(SHORT - square, 0.0) * (1 / mass)
     least = max(noise * square + short, TINY)
+    if rounding is not None:
+        least = max(least, rounding * square * (edge[0] + edge[3] + edge[5]))
     precision = 1.0 / max(short + x * kx + y * ky + z * kz, least)
     wx, wy, wz = mean_edge
     seen = -(x * wx + y * wy + z * wz)
