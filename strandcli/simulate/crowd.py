@@ -246,16 +246,16 @@ class Crowd:
         count = wide * high * deep
         margined, layers = crowd_pressure.work_shape(wide, high, deep), (4, crowd_shelter.layer_size(wide, high, deep))
         # of the first cell kernels load the one before it
-        sizes = LANES, CELL * count, CELL * count, 6 * count, math.prod(margined), math.prod(layers)
+        sizes = LANES, CELL * count, CELL * count, 7 * count, math.prod(margined), math.prod(layers)
         if sum(sizes) > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
             self._cells = aligned((int(1.2 * sum(sizes)),))
         ends = list(accumulate(sizes))
         grid, targets, room, work, of_layers = (self._cells[a:b] for a, b in pairwise(ends))
         self.grid, self.targets = grid.reshape(CELL, count), targets.reshape(count, CELL)
         self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
-        self.shares, *of_room = room.reshape(6, count)
+        self.shares, *of_room = room.reshape(7, count)
         self.room = Room(*of_room)
-        self.room.open[:] = 1
+        self.room.open[:], self.room.aperture[:] = 1, 1
         work[: None if wide % (2 * LANES) else len(work) // margined[0]] = 0  # pressure, and what pads the others
         self._calm = self.room._replace(left=self.room.left[:0])
         self._others = np.zeros((deep, 4, LANES), np.float32)

@@ -36,7 +36,8 @@ def made(share: float = 0.5) -> tuple[NDArray[np.float32], Room, NDArray[np.floa
     grid *= 0.01 + inner
     grid[MOMENTUM : MOMENTUM + 3] -= 0.5 * grid[MASS]
     empty = np.zeros(COUNT, np.float32)
-    room = Room(np.where(rng.random(COUNT) > 0.1, 1, -0.1).astype(np.float32), empty, empty, 0.2 * inner, empty)
+    open = np.where(rng.random(COUNT) > 0.1, rng.uniform(0.3, 1, COUNT), -0.1).astype(np.float32)
+    room = Room(open, empty, empty, 0.2 * inner, np.sqrt(np.maximum(open, 0)), empty)
     numbers = np.zeros(NUMBERS, np.float32)
     numbers[FULL], numbers[SPEED], numbers[FALL + 1], numbers[MOST] = 0.3, 2.0, -0.3, share
     return grid, room, numbers, (30 * inner * (room.open > 0)).astype(np.float32)
@@ -51,7 +52,8 @@ def most(at: int, next: int, axis: int, grid: NDArray[np.float32], room: Room, n
     share = float(numbers[MOST])
     led = max(float(HASTENED) * share**2 + max(-speed, 0), float(LED) * share - speed)
     led += max(-way * float(numbers[FALL + axis]), 0)
-    return m / float(numbers[FULL]) * led + max(float(room.held[at] - room.held[next]), 0)
+    face = float(room.aperture[at] * room.aperture[next])
+    return m / float(numbers[FULL]) / face * led + max(float(room.held[at] - room.held[next]), 0)
 
 
 @pytest.mark.parametrize("share", [0.5, 0.05])

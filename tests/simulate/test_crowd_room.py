@@ -33,11 +33,11 @@ def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
     row = other.pack([solid], [solid_pose(solid, solver.scene.emitter, 0.0)], np.float64)[0]
     far = other_code.depth(solid, row, np.stack([x, y, z], -1).reshape(-1, 3)).reshape(x.shape) / -crowd.cell
     beyond = 0.5 * np.maximum(1 - np.abs(far), 0) ** 2
-    wanted = np.where(far > 0, 1 - beyond, np.where(far > -0.5, beyond, -beyond))
+    wanted = np.where(far > 0, 1 - beyond, np.where(far > -0.75, beyond, -beyond))
     wanted[~crowd.near] = 1
     assert 0 < crowd.near.sum() < crowd.near.size
     found = crowd.shares.reshape(x.shape)
-    inner = np.abs(far + 0.5) > 1e-4  # where it jumps rounding decides
+    inner = np.abs(far + 0.75) > 1e-4  # where it jumps rounding decides
     np.testing.assert_allclose(found[inner], wanted[inner], atol=1e-5)
     assert (found < 0.5).sum() > 20
     monkeypatch.setattr(crowd_pressure, "find_room", None)

@@ -49,3 +49,28 @@ def test_a_tuft_on_a_table_stands_as_high_as_its_strands_one_by_one() -> None:
         errors[len(rules)] = tuft.measure(track)["height"]
     assert errors[3] < 0.05  # type: ignore[operator]
     assert errors[2] > 0.5  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("particles", [7, 13])
+@pytest.mark.parametrize("fps", [24, 60, 240])
+def test_it_does_so_in_steps_of_any_length(fps: int, particles: int) -> None:
+    """Within 4 %. Where cells that change are filled up at once it stands 10 % too low at 240 steps a second, and 3 %
+    lower where cells below the floor have no pressure."""
+    case = tuft.case(particles)
+    scene = loads(yaml.safe_dump({"solver": "rod", **case.settings}), rules=registry(), name="tuft")
+    track, _ = follow(lambda: RodSolver(scene, case.groom), 1 / fps, tuft.REFERENCE.span, False)
+    assert tuft.measure(track)["height"] < 0.04  # type: ignore[operator]
+
+
+def test_a_tuft_between_walls_comes_to_rest() -> None:
+    """Without friction. By faces that were whole beside walls strands rose along those and sank in the middle, by 140
+    mm/s as the root of the mean square, without end."""
+    case = tuft.case(13)
+    scene = loads(yaml.safe_dump({"solver": "rod", **case.settings}), rules=registry(), name="tuft")
+    solver, found = RodSolver(scene, case.groom), []
+    for step in range(90):
+        before = solver.particles()
+        solver.step((step + 1) / 60, 1 / 60)
+        if step >= 60:
+            found.append((((solver.particles() - before) * 60) ** 2).sum(2).mean())
+    assert np.sqrt(np.mean(found)) < 0.07

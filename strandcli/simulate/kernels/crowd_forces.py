@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, parallel, prange
-from ...simd import gather4, half_width_pointer, lane_count, load, load3, pointer, store, store3
+from ...simd import gather4, half_width_pointer, lane_count, load, load3, pointer, sqrt, store, store3
 from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
 from .crowd_homes import read_home, settle
@@ -63,6 +63,8 @@ def act(box, grid, near, room, numbers, work, met, pressure, targets, others):
         for at in range(0, len(shares), LANES):
             store(pointer(room.open), at, load(pointer(shares), at))
         most = settle(box, near, grid, room.open, homes, closed)
+        for at in range(0, len(shares), LANES):
+            store(pointer(room.aperture), at, sqrt(max(load(pointer(room.open), at), 0.0)))
         if numbers[FULL] == 0:
             numbers[FULL] = most
     drop_far(box, near, pressure)
@@ -70,7 +72,7 @@ def act(box, grid, near, room, numbers, work, met, pressure, targets, others):
         find_excess(box, np.int64(o), near, grid, room, pressure, numbers)
     for task in prange(2):
         if task == 0:
-            relax(box, room.excess, room.faces, near, margined, busy, pressure)
+            relax(box, room, near, margined, busy, pressure)
             limit(box, busy, grid, room, numbers, pressure)
         elif len(room.left) > 0:
             shelter(box, grid[MASS], numbers[WAY : WAY + 3], numbers[STOP], room.left, layers)

@@ -1,6 +1,7 @@
 """Cells that solids close: what strands leave in them counts for the open cells next to them.
 
-A strand that lies on a solid is between the middle of a closed cell and that of an open one. By trilinear weights alone
+Cells are closed whose middle is deeper than `crowd_pressure.DEEPEST`. A strand that lies on a solid or has sunk into it
+may be between the middle of a closed cell and that of an open one. By trilinear weights alone
 half of it or more would be of the closed cell, which has no pressure: it would be felt at a half, and moved by half of
 the pressure. So metres and momentum of a closed cell are added to those of an open neighbour, its home, and strands
 read the home's targets in its stead. What lies between both middles has no face that it could be pushed through, and

@@ -108,10 +108,11 @@ def limit_cell(at, box, grid, room, numbers, pressure):
 def greatest(at, next, first, axis, way, grid, room, numbers, pressure):
     """The greatest pressure of a cell by that of a neighbour, its own if it is no more; ``first``: the one of both
     before the face."""
-    if room.open[next] <= 0 or pressure[at] <= pressure[next]:
+    if room.aperture[next] <= 0 or pressure[at] <= pressure[next]:
         return pressure[at]
     full = numbers[FULL]
-    m = moved(first, at + next - first, axis, grid, SLIVER * full) / full
+    face = full * room.aperture[at] * room.aperture[next]
+    m = moved(first, at + next - first, axis, grid, SLIVER * full) / face
     both = max(grid[MASS, at] + grid[MASS, next], SLIVER * full)
     some = np.float32(1)
     if numbers[OVERLAP] != 0:

@@ -29,21 +29,20 @@ def note_handed(pack, step, rows, mass, crowd, handed):
 
 
 @device
-def pushed_back(at, sides, open, pressure):
-    """What solids push back: the pressure of a vector of cells on the faces that solids close, along x, y and z. It is
-    what remains of the sum over all other faces, of which each has the difference of two cells."""
-    p, free = load(pressure, at), load(open, at) > 0.0
-    x, y = back_along(at, sides[0], open, p, free), back_along(at, sides[1], open, p, free)
-    return x, y, back_along(at, sides[2], open, p, free)
+def pushed_back(at, sides, apertures, pressure):
+    """What solids push back: the pressure of a vector of cells on what solids close of their faces, along x, y and z.
+    It is what remains of the sum over all faces, of which each has the difference of two cells as far as it is open."""
+    p = load(pressure, at) * load(apertures, at)
+    x, y = back_along(at, sides[0], apertures, p), back_along(at, sides[1], apertures, p)
+    return x, y, back_along(at, sides[2], apertures, p)
 
 
 @device
-def back_along(at, sides, open, p, free):
-    """The same along an axis."""
+def back_along(at, sides, apertures, p):
+    """The same along an axis. Beside the box there is no pressure."""
     (before, after, _, _), (a, b, _, _) = sides
-    none = broadcast(open, 0.0)
-    past = where(free & a & (load(open, at + before) <= 0.0), p, none)
-    return past - where(free & b & (load(open, at + after) <= 0.0), p, none)
+    past, next = where(a, load(apertures, at + before), 1.0), where(b, load(apertures, at + after), 1.0)
+    return p * (next - past)
 
 
 @parallel

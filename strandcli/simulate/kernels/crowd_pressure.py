@@ -5,11 +5,13 @@ step. In a step of h with the momentum φ v that cells are going to have the den
 Pressure p >= 0 accelerates cells along −∇p, so that it becomes φ* + ∇²p (p here times h² over the cell's area); p is
 the least with which that is nowhere more than f, and is 0 wherever there is room:
 
-    Σ (p_c − p_d) >= e_c,    p_c >= 0,    one of both equal,    e = φ* − f,
+    Σ a_c a_d (p_c − p_d) >= e_c,    p_c >= 0,    one of both equal,    e = φ* − f,
 
-with the sum over the faces that no solid closes. This linear complementarity problem is solved by projected
-overrelaxation (Cryer 1971), which begins with the pressure of the step before. Narain et al. 2009 push granular matter
-apart in the same way.
+with the sum over the faces of a cell, and a = √f, 0 in solids. A face next to a solid is open by a_c a_d, so that the
+impulse on it is as much less as the strands are that it moves: were it whole, pressure would hurl strands upward along
+walls, and a pile would circulate for good. For a p the problem is that of whole faces, with e over a. This linear
+complementarity problem is solved by projected overrelaxation (Cryer 1971), which begins with the pressure of the step
+before. Narain et al. 2009 push granular matter apart in the same way.
 
 Stability. Interpolated by trilinear weights and central differences, and held by their roots, strands give way by no
 more than the Laplacian foretells: no step makes up for more than what there is too much of, however long it is.
@@ -44,6 +46,9 @@ from .crowd_records import LANES, LOW, SIZE
 RELAXATION = np.float32(1.5)
 GROUPS = 64
 """Of cells of a row at the most: bits of a word."""
+DEEPEST = np.float32(0.75)
+"""Cells from a surface to the middle of one in the solid from which on that is closed: a 32nd of it is open there. Were
+it closed from half a cell on, strands could lie on a floor as dense as they like: a tuft sank by 3 %."""
 ROUNDS = 12
 """Sweeps of a step: the pressure of the step before is nearly right already."""
 
@@ -54,12 +59,12 @@ def work_shape(wide: int, high: int, deep: int) -> tuple[int, int, int, int]:
 
 
 @function
-def relax(box, excess, faces, near, work, busy, pressure):
+def relax(box, room, near, work, busy, pressure):
     """Sweep over the cells `ROUNDS` times, those of one colour after those of the other, as on a chessboard.
 
-    faces (cells,): 1 over the number of a cell's faces that no solid closes, 0 in solids; near (cells along z, along
-    y): whether strands are near that row of cells, in others pressure is 0; pressure (cells,): is changed. work (3,
-    cells along z + 2, along y + 1, row): pressure, excess and faces, of each row those of even cells, and then those
+    near (cells along z, along y): whether strands are near that row of cells, in others pressure is 0; pressure
+    (cells,): is changed. work (3, cells along z + 2, along y + 1, row): pressure times aperture, so that neighbours
+    count by what is open of faces, excess and faces of `Room`, of each row those of even cells, and then those
     of odd ones, so that a vector has one colour; with a margin of zeros before each, which stays, so that no cell is a
     special case: the one after a row is that before the next. Cells without pressure beside others without stay so
     unless their excess is positive: they are left out, a vector or a multiple of it at once. busy (2, cells along z
@@ -76,7 +81,7 @@ def relax(box, excess, faces, near, work, busy, pressure):
         for n in range(high):
             at, row = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide
             if near[o, n]:
-                positive, live = split_row(wide, row, at, sizes, excess, faces, pressure, work)
+                positive, live = split_row(wide, row, at, sizes, room, pressure, work)
                 busy[0, o + 1, n + 1], busy[1, o + 1, n + 1] = positive, live
             else:
                 for k in range(0, half - LANES, LANES):
@@ -95,20 +100,28 @@ def relax(box, excess, faces, near, work, busy, pressure):
             at, row = (o + 1) * layer + (n + 1) * stride + LANES, (o * high + n) * wide
             for i in range(0, wide, 2 * LANES):
                 first, second = interleaved(load(p, at + i // 2), load(p, at + half + i // 2))
-                store(pointer(pressure), row + i, first)
+                keep(row + i, first, room, pressure)
                 if i + LANES < wide:
-                    store(pointer(pressure), row + i + LANES, second)
+                    keep(row + i + LANES, second, room, pressure)
 
 
 @device
-def split_row(wide, row, at, sizes, excess, faces, pressure, work):
+def keep(at, found, room, pressure):
+    """Keep the pressure of a vector of cells, of which `relax` found the product with their apertures."""
+    own = load(pointer(room.aperture), at)
+    store(pointer(pressure), at, where(own > 0.0, found / own, 0.0))
+
+
+@device
+def split_row(wide, row, at, sizes, room, pressure, work):
     """Set a row of `relax`'s work, and return the groups of it whose excess is positive, and those that have
     pressure."""
     out, half, plane, group = half_width_pointer(work), sizes[2], sizes[3], sizes[4]
     positive = live = np.uint64(0)
     for i in range(0, wide, LANES):
         k = i // 2
-        p, e, f = load(pointer(pressure), row + i), load(pointer(excess), row + i), load(pointer(faces), row + i)
+        p = load(pointer(pressure), row + i) * load(pointer(room.aperture), row + i)
+        e, f = load(pointer(room.excess), row + i), load(pointer(room.faces), row + i)
         positive |= bit_of(e, k // group)
         live |= bit_of(p, k // group)
         split(out, at + k, half, p)
@@ -162,9 +175,9 @@ def relax_row(p, at, sizes, odd, groups):
 @parallel
 def find_room(box, cell, solids, along, near, open):
     """Set the share of each cell that is outside of ``solids``, ``open`` (cells,): of what trilinear weights reach, if
-    the nearest surface were a plane across an axis; 0 of cells whose middle is deeper than half a cell. ``along``:
-    (cells along x,) coordinates of their middles, metres, a multiple of `LANES`, as float32; ``near`` (cells along z,
-    along y): whether strands are near that row of cells, others stay as they are."""
+    the nearest surface were a plane across an axis; that times -1 of cells whose middle is deeper than `DEEPEST`.
+    ``along``: (cells along x,) coordinates of their middles, metres, a multiple of `LANES`, as float32; ``near`` (cells
+    along z, along y): whether strands are near that row of cells, others stay as they are."""
     wide, high = box[SIZE], box[SIZE + 1]
     for o in prange(box[SIZE + 2]):
         z = np.float32(cell * (o + box[LOW + 2] + 0.5))
@@ -184,4 +197,4 @@ def find_room_of_row(wide, y, z, solids, inverse, along, open):
         s = any_depth(solids, here, broadcast(x, y), broadcast(x, z)) * -inverse
         beyond = max(1.0 - abs(s), 0.0)
         beyond = 0.5 * beyond * beyond
-        store(out, i, where(s > 0.0, 1.0 - beyond, where(s > -0.5, beyond, -beyond)))
+        store(out, i, where(s > 0.0, 1.0 - beyond, where(s > -DEEPEST, beyond, -beyond)))

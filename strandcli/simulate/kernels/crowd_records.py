@@ -133,10 +133,12 @@ class Room(NamedTuple):
     open: Any
     """(cells,) share of each that is outside of solids; of closed ones that times −1."""
     faces: Any
-    """(cells,) 1 over the number of its faces that no solid closes, 0 in solids."""
+    """(cells,) its aperture over the sum of those of its neighbours, 0 in solids."""
     excess: Any
-    """(cells,) e of `crowd_pressure`."""
+    """(cells,) e of `crowd_pressure` over the aperture, 0 in solids."""
     held: Any
     """(cells,) `HELD` of the pressure of the step before."""
+    aperture: Any
+    """(cells,) root of that share, 0 of closed ones: a face is open by the product of those of its cells."""
     left: Any
     """(cells,) share of the wind that is left; no rows in calm air."""

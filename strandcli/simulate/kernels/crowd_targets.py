@@ -33,10 +33,10 @@ def find_targets(box, o, near, grid, room, numbers, pressure, targets, others):
             sides = beside_along(i, wide), up, far
             at = (o * high + n) * wide + i
             if any_lane(load(pointer(pressure), at) > 0.0):
-                u, v, w = pushed_back(at, sides, pointer(room.open), pointer(pressure))
+                u, v, w = pushed_back(at, sides, pointer(room.aperture), pointer(pressure))
                 x, y, z = x + u, y + v, z + w
             if any_counts(at, grid):
-                found = targets_of(at, sides, grid, room.open, numbers, pointer(pressure))
+                found = targets_of(at, sides, grid, room.aperture, numbers, pointer(pressure))
                 if len(room.left) > 0:
                     left = left_at(box, main, (o, n, i), room.left)
                     found = sheltered(found, left, numbers)
@@ -93,14 +93,14 @@ def sheltered(found, left, numbers):
 
 
 @device
-def targets_of(at, sides, grid, open, numbers, pressure):
+def targets_of(at, sides, grid, apertures, numbers, pressure):
     """The columns of the targets of a vector of cells, with `crowd_rows`' ways to the cells on their ``sides``."""
     cells, count, full = pointer(grid), grid.shape[1], numbers[FULL]
     m = load(cells, MASS * count + at)
     rate = numbers[LOST] * min(m / full, 1.0)
     f = rate / max(m, EMPTY)
     u, v, w = load_three(cells, MOMENTUM, count, at)
-    between, all = BETWEEN * count + at, (at, numbers, cells, pressure, pointer(open))
+    between, all = BETWEEN * count + at, (at, numbers, cells, pressure, pointer(apertures))
     near_x, wide_x = pushes(all, sides[0], between)
     near_y, wide_y = pushes(all, sides[1], between + count)
     near_z, wide_z = pushes(all, sides[2], between + 2 * count)
@@ -118,15 +118,15 @@ def load_three(cells, column, count, at):
 def pushes(all, sides, between):
     """Change of velocity, m/s, by the pressure on the faces along an axis: of what lies between the middles of cells
     and of the next ones, and of the cells. ``between``: place of the first one's column along the axis."""
-    at, numbers, cells, pressure, open = all
+    at, numbers, cells, pressure, apertures = all
     (before, after, _, _), (a, b, _, _) = sides
     none = broadcast(cells, 0.0)
-    m, p, free = load(cells, at), load(pressure, at), load(open, at) > 0.0
+    m, p, own = load(cells, at), load(pressure, at), load(apertures, at)
     least, push = SLIVER * numbers[FULL], numbers[SPEED] * numbers[FULL]
     next = pushed(p, load(pressure, at + after), m, load(cells, at + after), load(cells, between), least)
     past = pushed(load(pressure, at + before), p, load(cells, at + before), m, load(cells, between + before), least)
-    next = where(free & b & (load(open, at + after) > 0.0), next, none)
-    past = where(free & a & (load(open, at + before) > 0.0), past, none)
+    next = where(b, own * load(apertures, at + after) * next, none)
+    past = where(a, own * load(apertures, at + before) * past, none)
     return push * BETWEEN_ONLY * next, push * WIDELY * (next + past)
 
 
