@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
-from . import rod, rod_elimination, rod_held, rod_loose, rod_start, rod_tension
+from . import rod, rod_elimination, rod_held, rod_loose, rod_newton, rod_start, rod_tension
 from .records import ROUNDING, TOLERANCE
 from .rod_scratch import (
     AXES,
@@ -37,7 +37,8 @@ from .rod_tension import firm_force, point, spare
 from .vectors import add_scaled, dot, scaled, sum_of
 
 LOST = 2e-3
-"""Error of |e|² from which on iterations have found no lengths."""
+"""Error of |e|² from which on iterations have found no lengths, of strands of up to `rod_newton.FINE` segments; of
+longer ones in proportion, for single edges may be off there."""
 WILLING = 50
 """Iterations that a scene has to allow for: one that allows for fewer is not given more of them."""
 HALVINGS = 24
@@ -53,16 +54,17 @@ assert (EDGE_FACTOR, PARTICLE_FACTOR) == (INVERSE_PIVOT + 1, INVERSE_PIVOT + 2)
 @device
 def mend(s, at, state, material, forcing, scheme, iterations, worst):
     """`descend` where iterations have left errors ``worst`` of |e|² beyond `LOST`. Returns the errors."""
-    if iterations >= WILLING and any_lane(worst > LOST):
-        worst = descend(s, at, state, material, forcing, scheme, iterations, worst)
+    least = LOST * max(1.0, at.segments / rod_newton.FINE)
+    if iterations >= WILLING and any_lane(worst > least):
+        worst = descend(s, at, state, material, forcing, scheme, iterations, worst, least)
     return worst
 
 
 @device
-def descend(s, at, state, material, forcing, scheme, iterations, worst):
-    """Take the iterations of a step anew in lanes whose errors ``worst`` of |e|² are beyond `LOST`; others keep all
-    that they have. Returns the errors."""
-    lost = worst > LOST
+def descend(s, at, state, material, forcing, scheme, iterations, worst, least):
+    """Take the iterations of a step anew in lanes whose errors ``worst`` of |e|² are beyond the ``least``; others keep
+    all that they have. Returns the errors."""
+    lost = worst > least
     n, mass, joint, ends = at.segments, material.mass, material.joint, scheme.ends
     keep(s, n)
     begin(s, at, state, scheme, worst)
