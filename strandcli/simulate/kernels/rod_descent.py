@@ -53,7 +53,8 @@ assert (EDGE_FACTOR, PARTICLE_FACTOR) == (INVERSE_PIVOT + 1, INVERSE_PIVOT + 2)
 
 @device
 def mend(s, at, state, material, forcing, scheme, iterations, worst):
-    """`descend` where iterations have left errors ``worst`` of |e|² beyond `LOST`. Returns the errors."""
+    """`descend` where iterations have left errors ``worst`` of |e|² beyond `LOST`, or what that is of long strands.
+    Returns the errors."""
     least = LOST * max(1.0, at.segments / rod_newton.FINE)
     if iterations >= WILLING and any_lane(worst > least):
         worst = descend(s, at, state, material, forcing, scheme, iterations, worst, least)
