@@ -150,16 +150,17 @@ class Crowd:
         given = self.boxes[-1], self.targets, self.scratch, strands.shares(lattice, mass)
         if later and self.overlap.roots is None:
             return strands.beside(moving, lattice, given, state.crowd)
-        moving, lattice = self.overlap.taken(moving, lattice, dt)
+        moving = self.overlap.taken(moving)
         crowd_forces.accelerate(moving, lattice, self.parts, *given, state.crowd, strands.handed)
-        self.overlap.advance(dt)
+        found = self.boxes[-1], self.grid, self.pressure.reshape(-1), self._numbers
+        self.overlap.advance(moving, lattice, self.parts, found, self.scratch[0])
         return NOTHING
 
     def _press(self, moving: Moving, lattice: Lattice, moment: Moment) -> bool:
         """Set pressure, and what it does to cells, in a step; False where a coordinate is not finite."""
         if not self._lay(lattice):
             return False
-        moving, lattice = self.overlap.taken(moving, lattice, moment.step)
+        moving = self.overlap.taken(moving)
         most = crowd_grid.deposit(
             moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
             self.near,

@@ -9,13 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels import crowd_begin
-from .kernels.crowd_records import Lattice, Moving
+from .kernels.crowd_begin import INSIDE, Pace, find_overlap, find_shares, lead_apart
+from .kernels.crowd_records import FULL, Lattice, Moving
 from .kernels.rod_scratch import AXES, PACK
 
-DURATION = 1.0
-"""Seconds in which strands that begin inside each other are led apart: in half of that curls that begin 28 times too
-dense move by 2.2 cells a frame (nearly all of them) in place of 2."""
+RATE, LONGEST = 2.0, 1 / 24
+"""Widths of what they fill at the start by which strands are led apart a second, where nothing holds them; and seconds:
+longer steps go on no further."""
+PRESSING = 900.0
+"""Pressure over the metres in a cell that strands are led apart by at the most, as the acceleration that it hands to
+them where there is none in the next cell, in cells a second²: with half of it a bundle opens by half as far, with more
+it moves faster."""
 REACH = 0.5
 """Cells by which the grid takes strands beside themselves at the most, along each axis."""
 PLASTIC = 1.2207440846057596
@@ -23,15 +27,17 @@ PLASTIC = 1.2207440846057596
 
 
 class Overlap:
-    """Which of the ``samples`` of so many ``packs`` of strands begin inside each other, and since when that is let
+    """Which of the ``samples`` of so many ``packs`` of strands begin inside each other, and how far that is let
     be."""
 
     def __init__(self, packs: int, samples: int, dtype: Any) -> None:
         self._shape, self._kind = (packs, samples, PACK), np.dtype(dtype).type
-        self.time = math.nan
-        """Seconds since strands began inside each other; NaN before the first step."""
+        self.started = False
+        """Whether there has been a step."""
         self.roots: NDArray[Any] | None = None
         """As `Moving.overlap`."""
+        self._begun: NDArray[Any] | None = None
+        """The same at the start."""
         self._offsets: NDArray[Any] | None = None
 
     @property
@@ -43,50 +49,54 @@ class Overlap:
         """Where this is the first step, find what begins inside each other; return whether anything does. ``found``:
         the box, the grid, `Room.open`, the numbers of the step and what `crowd_homes.settle` has left; None where
         nothing is too dense."""
-        first, self.time = math.isnan(self.time), max(0.0, self.time)
+        first, self.started = not self.started, True
         if not first or found is None:
             return False
         box, grid, open, numbers, homes, closed = found
         shares = np.empty(grid.shape[1], np.float32)
-        crowd_begin.find_shares(box, grid, open, numbers, homes, closed, shares)
+        find_shares(box, grid, open, numbers, homes, closed, shares)
         if float(shares.min()) == 1:
             return False
-        self.roots = np.empty(self._shape, self._kind)
-        crowd_begin.find_overlap(moving, lattice, parts, box, shares, work, self.roots)
+        self.roots = np.ones(self._shape, self._kind)
+        find_overlap(moving, lattice, parts, box, shares, work, self.roots)
+        self._begun = self.roots.copy()
         return True
 
-    def taken(self, moving: Moving, lattice: Lattice, dt: float) -> tuple[Moving, Lattice]:
-        """Return what kernels take of strands in a step of ``dt`` seconds."""
+    def taken(self, moving: Moving) -> Moving:
+        """Return what kernels take of strands in a step."""
         if self.roots is None:
-            return moving, lattice
+            return moving
         if self._offsets is None:
             self._offsets = offsets_of(self._shape[0]).astype(self._kind)
-        x = min((self.time + dt) / DURATION, 1.0)
-        parted = self._kind(x * x * (3 - 2 * x))
-        return moving._replace(overlap=self.roots, offsets=self._offsets), lattice._replace(parted=parted)
+        return moving._replace(overlap=self.roots, offsets=self._offsets)
 
-    def advance(self, dt: float) -> None:
-        """Go on by a step of ``dt`` seconds, for as long as anything is let be."""
+    def advance(self, moving: Moving, lattice: Lattice, parts: Any, found: tuple[Any, ...], work: Any) -> None:
+        """Go on by a step, for as long as any does not count wholly. ``moving``: as `taken` returns it; ``found``: the
+        box, the grid, pressure and the numbers of the step."""
         if self.roots is None:
             return
-        self.time += dt
-        if self.time > DURATION - dt / 2:  # times do not add up to the last digit
-            self.roots = self._offsets = None
+        box, grid, pressure, numbers = found
+        step = min(float(lattice.step), LONGEST)
+        limits = RATE * step, PRESSING * step**2 / numbers[FULL], INSIDE * numbers[FULL]
+        pace = Pace(*map(self._kind, limits))
+        if not lead_apart(moving, lattice, parts, box, grid, pressure, pace, work, self._begun, self.roots):
+            self.roots = self._begun = self._offsets = None
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what a step takes from those before."""
-        roots = np.empty(0, self._kind) if self.roots is None else self.roots.reshape(-1)
-        return {"overlap": np.array([self.time]), "free overlap": roots}
+        known = [one.reshape(-1) for one in (self.roots, self._begun) if one is not None]
+        both = np.concatenate(known) if known else np.empty(0, self._kind)
+        return {"overlap": np.array([self.started]), "free overlap": both}
 
     def check(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Raise `ValueError` where that is of other strands."""
-        if len(state["free overlap"]) not in (0, math.prod(self._shape)):
+        if len(state["free overlap"]) not in (0, 2 * math.prod(self._shape)):
             raise ValueError("its overlap is not of its strands")
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from that."""
-        self.time, roots = float(state["overlap"][0]), state["free overlap"]
-        self.roots = np.array(roots).reshape(self._shape) if len(roots) else None
+        self.started, both = bool(state["overlap"][0]), state["free overlap"]
+        self.roots, self._begun = np.array(both).reshape(2, *self._shape) if len(both) else (None, None)
 
 
 def offsets_of(packs: int) -> NDArray[np.float64]:

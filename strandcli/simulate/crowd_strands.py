@@ -75,7 +75,7 @@ class CrowdStrands:
         kind, samples = self._kind, self._samples
         steps = kind(dt), kind(dt / before if before else 1.0), kind(1 - crowd_excess.HELD)
         sampled = samples.first, samples.counts, self._weights, samples.mass.astype(kind)
-        made = Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps, None))
+        made = Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
         self._sampled = known, made
         return made
 

@@ -187,7 +187,7 @@ def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump(
     count: int, density: float, method: str, cells: float
 ) -> None:
     """By no more than so many cells in a step: by BDF2 they move on as pressure has moved them before. At the root they
-    stay as they are, up to 200 times as dense as allowed."""
+    stay as they are, up to 200 times as dense as allowed; those that are 800 times too dense take seconds."""
     cell = 0.005
     way = np.tile([0.0, -1.0, 0.0], (count, 1)) + np.random.default_rng(0).normal(scale=0.02, size=(count, 3))
     groom = Groom(
@@ -199,13 +199,13 @@ def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump(
     solver = solver_of(text % f", interaction: {{density: {density:.1e}, cell: {cell}}}", groom)
     alone = solver_of(text % "", groom)
     past = solver.particles()
-    for frame in range(2, 26):
+    for frame in range(2, 98):
         solver.advance(frame)
         now = solver.particles()
         assert np.abs(now - past).max() < cells * cell
         past = now
-    alone.advance(25)
-    assert solver.errors(25)["nonfinite"] == 0
+    alone.advance(97)
+    assert solver.errors(97)["nonfinite"] == 0
     assert past[:, 4, 0].std() > 4 * alone.particles()[:, 4, 0].std()
 
 

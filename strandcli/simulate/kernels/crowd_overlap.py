@@ -1,10 +1,14 @@
 """Strands that begin inside each other: what is too dense at the start is let be at first, and led apart by and by.
 
 A sample of a strand that begins where strands are r times as dense as allowed counts as too dense by the share
-c = 1 / r alone, so that there is no pressure at the start. The root of c, which parallel strands stand apart in
-proportion to, goes to 1 smoothly in time, whatever the steps: the density that is allowed in a cell, its metres over
-those that count, goes to that of the preset, and pressure grows as it has to. What pressure may hasten strands by
-(`crowd_limit`) is less by the same share.
+c = 1 / r alone, so that there is no pressure at the start. The root of c grows as the width does that parallel strands
+fill as they are led apart: the density that is allowed in a cell, its metres over those that count, goes to that of the
+preset. What pressure may hasten strands by (`crowd_limit`) is less by the same share.
+
+What cannot part, as strands do at their roots, would be pressed the more in each step without end, and turn the rest
+like a lever: bundles would burst into balls, and tips boil. So the root of c grows the slower the more pressure there
+is for each metre of strand, stands still where there is much, and goes back where there is more. Strands part like a
+fan then, come to rest, and stay as dense at their roots as these are.
 
 Those that coincide would move as one: the grid hands the same to all. While they do not count wholly it takes each up
 to half a cell beside itself, in a direction of its own, both where it leaves its metres and where it reads what
@@ -20,14 +24,13 @@ from .rod_scratch import AXES, PACK
 
 
 @device
-def beside(overlap, moving, lattice, at, rows, place):
+def beside(overlap, moving, at, rows, place):
     """Where the grid takes a sample to be, of the strands from lane ``at[2]`` of pack ``at[0]`` on, by its ``place``,
     both in cells. Set the share of it that counts, in `RESULT` of scratch."""
     if overlap is None:
         return place
     (pack, sample, lane), (x, y, z) = at, place
-    begun = load(pointer(overlap), (pack * overlap.shape[1] + sample) * PACK + lane)
-    root = begun + (1.0 - begun) * lattice.parted
+    root = load(pointer(overlap), (pack * overlap.shape[1] + sample) * PACK + lane)
     store(pointer(rows), RESULT * PACK + lane, root * root)
     u, v, w = load3(pointer(moving.offsets), pack * AXES + lane, PACK)
     rest = 1.0 - root * root

@@ -116,7 +116,7 @@ def lattice_of(kind, descriptor):
         array_at(kind, descriptor[NODE_WEIGHTS], (nodes, descriptor[NODE_MOST])),
         array_at(np.int64, descriptor[FIRST_NODE], (samples,)),
         array_at(kind, descriptor[BLEND], (samples, descriptor[BLENDED])), numbers[INVERSE],
-        array_at(kind, descriptor[ORIGIN], (1, 3)), None, numbers[AGAIN], None, None,
+        array_at(kind, descriptor[ORIGIN], (1, 3)), None, numbers[AGAIN], None,
     )  # fmt: skip
 
 

@@ -83,7 +83,7 @@ class Moving(NamedTuple):
     root_mass: Any
     """(1,) relative mass of a free root."""
     overlap: Any
-    """(P, samples, S) root of the share with which samples count as too dense at the start, None where that is over."""
+    """(P, samples, S) root of the share with which samples count as too dense, None where that is 1."""
     offsets: Any
     """(P, 3 S) by how much the grid takes strands beside themselves that do not count as too dense, in cells."""
 
@@ -119,8 +119,6 @@ class Lattice(NamedTuple):
     """That over the length of the step before: what has changed velocities then is expected to do so again."""
     seen: Any
     """Share of what strands around change velocities by that is not to be expected again."""
-    parted: Any
-    """Share of the way to 1 that roots of shares of `Moving.overlap` have gone."""
 
 
 LANES = 16
