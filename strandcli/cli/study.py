@@ -43,7 +43,7 @@ max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help=
 @click.option("--iterations", type=ListType("COUNTS", count(1, 1000), "2,8"), metavar="COUNTS",
               help="Iterations a step to try, of solvers that have them.")  # fmt: skip
 @click.option("--integrators", type=ListType("NAMES", integrator, "euler,bdf2"), metavar="NAMES",
-              help="Integrators to try, of solvers that have them: euler, bdf2.")  # fmt: skip
+              help="Integrators to try, of solvers that have them: auto, euler, bdf2.")  # fmt: skip
 @click.option("--particles", type=ListType("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
               help="Particles a strand to try.")  # fmt: skip
 @click.option("--cells", type=ListType("METRES", metres, "0.01,0.02"), metavar="METRES",

@@ -161,8 +161,8 @@ def metres(word: str) -> float:
 
 def integrator(text: str) -> str:
     """The name of an integrator."""
-    if text not in ("euler", "bdf2"):
-        raise ValueError(f"'{text}' is not an integrator; they are euler and bdf2")
+    if text not in ("auto", "euler", "bdf2"):
+        raise ValueError(f"'{text}' is not an integrator; they are auto, euler and bdf2")
     return text
 
 

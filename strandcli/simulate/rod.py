@@ -52,6 +52,7 @@ from .rod_teleport import begin_before_roots, carry, stop, turned, velocity_of_r
 from .rod_yield import yielding_of
 from .solver import Solver
 from .surroundings import Surroundings, flat, pose_of
+from .swing import parts, swing_rate
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -97,6 +98,7 @@ class RodSolver(Solver):
         flags = flags_of(scene, shape, self.surroundings, self.deforming is not None)
         self.second, self.curled, self.loose = flags.second, flags.curled, flags.loose
         self._coil_rate = coil_rate(scene, rest, shape)
+        self._swing_rate = swing_rate(scene, matter.lengths, rest.stiffness, shape, np.array(self.pose.rotation))
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
         self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags, rod, shape.coiled)
@@ -173,14 +175,18 @@ class RodSolver(Solver):
     def announce(self, ends: Sequence[float], dt: float) -> None:
         """As for any solver."""
         if self._steady:
-            self.motion.announce(ends, dt, self.pose)
+            count = parts(self._swing_rate, dt)
+            inner = [end - left * dt / count for end in ends for left in range(count - 1, -1, -1)]
+            self.motion.announce(inner, dt / count, self.pose)
 
     def step(self, time: float, dt: float) -> None:
-        """A step of ``dt`` seconds that ends at ``time``, in several where coils ask for it; nothing where it is 0."""
-        if self._steady:
+        """A step of ``dt`` seconds that ends at ``time``, in several where coils or swings ask for it; nothing where it
+        is 0."""
+        count = parts(self._swing_rate, dt)
+        if count == 1 and self._steady:
             self._step(time, dt)
             return
-        count = min(max(1, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
+        count = min(max(count, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
         halvings = TAUT if self.contact is None else math.ceil(math.log2(count))  # no part is the shorter for coils
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count

@@ -25,6 +25,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "rods": {"solver": "rod"},
     "rods that jump": {"solver": "rod", "emitter.keys": JUMP},
     "substeps": {"solver": "rod", "time.substeps": 3},
+    "steps that swings cut": {"solver": "rod", "emitter.length": 0.3, "rod.drag": 0, "rod.damping": 0},
     "a loop": {"solver": "rod", "time.loop": True, "time.frames": 12},
     "rules": {"solver": "thesis"},
 }

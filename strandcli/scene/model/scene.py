@@ -23,7 +23,10 @@ class Time:
 
     frames: int = integer(48, low=1, high=1_000_000, doc="frames in the whole animation")
     fps: float = number(24.0, above=0, high=100_000, unit="1/s", doc="frames a second")
-    substeps: int = integer(1, low=1, high=1000, doc="solver steps a frame; the step is 1 / (fps * substeps)")
+    substeps: int = integer(
+        1, low=1, high=1000,
+        doc="solver steps a frame; the step is 1 / (fps * substeps), which rods cut where coils or swings ask for it",
+    )  # fmt: skip
     preroll: float = number(
         0.0, low=0, high=3600, unit="s",
         doc="time simulated before frame 1, with everything held at its first key, or with loop: true in motion",

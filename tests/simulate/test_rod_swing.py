@@ -1,0 +1,194 @@
+"""Free swings at the steps of a film: by default they keep their amplitude, in steps no shorter than that takes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import strandcli
+from strandcli.groom.emit import emit
+from strandcli.simulate import swing
+from strandcli.simulate.kernels.rod_start import BLEND
+from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod_setup import matter_of, shape_of
+from strandcli.study.references.swing import oscillation
+from tests.simulate.test_rod import PULL, scene
+from tests.simulate.test_rod_motion import FREE, energy, first, greatest_root
+
+FPS = 24
+
+
+def solver_of(gamma: float, length: float, **changes: Any) -> RodSolver:
+    """A strand that hangs, with the rigidity that Γ asks for."""
+    young = 4 * 1000.0 * PULL * length**3 / gamma / 1e-4**2
+    material = {"rod.density": 1000.0, "rod.radius": 1e-4, "rod.young": young}
+    settings = {**FREE, "time": {"fps": FPS}, "emitter.length": length, **material, **changes}
+    one = scene(gamma, direction=settings.pop("direction", (0, -1, 0)), **settings)
+    return RodSolver(one, emit(one.emitter, one.seed))
+
+
+def frequency(gamma: float, length: float) -> float:
+    """About that of a hanging strand, Hz: of a chain and of a beam by the sum of their squares."""
+    return math.sqrt((1.4459 + 12.362 / gamma) * PULL / length) / math.tau
+
+
+def swung(solver: RodSolver, hertz: float, fps: float = FPS) -> tuple[float, float]:
+    """The share of its amplitude that a strand loses in a cycle after a push aside, and the energy that it gains after
+    that, over m g L."""
+    velocity = solver.state.velocity
+    n = velocity.shape[1]
+    u = np.arange(1, n + 1) / n
+    length = float(solver.lengths[0, 0]) * n
+    stiff = solver.material.stiffness[0, 0] * n**-4 * length > PULL  # shapes of a beam's and of a chain's first mode
+    across = u**2 * (6 - 4 * u + u**2) / 3 if stiff else u
+    velocity[0, :, : velocity.shape[2] // 3] = (0.05 * math.tau * hertz * length * across)[:, None]
+    start, most, x = energy(solver), 0.0, []
+    for i in range(int(max(10 / hertz, 40 / fps) * fps)):
+        solver.step((i + 1) / fps, 1 / fps)
+        most = max(most, energy(solver) - start)
+        x.append(first(solver)[-1, 0])
+    begin = math.ceil(fps / hertz)  # the first cycle takes what else the push has set in motion
+    found = oscillation(np.arange(len(x) - begin) / fps, np.array(x[begin:]), math.tau * hertz)
+    assert found is not None
+    return -math.expm1(-math.tau * found[1] / found[0]), most
+
+
+LENGTHS = (0.02, 0.03, 0.05, 0.08, 0.11, 0.15, 0.25, 0.5)
+SWINGS = [(g, length) for g in (1e6, 1e3, 100.0, 10.0, 3.0, 1.0) for length in LENGTHS if frequency(g, length) < 7.9]
+
+
+@pytest.mark.parametrize(("gamma", "length"), SWINGS)
+def test_a_swing_that_the_film_shows_loses_at_most_3_percent_a_cycle(gamma: float, length: float) -> None:
+    loss, growth = swung(solver_of(gamma, length), frequency(gamma, length))
+    assert loss <= 0.03
+    assert growth <= 0.01
+
+
+@pytest.mark.parametrize("gamma", [1e3, 3.0])
+@pytest.mark.parametrize(("drag", "damping"), [(1.0, 0.001), (4.0, 0.001), (1.0, 0.01)])
+def test_what_drag_and_damping_take_counts_apart(gamma: float, drag: float, damping: float) -> None:
+    changes = {"rod.drag": drag, "rod.damping": damping}
+    for length in (0.03, 0.08, 0.2):
+        hertz = frequency(gamma, length)
+        if hertz < 7.9:
+            fine, _ = swung(solver_of(gamma, length, **{**changes, "rod.integrator": "bdf2"}), hertz, 40 * FPS)
+            found, _ = swung(solver_of(gamma, length, **changes), hertz)
+            assert found - fine <= 0.03
+
+
+@pytest.mark.parametrize("fps", [24, 60])
+@pytest.mark.parametrize("length", [0.03, 0.08])
+def test_short_strands_come_to_rest(length: float, fps: int) -> None:
+    solver = solver_of(30.0, length, direction=(1, 0, 0), **{"rod.drag": 3.0, "time": {"fps": fps}})
+    assert swing.parts(solver._swing_rate, 1 / fps) > 1 or fps == 60
+    seen = []
+    for i in range(16 * fps):
+        solver.step((i + 1) / fps, 1 / fps)
+        seen.append(first(solver)[-1])
+    assert np.ptp(np.array(seen[-fps:]), axis=0).max() <= 1e-6 * length
+
+
+def test_losses_are_those_of_the_method() -> None:
+    turns = np.array([0.1, 0.2, 0.5, 1.0])
+    small = math.tau * (1 - BLEND) / 4 * turns**3
+    found = swing.losses(turns)
+    assert found[:2] == pytest.approx(small[:2], rel=0.2)
+    # the method's own matrix has the same root, and a period at least as long as the exact one
+    for turn, loss in zip(turns, found, strict=True):
+        assert (
+            1 - greatest_root(turn) ** (math.tau / turn) <= loss <= 1 - greatest_root(turn) ** (1.3 * math.tau / turn)
+        )
+    allowed = swing.longest_turn(np.array([swing.LOSS]))
+    assert swing.losses(allowed) == pytest.approx(swing.LOSS, rel=1e-3)
+    assert allowed[0] * FPS / math.tau == pytest.approx(1.8, abs=0.1)  # Hz that whole steps are for
+    assert math.ceil(math.tau / swing.FRAMES / allowed[0]) == swing.MOST_PARTS
+
+
+def found_frequency(solver: RodSolver) -> float:
+    """What the choice of steps takes a strand's frequency to be, Hz."""
+    one = solver.scene
+    matter = matter_of(one, solver.groom)
+    arguments = matter.lengths, matter.stiffness, shape_of(one, solver.groom, np.float64), np.eye(3)
+    square = swing.frequencies(one, *arguments)[0]
+    return float(np.sqrt(square[0, 0])) / math.tau
+
+
+def test_frequencies_are_those_of_chain_and_beam() -> None:
+    unit = math.sqrt(PULL / 0.1) / math.tau
+    assert found_frequency(solver_of(1e6, 0.1)) == pytest.approx(1.20241 * unit, rel=0.005)
+    stiff = found_frequency(solver_of(1e-3, 0.1, **{"emitter.particles": 30}))
+    assert stiff == pytest.approx(3.51602 * unit / math.sqrt(1e-3), rel=0.005)
+    for gamma in (1.0, 10.0, 100.0):  # both count more together than by the sum of squares (Southwell)
+        found = found_frequency(solver_of(gamma, 0.1, **{"emitter.particles": 30}))
+        assert 1 <= found / frequency(gamma, 0.1) < 1.04
+    # a hinged stiff rod is a pendulum
+    assert found_frequency(solver_of(0.01, 0.1, **{"rod.root": "hinged"})) == pytest.approx(
+        math.sqrt(1.5) * unit, rel=0.01
+    )
+    # one that stands swings the more slowly the nearer it is to buckling, at 7.84
+    standing = [found_frequency(solver_of(g, 0.1, direction=(0, 1, 0))) * math.sqrt(g) / unit for g in (0.01, 4.0, 7.0)]
+    assert standing == pytest.approx(
+        [3.516, 3.516 * math.sqrt(1 - 4 / 7.84), 3.516 * math.sqrt(1 - 7 / 7.84)], rel=0.06
+    )
+
+
+def test_a_measured_frequency_agrees() -> None:
+    for gamma in (1e3, 10.0, 2.0):
+        solver = solver_of(gamma, 0.3, **{"rod.integrator": "bdf2"})
+        hertz = found_frequency(solver)
+        solver.state.velocity[0, :, : solver.state.velocity.shape[2] // 3] = (0.02 * np.arange(1, 10) / 9)[:, None]
+        x = []
+        for i in range(2400):
+            solver.step((i + 1) / 480, 1 / 480)
+            x.append(first(solver)[-1, 0])
+        found = oscillation(np.arange(len(x)) / 480, np.array(x), math.tau * hertz)
+        assert found is not None
+        assert found[0] / math.tau == pytest.approx(hertz, rel=0.02)
+
+
+def parts_of(solver: RodSolver) -> int:
+    return swing.parts(solver._swing_rate, 1 / (solver.scene.time.fps * solver.scene.time.substeps))
+
+
+def test_steps_are_cut_where_a_swing_asks_for_it_and_nowhere_else() -> None:
+    short = 1e3, 0.05
+    assert parts_of(solver_of(*short)) == 2
+    assert parts_of(solver_of(10.0, 0.02)) == 4
+    assert parts_of(solver_of(1e3, 0.25)) == 1  # slow enough
+    assert parts_of(solver_of(0.1, 0.05)) == 1  # too fast for the film
+    assert parts_of(solver_of(*short, **{"rod.drag": 40.0})) == 1  # it creeps
+    assert parts_of(solver_of(*short, **{"rod.drag": 12.0})) == 1  # drag takes more of it than steps do
+    assert parts_of(solver_of(*short, **{"time.substeps": 2})) == 1  # steps are short already
+    assert parts_of(solver_of(*short, **{"time.fps": 60})) == 1
+    for changes in (
+        {"rod.integrator": "bdf2"},
+        {"rod.integrator": "euler"},
+        {"rod.end": "pinned"},
+        {"rod.root": "free"},
+    ):
+        assert solver_of(*short, **changes)._swing_rate == 0
+    assert swing.parts(30.0, 10.0) == 1  # no film has such steps
+
+
+def test_a_few_short_strands_cut_no_steps_of_a_groom() -> None:
+    changes = {"emitter.strands": 200, "emitter.jitter": 5.0}
+    even = solver_of(1e3, 0.12, **changes)
+    rate = even._swing_rate
+    assert parts_of(even) == 1
+    lengths, stiffness = np.full(200, 0.12 / 9), np.full(200, 1e-6)
+    shape = shape_of(even.scene, even.groom, np.float64)
+    for count, cut in ((8, False), (160, True)):
+        lengths[:count] = 0.04 / 9
+        found = swing.swing_rate(even.scene, lengths, stiffness, shape, np.eye(3))
+        assert (found > 1.3 * rate) == cut
+
+
+@pytest.mark.parametrize("preset", ["hair", "portrait", "ponytail", "bob", "brush", "curly", "solvers"])
+def test_shipped_presets_take_the_steps_that_they_ask_for(preset: str) -> None:
+    one = strandcli.load(preset, overrides=["emitter.strands=1000"])
+    for part in one.panels or (one,):
+        if part.solver == "rod":
+            assert parts_of(RodSolver(part, emit(part.emitter, part.seed))) == 1
