@@ -54,7 +54,7 @@ def test_steps_that_are_announced_move_strands_as_others_do(changes: dict[str, A
         np.testing.assert_array_equal(told.positions, untold.positions)
 
 
-@pytest.mark.parametrize(("changes", "where"), [("rods", "motion"), ("rules", "")])
+@pytest.mark.parametrize(("changes", "where"), [("rods", "motion"), ("steps that swings cut", "motion"), ("rules", "")])
 def test_nothing_is_computed_again_of_a_step_that_was_announced(
     changes: str, where: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -67,7 +67,7 @@ def test_nothing_is_computed_again_of_a_step_that_was_announced(
         one.advance(2 + ANNOUNCED)
 
 
-@pytest.mark.parametrize("changes", ["rods", "rules"])
+@pytest.mark.parametrize("changes", ["rods", "steps that swings cut", "rules"])
 def test_what_was_announced_before_a_state_was_restored_is_not_used_where_it_does_not_follow(changes: str) -> None:
     one, other = solver(**SCENES[changes]), solver(**SCENES[changes])
     one.advance(4)

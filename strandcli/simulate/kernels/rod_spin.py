@@ -1,8 +1,10 @@
-"""Strands that turn about their root by a radian or more in a step, as short ones with hinged roots may.
+"""Strands that turn about their root by a radian or more in a step, as short ones with hinged roots may, and straight
+ones of which an edge turns by more than a right angle.
 
 BDF2 takes the chord of the turn for the way that a particle goes on, and extrapolates velocities that have turned: it
 would keep such a strand turning for ever, against all drag, or throw it to and fro. There it starts anew, with what of
-the motion is across the strand at the end of the step.
+the motion is across the strand at the end of the step. An edge that whips round, as where a limp strand falls over, it
+would have fly to and fro, and the strand gain up to .7 m g L: there it starts anew, too.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from .rod_scratch import (
     IMPACT,
     INERTIAL,
     INVERSE_LENGTH,
+    PACK,
     ROOT_SHIFT,
     SEGMENT,
     SPIN_AXIS,
@@ -25,13 +28,16 @@ from .rod_scratch import (
 from .rod_tension import TINY
 from .vectors import add_scaled, dot, scaled, sum_of
 
+WHIP = 0.0
+"""Cosine of the angle that an edge turns by in a step, from which on BDF2 starts anew."""
 SPIN = 1.0
 """Chord, over a strand's length, of a turn in a step from which on BDF2 starts anew."""
 
 
 @device
 def find(s, at, state, scheme):
-    """Set `SPIN_AXIS`, and `IMPACT` too, in the lanes whose strands have spun; returns whether there are any."""
+    """Set `SPIN_AXIS`, and `IMPACT` too, in the lanes whose strands have spun; returns whether there are any. Set
+    `IMPACT` alone where an edge has whipped round."""
     n = at.segments
     tip = rod_start.predict(s, at.edge + (n - 1) * AXES, state, scheme)
     way = add_scaled(tip, -1.0, load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + INERTIAL, 1))
@@ -42,6 +48,10 @@ def find(s, at, state, scheme):
         root = scaled(load(s, INVERSE_LENGTH), load3(s, ROOT_SHIFT, 1))
     way = add_scaled(way, -1.0, root)
     spun = dot(way, way) > (SPIN * n) ** 2
+    if not scheme.curled:  # what energy these have is kept from growing (`rod_energy`)
+        whipped = least_cosine(s, at, state.edges) < WHIP
+        if any_lane(whipped):
+            store(s, IMPACT, where(whipped, broadcast(tip[0], 1.0), load(s, IMPACT)))
     if not any_lane(spun):
         return False
     axis = load3(s, FIRST_SEGMENT + EDGE, 1)
@@ -51,6 +61,15 @@ def find(s, at, state, scheme):
     store3(s, SPIN_AXIS, 1, f * axis[0], f * axis[1], f * axis[2])
     store(s, IMPACT, where(spun, broadcast(f, 1.0), load(s, IMPACT)))
     return True
+
+
+@inlined
+def least_cosine(s, at, edges):
+    """Cosine of the angle that the edge which turns farthest turns by in the step."""
+    found = broadcast(s, 1.0)
+    for j in range(at.segments):
+        found = min(found, dot(load3(s, FIRST_SEGMENT + j * SEGMENT + EDGE, 1), load3(edges, at.edge + j * AXES, PACK)))
+    return found
 
 
 @inlined
