@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..scene.motion import Pose, end_pose
-from .kernels.records import AIR, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP, Forcing, Material, State
+from .kernels.records import AIR, CHANGED, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP, Forcing, Material, State
 from .kernels.rod_scratch import PACK
 
 if TYPE_CHECKING:
@@ -76,10 +76,9 @@ class Pins:
         way = goals - self._ends(state, forcing, poses[0])
         numbers = forcing.numbers.astype(np.float64)
         h, g, drag = numbers[STEP], numbers[VELOCITY_STEP], numbers[DRAG]  # h_x, h_v and γ of docs/solvers.md
-        among = forcing.numbers[LASTING] > 0
-        for marks in (state.jolted, state.touching) if among else (state.jolted,):  # as `kernels.rod_start.disturbed`
+        for marks, least in self._marks(state, forcing):
             if len(marks) == len(way):
-                marked = marks[:, None] > 0
+                marked = marks[:, None] > least
                 h, g = np.where(marked, dt, h), np.where(marked, dt, g)
         air = drag * forcing.gust[:, None] * numbers[AIR : AIR + 3, None]
         velocity = way * (1 + drag * g) / h - g * (numbers[GRAVITY : GRAVITY + 3, None] + air)
@@ -89,6 +88,13 @@ class Pins:
         for member in (state.moved, state.push, state.crowd):
             if len(member) == len(way):
                 member[:, -1] = 0
+
+    @staticmethod
+    def _marks(state: State, forcing: Forcing) -> tuple[tuple[NDArray[np.floating], float], ...]:
+        """Return arrays (P, S) of the state and above which value each has a strand take the step by Euler's method, as
+        `kernels.rod_start.disturbed` does; those that a scene does not need are empty."""
+        pressed = 0.0 if forcing.numbers[LASTING] > 0 else 0.5 * CHANGED
+        return (state.jolted, 0.0), (state.touching, pressed), (state.calmed, 0.0)
 
     def _ends(self, state: State, forcing: Forcing, pose: Pose) -> NDArray[np.float64]:
         """Return (P, 3, `PACK`) where edges lead from roots. Positions are rounded more far from the origin, and a taut

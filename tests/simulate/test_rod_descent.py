@@ -7,8 +7,10 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
+from strand_kit import scene_of
 from strandcli.blocks import aligned
 from strandcli.constants import VECTOR
+from strandcli.groom.emit import emit
 from strandcli.scene.motion import emitter_pose
 from strandcli.simd import load, store, vector_pointer_at
 from strandcli.simulate.kernels import rod_descent, rod_tension
@@ -49,6 +51,30 @@ def test_lengths_are_found(name: str) -> None:
     """Newton's iterations leave errors of .004 to 1e9 segments. The last case makes steps in parts."""
     for verdict in stress.perform(stress.named(name)):
         assert verdict.verdict == "pass", verdict.why
+
+
+def turned_over(iterations: int, precision: str) -> float:
+    """The greatest residual of steps in which slack strands that are pinned are turned over at once."""
+    scene = scene_of(
+        "solver: rod\nrod: {rest: straight, end: pinned, young: 1.0e+9, radius: 1.0e-4, "
+        f"precision: {precision}, iterations: {iterations}}}\ntime: {{fps: 24}}\n"
+        "emitter: {shape: {kind: disc, radius: 0.03}, strands: 32, particles: 20, length: 0.3, curl_turns: 2, "
+        f"curl_angle: 50, keys: [{{time: 0}}, {{time: {2 / 24}}}, "
+        f"{{time: {3 / 24}, position: [0.05, 0, 0], rotation: [180, 0, 0]}}]}}\n"
+        "rules: [emitter_motion, gravity]\n"
+    )
+    solver, found = RodSolver(scene, emit(scene.emitter, scene.seed)), 0.0
+    for i in range(6):
+        solver.step((i + 1) / 24, 1 / 24)
+        found = max(found, float(solver.strand_residuals().max()))
+    return found
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_one_iteration_more_than_newtons_alone_finds_lengths_with_descent(precision: str) -> None:
+    """A scene that allows for fewer has none; those of Newton's method alone leave errors of .0018."""
+    assert turned_over(rod_descent.WILLING - 1, precision) > rod_descent.LOST / 2
+    assert turned_over(rod_descent.WILLING, precision) < 1e-5
 
 
 def test_pinned_tips_of_flipped_strands_come_to_their_places() -> None:

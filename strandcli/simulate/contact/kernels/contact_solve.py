@@ -23,10 +23,9 @@ from .contact_columns import (
     WANTED,
     YIELDING,
 )
+from .contact_slide import slide
 
 AXES = 3
-TURNS, MORE_TURNS = 6, 24
-"""Corrections of the direction in which a contact slides, and of strands with free roots."""
 TINY = 1e-30
 SOFT = 1e-7
 """Share of a contact's own response that is added to it, so that it can be inverted."""
@@ -93,10 +92,10 @@ def dot(a, i, b, j):
 
 
 @device
-def force_of(vector, wanted, friction, w, rows, loose):
-    """Set ``rows[1]``, the force of one contact, where ``rows[0]`` is the way between its places without it. ``loose``:
-    whether roots are free."""
-    free, force, way, sliding = rows[0], rows[1], rows[2], rows[3]
+def force_of(vector, wanted, friction, w, rows):
+    """Set ``rows[1]``, the force of one contact, where ``rows[0]`` is the way between its places without it.
+    ``rows[2:4]`` are scratch."""
+    free, force, way = rows[0], rows[1], rows[2]
     missing = wanted - dot(vector, NORMAL, free, 0)
     start = dot(vector, NORMAL, vector, START)
     if missing <= 0.0:
@@ -108,74 +107,10 @@ def force_of(vector, wanted, friction, w, rows, loose):
     push = dot(vector, NORMAL, force, 0)
     size = 0.0
     for c in range(AXES):
-        sliding[c] = force[c] - push * vector[NORMAL + c]
-        size += sliding[c] ** 2
-    size = math.sqrt(size)
-    if push >= 0.0 and size <= friction * push:
+        size += (force[c] - push * vector[NORMAL + c]) ** 2
+    if push >= 0.0 and math.sqrt(size) <= friction * push:
         return
-    for c in range(AXES):
-        sliding[c] = sliding[c] / max(size, TINY)
-    if loose > 0:
-        settle(vector, missing, friction, w, rows)
-    else:
-        slide(vector, missing, friction, w, rows)
-
-
-@device
-def slide(vector, missing, friction, w, rows):
-    """Set the force of a contact that slides: its friction opposes the way that it leaves. ``rows[3]``: a direction to
-    begin with."""
-    way, sliding = rows[2], rows[3]
-    for _ in range(TURNS):
-        slid_by(vector, missing, friction, w, rows)
-        size = max(math.sqrt(dot(way, 0, way, 0)), TINY)
-        total = 0.0
-        for c in range(AXES):
-            sliding[c] = 0.5 * (sliding[c] - way[c] / size)
-            total += sliding[c] ** 2
-        total = math.sqrt(total)
-        for c in range(AXES):
-            sliding[c] = sliding[c] / max(total, TINY)
-
-
-@device
-def slid_by(vector, missing, friction, w, rows):
-    """Set the force of a contact that slides against the direction ``rows[3]``, and the way ``rows[2]`` that it slides
-    then; return its normal part, and the response along the normal."""
-    free, force, way, sliding = rows[0], rows[1], rows[2], rows[3]
-    gain = own = 0.0
-    for c in range(AXES):
-        for d in range(AXES):
-            normal = vector[NORMAL + c] * w[c, d]
-            own += normal * vector[NORMAL + d]
-            gain += normal * (vector[NORMAL + d] + friction * sliding[d])
-    push = missing / max(gain, 0.1 * own)
-    for c in range(AXES):
-        force[c] = push * (vector[NORMAL + c] + friction * sliding[c])
-    for c in range(AXES):
-        way[c] = free[c] - vector[START + c] + w[c, 0] * force[0] + w[c, 1] * force[1] + w[c, 2] * force[2]
-    along = dot(vector, NORMAL, way, 0)
-    for c in range(AXES):
-        way[c] -= along * vector[NORMAL + c]
-    return push, own
-
-
-@device
-def settle(vector, missing, friction, w, rows):
-    """As `slide`, by projected gradients, which converge where a contact slides by far less than friction moves it,
-    too: without, strands that nothing but contact holds creep for ever."""
-    way, sliding = rows[2], rows[3]
-    for _ in range(MORE_TURNS):
-        push, own = slid_by(vector, missing, friction, w, rows)
-        rate = 1.0 / max(w[0, 0] + w[1, 1] + w[2, 2] - own, TINY)
-        total = 0.0
-        for c in range(AXES):
-            sliding[c] = friction * push * sliding[c] - rate * way[c]
-            total += sliding[c] ** 2
-        total = math.sqrt(total)
-        for c in range(AXES):
-            sliding[c] = sliding[c] / max(total, TINY)
-    slid_by(vector, missing, friction, w, rows)
+    slide(vector, missing, friction, w, rows)
 
 
 @function
@@ -231,7 +166,7 @@ def solve_one(i, pairs, contacts, responses, settings, forces, moves, rows):
         for d in range(AXES):
             w[c, d] = own[i, c, d]
         w[c, c] += soft
-    force_of(vectors[i], numbers[i, WANTED], settings[0], w, rows, loose)
+    force_of(vectors[i], numbers[i, WANTED], settings[0], w, rows)
     worst, some = 0.0, False
     for d in range(AXES):
         change = rows[1, d] - forces[i, d]
