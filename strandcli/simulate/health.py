@@ -85,6 +85,12 @@ def interpenetration(solver: Any, frame: int, error: dict[str, Any]) -> str:
         return ""
     scene = solver.scene
     where = f"{scene.label}: frame {frame}" if scene.label else f"frame {frame}"
+    if depth <= solver.contact.emitted:
+        return (
+            f"{where}: strands that are emitted closer than contact.thickness, {solver.contact.thickness:.2g} m, are "
+            f"still {depth:.2g} m too close, and are led apart; with a longer time.preroll that is over before "
+            "frame 1, and with a smaller emitter.jitter or contact.thickness there are fewer"
+        )
     return (
         f"{where}: strands are {depth:.2g} m closer than contact.thickness, {solver.contact.thickness:.2g} m; "
         f"{blame.SMALLER_STEPS}, or a greater contact.iterations, or a smaller contact.thickness"
