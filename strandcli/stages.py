@@ -101,8 +101,8 @@ class SimulationStage:
         self._went_on: int | None = None
         """The frame at which the simulation last went on from what an earlier run left."""
         self._wrong = False
-        self._told = False
-        """Whether it was said that strands come through each other."""
+        self._told: set[str] = set()
+        """Errors that a line was said of."""
         if given is None:
             for words in warnings(scene, self.groom):
                 self._warn(f"{scene.label}: {words}" if scene.label else words)
@@ -177,14 +177,13 @@ class SimulationStage:
 
     def _examine(self, number: int, error: dict[str, Any]) -> None:
         """Stop, or go on, where a frame with these errors has gone wrong."""
-        from .simulate.health import examine, interpenetration
+        from .simulate.health import LINES, examine
 
         if self._wrong:
             return
-        if not self._told:
-            words = interpenetration(self.solver, number, error)
-            self._told = words != ""
-            if words:
+        for name, line_of in LINES.items():
+            if name not in self._told and (words := line_of(self.solver, number, error)):
+                self._told.add(name)
                 self._warn(words)
         trouble = examine(self.solver, number, error, simulated=self._given is None)
         if trouble is None:

@@ -41,7 +41,7 @@ max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help=
 @click.option("--substeps", type=ListType("COUNTS", count(1, 1000), "1,2,4"), metavar="COUNTS",
               help="Steps a frame to try.")  # fmt: skip
 @click.option("--iterations", type=ListType("COUNTS", count(1, 1000), "2,8"), metavar="COUNTS",
-              help="Iterations a step to try, of solvers that have them.")  # fmt: skip
+              help="Iterations a step to try, of solvers that have them; axis interaction, too.")  # fmt: skip
 @click.option("--integrators", type=ListType("NAMES", integrator, "euler,bdf2"), metavar="NAMES",
               help="Integrators to try, of solvers that have them: auto, euler, bdf2.")  # fmt: skip
 @click.option("--particles", type=ListType("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
@@ -198,6 +198,7 @@ def _refuse_others(axis: Axis, wishes: dict[str, Any]) -> None:
         foreign = {**dict.fromkeys((*STEPPED.values(), "--span"), own), **crowded}
     elif axis.name == "interaction":
         foreign = {**dict.fromkeys(STEPPED.values(), own), "--strands": "name --guides in its place", **drawn}
+        del foreign["--iterations"]
     else:
         foreign = {**crowded, **drawn}
     options = {**STEPPED, **CROWDED, **DRAWN, "span": "--span", "strands": "--strands"}

@@ -21,7 +21,8 @@ from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.touched import touched
 from ..solids import Solids
-from .crowd_box import MOST_CELLS, coarser, extent_of, moved
+from .crowd_apart import Apart
+from .crowd_box import extent_of, moved, require_few
 from .crowd_moment import Moment
 from .crowd_overlap import Overlap
 from .crowd_samples import samples_of
@@ -96,6 +97,7 @@ class Crowd:
         self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
         self.strands = CrowdStrands(self.samples, n, metres, len(self.boxes), dtype, scene.rod.root == "free")
         self.overlap = Overlap(packs, len(self.samples.first), dtype)
+        self.apart = Apart(metres, groom.strands, scene.rod.root == "free", dtype)
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
@@ -137,20 +139,18 @@ class Crowd:
             state.crowd[...], state.root_crowd[...], state.jolted[...] = 0, 0, 0
             self._last_step = 0.0
             return NOTHING
-        if self.overlap.begin(moving, lattice, self.parts, self._found(moment), self.scratch[0]):
+        if self.overlap.begin(self.apart.taken(moving), lattice, self.parts, self._found(moment), self.scratch[0]):
             self.pressure[...] = 0
             self._press(moving, lattice, moment)
         if moment.solids is not None or any(moment.wind):
             less, *back = self._others.sum((0, 2), dtype=np.float64)
             self.given += less * self._numbers[CHANGE : CHANGE + 3]
             self.given += float(self._numbers[SPEED] * self._numbers[FULL]) * np.array(back)
-        if self.density is None:
-            self.density = self.found
-        self._last_step = dt
+        self.density, self._last_step = self.found if self.density is None else self.density, dt
         given = self.boxes[-1], self.targets, self.scratch, strands.shares(lattice, mass)
-        if later and self.overlap.roots is None:
+        if later and self.overlap.roots is None and self.apart.left_out is None:
             return strands.beside(moving, lattice, given, state.crowd)
-        moving = self.overlap.taken(moving)
+        moving = self.overlap.taken(self.apart.taken(moving))
         crowd_forces.accelerate(moving, lattice, self.parts, *given, state.crowd, strands.handed)
         found = self.boxes[-1], self.grid, self.pressure.reshape(-1), self._numbers
         self.overlap.advance(moving, lattice, self.parts, found, self.scratch[0])
@@ -158,9 +158,9 @@ class Crowd:
 
     def _press(self, moving: Moving, lattice: Lattice, moment: Moment) -> bool:
         """Set pressure, and what it does to cells, in a step; False where a coordinate is not finite."""
-        if not self._lay(lattice):
+        if not self._lay(moving, lattice):
             return False
-        moving = self.overlap.taken(moving)
+        moving = self.overlap.taken(self.apart.taken(moving))
         most = crowd_grid.deposit(
             moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
             self.near,
@@ -278,20 +278,19 @@ class Crowd:
             self.shares[:] = 1
             crowd_pressure.find_room(whole, self.cell, met, self._along, self.near, self.shares)
 
-    def _lay(self, lattice: Lattice) -> bool:
+    def _lay(self, moving: Moving, lattice: Lattice) -> bool:
         """Set the boxes about the strands of each part and of all, and their origins; False where a coordinate is not
-        finite. Raises `UsageError` where they take too many cells."""
-        cells, count, changed = crowd_boxes.find_boxes(
-            self.strands.ends, self.cell, self.overlap.reach, self.parts, self._margin, float(MOST_CELLS), self._ends,
-            self.boxes, self._before, lattice.origins,
-        )  # fmt: skip
+        finite. Raises `UsageError` where they take too many cells, even without strands that are apart."""
+        reach, margin = self.overlap.reach, self._margin
+
+        def find(ends: NDArray[Any], most: float) -> tuple[float, int, bool]:
+            whole = self._ends, self.boxes, self._before, lattice.origins
+            return crowd_boxes.find_boxes(ends, self.cell, reach, self.parts, margin, most, *whole)
+
+        cells, count, changed = self.apart.lay(find, self.strands.ends, moving.positions, (self.cell, reach, margin))
         if math.isnan(cells):
             return False
-        if cells > MOST_CELLS:
-            raise UsageError(
-                f"{self.where}.cell: cells of {self.cell:.3g} m would be {cells:.3g} in the box about the strands, "
-                f"more than {MOST_CELLS:,}; make them at least {coarser(self.cell, self._ends, self._margin):.2g}"
-            )
+        require_few(self.where, cells, self.cell, self._ends, margin)
         if count > len(self.memory):
             self.memory = aligned((int(count * 1.2), CELL))
         if changed:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import UsageError
 from .kernels.crowd_records import LOW, SIZE
 
 MOST_CELLS = 4_000_000
@@ -29,6 +30,16 @@ def moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64
         there = tuple(slice(max(d, 0), max(min(b, a + d), 0)) for d, a, b in ends)
         found[here] = values[there]
     return found
+
+
+def require_few(where: str, cells: float, cell: float, ends: NDArray[np.float64], margin: int) -> None:
+    """Raise `UsageError` where so many ``cells`` of a side of ``cell`` metres are too many. ``ends``, ``margin``: as
+    `coarser` takes them."""
+    if cells > MOST_CELLS:
+        raise UsageError(
+            f"{where}.cell: cells of {cell:.3g} m would be {cells:.3g} in the box about the strands, more than "
+            f"{MOST_CELLS:,}; make them at least {coarser(cell, ends, margin):.2g}"
+        )
 
 
 def coarser(cell: float, ends: NDArray[np.float64], margin: int) -> float:

@@ -62,7 +62,7 @@ class CrowdStrands:
             self._moving = last = Moving(
                 state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
                 self._metres, mass, state.root_velocity[:free], state.root_crowd[:free], self._root_mass,
-                None, None,
+                None, None, None,
             )  # fmt: skip
         return last
 

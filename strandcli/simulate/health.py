@@ -85,10 +85,32 @@ def interpenetration(solver: Any, frame: int, error: dict[str, Any]) -> str:
         return ""
     scene = solver.scene
     where = f"{scene.label}: frame {frame}" if scene.label else f"frame {frame}"
+    if depth <= solver.contact.emitted:
+        return (
+            f"{where}: strands that are emitted closer than contact.thickness, {solver.contact.thickness:.2g} m, are "
+            f"still {depth:.2g} m too close, and are led apart; with a longer time.preroll that is over before "
+            "frame 1, and with a smaller emitter.jitter or contact.thickness there are fewer"
+        )
     return (
         f"{where}: strands are {depth:.2g} m closer than contact.thickness, {solver.contact.thickness:.2g} m; "
         f"{blame.SMALLER_STEPS}, or a greater contact.iterations, or a smaller contact.thickness"
     )
+
+
+def beyond_the_grid(solver: Any, frame: int, error: dict[str, Any]) -> str:
+    """Say that strands are too far from the others for the grid of interaction, if some are."""
+    count = error.get("left_out")
+    if not count:
+        return ""
+    where = f"{solver.scene.label}: frame {frame}" if solver.scene.label else f"frame {frame}"
+    return (
+        f"{where}: {count} of {solver.strands} strands are so far off that the grid of rule interaction "
+        "has no room for them, and go without it until they are back; a greater interaction.cell leaves out fewer"
+    )
+
+
+LINES = {"strand_penetration_max": interpenetration, "left_out": beyond_the_grid}
+"""What is said once of errors that end no run."""
 
 
 def stretches(solver: Any) -> NDArray[np.float64]:

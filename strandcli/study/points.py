@@ -172,15 +172,15 @@ class Limit:
     """Whether the runs draw together at all."""
 
 
-def limit(coarse: float, fine: float, noise: float = 0.0) -> Limit:
-    """From the distances between the third finest run and the second, and between that one and the finest: Richardson's
-    extrapolation with the order that they show, held between 1/2 and 2, and Roache's safety factor 1.25 (1994). Below
-    ``noise`` distances tell nothing but rounding."""
+def limit(coarse: float, fine: float, noise: float = 0.0, ratio: float = 2.0) -> Limit:
+    """From the distances between the third finest run and the second, and between that one and the finest, each
+    ``ratio`` times as fine as the one before: Richardson's extrapolation with the order that they show, held between
+    1/2 and 2, and Roache's safety factor 1.25 (1994). Below ``noise`` distances tell nothing but rounding."""
     if fine <= noise:
         return Limit(fine, None, True)
-    order = math.log2(coarse / fine) if coarse > 0 else -math.inf
+    order = math.log(coarse / fine) / math.log(ratio) if coarse > 0 else -math.inf
     held = min(max(order, 0.5), 2.0)
-    return Limit(1.25 * fine / (2**held - 1), order if math.isfinite(order) else None, order >= 0.5)
+    return Limit(1.25 * fine / (ratio**held - 1), order if math.isfinite(order) else None, order >= 0.5)
 
 
 def by_line(points: Sequence[Point], key: Callable[[Point], str] = lambda point: point.line) -> dict[str, list[Point]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.study import registry, sweep
 from strandcli.study.axes import Request
+from strandcli.study.motion.crowded_run import Ruler
 from strandcli.study.motion.crowding import Crowding
 from strandcli.study.motion.hairs import Hairs, elsewhere, in_cells
 
@@ -38,27 +40,49 @@ def test_all_settings_have_the_same_hair() -> None:
     study = opened(guides=(16, 32), cells=(0.02, 0.03))
     assert study.total == 64 * 8
     assert len(study.settings()) == 4
-    for knobs in (*study.settings(), *study.finer()):
+    for knobs in (*study.settings(), *study.finer(study.turned[0])):
         assert knobs["emitter.strands"] * knobs["children.count"] == 512
         scene = study._scene(knobs)
         assert scene.drawn_strands == 512
         solver_metres = emit(scene.emitter, scene.seed).lengths.sum() * scene.children.count  # type: ignore[union-attr]
         assert solver_metres == pytest.approx(512 * 0.12, rel=1e-5)
-    assert study.finer()[-1] == {"emitter.strands": 64, "children.count": 8, "rules.interaction.cell": 0.01}
+    assert study.finer(study.turned[0])[-1] == {
+        "emitter.strands": 64,
+        "children.count": 8,
+        "rules.interaction.cell": 0.01,
+    }
 
 
 def test_one_is_turned_and_the_other_stays() -> None:
     assert opened(cells=(0.02,)).settings() == [{"rules.interaction.cell": 0.02}]
     assert opened(guides=(8,)).settings() == [{"emitter.strands": 8, "children.count": 64}]
     usual = opened()
-    assert [knobs["rules.interaction.cell"] for knobs in usual.settings()[:3]] == [0.04, 0.0283, 0.02]
-    assert {knobs["emitter.strands"] for knobs in usual.settings()} == {16, 32, 64}
+    each = usual.settings()
+    assert [knobs["rules.interaction.cell"] for knobs in each[:5]] == [0.08, 0.0566, 0.04, 0.0283, 0.02]
+    assert [knobs["emitter.strands"] for knobs in each[5:8]] == [16, 32, 64]
+    assert each[8:] == [{"rod.iterations": count} for count in (1, 2, 4, 8)]
+    assert [usual.finer(one)[-1] for one in usual.turned] == [
+        {"rules.interaction.cell": 0.01}, {"emitter.strands": 128, "children.count": 4}, {"rod.iterations": 16}
+    ]  # fmt: skip
+    together = opened(iterations=(2,), cells=(0.02, 0.04), guides=(8, 16))
+    assert len(together.settings()) == 4
+    assert together.turned[0].name == "rod"
+
+
+def test_of_strands_that_touch_each_stands_for_itself() -> None:
+    """With the rule contact guides are not turned, unless they are asked for."""
+    study = opened(TUFT.replace("rules: [", "rules: [contact: {}, "))
+    assert [one.name for one in study.turned] == ["cells", "iterations"]
+
+
+def test_cells_that_are_wider_than_the_hair_is_long_are_left_out() -> None:
+    assert opened(TUFT.replace("cell: 0.02", "cell: 0.05")).turned[0].cells == (0.1, 0.0707, 0.05)
 
 
 def test_without_children_guides_stand_for_the_strands() -> None:
     text = TUFT.replace("children: {count: 8}\n", "")
     study = opened(text, guides=(16, 32))
-    assert study.finer()[-1] == {"emitter.strands": 64, "children.count": 1}
+    assert study.finer(study.turned[0])[-1] == {"emitter.strands": 64, "children.count": 1}
     assert study.settings()[0] == {"emitter.strands": 16, "children.count": 4}
 
 
@@ -106,8 +130,33 @@ def test_errors_fall_toward_the_reference() -> None:
         found = [point.error[metric] for point in study.points]
         assert found == sorted(found, reverse=True)  # type: ignore[type-var]
         assert found[-1] < 0.6 * found[0]  # type: ignore[operator]
-    assert study.margins["rod"] > 0
+    assert study.margins["guides"] > 0
     assert any(one["in"] == "spacing" and one["order"] for one in study.orders)
+
+
+def test_each_axis_has_a_reference_that_it_comes_nearer_to() -> None:
+    """And what a run has of itself: in coarser cells more of the hair stays denser than allowed. More iterations than
+    some change nothing."""
+    text = TUFT.replace("density: 3.0e+5, cell: 0.02", "density: 1.0e+5, cell: 0.02")
+    study = sweep.run(registry.find("interaction"), Request(scene=scene_of(text), name="tuft"))
+    assert list(study.reference["limits"]) == list(study.margins) == ["cells", "guides", "iterations"]
+    errors = {name: [one.error for one in study.points if one.solver == name] for name in study.margins}
+    for name, found in errors.items():
+        away = [one["elsewhere"] for one in found]
+        assert all(b <= 1.02 * a for a, b in pairwise(away)), name  # type: ignore[operator]
+        assert away[-1] < 0.5 * away[0], name  # type: ignore[operator]
+        assert all(one["momentum"] < 1e-6 for one in found)  # type: ignore[operator]
+        assert study.reference["limits"][name]["converges"], name
+    assert errors["iterations"][-1]["elsewhere"] == 0
+    over = [one["too_dense"] for one in errors["cells"]]
+    assert over[0] > 1.5 * over[-1] > 0  # type: ignore[operator]
+
+
+def test_what_is_too_dense_is_measured_in_the_same_cells() -> None:
+    """Three metres in a cell that may hold two."""
+    ruler = Ruler(1.0, 2.0, 1, 0.0)
+    assert ruler.too_dense([np.array([3.0, 1.0]), np.array([2.0, 2.0])]) == pytest.approx(1 / 8)
+    assert Ruler(1.0, None, 1, 0.0).too_dense([np.ones(2)]) is None
 
 
 @pytest.mark.parametrize(

@@ -125,6 +125,16 @@ def test_the_distance_to_the_limit_is_covered(power: float, size: float) -> None
     assert known.uncertainty == pytest.approx(1.25 * at[2])
 
 
+@pytest.mark.parametrize("power", [0.6, 1.0, 1.9])
+def test_runs_need_not_be_twice_as_fine(power: float) -> None:
+    """At 2 h, √2 h and h."""
+    at = [0.01 * h**power for h in (2, 2**0.5, 1)]
+    known = limit(at[0] - at[1], at[1] - at[2], ratio=2**0.5)
+    assert known.converges
+    assert known.order == pytest.approx(power)
+    assert known.uncertainty == pytest.approx(1.25 * at[2])
+
+
 def test_runs_that_do_not_draw_together_have_no_limit() -> None:
     assert not limit(0.1, 0.2).converges
     assert not limit(0.1, 0.1).converges

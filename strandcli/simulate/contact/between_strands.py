@@ -26,7 +26,7 @@ from .contacts import NOTHING, Contacts
 from .forces import Forces
 from .impacts import Impacts
 from .kernels import contact_approach
-from .kernels.contact_columns import COUNTS, FIRST, GAP, IMPACT, NUMBERS, SAME, SECOND, VECTORS
+from .kernels.contact_columns import BEGIN, COUNTS, FIRST, GAP, IMPACT, NUMBERS, SAME, SECOND, VECTORS
 from .nearby import Nearby
 
 if TYPE_CHECKING:
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 EASE, MOST_EASE = 5.0, 0.25
 """Share of the thickness by which strands that begin closer come apart a second, and in a step at the most."""
+APART = 1.0
+"""Seconds after which these have come apart."""
 TOLERANCE, ENOUGH = 2e-3, 2e-2
 """Of distances at the end of a step, over the thickness: what rounds go on for, and what is enough after `ROUNDS`."""
 ROUNDS = 6
@@ -73,6 +75,10 @@ class StrandContact:
         self.penetration = 0.0
         """How much closer strands were at the end of the last step than their thickness, or near their roots than these
         leave to them, metres."""
+        self.emitted = math.nan
+        """How much closer they began, 0 once they have had the time to come apart; NaN before the first step."""
+        self._time = 0.0
+        """Seconds since then."""
         self.handed = np.zeros(4)
         """As `Forces.handed`, in this frame so far."""
 
@@ -89,19 +95,26 @@ class StrandContact:
         self._moves = np.zeros((len(self.lengths), self.segments + self._loose, 3))  # by impacts
         self._loaded = NOTHING, np.zeros((0, 3))
         converged = self._rounds(run, dt, solver)
+        self._time += dt
+        if self._time > APART:
+            self.emitted = 0.0
         self.handed += self._forces.handed(*self._loaded, solver)
         self._impacts.finish(solver, self._moves, dt)
         return converged
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what lasts from a step to the next."""
-        return {"found": np.array([self.penetration, *self.handed]), "free touching": self._impacts.past.reshape(-1)}
+        return {
+            "found": np.array([self.penetration, *self.handed, self.emitted, self._time]),
+            "free touching": self._impacts.past.reshape(-1),
+        }
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from that."""
         self._impacts.past = np.array(state["free touching"]).reshape(-1, 2)
         self.penetration = float(state["found"][0])
-        self.handed[...] = state["found"][1:]
+        self.handed[...] = state["found"][1:5]
+        self.emitted, self._time = state["found"][5:].tolist()
 
     def _rounds(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
         """As `step`, but for velocities after impacts."""
@@ -123,6 +136,8 @@ class StrandContact:
                 velocities[:, 0] = (end[:, 0] - start[:, 0]) / dt
             found.numbers[:, IMPACT] = self._impacts.shares(found, velocities, dt)
             self.penetration = found.penetration()
+            if math.isnan(self.emitted):
+                self.emitted = found.penetration(BEGIN)
             tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
             excess = float(found.excess().max(initial=0.0))
             wanted = excess > tolerance

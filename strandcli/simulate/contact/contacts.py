@@ -56,9 +56,10 @@ class Contacts(NamedTuple):
         """Return (m,) by how much they are closer than they should be, metres."""
         return np.asarray(self.numbers[:, WANTED] - self.numbers[:, GAP])
 
-    def penetration(self) -> float:
-        """Return by how much strands are closer than what roots leave to them, at the most, metres."""
-        return max(0.0, float((self.numbers[:, KEPT] - self.numbers[:, GAP]).max(initial=0.0)))
+    def penetration(self, when: int = GAP) -> float:
+        """Return by how much strands are closer than what roots leave to them, at the most, metres: at the step's end,
+        or at its ``BEGIN``."""
+        return max(0.0, float((self.numbers[:, KEPT] - self.numbers[:, when]).max(initial=0.0)))
 
     def through(self, thickness: float) -> bool:
         """Whether strands have come through each other because they are fast."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...jit import device, parallel, prange
 from ...simd import gather4, half_width_pointer, lane_count, load, load3, pointer, sqrt, store, store3
+from .crowd_apart import leave_alone
 from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
 from .crowd_homes import read_home, settle
@@ -124,6 +125,7 @@ def accelerate_pack(moving, lattice, packs, box, targets, work, shares, crowd):
             store(read, k * CELL, blend(cells, cell_of(rows, k), wide, layer, a, c, d))
         sort_columns(found, rows)
         begun = share_out(lattice, packs[0], sample, rows, shares[sample], begun, crowd)
+    leave_alone(moving.left_out, packs[0], rows, crowd)
     if len(moving.root_velocity) > 0:
         move_root(moving, packs[0], rows)
 

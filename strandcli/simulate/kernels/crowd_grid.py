@@ -27,6 +27,7 @@ from ...simd import (
     store3,
     store_records,
 )
+from .crowd_apart import within
 from .crowd_overlap import beside, counting
 from .crowd_records import (
     BELOW,
@@ -176,6 +177,7 @@ def locate(moving, lattice, packs, sample, box, origins, rows):
             u, v, w = u + weight * a, v + weight * b, w + weight * c
         at = pack, sample, lane
         x, y, z = beside(moving.overlap, moving, at, rows, (x * inverse, y * inverse, z * inverse))
+        x, y, z = within(moving.left_out, at, (x, y, z))
         below, above, behind = cell_before(x, wide), cell_before(y, high), cell_before(z, deep)
         store3(out, SHARE * PACK + lane, PACK, x - below, y - above, z - behind)
         store(out, BELOW * PACK + lane, below + above * wide + behind * (wide * high))

@@ -100,7 +100,7 @@ def moving_of(kind, descriptor):
         array_at(kind, descriptor[ROOTS], (packs, AXES)), None, array_at(kind, descriptor[MASS_OF], (n,)),
         array_at(kind, descriptor[ROOT_VELOCITY], (descriptor[LOOSE], 1, AXES)),
         array_at(kind, descriptor[ROOT_CHANGE], (descriptor[LOOSE], 1, AXES)),
-        array_at(kind, descriptor[ROOT_MASS], (1,)), None, None,
+        array_at(kind, descriptor[ROOT_MASS], (1,)), None, None, None,
     )  # fmt: skip
 
 

@@ -86,6 +86,8 @@ class Moving(NamedTuple):
     """(P, samples, S) root of the share with which samples count as too dense, None where that is 1."""
     offsets: Any
     """(P, 3 S) by how much the grid takes strands beside themselves that do not count as too dense, in cells."""
+    left_out: Any
+    """(P, S) 1 of strands that the grid has no room for, which have no ``metres``, else 0; None where it has all."""
 
 
 class Lattice(NamedTuple):
