@@ -153,6 +153,7 @@ def _requests(
         for option, value in given.items():
             if value is not None:
                 raise UsageError(f"{option} is for presets; a --reference has its own scene")
+        from ..scene.library import list_presets
         from ..study.references import REFERENCES
 
         names = tuple(REFERENCES) if "all" in reference else reference
@@ -162,6 +163,8 @@ def _requests(
 
                 close = get_close_matches(name, REFERENCES, n=1)
                 hint = f"did you mean '{close[0]}'?" if close else f"they are {', '.join(REFERENCES)}, all"
+                if name in dict(list_presets()):
+                    hint = f"it is a preset: strandcli study {name}"
                 raise UsageError(f"no reference '{name}'; {hint}")
         requests = [Request(name=name, **wishes) for name in names]
     else:

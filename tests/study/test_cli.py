@@ -140,6 +140,7 @@ def test_references_of_the_foil(run: Runner) -> None:
     ("arguments", "words"),
     [
         (["--reference", "elastika"], "did you mean 'elastica'"),
+        (["--reference", "rope"], "no reference 'rope'; it is a preset: strandcli study rope"),
         (["--reference", "nothing"], "they are elastica"),
         (["--reference", ""], "empty name"),
         ([], "either a PRESET or --reference"),
