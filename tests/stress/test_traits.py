@@ -125,7 +125,7 @@ def test_forces_of_contact_that_no_step_can_carry_do_not_end_a_run(
 
     def wild(self: Forces, found: Any, forces: Any, solver: Any) -> float:
         moved = solve(self, found, forces, solver)
-        forces *= 1e10
+        forces *= 1e14
         return moved
 
     monkeypatch.setattr(Forces, "solve", wild)
