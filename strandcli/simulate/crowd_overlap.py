@@ -18,8 +18,8 @@ RATE, LONGEST = 2.0, 1 / 24
 longer steps go on no further."""
 PRESSING = 900.0
 """Pressure over the metres in a cell that strands are led apart by at the most, as the acceleration that it hands to
-them where there is none in the next cell, in cells a second²: with half of it a bundle opens by half as far, with more
-it moves faster."""
+them where there is none in the next cell, in cells a second². With half of it a bundle opens two thirds as far, with
+more it moves faster."""
 REACH = 0.5
 """Cells by which the grid takes strands beside themselves at the most, along each axis."""
 PLASTIC = 1.2207440846057596
