@@ -176,7 +176,8 @@ def locate(moving, lattice, packs, sample, box, origins, rows):
             a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
             u, v, w = u + weight * a, v + weight * b, w + weight * c
         at = pack, sample, lane
-        x, y, z = beside(moving.overlap, moving, at, rows, (x * inverse, y * inverse, z * inverse))
+        counts = wide, high, deep
+        x, y, z = beside(moving.overlap, moving, at, rows, (x * inverse, y * inverse, z * inverse), counts)
         x, y, z = within(moving.left_out, at, (x, y, z))
         below, above, behind = cell_before(x, wide), cell_before(y, high), cell_before(z, deep)
         store3(out, SHARE * PACK + lane, PACK, x - below, y - above, z - behind)

@@ -17,16 +17,17 @@ pressure hands to it, so that sums of momentum stay.
 
 from __future__ import annotations
 
-from ...jit import device
-from ...simd import load, load3, pointer, store, where
+from ...jit import device, inlined
+from ...simd import broadcast, load, load3, pointer, store, where
 from .crowd_records import CELL, COUNTING, MASS, OVERLAP, RESULT
 from .rod_scratch import AXES, PACK
 
 
 @device
-def beside(overlap, moving, at, rows, place):
+def beside(overlap, moving, at, rows, place, counts):
     """Where the grid takes a sample to be, of the strands from lane ``at[2]`` of pack ``at[0]`` on, by its ``place``,
-    both in cells. Set the share of it that counts, in `RESULT` of scratch."""
+    both in cells; within the box, of so many cells along each axis, even where numbers are too coarse for cells. Set
+    the share of it that counts, in `RESULT` of scratch."""
     if overlap is None:
         return place
     (pack, sample, lane), (x, y, z) = at, place
@@ -34,7 +35,14 @@ def beside(overlap, moving, at, rows, place):
     store(pointer(rows), RESULT * PACK + lane, root * root)
     u, v, w = load3(pointer(moving.offsets), pack * AXES + lane, PACK)
     rest = 1.0 - root * root
-    return x + rest * u, y + rest * v, z + rest * w
+    wide, high, deep = counts
+    return inside(x + rest * u, wide), inside(y + rest * v, high), inside(z + rest * w, deep)
+
+
+@inlined
+def inside(x, count):
+    """The nearest places between the middles of the first and the last of so many cells."""
+    return min(max(x, 0.0), broadcast(x, count - 1))
 
 
 @device
