@@ -137,23 +137,6 @@ def test_strands_that_are_hardly_too_dense_are_pressed_apart_at_once() -> None:
         assert solver.crowd.overlap.roots is None
 
 
-def test_cells_that_numbers_are_too_coarse_for_have_no_negative_weights() -> None:
-    """Cells of 5e-8 m, a metre from the origin: what is beside itself there lay outside of the box, by weights below 0,
-    and pressure threw it by 1e24 m/s²."""
-    scene = scene_of(
-        "solver: rod\nrod: {rest: straight, radius: 1.0e-9, integrator: euler}\ntime: {fps: 2}\n"
-        "emitter: {shape: {kind: disc, radius: 1.0e-9}, strands: 16, particles: 2, length: 1.0e-6, "
-        "position: [1, 0, 0]}\n"
-        "rules: [gravity, interaction: {cell: 5.0e-8, density: 1.0e+9}]"
-    )
-    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
-    assert solver.crowd is not None
-    for step in range(12):
-        solver.step((step + 1) / 2, 1 / 2)
-        assert solver.crowd.grid[0].min() >= 0
-        assert np.abs(solver.state.crowd).max() < 1e3
-
-
 def test_strands_are_beside_themselves_evenly() -> None:
     """Of 8 parts of a cell each has an eighth of them."""
     found = offsets_of(64).reshape(64, 3, PACK).transpose(0, 2, 1).reshape(-1, 3)

@@ -19,6 +19,11 @@ from strandcli.study.stress import run, sheets, together
 from strandcli.study.stress.axes import AXES, Case
 from strandcli.study.stress.task import Task
 
+TOO_FINE = (
+    "rod/dt=0.5/n=1/L=1e-6/offset=1e6/tip=1e6/start=random/between=grid-fine/twist=coil-yield/integrator=euler"
+    "/root=hinged"
+)
+
 
 @pytest.fixture(scope="module")
 def matrix() -> list[Task]:
@@ -30,6 +35,14 @@ def test_every_scene_of_the_matrix_is_there_with_both_on_and_none_twice(matrix: 
     assert len(names) == len(matrix) >= 60_000
     assert {task.cases[0] for task in matrix} >= set(sheets.full("rod"))
     assert all("none" not in task.labels[:2] for task in matrix)
+
+
+def test_cells_that_numbers_are_too_coarse_for_have_no_negative_weights() -> None:
+    """Cells of 5e-8 m, a metre from the origin: what the grid takes beside itself there, since it begins inside others,
+    lay outside of the box, with weights below 0, and was thrown by 1e24 m/s²."""
+    (found,) = run.perform(run.named(TOO_FINE))
+    assert found.verdict == "pass", found.why
+    assert found.metrics["residual"] < 1e-3
 
 
 def test_every_value_of_an_axis_meets_every_value_of_strands_together(matrix: list[Task]) -> None:
