@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kernels.records import DRAG, FRICTION, LED, ROOT_MASS, VELOCITY_STEP, Forcing, Material
+from .kernels.rod_pinned import HEAVY
 from .kernels.rod_start import VELOCITY_RATE
-from .rod_pinned import HEAVY
 from .section import oval
 
 if TYPE_CHECKING:

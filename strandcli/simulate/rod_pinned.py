@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from ..scene.model import EndKey
 
-HEAVY = 1e6
-"""Factor of a pinned particle's mass."""
 TOLERANCE = 1e-6
 """Error of |e|² at which iterations stop, in single precision: what is left moves tips off their places."""
 

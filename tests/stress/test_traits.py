@@ -91,7 +91,6 @@ def test_pinned_tips_are_watched_and_so_is_energy(monkeypatch: pytest.MonkeyPatc
     assert found["pinned_off"] < 1e-5
     assert found["energy_gained"] < 1e-3
     assert verdicts.judge("rod", {}, found).verdict == "pass"
-    monkeypatch.setattr(rod_pinned, "HEAVY", 1.0)
     monkeypatch.setattr("strandcli.simulate.rod_numbers.HEAVY", 1.0)
     assert "pinned_off" in verdicts.judge("rod", {}, traits.check_traits("rod", labels=PINNED)).failed
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, store, store3, where
-from . import rod_contact, rod_descent, rod_newton, rod_start, rod_sweep
+from . import rod_contact, rod_descent, rod_newton, rod_pinned, rod_start, rod_sweep
 from .records import CHANGED, DRAG, LASTING, VELOCITY_STEP, Contact, Scheme
 from .rod_scratch import ADDED_VELOCITY, AXES, IMPACT, MOVED_SHARE, PACK, ROOT_SHIFT
 from .rod_sweep import ROW
@@ -34,14 +34,16 @@ def able(scheme, numbers):
 
 
 @device
-def keep(s, at, state):
-    """Keep what the strands begin the step with."""
+def keep(s, at, state, scheme):
+    """Keep what the strands begin the step with, and where tips are to be at its end."""
     for j in range(at.segments):
         o, row = kept(at.segments, j), at.edge + j * AXES
         copy3(s, o + EDGES, state.edges, row, PACK)
         copy3(s, o + PLACE, state.positions, at.position + (j + 2) * ROW, W)
         copy3(s, o + SPEED, state.velocity, row, PACK)
         store(s, o + PULL, load(state.tension, at.tension + j * PACK))
+    x, y, z = rod_pinned.goal(s, at, state, scheme)
+    store3(s, kept(at.segments, 0) + WAY, 1, x, y, z)
 
 
 @inlined
@@ -54,6 +56,7 @@ def copy3(s, o, rows, place, stride):
 @device
 def make(s, at, next_pack, state, material, forcing, scheme, contact, iterations, lost):
     """Make the step anew in the lanes that are ``lost``, after `keep` and a sweep of the step as a whole."""
+    pinned, goal = rod_pinned.pinned(material.mass, at.segments), load3(s, kept(at.segments, 0) + WAY, 1)
     begin_anew(s, at, state, scheme, lost)
     touching, residual = load(state.touching, at.strand), load(state.residuals, at.strand)
     part, rate = scheme.duration / PARTS, 1.0 / scheme.duration
@@ -68,6 +71,8 @@ def make(s, at, next_pack, state, material, forcing, scheme, contact, iterations
     add_velocity(state, at, root, -1.0)
     most = broadcast(s, 0.0)
     for count in range(PARTS):
+        if pinned:
+            rod_pinned.lead(s, at, state, goal, 1.0 / (PARTS - count))
         met = Contact(
             contact.solids, True, contact.segments, part, contact.friction, contact.rounding, count == 0
         )  # fmt: skip

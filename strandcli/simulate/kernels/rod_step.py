@@ -172,7 +172,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         if flags.loose is not None:
             rod_loose.find_shift(scratch, n, material.mass)
         if again:
-            rod_parts.keep(scratch, at, state)
+            rod_parts.keep(scratch, at, state, scheme)
         rod_sweep.sweep(scratch, at, next_pack, state, material, numbers, scheme, met)
         if flags.second and flags.curled:
             rod_energy.keep(scratch, at, state, material, forcing, scheme, flags.solids)
