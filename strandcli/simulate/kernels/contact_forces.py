@@ -21,9 +21,10 @@ from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
 from .contact import CLEAR, slack_of
 from .contact_circle import contact_circle
-from .contact_place import carried_to, normal_at
+from .contact_corner import other_of, set_other, several
+from .contact_place import carried_to, normal_at, slide
 from .contact_shapes import TINY, edges_of, nearest
-from .contact_spots import NORMAL, begin_spot, released, size_of, spot_of, update_spot
+from .contact_spots import NORMAL, NOWHERE, begin_spot, released, size_of, spot_of, update_spot
 from .records import CHANGED, Segment
 from .rod import finish_mobility
 from .rod_scratch import (
@@ -60,8 +61,6 @@ FAINT = 1e-20
 SLIGHT = 0.3
 """Share of the tip's way in `mark`. Strands over a pole keep .90 of their swing in four seconds at 24 steps a second,
 with a third of this .77, a tenth .41, and without the rule .99, but then a fine one over a ball rocks for ever."""
-STEEP = 0.01
-"""Least sine, squared, of the angle between an edge and a surface by which its sliding is found."""
 
 
 @device
@@ -89,6 +88,7 @@ def search(s, at, length, state, contact, root, held_root):
     q = root
     left = broadcast(s, 0.0), broadcast(s, 0.0), broadcast(s, 0.0)
     acted, near, deep, astray = False, False, reach < 0.0, reach < 0.0
+    corners = several(contact.solids)
     for j in range(at.segments):
         o = FIRST_SEGMENT + j * SEGMENT
         segment = Segment(o, at.edge + j * AXES, at.position + (j + 2) * ROW, length, held_root and j == 0)
@@ -105,7 +105,11 @@ def search(s, at, length, state, contact, root, held_root):
             inside = close & ((depth > slack_of(length, q, contact)) | (held > 0.0))
             if any_lane(inside | (held > 0.0)):
                 acted = True
-                d = set_wanted(s, at, segment, found, (q, d, end), depth, inside, state, contact)
+                place = q, d, end
+                d = set_wanted(s, at, segment, found, place, depth, inside, state, contact)
+                if corners:
+                    pushed = held + max(depth, 0.0) + CLOSE * length
+                    set_other(s, at, segment, found, place, (inside, pushed), edges, state, contact)
                 able = size_of(load3(s, o + NORMAL, 1)) > 0.0
                 far = (held > DEEP * length) & ~able
                 deep = deep | (able & ((depth > DEEP * length) | (depth < -HOVER * length))) | far
@@ -157,9 +161,10 @@ def update(s, at, length, state, contact, mass, gain, along, of_root):
     y, sums = of_root
     z = broadcast(s, 0.0)
     factors = load(s, REACH), gain, contact.friction, direction_of(s, along)
+    corners = several(contact.solids)
     for j in range(at.segments):
         y, z = finish_mobility(s, FIRST_SEGMENT + j * SEGMENT, y, z)
-        spot = spot_of(at.segments, j, at.edge + j * AXES)
+        spot = spot_of(at.segments, j, at.edge + j * AXES, other_of(at.segments, j) if corners else NOWHERE)
         sums = update_spot(s, spot, state.push, mass[j], factors, along, sums)
     total, changed, work = sums
     slack = slack_of(length, load3(state.positions, at.position + ROW, W), contact)
@@ -197,15 +202,6 @@ def mark(s, at, touching, duration):
     one = broadcast(s, 1.0)
     found = where(still | (load(s, IMPACT) > 0.0), CHANGED * one, one)
     store(touching, at.strand, where(pressed | (load(s, IMPACT) > 0.0), found, 0.0))
-
-
-@inlined
-def slide(carried, end, d, n, depth):
-    """Return the vector by which a particle slides on a solid in this step: from its position ``carried`` by that to
-    the point where the edge, rotated, ends at the surface."""
-    f = dot(d, n)
-    turned = f * (depth / max(1.0 - f * f, STEEP))
-    return add_scaled((end[0] - carried[0], end[1] - carried[1], end[2] - carried[2]), -turned, d)
 
 
 @inlined

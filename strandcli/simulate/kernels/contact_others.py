@@ -17,7 +17,7 @@ from numba.extending import overload
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, lane, lane_count, load3, store3, where, with_lane
 from ...solids.shapes.other import REACH, X, Y, Z
-from .contact_place import CARRIED, write_slot
+from .contact_place import CARRIED, is_nearer, write_slot
 from .records import MOTION, OTHERS
 
 TINY = 1e-20
@@ -81,7 +81,7 @@ def deepest(shape, m, point, edges, lever, most):
 
 
 @inlined
-def nearest(s, places, most, point, edges, lever, at, others, shape):
+def nearest(s, known, places, most, point, edges, lever, at, others, shape):
     """Return the greatest depth and the slot of that solid, others included; see `contact_shapes.nearest`."""
     found, other = places
     all_of, last, columns = others
@@ -91,11 +91,12 @@ def nearest(s, places, most, point, edges, lever, at, others, shape):
             d, ox, oy, oz = deepest(shape, m, point, edges, lever, most)
             if any_lane(d > most):
                 level = d + x * ox + y * oy + z * oz
+                nearer = is_nearer(s, known, d, most, (ox, oy, oz), level)
                 found, other = write_slot(
-                    s, found, other, d > most, 0.0, (ox, oy, oz), level, all_of.rows, m + columns - MOTION, at
+                    s, found, other, nearer, 0.0, (ox, oy, oz), level, all_of.rows, m + columns - MOTION, at
                 )
-                carry(s, found, point, m, d > most, at, shape)
-                most = max(most, d)
+                carry(s, found, point, m, nearer, at, shape)
+                most = where(nearer, d, most)
     return most, found
 
 
@@ -129,22 +130,23 @@ def _carry(s, found, point, m, nearer, at, shape):
     return lambda s, found, point, m, nearer, at, shape: drift_along(s, found, point, m, nearer, shape)
 
 
-def by_others(s, places, most, point, edges, lever, at, solids):
+def by_others(s, known, places, most, point, edges, lever, at, solids):
     """Return `nearest` if `solids` has a fifth member, whose class has the functions of its shapes; else the
     arguments."""
 
 
 @overload(by_others)
-def _by_others(s, places, most, point, edges, lever, at, solids):
+def _by_others(s, known, places, most, point, edges, lever, at, solids):
     if len(solids) == OTHERS:
-        return lambda s, places, most, point, edges, lever, at, solids: (most, places[0])
+        return lambda s, known, places, most, point, edges, lever, at, solids: (most, places[0])
     form = solids[OTHERS].instance_class
     distance, normal, place, drift = form.distance, form.normal, form.deepest, form.drift
     if drift is not None:
-        return lambda s, places, most, point, edges, lever, at, solids: nearest(
-            s, places, most, point, edges, lever, at, solids[OTHERS],
+        return lambda s, known, places, most, point, edges, lever, at, solids: nearest(
+            s, known, places, most, point, edges, lever, at, solids[OTHERS],
             (solids[OTHERS].all, distance, normal, place, drift),
         )  # fmt: skip
-    return lambda s, places, most, point, edges, lever, at, solids: nearest(
-        s, places, most, point, edges, lever, at, solids[OTHERS], (solids[OTHERS].all, distance, normal, place)
-    )
+    return lambda s, known, places, most, point, edges, lever, at, solids: nearest(
+        s, known, places, most, point, edges, lever, at, solids[OTHERS],
+        (solids[OTHERS].all, distance, normal, place),
+    )  # fmt: skip

@@ -9,6 +9,7 @@ from ...constants import W
 from ...jit import inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
 from .records import MOTION_SHIFT
+from .vectors import add_scaled, dot
 
 CENTRE = 0
 """(3) Centre of the ball, or outward unit normal of the face."""
@@ -21,8 +22,21 @@ ROUND = 7
 SLOT = 8
 """Number of vectors in a slot."""
 TINY = 1e-20
+STEEP = 0.01
+"""Least sine, squared, of the angle between an edge and a surface by which its sliding is found."""
 CARRIES = 2
 """Members of ``at`` beyond which a slot is to have `CARRIED`."""
+
+
+@inlined
+def is_nearer(s, known, depth, most, place, size):
+    """Whether a particle is deeper than ``most`` in a shape, which is not the one in the slot ``known``; that may be
+    None. place, size: as of `write_slot`."""
+    if known is None:
+        return depth > most
+    away = abs(place[0] - load(s, known + CENTRE)) + abs(place[1] - load(s, known + CENTRE + 1))
+    away += abs(place[2] - load(s, known + CENTRE + 2)) + abs(size - load(s, known + SIZE))
+    return (depth > most) & (away > 0.0)  # computed by the same code: those of one solid have the same bits
 
 
 @inlined
@@ -72,3 +86,12 @@ def carried_to(s, found, segment, state, contact):
     if not contact.moved:
         carried = load3(state.positions, segment.position, W)
     return carried
+
+
+@inlined
+def slide(carried, end, d, n, depth):
+    """Return the vector by which a particle slides on a solid in this step: from its position ``carried`` by that to
+    the point where the edge, rotated, ends at the surface."""
+    f = dot(d, n)
+    turned = f * (depth / max(1.0 - f * f, STEEP))
+    return add_scaled((end[0] - carried[0], end[1] - carried[1], end[2] - carried[2]), -turned, d)

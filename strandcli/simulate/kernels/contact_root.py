@@ -14,7 +14,7 @@ from .contact_circle import TINY
 from .contact_forces import DEEP, FAINT, HOVER, ROW, direction_of, resting_depth
 from .contact_place import CARRIED, normal_at
 from .contact_shapes import edges_of, nearest
-from .contact_spots import NORMAL, Spot, begin_spot, keep_spot, released, size_of, update_spot
+from .contact_spots import NORMAL, NOWHERE, Spot, begin_spot, keep_spot, released, size_of, update_spot
 from .rod_loose import MASS, ROOT
 from .rod_scratch import CORRECTION, IMPACT, INERTIAL, INVERSE_LENGTH, INVERSE_PIVOT, MOBILITY, PACK, REACH
 from .rod_tension import GAIN, of_root
@@ -28,7 +28,7 @@ ROUNDS = 3
 def spot_of_root(n, row):
     """The spot of the root of a strand with n segments."""
     place = of_root(n)
-    return Spot(ROOT, row, place, place + GAIN, place + GAIN + 1)
+    return Spot(ROOT, row, place, place + GAIN, place + GAIN + 1, NOWHERE)
 
 
 @device

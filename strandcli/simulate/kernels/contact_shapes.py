@@ -20,7 +20,7 @@ from ...solids import COLUMNS
 from ...solids.kernels import box, capsule, plane, sphere
 from ...solids.kernels.box import HALF, ROW_X, ROW_Y, ROW_Z
 from .contact_others import by_others
-from .contact_place import SLOT, TINY, write_slot
+from .contact_place import SLOT, TINY, is_nearer, write_slot
 from .records import BOXES, CAPSULES, MOTION, PLANES, SPHERES
 from .rod_scratch import EDGE, SEGMENT, SOLID_SLOTS
 
@@ -202,16 +202,21 @@ def nearest(s, point, edges, at, reach, solids):
     point: the particle; edges: its `Edges`; at: positions, and the index in them of the particle before this step;
     solids: `records.Contact.solids`.
     """
-    slots = SOLID_SLOTS, SOLID_SLOTS + SLOT
-    most, slots = nearest_sphere(s, slots, -reach, point, edges, at, solids[SPHERES])
-    most, slots = nearest_capsule(s, slots, most, point, edges, at, solids[CAPSULES])
-    most, slots = nearest_plane(s, slots, most, point, at, solids[PLANES])
-    most, slots = nearest_box(s, slots, most, point, edges, at, solids[BOXES], reach)
-    return by_others(s, slots, most, point, (edges.edge, edges.next), edges.lever, at, solids)
+    return nearest_but(s, None, (SOLID_SLOTS, SOLID_SLOTS + SLOT), point, edges, at, reach, solids)
 
 
 @inlined
-def nearest_sphere(s, slots, most, point, edges, at, spheres):
+def nearest_but(s, known, slots, point, edges, at, reach, solids):
+    """Return `nearest` of all solids but that in the slot ``known``, where it is not None; ``slots``: places of two."""
+    most, slots = nearest_sphere(s, known, slots, -reach, point, edges, at, solids[SPHERES])
+    most, slots = nearest_capsule(s, known, slots, most, point, edges, at, solids[CAPSULES])
+    most, slots = nearest_plane(s, known, slots, most, point, at, solids[PLANES])
+    most, slots = nearest_box(s, known, slots, most, point, edges, at, solids[BOXES], reach)
+    return by_others(s, known, slots, most, point, (edges.edge, edges.next), edges.lever, at, solids)
+
+
+@inlined
+def nearest_sphere(s, known, slots, most, point, edges, at, spheres):
     """Return `nearest` among spheres: the greatest depth, at least ``most``, and the indices of the slots, that of the
     solid first."""
     x, y, z = point
@@ -227,13 +232,14 @@ def nearest_sphere(s, slots, most, point, edges, at, spheres):
             centre = (
                 broadcast(x, rows[m + sphere.X]), broadcast(x, rows[m + sphere.Y]), broadcast(x, rows[m + sphere.Z]),
             )  # fmt: skip
-            found, other = write_slot(s, found, other, depth > most, 1.0, centre, r, rows, m + OF_SPHERE, at)
-            most = max(most, depth)
+            nearer = is_nearer(s, known, depth, most, centre, r)
+            found, other = write_slot(s, found, other, nearer, 1.0, centre, r, rows, m + OF_SPHERE, at)
+            most = where(nearer, depth, most)
     return most, (found, other)
 
 
 @inlined
-def nearest_capsule(s, slots, most, point, edges, at, capsules):
+def nearest_capsule(s, known, slots, most, point, edges, at, capsules):
     """Return the same among capsules, each of which acts as a ball around the nearest point of its axis."""
     x, y, z = point
     rows, end = capsules
@@ -252,13 +258,14 @@ def nearest_capsule(s, slots, most, point, edges, at, capsules):
                 ox, oy, oz = where(by_edge, px, ox), where(by_edge, py, oy), where(by_edge, pz, oz)
                 r = where(by_edge, clear, r)
             depth = sphere.ball_depth(x - ox, y - oy, z - oz, r)
-            found, other = write_slot(s, found, other, depth > most, 1.0, (ox, oy, oz), r, rows, m + OF_CAPSULE, at)
-            most = max(most, depth)
+            nearer = is_nearer(s, known, depth, most, (ox, oy, oz), r)
+            found, other = write_slot(s, found, other, nearer, 1.0, (ox, oy, oz), r, rows, m + OF_CAPSULE, at)
+            most = where(nearer, depth, most)
     return most, (found, other)
 
 
 @inlined
-def nearest_plane(s, slots, most, point, at, planes):
+def nearest_plane(s, known, slots, most, point, at, planes):
     """Return the same among planes, in which no edge is deeper than both of its ends."""
     x, y, z = point
     rows, end = planes
@@ -268,13 +275,14 @@ def nearest_plane(s, slots, most, point, at, planes):
         if any_lane(depth > most):
             normal = broadcast(x, rows[m + plane.X]), broadcast(x, rows[m + plane.Y]), broadcast(x, rows[m + plane.Z])
             height = broadcast(x, rows[m + plane.HEIGHT])
-            found, other = write_slot(s, found, other, depth > most, 0.0, normal, height, rows, m + OF_PLANE, at)
-            most = max(most, depth)
+            nearer = is_nearer(s, known, depth, most, normal, height)
+            found, other = write_slot(s, found, other, nearer, 0.0, normal, height, rows, m + OF_PLANE, at)
+            most = where(nearer, depth, most)
     return most, (found, other)
 
 
 @inlined
-def nearest_box(s, slots, most, point, edges, at, boxes, reach):
+def nearest_box(s, known, slots, most, point, edges, at, boxes, reach):
     """Return the same among boxes; at their edges and corners the face is the tangent plane."""
     x, y, z = point
     rows, end = boxes
@@ -285,6 +293,7 @@ def nearest_box(s, slots, most, point, edges, at, boxes, reach):
             if edges.whole:
                 depth, nx, ny, nz = box_depth_with_edges(rows, m, point, (depth, nx, ny, nz), edges, reach)
             level = depth + x * nx + y * ny + z * nz
-            found, other = write_slot(s, found, other, depth > most, 0.0, (nx, ny, nz), level, rows, m + OF_BOX, at)
-            most = max(most, depth)
+            nearer = is_nearer(s, known, depth, most, (nx, ny, nz), level)
+            found, other = write_slot(s, found, other, nearer, 0.0, (nx, ny, nz), level, rows, m + OF_BOX, at)
+            most = where(nearer, depth, most)
     return most, (found, other)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from ...jit import inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
-from .contact_circle import TINY
+from .contact_cone import by_one, by_two, pressing_of
 from .rod_scratch import (
     ACCELERATION_SCALE,
     CONTACT_CHANGE,
@@ -28,6 +28,8 @@ NORMAL = LOAD
 """(3) In a round: the normal of the solid that a particle is in, zero where it is in none."""
 LEAST_MOBILITY = 1e-6
 """Lower bound of a particle's mobility as a share of its own."""
+NOWHERE = -1
+"""Place of what is not there."""
 UNKNOWN = -1.0
 """Lasting share of a particle that nothing has pressed so far."""
 
@@ -45,12 +47,15 @@ class Spot(NamedTuple):
     """As `rod_tension.lasting_share`."""
     change: Any
     """As `rod_tension.force_change`."""
+    other: Any
+    """Normal of a second solid (3), zero where there is none, and by how much that should move the particle (3);
+    `NOWHERE` where second ones are not looked for."""
 
 
 @inlined
-def spot_of(n, j, row):
+def spot_of(n, j, row, other=NOWHERE):
     """The spot of the particle after segment j of n."""
-    return Spot(FIRST_SEGMENT + j * SEGMENT, row, particle_gain(n, j), lasting_share(n, j), force_change(n, j))
+    return Spot(FIRST_SEGMENT + j * SEGMENT, row, particle_gain(n, j), lasting_share(n, j), force_change(n, j), other)
 
 
 @inlined
@@ -83,13 +88,17 @@ def update_spot(s, spot, push, mass, factors, along, sums):
         mobility = where(acted & (mobility > 0.0), min(max(mobility, LEAST_MOBILITY), 1.0), 1.0)
         f = reach * mobility
         normal, wanted = load3(s, spot.scratch + NORMAL, 1), load3(s, spot.wanted, 1)
-        force = in_cone(scaled(f, past), normal, scaled(gain, wanted), friction)
-        now = scaled(where(acted, 1.0 / f, 0.0), force)
+        given = by_one(scaled(f, past), normal, scaled(gain, wanted), friction)
+        if spot.other != NOWHERE:
+            other, there = load3(s, spot.other, 1), load3(s, spot.other + 3, 1)
+            if any_lane(dot(other, other) > 0.0):
+                given = by_two(scaled(f, past), normal, scaled(gain, wanted), other, scaled(gain, there), friction)
+        now = scaled(where(acted, 1.0 / f, 0.0), given.force)
         change = add_scaled(now, -1.0, past)
         change = select(along.going, scaled(along.move, last), change)
-        pressing = scaled(dot(change, normal), normal)
-        work += mass * dot(pressing, wanted)
-        keep_change(s, spot, select(along.going, last, pressing), normal)
+        pressing = pressing_of(given, change)
+        work += mass * dot(pressing, given.wanted)
+        keep_change(s, spot, select(along.going, last, pressing), given.normal)
         now = add_scaled(past, 1.0, change)
         store3(push, spot.row, PACK, now[0], now[1], now[2])
         x, v, w = add_scaled(load3(s, spot.scratch + INERTIAL, 1), load(s, ACCELERATION_SCALE), change)
@@ -108,18 +117,6 @@ def keep_change(s, spot, change, normal):
     """Keep the change of pressure, and the normal, for `contact_response`."""
     store3(s, spot.change, 1, change[0], change[1], change[2])
     store3(s, spot.change + 3, 1, normal[0], normal[1], normal[2])
-
-
-@inlined
-def in_cone(held, n, wanted, friction):
-    """The displacement by a force, ``held`` and what is ``wanted`` besides, that pulls at nothing and keeps to
-    Coulomb's law; n: normal, or zero where there is no contact, and then no force."""
-    along, more = max(dot(held, n), 0.0), dot(wanted, n)
-    pressed = max(along + more, 0.0)
-    x = add_scaled(add_scaled(held, 1.0, wanted), -(dot(held, n) + more), n)
-    f = min(sqrt(friction * friction * pressed * pressed / max(dot(x, x), TINY)), 1.0)
-    f = where(dot(n, n) > 0.5, f, 0.0)
-    return add_scaled(scaled(f, x), pressed, n)
 
 
 @inlined

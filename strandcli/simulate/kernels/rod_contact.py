@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, where
-from . import contact_forces, contact_response, contact_root, rod, rod_loose, rod_newton
+from . import contact_forces, contact_response, contact_root, rod, rod_loose, rod_newton, rod_pinned
 from .records import Contact, Scheme
 
 ROUNDS, PLAIN, MOST_ROUNDS = 4, 10, 32
@@ -74,7 +74,7 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
             contact_response.lengthen(s, at, state, mass, ends, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
         if count == MOST_ROUNDS - 1:  # where whole segments are kept out, rounds end sooner
-            lost = astray
+            lost = deep if rod_pinned.pinned(mass, at.segments) else astray
     if pressed:
         contact_forces.mark_released(s, at, state.push)
         if ends.loose is not None:

@@ -69,9 +69,12 @@ WIDTH = 46
 FIRST_WORK = 47
 """The work along that change at its beginning if it was as steep as at first."""
 
+THIRD_SLOT = 48
+"""(8) One more slot, for the nearest solid but that one (`contact_corner`)."""
+
 SEGMENT = 17
 """Vectors of a segment. An odd number: vectors at distances of a power of two would share lines of the cache."""
-FIRST_SEGMENT = 48 + 2 * SEGMENT
+FIRST_SEGMENT = 56 + 2 * SEGMENT
 """Place of the first segment."""
 EDGE = 0
 """(3) Of a segment: e_j, of unit length at the start and the end of a step."""
