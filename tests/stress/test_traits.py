@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from strandcli.errors import UsageError
-from strandcli.simulate import rod_pinned, solver_of
+from strandcli.simulate import solver_of
 from strandcli.simulate.contact.forces import Forces
 from strandcli.study.stress import covering, run, traits, verdicts
 from strandcli.study.stress.task import Task

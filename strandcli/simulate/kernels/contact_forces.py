@@ -188,6 +188,21 @@ def mark_released(s, at, push):
     store(s, IMPACT, impact)
 
 
+@device
+def sprung(s, at, length, state):
+    """In which lanes a particle that solids pressed is free now, and further than `ASTRAY` from where it was: strands
+    between two ends snap through where rounds press too much for one of them."""
+    zero = broadcast(s, 0.0)
+    q, found = (zero, zero, zero), zero
+    for j in range(at.segments):
+        row = at.edge + j * AXES
+        spot = spot_of(at.segments, j, row)
+        e, before = load3(s, spot.scratch + EDGE, 1), load3(state.edges, row, PACK)
+        q = add_scaled(add_scaled(q, length, e), -length, before)
+        found = max(found, where(released(s, spot, state.push), dot(q, q), 0.0))
+    return found > (ASTRAY * length) * (ASTRAY * length)
+
+
 @inlined
 def mark(s, at, touching, duration):
     """Set `State.touching` at the end of a step of ``duration`` seconds: `CHANGED` where other particles are pressed,

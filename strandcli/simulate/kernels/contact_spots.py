@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ...jit import inlined
-from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from ...simd import any_lane, broadcast, load, load3, store, store3, where
 from .contact_cone import by_one, by_two, pressing_of
 from .rod_scratch import (
     ACCELERATION_SCALE,

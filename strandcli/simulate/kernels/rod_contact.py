@@ -55,7 +55,8 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
     ends, lost = scheme.ends, worst < 0.0
     if ends.loose is not None:
         contact_root.begin(s, at, state, pressed)
-    for count in range(WHOLE_ROUNDS if contact.segments else MOST_ROUNDS):
+    rounds = WHOLE_ROUNDS if contact.segments else MOST_ROUNDS
+    for count in range(rounds):
         acted, near, deep, astray = search(s, at, length, state, scheme, contact, mass)
         pressed = pressed or acted
         # where pressures have been lengthened friction has to follow, so rounds go on
@@ -73,10 +74,15 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
         if PLAIN <= count < MOST_ROUNDS - CALM and not contact.segments:
             contact_response.lengthen(s, at, state, mass, ends, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
-        if count == MOST_ROUNDS - 1:  # where whole segments are kept out, rounds end sooner
-            lost = deep if rod_pinned.pinned(mass, at.segments) else astray
+        if count == rounds - 1:
+            if rod_pinned.pinned(mass, at.segments):
+                lost = deep
+            elif not contact.segments:
+                lost = astray
     if pressed:
         contact_forces.mark_released(s, at, state.push)
+        if not contact.segments and rod_pinned.pinned(mass, at.segments):
+            lost = lost | contact_forces.sprung(s, at, length, state)
         if ends.loose is not None:
             contact_root.mark_released(s, at, state)
     return worst, pressed, near or pressed, lost  # those that solids have just left are to be marked, too
