@@ -7,14 +7,14 @@ the last. The second one is looked for in scenes of several solids, and only of 
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load, load3, store3
+from ...simd import any_lane, broadcast, load, load3, store3, where
 from .contact_circle import contact_circle
 from .contact_cone import ALIKE
 from .contact_place import SLOT, carried_to, normal_at, slide
 from .contact_shapes import BOX, CAPSULE, PLANE, SPHERE, nearest_but
 from .contact_spots import NORMAL, size_of
 from .records import BOXES, CAPSULES, OTHERS, PLANES, SPHERES
-from .rod_scratch import FIRST_SEGMENT, INVERSE_LENGTH, SEGMENT, SOLID_SLOTS, THIRD_SLOT
+from .rod_scratch import AXES, FIRST_SEGMENT, INVERSE_LENGTH, PACK, SEGMENT, SOLID_SLOTS, THIRD_SLOT
 from .rod_tension import spare
 from .vectors import add_scaled, dot, scaled, select
 
@@ -58,3 +58,13 @@ def set_other(s, at, segment, found, place, known, edges, state, contact):
     o = other_of(at.segments, (segment.scratch - FIRST_SEGMENT) // SEGMENT)
     store3(s, o, 1, n[0], n[1], n[2])
     store3(s, o + 3, 1, wanted[0], wanted[1], wanted[2])
+
+
+@device
+def between(s, at, state):
+    """In which lanes a particle that solids press is near a second one. Asked after a search."""
+    found = broadcast(s, 0.0)
+    for j in range(at.segments):
+        held = size_of(load3(state.push, at.edge + j * AXES, PACK))
+        found = max(found, where(held > 0.0, size_of(load3(s, other_of(at.segments, j), 1)), 0.0))
+    return found > 0.0

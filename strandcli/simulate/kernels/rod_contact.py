@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, where
-from . import contact_forces, contact_response, contact_root, rod, rod_loose, rod_newton, rod_pinned
+from . import contact_corner, contact_forces, contact_response, contact_root, rod, rod_loose, rod_newton, rod_pinned
 from .records import Contact, Scheme
 
 ROUNDS, PLAIN, MOST_ROUNDS = 4, 10, 32
@@ -75,17 +75,28 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
             contact_response.lengthen(s, at, state, mass, ends, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
         if count == rounds - 1:
-            if rod_pinned.pinned(mass, at.segments):
-                lost = deep
-            elif not contact.segments:
-                lost = astray
+            lost = left(s, at, state, contact, (deep, astray), rod_pinned.pinned(mass, at.segments))
     if pressed:
         contact_forces.mark_released(s, at, state.push)
-        if not contact.segments and rod_pinned.pinned(mass, at.segments):
+        if rod_pinned.pinned(mass, at.segments):
             lost = lost | contact_forces.sprung(s, at, length, state)
         if ends.loose is not None:
             contact_root.mark_released(s, at, state)
     return worst, pressed, near or pressed, lost  # those that solids have just left are to be marked, too
+
+
+@inlined
+def left(s, at, state, contact, ends, pinned):
+    """In which lanes the last round has left the strand with forces that are not found: those that are ``ends``' first,
+    deep in solids or above them, where tips are pinned or solids hold the strand between them; in others its second,
+    astray, where not whole segments are kept out."""
+    deep, astray = ends
+    if pinned:
+        return deep
+    lost = astray & (broadcast(s, 0.0) < (0.0 if contact.segments else 1.0))
+    if contact_corner.several(contact.solids):
+        lost = lost | (deep & contact_corner.between(s, at, state))
+    return lost
 
 
 @inlined
