@@ -49,32 +49,36 @@ def by_one(held, n, wanted, friction):
 
 @inlined
 def by_two(held, one, wanted, other, wanted_there, friction):
-    """What two solids give, with the normals ``one`` and ``other``, which is zero where there is one alone: as `in_cone`
-    of the first, if that leads out of the second, or of the second if that leads out of the first. Else both press
-    until the particle is where their surfaces meet, and friction acts along the groove."""
-    alone, there = in_cone(held, one, wanted, friction), in_cone(held, other, wanted_there, friction)
-    depth, depth_there = dot(held, one) + dot(wanted, one), dot(held, other) + dot(wanted_there, other)
-    second = (dot(other, other) > 0.5) & (depth_there > dot(alone, other))
-    both = second & (depth > dot(there, one))
+    """What two solids give, with the normals ``one`` and ``other``, which is zero where there is one alone: as
+    `in_cone` of the first, if that leads out of the second, or of the second if that leads out of the first. Else both
+    press until the particle is where their surfaces meet, and friction acts along the groove."""
+    zero = broadcast(one[0], 0.0)
+    none, there = (zero, zero, zero), dot(other, other) > 0.5
+    # of what is held, one solid may have all and more, and the other less than nothing
+    free, free_there = add_scaled(held, 1.0, wanted), add_scaled(held, 1.0, wanted_there)
+    first = select(there, in_cone(none, one, free, friction), in_cone(held, one, wanted, friction))
+    last = in_cone(none, other, free_there, friction)
+    depth, depth_there = dot(free, one), dot(free_there, other)
+    second = there & (depth_there > dot(first, other))
+    both = second & (depth > dot(last, one))
     cosine = dot(one, other)
     rate = 1.0 / max(1.0 - cosine * cosine, 1.0 - ALIKE)
-    a = max(rate * (depth - cosine * depth_there), 0.0)
-    b = max(rate * (depth_there - cosine * depth), 0.0)
+    a, b = rate * (depth - cosine * depth_there), rate * (depth_there - cosine * depth)
+    a, b = where(b > 0.0, max(a, 0.0), depth), where(a > 0.0, max(b, 0.0), depth_there)
     size = sqrt(rate)
     groove = (
         size * (one[1] * other[2] - one[2] * other[1]), size * (one[2] * other[0] - one[0] * other[2]),
         size * (one[0] * other[1] - one[1] * other[0]),
     )  # fmt: skip
     most = friction * (a + b)
-    along = min(max(dot(held, groove) + dot(wanted, groove), -most), most)
+    along = min(max(dot(free, groove), -most), most)
     pressed = add_scaled(add_scaled(scaled(a, one), b, other), along, groove)
     a, b = dot(wanted, one), dot(wanted_there, other)
     toward = add_scaled(scaled(rate * (a - cosine * b), one), rate * (b - cosine * a), other)
     toward = add_scaled(toward, dot(wanted, groove), groove)
-    zero = broadcast(cosine, 0.0)
     return Given(
-        select(both, pressed, select(second, there, alone)), select(second & ~both, other, one),
-        select(both, toward, select(second, wanted_there, wanted)), select(both, groove, (zero, zero, zero)), both,
+        select(both, pressed, select(second, last, first)), select(second & ~both, other, one),
+        select(both, toward, select(second, wanted_there, wanted)), select(both, groove, none), both,
     )  # fmt: skip
 
 

@@ -25,7 +25,8 @@ def pinned(mass, n):
 
 @device
 def goal(s, at, state, scheme):
-    """Where the tip is to be at the end of a whole step that has not begun, from the root as it is then, in segments."""
+    """Return where the tip is to be at the end of a whole step that has not begun, from the root as it is then, in
+    segments."""
     inverse_length, last = load(s, INVERSE_LENGTH), at.edge + (at.segments - 1) * AXES
     x, y, z = rod_start.predict(s, last, state, scheme)
     u, v, w = load3(s, ROOT_SHIFT, 1)

@@ -1,0 +1,124 @@
+"""Strands in the groove between two solids, which both press them (`kernels.contact_corner`)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from strand_kit import scene_of
+from strandcli.groom.emit import emit
+from strandcli.simulate.kernels.rod_scratch import PACK
+from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod_numbers import ROOT_SHARE
+
+SECONDS = 8
+OVAL = "section: {wide: 2, thin: 0.5}"
+GROOVE = (
+    "{{kind: plane, rotation: [0, 0, {0}], position: [0, -0.05, 0]}}, "
+    "{{kind: plane, rotation: [0, 0, -{0}], position: [0, -0.05, 0]}}"
+)
+CAPSULES = (
+    "{kind: capsule, position: [0.05, -0.07, 0], rotation: [90, 0, 0], length: 0.4, radius: 0.055}, "
+    "{kind: capsule, position: [-0.05, -0.08, 0], rotation: [85, 0, 0], length: 0.4, radius: 0.05}"
+)
+BALL = "{kind: sphere, position: [0.02, -0.06, 0.1], radius: 0.05}"
+FLOOR = "{kind: plane, position: [0, -0.05, 0]}"
+
+
+def fallen(solids: str, rate: int = 24, more: str = "", rule: str = "collision", strands: int = 16) -> RodSolver:
+    """Slack strands of .2 m over solids; ``more`` of the rod."""
+    scene = scene_of(
+        f"solver: rod\nseed: 1\nrod: {{radius: 1.0e-4, rest: straight, drag: 2, damping: 0.01, {more}}}\n"
+        f"time: {{fps: {rate}}}\nemitter: {{shape: {{kind: disc, radius: 0.01}}, strands: {strands}, particles: 16, "
+        "length: 0.2, jitter: 3, curl_turns: 2, curl_angle: 50, rotation: [90, 0, 0]}\n"
+        f"rules: [gravity, {rule}]\nsolids: [{solids}]\n"
+    )
+    return RodSolver(scene, emit(scene.emitter, scene.seed))
+
+
+def at_rest(solver: RodSolver, rate: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Motion of each strand's liveliest particle in the last second (root mean square over frames, mm a frame), and
+    where particles are."""
+    seen = []
+    for i in range(SECONDS * rate):
+        solver.step((i + 1) / rate, 1 / rate)
+        if i >= (SECONDS - 1) * rate - 1:
+            seen.append(solver.particles().astype(np.float64))
+    steps = np.linalg.norm(np.diff(seen, axis=0), axis=-1)
+    return 1e3 * np.sqrt((steps**2).mean(0)).max(-1), seen[-1]
+
+
+@pytest.mark.parametrize("rate", [24, 60])
+@pytest.mark.parametrize(
+    "more",
+    ["end: pinned", "end: free", "root: hinged", "root: free", f"end: pinned, {OVAL}", OVAL, f"root: hinged, {OVAL}"],
+)
+@pytest.mark.parametrize("angle", [40, 60])
+def test_strands_rest_in_a_groove(angle: int, more: str, rate: int) -> None:
+    """With the force of one solid a round some fidgeted by .2 to 5 mm a frame for ever in most of these."""
+    moved, places = at_rest(fallen(GROOVE.format(angle), rate, f"friction: 0.2, {more}"), rate)
+    assert moved.max() < 0.2
+    assert np.median(moved) < 0.01
+    sides = np.deg2rad(angle) * np.array([1, -1])
+    heights = places[..., 1:2] + 0.05
+    depth = places[..., :1] * np.sin(sides) - heights * np.cos(sides)
+    assert (depth[:, 1:].max(-1) < 1e-5).all()
+
+
+@pytest.mark.parametrize("low", [-0.04, -0.06])
+def test_pinned_tips_stay_where_they_are(low: float) -> None:
+    """Steps in parts that began with the velocity of a whole one let them sink by 12 to 22 mm."""
+    solver = fallen(GROOVE.format(40).replace("-0.05", str(low)), 24, "friction: 0.2, end: pinned")
+    begun = solver.particles()[:, -1].astype(np.float64)
+    off = []
+    for i in range(96):
+        solver.step((i + 1) / 24, 1 / 24)
+        off.append(np.linalg.norm(solver.particles()[:, -1] - begun, axis=-1).max())
+    assert max(off) < 2e-5
+
+
+@pytest.mark.parametrize("rule", ["collision", "{collision: {segments: true}}"], ids=["particles", "segments"])
+@pytest.mark.parametrize("solids", [CAPSULES, GROOVE.format(8), f"{BALL}, {FLOOR}"], ids=["capsules", "flat", "ball"])
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+@pytest.mark.parametrize("end", ["pinned", "free"])
+def test_strands_rest_between_other_solids(end: str, friction: float, solids: str, rule: str) -> None:
+    moved, _ = at_rest(fallen(solids, 24, f"friction: {friction}, end: {end}", rule), 24)
+    assert moved.max() < 0.2
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_a_groove_carries_the_weight_of_what_lies_in_it(friction: float) -> None:
+    """Forces on all particles of a loose strand add up to its weight. Both solids press some, and none pulls."""
+    solver = fallen(GROOVE.format(40), 60, f"friction: {friction}, root: free")
+    at_rest(solver, 60)
+    particles = np.asarray(solver.state.push, np.float64).reshape(-1, 15, 3, PACK)[0]
+    push = np.concatenate([np.asarray(solver.state.root_push, np.float64).reshape(-1, 1, 3, PACK)[0], particles])
+    mass = np.concatenate([[ROOT_SHARE], solver.mass])
+    weight = 9.81 * mass.sum() * np.array([0, 1, 0])
+    carried = np.einsum("n,ncs->sc", mass, push)
+    np.testing.assert_allclose(carried, np.broadcast_to(weight, carried.shape), atol=1e-3 * weight[1])
+    sides = np.deg2rad(40) * np.array([1, -1])
+    normals = np.stack([-np.sin(sides), np.cos(sides)])
+    shares = np.einsum("ij,njs->nis", np.linalg.inv(normals), push[:, :2])
+    assert (shares > 1e-3).all(1).any()
+
+
+@pytest.mark.parametrize("end", ["pinned", "free"])
+def test_a_solid_that_is_there_twice_changes_no_bit(end: str) -> None:
+    once, twice = (fallen(solids, 24, f"end: {end}") for solids in (BALL, f"{BALL}, {BALL}"))
+    for i in range(48):
+        for solver in (once, twice):
+            solver.step((i + 1) / 24, 1 / 24)
+    assert (once.state.touching > 0).any()
+    np.testing.assert_array_equal(once.particles(), twice.particles())
+
+
+def test_strands_beside_change_no_bit() -> None:
+    """Of strands in a groove, those of 16 are the first ones of 40."""
+    few, many = (fallen(GROOVE.format(40), 24, "end: pinned", strands=strands) for strands in (16, 40))
+    np.testing.assert_array_equal(few.particles(), many.particles()[:16])
+    for i in range(48):
+        for solver in (few, many):
+            solver.step((i + 1) / 24, 1 / 24)
+    np.testing.assert_array_equal(few.particles(), many.particles()[:16])
