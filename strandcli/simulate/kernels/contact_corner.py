@@ -10,10 +10,11 @@ from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, store3, where
 from .contact_circle import contact_circle
 from .contact_cone import ALIKE
+from .contact_others import count_of
 from .contact_place import SLOT, carried_to, normal_at, slide
 from .contact_shapes import BOX, CAPSULE, PLANE, SPHERE, nearest_but
 from .contact_spots import NORMAL, size_of
-from .records import BOXES, CAPSULES, OTHERS, PLANES, SPHERES
+from .records import BOXES, CAPSULES, PLANES, SPHERES
 from .rod_scratch import AXES, FIRST_SEGMENT, INVERSE_LENGTH, PACK, SEGMENT, SOLID_SLOTS, THIRD_SLOT
 from .rod_tension import spare
 from .vectors import add_scaled, dot, scaled, select
@@ -24,7 +25,7 @@ def several(solids):
     """Whether there are two solids or more."""
     count = solids[SPHERES][1] // SPHERE + solids[CAPSULES][1] // CAPSULE
     count += solids[PLANES][1] // PLANE + solids[BOXES][1] // BOX
-    return count + len(solids) - OTHERS > 1  # of others there is one or more
+    return count + count_of(solids) > 1
 
 
 @inlined
@@ -36,9 +37,9 @@ def other_of(n, j):
 
 @device
 def set_other(s, at, segment, found, place, known, edges, state, contact):
-    """Set what a second solid wants of the particle of a segment, in lanes where it is ``known`` to be inside the one
-    in slot ``found``, and zeros in others. ``place``: where the edge begins, its direction, and where it ends; the
-    second of ``known``: how far forces and depth may move the particle, metres; edges: its `Edges`."""
+    """Set what a second solid wants of the particle of a segment, and zeros in lanes where none is near. ``found``:
+    slot of the first solid; ``place``: where the edge begins, its direction, and where it ends; ``known``: in which
+    lanes the particle is inside the first, and how far forces and depth may move it, metres; edges: its `Edges`."""
     q, d, end = place
     inside, reach = known
     slots = THIRD_SLOT, 2 * SOLID_SLOTS + SLOT - found

@@ -150,3 +150,14 @@ def _by_others(s, known, places, most, point, edges, lever, at, solids):
         s, known, places, most, point, edges, lever, at, solids[OTHERS],
         (solids[OTHERS].all, distance, normal, place),
     )  # fmt: skip
+
+
+def count_of(solids):
+    """Return how many solids without kernels of their own there are."""
+
+
+@overload(count_of)
+def _count_of(solids):
+    if len(solids) == OTHERS:
+        return lambda solids: 0
+    return lambda solids: solids[OTHERS].last // solids[OTHERS].columns

@@ -7,6 +7,7 @@ from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, where
 from . import contact_corner, contact_forces, contact_response, contact_root, rod, rod_loose, rod_newton, rod_pinned
 from .records import Contact, Scheme
+from .rod_scratch import REACH
 
 ROUNDS, PLAIN, MOST_ROUNDS = 4, 10, 32
 """Rounds in which forces of contact are found, at most; the same where particles are deep in solids after these, or
@@ -55,7 +56,7 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
     ends, lost = scheme.ends, worst < 0.0
     if ends.loose is not None:
         contact_root.begin(s, at, state, pressed)
-    rounds = WHOLE_ROUNDS if contact.segments else MOST_ROUNDS
+    rounds, pinned = WHOLE_ROUNDS if contact.segments else MOST_ROUNDS, rod_pinned.pinned(mass, at.segments)
     for count in range(rounds):
         acted, near, deep, astray = search(s, at, length, state, scheme, contact, mass)
         pressed = pressed or acted
@@ -75,10 +76,10 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
             contact_response.lengthen(s, at, state, mass, ends, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
         if count == rounds - 1:
-            lost = left(s, at, state, contact, (deep, astray), rod_pinned.pinned(mass, at.segments))
+            lost = unfound(s, at, state, contact, (deep, astray), pinned)
     if pressed:
         contact_forces.mark_released(s, at, state.push)
-        if rod_pinned.pinned(mass, at.segments):
+        if pinned:
             lost = lost | contact_forces.sprung(s, at, length, state)
         if ends.loose is not None:
             contact_root.mark_released(s, at, state)
@@ -86,14 +87,16 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
 
 
 @inlined
-def left(s, at, state, contact, ends, pinned):
-    """In which lanes the last round has left the strand with forces that are not found: those that are ``ends``' first,
-    deep in solids or above them, where tips are pinned or solids hold the strand between them; in others its second,
-    astray, where not whole segments are kept out."""
-    deep, astray = ends
+def unfound(s, at, state, contact, found, pinned):
+    """In which lanes the last round has left forces that are not found: of what `contact_forces.search` has ``found``,
+    those that are deep in solids or above them where tips are ``pinned`` or solids hold the strand between them, and
+    in others those that are astray, where not whole segments are kept out."""
+    deep, astray = found
     if pinned:
         return deep
-    lost = astray & (broadcast(s, 0.0) < (0.0 if contact.segments else 1.0))
+    lost = load(s, REACH) < 0.0
+    if not contact.segments:
+        lost = lost | astray
     if contact_corner.several(contact.solids):
         lost = lost | (deep & contact_corner.between(s, at, state))
     return lost
