@@ -227,9 +227,8 @@ class RodSolver(Solver):
             )
         self.numbers.set(dt, bdf2, self.pins is not None)
         self._air[:] = moved.wind
-        if self.curled:
-            still = not (moved.jumps or any(moved.change[TURNED:]) or any(moved.air))
-            self.forcing.numbers[FREE] = still and self._alone and self.pins is None
+        still = self._alone and not (moved.jumps or any(moved.change[TURNED:]) or any(moved.air))
+        self.forcing.numbers[FREE] = still and self.pins is None
         if self.contact is None:
             self._run(pose, moved.change, beside)
             short = True

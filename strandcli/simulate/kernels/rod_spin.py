@@ -14,6 +14,7 @@ from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from . import rod_loose, rod_start
 from .rod_scratch import (
     AXES,
+    DEGENERATE,
     DISPLACEMENT,
     EDGE,
     FIRST_SEGMENT,
@@ -26,18 +27,32 @@ from .rod_scratch import (
     SPIN_AXIS,
 )
 from .rod_tension import TINY
-from .vectors import add_scaled, dot, scaled, sum_of
+from .vectors import add_scaled, dot, scaled, select, sum_of
 
 WHIP = 0.0
 """Cosine of the angle that an edge turns by in a step, from which on BDF2 starts anew."""
+BACK = -0.99
+"""The same of edges that turn back: no motion of a strand that is resolved does that, but limp ones that stand exactly
+upright have no other way to move."""
 SPIN = 1.0
 """Chord, over a strand's length, of a turn in a step from which on BDF2 starts anew."""
 
 
+@inlined
+def find(s, at, state, scheme, free):
+    """Return whether there are strands that have spun (`find_spins`), and any with edges that have turned back
+    (`find_whips`)."""
+    spun, back = False, False
+    if not scheme.curled:  # what energy these have is kept from growing (`rod_energy`)
+        back = find_whips(s, at, state.edges, free)
+    if scheme.share > 0:
+        spun = find_spins(s, at, state, scheme)
+    return spun, back
+
+
 @device
-def find(s, at, state, scheme):
-    """Set `SPIN_AXIS`, and `IMPACT` too, in the lanes whose strands have spun; returns whether there are any. Set
-    `IMPACT` alone where an edge has whipped round."""
+def find_spins(s, at, state, scheme):
+    """Set `SPIN_AXIS`, and `IMPACT` too, in the lanes whose strands have spun; returns whether there are any."""
     n = at.segments
     tip = rod_start.predict(s, at.edge + (n - 1) * AXES, state, scheme)
     way = add_scaled(tip, -1.0, load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + INERTIAL, 1))
@@ -48,10 +63,6 @@ def find(s, at, state, scheme):
         root = scaled(load(s, INVERSE_LENGTH), load3(s, ROOT_SHIFT, 1))
     way = add_scaled(way, -1.0, root)
     spun = dot(way, way) > (SPIN * n) ** 2
-    if not scheme.curled:  # what energy these have is kept from growing (`rod_energy`)
-        whipped = least_cosine(s, at, state.edges) < WHIP
-        if any_lane(whipped):
-            store(s, IMPACT, where(whipped, broadcast(tip[0], 1.0), load(s, IMPACT)))
     if not any_lane(spun):
         return False
     axis = load3(s, FIRST_SEGMENT + EDGE, 1)
@@ -60,6 +71,25 @@ def find(s, at, state, scheme):
     f = where(spun, 1.0 / sqrt(max(dot(axis, axis), TINY)), 0.0)
     store3(s, SPIN_AXIS, 1, f * axis[0], f * axis[1], f * axis[2])
     store(s, IMPACT, where(spun, broadcast(f, 1.0), load(s, IMPACT)))
+    return True
+
+
+@device
+def find_whips(s, at, edges, free):
+    """Set `IMPACT` in the lanes where an edge has whipped round. Where nothing drives strands, which are ``free`` then,
+    have edges that have turned back stay as they were before the step, and set `DEGENERATE` in their lanes; returns
+    whether there are any."""
+    cosine, one = least_cosine(s, at, edges), broadcast(s, 1.0)
+    store(s, IMPACT, where(cosine < WHIP, one, load(s, IMPACT)))
+    back = cosine < BACK
+    if not (free and any_lane(back)):
+        return False
+    store(s, DEGENERATE, where(back, one, 0.0))
+    for j in range(at.segments):
+        o = FIRST_SEGMENT + j * SEGMENT + EDGE
+        e, before = load3(s, o, 1), load3(edges, at.edge + j * AXES, PACK)
+        x, y, z = select(dot(e, before) < BACK, before, e)
+        store3(s, o, 1, x, y, z)
     return True
 
 

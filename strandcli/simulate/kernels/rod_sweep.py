@@ -21,7 +21,7 @@ from ...simd import (
 from . import contact_forces, contact_root, rod, rod_loose, rod_spin, rod_start
 from .contact import keep_out
 from .contact_spots import keep_spot, spot_of
-from .records import ROUNDING, Segment
+from .records import FREE, ROUNDING, Segment
 from .rod_scratch import (
     AXES,
     CORRECTION,
@@ -74,14 +74,14 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
     store3(positions, at.position, W, px - no_fma(length * ex), py - no_fma(length * ey), pz - no_fma(length * ez))
     store3(s, CORRECTION, 1, 0.0, 0.0, 0.0)
     store(s, DEGENERATE, 0.0)
-    spun = False
-    if scheme.second and scheme.share > 0:
-        spun = rod_spin.find(s, at, state, scheme)
+    spun, degenerate = False, False
+    if scheme.second:
+        spun, degenerate = rod_spin.find(s, at, state, scheme, numbers[FREE] > 0)
     if scheme.ends.loose is not None:
         px, py, pz = move_root(s, at, state, length, scheme, spun, contact)
     least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
     rate = 1.0 / load(s, SQUARE)
-    degenerate, fetched, ahead = False, next_pack * PACK + strand % PACK, 0
+    fetched, ahead = next_pack * PACK + strand % PACK, 0
     if n > LONG:
         fetched, ahead = strand, AHEAD
     for j in range(n):
@@ -284,13 +284,14 @@ def update_velocity(s, o, row, length, state, scheme, spun):
         if scheme.crowded:
             begun += load(s, CROWD_CHANGE) * load(state.crowd, p)
         v = rate * u
+        if scheme.share > 0:
+            v = where(impact, v, (u - load(state.moved, p) * share) * inverse_step)
         gain = v - begun
         old = gain
         if scheme.share > 0:
-            v = where(impact, v, (u - load(state.moved, p) * share) * inverse_step)
-            gain = where(impact, broadcast(s, 0.0), v - begun)
             old = where(share > 0.0, past - load(state.before, p), gain)
-            old = where(impact, broadcast(s, 0.0), old)
+        gain = where(impact, broadcast(s, 0.0), gain)
+        old = where(impact, broadcast(s, 0.0), old)
         store(state.before, p, v - gain)
         store(state.velocity, p, v)
         store(state.ahead, p, v + GAIN * gain - OLD_GAIN * old)
