@@ -20,6 +20,8 @@ ROOT_SHARE = 0.5
 """Relative mass of a free root."""
 TINY = 1e-9
 """Of rates and angles, what counts as none."""
+LOOSE = 100.0
+"""Factor of a pin's mass where roots are free: the strand hangs on it alone, and precision is double."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
 OVAL_DAMPING = 0.25
@@ -36,6 +38,7 @@ class StepNumbers:
         self, rod: Rod, material: Material, forcing: Forcing, mass: NDArray[Any], gravity: tuple[float, ...],
         coiled: bool, coils: CoilSteps | None,
     ) -> None:  # fmt: skip
+        self._heavy = HEAVY * (LOOSE if rod.root == "free" else 1.0)
         self._mass = mass
         self._rod, self._material, self._forcing = rod, material, forcing
         self._gravity, self.coils = gravity, coils
@@ -76,5 +79,5 @@ class StepNumbers:
             np.multiply(self._mass, 1 + dragged, out=self._material.mass)
             numbers[ROOT_MASS] = ROOT_SHARE * (1 + dragged)
             if pinned:
-                self._material.mass[-1] *= HEAVY
+                self._material.mass[-1] *= self._heavy
             self._dragged = dragged

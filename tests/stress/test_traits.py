@@ -131,3 +131,9 @@ def test_forces_of_contact_that_no_step_can_carry_do_not_end_a_run(
     assert "stopped" not in verdicts.judge("rod", {}, traits.check_traits("rod", labels=labels)).failed
     monkeypatch.setattr("strandcli.simulate.contact.between_strands.RESIDUAL_MOST", np.inf)
     assert "stopped" in verdicts.judge("rod", {}, traits.check_traits("rod", labels=labels)).failed
+
+
+def test_a_pin_holds_a_loose_strand_that_it_carries_far_off() -> None:
+    """It was .0019 of a length off, as 1e6 particles are no more than that."""
+    labels = PINNED | {"dt": "1e-4", "emitter": "teleport", "start": "folded", "root": "free", "integrator": "bdf2"}
+    assert traits.check_traits("rod", labels=labels)["pinned_off"] < 1e-4
