@@ -6,8 +6,9 @@ from ...constants import W
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, where
 from . import contact_corner, contact_forces, contact_response, contact_root, rod, rod_loose, rod_newton, rod_pinned
+from .contact_shapes import edges_of, nearest
 from .records import Contact, Scheme
-from .rod_scratch import REACH
+from .rod_scratch import FIRST_SEGMENT, INVERSE_LENGTH, REACH
 
 ROUNDS, PLAIN, MOST_ROUNDS = 4, 10, 32
 """Rounds in which forces of contact are found, at most; the same where particles are deep in solids after these, or
@@ -80,7 +81,9 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
     if pressed:
         contact_forces.mark_released(s, at, state.push)
         if pinned:
-            lost = lost | contact_forces.sprung(s, at, length, state)
+            sprung = contact_forces.sprung(s, at, length, state)
+            if any_lane(sprung):
+                lost = lost | (sprung & ends_outside(s, at, length, state, contact))
         if ends.loose is not None:
             contact_root.mark_released(s, at, state)
     return worst, pressed, near or pressed, lost  # those that solids have just left are to be marked, too
@@ -92,14 +95,28 @@ def unfound(s, at, state, contact, found, pinned):
     those that are deep in solids or above them where tips are ``pinned`` or solids hold the strand between them, and
     in others those that are astray, where not whole segments are kept out."""
     deep, astray = found
-    if pinned:
-        return deep
     lost = load(s, REACH) < 0.0
     if not contact.segments:
         lost = lost | astray
+    if pinned:
+        return lost | (deep & ends_outside(s, at, 1.0 / load(s, INVERSE_LENGTH), state, contact))
     if contact_corner.several(contact.solids):
         lost = lost | (deep & contact_corner.between(s, at, state))
     return lost
+
+
+@device
+def ends_outside(s, at, length, state, contact):
+    """In which lanes neither the root nor the tip begins the step in a solid: strands that lead into one have no end
+    of rounds, and no part of a step would have."""
+    zero = broadcast(s, 0.0)
+    edges = edges_of(s, FIRST_SEGMENT, (zero, zero, zero), length, False, False)
+    most = zero
+    for row in range(1, at.segments + 2, at.segments):
+        place = at.position + row * contact_forces.ROW
+        depth, _ = nearest(s, load3(state.positions, place, W), edges, (state.positions, place), zero, contact.solids)
+        most = max(most, depth)
+    return most < contact_forces.DEEP * length
 
 
 @inlined
