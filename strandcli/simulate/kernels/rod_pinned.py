@@ -14,13 +14,13 @@ from .rod_scratch import ADDED_VELOCITY, AXES, INVERSE_LENGTH, PACK, ROOT_SHIFT,
 HEAVY = 1e6
 """Factor of a pinned particle's mass."""
 LIGHT = 1e3
-"""Mass, in those of particles, up to which the tip is not pinned."""
+"""Mass, over the first particle's, from which on the tip is pinned: drag multiplies all by the same."""
 
 
 @inlined
 def pinned(mass, n):
-    """Whether tips of strands with n segments are pinned."""
-    return mass[n - 1] > LIGHT
+    """Whether tips of strands with n segments are pinned; those of one segment have no way to go."""
+    return mass[n - 1] > LIGHT * mass[0]
 
 
 @device
