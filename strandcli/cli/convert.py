@@ -207,12 +207,15 @@ def _tell(
 ) -> None:
     """Say what was done; ``strands``: how many were read, and what was written; ``how``: as JSON, quietly."""
     from ..exchange.change import strands_of
+    from ..exchange.control import note_of
 
     before, after = strands
+    note = note_of(after.source.facts)
     if how[0]:
         options.print_json({
             "in": str(source), "out": str(target), "strands_read": before, "skipped": skipped,
             "strands": after.count, "points": after.points.shape[0], "lost": lost,
+            "basis": after.source.facts.get("basis"),
             "edits": [{"edit": one.edit, "text": one.text, **one.facts} for one in changes],
         })  # fmt: skip
         return
@@ -220,6 +223,8 @@ def _tell(
         say(f"{source}: {strands_of(count)} of {why} skipped", err=True)
     if how[1]:
         return
+    if note:
+        say(f"{source}: {note}", err=True)
     for one in changes:
         say(one.text, err=True)
     for line in lost:

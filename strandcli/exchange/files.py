@@ -21,8 +21,8 @@ from typing import Any
 from ..errors import UsageError
 from ..registry import Registry
 from .bounded import opened
+from .splines import LINEAR
 from .strands import Layer, Strands, TimeSample
-from .usd.cubic import LINEAR
 
 FORMATS = Registry(
     "format of strands", "strandcli.groom_formats", "exchange.formats", "hair", ("name", "suffixes", "sniff", "read")

@@ -17,13 +17,12 @@ RANK: dict[Domain, int] = {"groom": 0, "strand": 1, "point": 2}
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
     """What an object of curves holds: points of each curve (S,), points (P, 3), attributes by our names, names of
-    those that are none here, and what the curves are."""
+    those that are none here."""
 
     counts: Offsets
     points: Points
     attributes: dict[str, Attribute] = field(default_factory=dict)
     unread: list[str] = field(default_factory=list)
-    basis: str = ""
 
 
 def joined(parts: list[Part], source: Source) -> tuple[Strands, list[str]]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..errors import UsageError
 from ..exchange import faults
 from ..exchange.change import strands_of
+from ..exchange.control import note_of
 from ..exchange.edit.fix import fixed, reversed_all
 from ..exchange.edit.subsample import some
 from ..exchange.edit.transform import turned
@@ -157,6 +158,8 @@ def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:
     path = Path(given.file)
     strands = read(path, ReadOptions(given.stride, given.array or None, lenient=given.fix))
     notes += [f"{path}: {strands_of(count)} of {why}, skipped" for why, count in strands.source.skipped.items()]
+    curves = note_of(strands.source.facts)
+    notes += [f"{path}: {curves}"] if curves else []
     if given.fix:
         before = strands
         strands, change = fixed(strands, given.root == "auto")

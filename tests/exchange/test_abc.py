@@ -213,19 +213,6 @@ def test_attributes_by_index_and_of_many_types() -> None:
     assert found.source.facts["attributes_not_read"] == ["none"]
 
 
-@pytest.mark.parametrize(
-    ("told", "basis"),
-    [((1, 0, 0, 0), "linear"), ((0, 0, 1, 1), "cubic bezier"), ((0, 1, 2, 2), "cubic b-spline, periodic"),
-     ((2, 0, 0, 0), "NURBS"), ((0, 0, 77, 0), "cubic unknown")],
-)  # fmt: skip
-def test_points_of_other_curves_are_kept_and_told(told: tuple[int, ...], basis: str) -> None:
-    made = Builder()
-    more = [made.array("curveBasisAndType", np.array([told], "u1"), scalar=True)]
-    found = read_bytes(made.finish(made.curves("a", POINTS, COUNTS, more)))
-    assert found.source.facts["basis"] == [basis]
-    assert found.points.tolist() == POINTS.tolist()
-
-
 def test_what_blender_writes_is_read() -> None:
     """Made by `test_blender.export`, whose points are told there; Blender's z axis is up, the archive's y."""
     found = read(FROM_BLENDER)

@@ -183,7 +183,7 @@ def test_widths_and_normals_go_with_transforms() -> None:
         (usd_kit.prim(STRANDS).replace("[4, 4, 4]", "[4, 4, 5]"), "12 points, the curves have 13"),
         (usd_kit.prim(STRANDS).replace("[4, 4, 4]", "[4, -4, 12]"), "curve 1 has -4 points"),
         (usd_kit.prim([POINTS[:5]], basis="bezier"), "5 points, which make no whole pieces of cubic bezier"),
-        (usd_kit.prim(STRANDS, basis="hermite"), "basis hermite"),
+        (usd_kit.prim(STRANDS, basis="power"), "basis power"),
         (usd_kit.prim(STRANDS).replace("(0, 1, 4)", "(0, nan, 4)"), "points: number 0 is not finite"),
         ('def Xform "a"\n{\n}\n', "holds no BasisCurves"),
         ("def garbage", "damaged or no .usd file"),

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 import exchange_kit as kit
 import usd_kit
 from strandcli.errors import UsageError
+from strandcli.exchange import splines
 from strandcli.exchange.files import read, write
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
-from strandcli.exchange.usd import cubic
 from tests.exchange.test_usd import STRANDS, opened, read_text
 
 
@@ -78,11 +78,11 @@ def cardinal(t: float) -> float:
     return step(-2, 3)
 
 
-@pytest.mark.parametrize("wrap", cubic.WRAPS)
+@pytest.mark.parametrize("wrap", splines.WRAPS)
 def test_b_splines_are_sums_of_cardinal_ones(wrap: str) -> None:
     curve = np.random.default_rng(4).normal(size=(6, 3))
-    basis = cubic.Basis("cubic", "bspline", wrap)
-    made = cubic.evaluated(np.array([6]), curve, basis, 5)
+    basis = splines.Basis("cubic", "bspline", wrap)
+    made = splines.evaluated(np.array([6]), curve, basis, 5)
     knots = {"nonperiodic": (1, 4), "periodic": (1, 7), "pinned": (0, 5)}[wrap]
     held = {i: curve[i % 6] for i in range(-2, 12)}
     if wrap == "pinned":
@@ -92,11 +92,11 @@ def test_b_splines_are_sums_of_cardinal_ones(wrap: str) -> None:
     np.testing.assert_allclose(made, np.array(want), rtol=1e-5, atol=1e-6)
 
 
-@pytest.mark.parametrize("wrap", cubic.WRAPS)
+@pytest.mark.parametrize("wrap", splines.WRAPS)
 def test_catmull_rom_splines_go_through_their_points_with_the_slopes_of_chords(wrap: str) -> None:
     curve = np.random.default_rng(5).normal(size=(6, 3))
-    basis = cubic.Basis("cubic", "catmullRom", wrap)
-    made = cubic.evaluated(np.array([6]), curve, basis, 1000).astype(np.float64)
+    basis = splines.Basis("cubic", "catmullRom", wrap)
+    made = splines.evaluated(np.array([6]), curve, basis, 1000).astype(np.float64)
     through = {"nonperiodic": [1, 2, 3, 4], "periodic": [1, 2, 3, 4, 5, 0, 1], "pinned": [0, 1, 2, 3, 4, 5]}[wrap]
     np.testing.assert_allclose(made[::1000], curve[through], atol=1e-6)
     for place, i in enumerate(through[1:-1], 1):
@@ -104,27 +104,30 @@ def test_catmull_rom_splines_go_through_their_points_with_the_slopes_of_chords(w
         np.testing.assert_allclose(slope, (curve[(i + 1) % 6] - curve[(i - 1) % 6]) / 2, atol=1e-2)
 
 
-@pytest.mark.parametrize("basis", list(cubic.MATRICES))
-@pytest.mark.parametrize("wrap", cubic.WRAPS)
+@pytest.mark.parametrize("basis", list(splines.MATRICES))
+@pytest.mark.parametrize("wrap", splines.WRAPS)
 def test_what_is_linear_stays_so(basis: str, wrap: str) -> None:
     """Control points on a line at even distances make points on it, at even distances."""
-    count = 9 if basis == "bezier" and wrap == "periodic" else 7
+    count = 9 if basis == "bezier" and wrap == "periodic" else 12 if basis == "hermite" else 7
     curve = np.arange(count)[:, None] * np.array([1.0, 2.0, -1.0])
-    told = cubic.Basis("cubic", basis, wrap)
-    made = cubic.evaluated(np.array([count]), curve, told, 4)[:9]
+    if basis == "hermite":
+        curve[1::2] = curve[2] - curve[0]
+    told = splines.Basis("cubic", basis, wrap)
+    made = splines.evaluated(np.array([count]), curve, told, 4)[:9]
     np.testing.assert_allclose(np.diff(made, axis=0), np.broadcast_to(np.diff(made, axis=0)[0], (8, 3)), atol=1e-6)
 
 
 @settings(max_examples=60, deadline=None)
 @given(
-    basis=st.sampled_from(list(cubic.MATRICES)), wrap=st.sampled_from(cubic.WRAPS), kind=st.sampled_from([0, 1]),
+    basis=st.sampled_from(["bezier", "bspline", "catmullRom"]),
+    wrap=st.sampled_from(splines.WRAPS), kind=st.sampled_from([0, 1]),
     counts=st.lists(st.integers(0, 14), min_size=1, max_size=8), seed=st.integers(0, 99),
 )  # fmt: skip
 def test_counts_agree_with_pixar(basis: str, wrap: str, kind: int, counts: list[int], seed: int) -> None:
     """Sizes of varying values are those of the schema; each point on a curve is within the bound of its segments."""
     from pxr import Usd, UsdGeom
 
-    told = cubic.Basis("cubic" if kind else "linear", basis, wrap)
+    told = splines.Basis("cubic" if kind else "linear", basis, wrap)
     pieces = told.pieces(np.array(counts))
     held = np.array([count for count, piece in zip(counts, pieces, strict=True) if piece > 0], np.int64)
     stage = Usd.Stage.CreateInMemory()
@@ -136,11 +139,11 @@ def test_counts_agree_with_pixar(basis: str, wrap: str, kind: int, counts: list[
     if wrap != "pinned" and (kind or wrap == "nonperiodic"):  # the library does not count what pinning adds
         assert curves.ComputeVaryingDataSize(Usd.TimeCode.Default()) == told.varying(held).sum()
     points = np.random.default_rng(seed).normal(size=(int(held.sum()), 3)).astype(np.float32)
-    each, off = cubic.points_a_piece(held, points, told)
-    coarse, fine = (cubic.evaluated(held, points, told, one) for one in (each, 4 * each))
-    assert coarse.shape[0] == cubic.new_counts(held, told, each).sum()
-    begin = np.concatenate([[0], np.cumsum(cubic.new_counts(held, told, each))])
-    begin_fine = np.concatenate([[0], np.cumsum(cubic.new_counts(held, told, 4 * each))])
+    each, off = splines.points_a_piece(held, points, told)
+    coarse, fine = (splines.evaluated(held, points, told, one) for one in (each, 4 * each))
+    assert coarse.shape[0] == splines.new_counts(held, told, each).sum()
+    begin = np.concatenate([[0], np.cumsum(splines.new_counts(held, told, each))])
+    begin_fine = np.concatenate([[0], np.cumsum(splines.new_counts(held, told, 4 * each))])
     for i in range(held.size):
         few, many = coarse[begin[i] : begin[i + 1]], fine[begin_fine[i] : begin_fine[i + 1]]
         assert np.abs(many[::4] - few).max() < 1e-5

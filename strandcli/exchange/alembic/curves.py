@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from ..control import ControlCurves, Fitter
 from ..parts import Part
 from ..placing import moved, moved_attribute
-from ..strands import Attribute, Domain, Offsets, Points
+from ..strands import Attribute, Offsets, Points
 from . import layout
 from .archive import CLOSE, Archive, Object, Property
+from .basis import basis_of
 from .xform import Transform, chain, world
 
 
@@ -75,31 +77,34 @@ def counts_of(archive: Archive, one: Curves, seconds: float | None = None) -> Of
     return found.astype(np.int64)
 
 
-def points_of(archive: Archive, one: Curves, seconds: float | None = None) -> Points:
-    """The points (P, 3) of curves where their transforms put them, at a time or in the first sample."""
-    index = 0 if seconds is None else archive.index(one.points, seconds)
-    found = archive.values(one.points, index).astype(np.float32, copy=False)
-    return moved(found, world(archive, one.transforms, seconds))
+def _control(archive: Archive, one: Curves, index: int) -> Points:
+    """The control points (P, 3) of curves in a sample, where no transform puts them."""
+    return archive.values(one.points, index).astype(np.float32, copy=False)
 
 
-def part_of(archive: Archive, one: Curves) -> Part:
-    """What curves are in the first sample. Raises `UsageError` where their counts do not fit their points."""
-    counts = counts_of(archive, one)
-    points = points_of(archive, one)
-    if int(counts.sum()) != points.shape[0]:
-        raise archive.file.damaged(
-            f"{one.path}: {points.shape[0]:,} points, the curves have {int(counts.sum()):,}", one.points.child.at
-        )
+def control_of(archive: Archive, one: Curves, fitter: Fitter) -> tuple[ControlCurves, Points]:
+    """What curves are in the first sample, and their control points. Raises `UsageError` where these make no curves."""
+    counts, control = counts_of(archive, one), _control(archive, one, 0)
+    basis, knots = basis_of(archive, one.path, one.geometry, counts.size)
+    at = one.points.child.at
+    return fitter.fitted(
+        one.path, counts, control, basis, lambda words: archive.file.fault(words, at), knots
+    ), control  # fmt: skip
+
+
+def part_of(archive: Archive, one: Curves, fitter: Fitter) -> tuple[ControlCurves, Part]:
+    """What curves are in the first sample, and the points on them with their attributes."""
+    curves, control = control_of(archive, one, fitter)
     matrix = world(archive, one.transforms, None)
     attributes: dict[str, Attribute] = {}
     unread = []
     for name, told in _attributes(archive, one).items():
-        found = None if name in attributes else _attribute(archive, told, counts.shape[0], points.shape[0])
+        found = None if name in attributes else _attribute(archive, told, name, curves)
         if found is None:
             unread.append(name)
         else:
             attributes[name] = found if matrix is None else moved_attribute(name, found, matrix)
-    return Part(counts, points, attributes, unread, _basis(archive, one))
+    return curves, Part(curves.point_counts(), moved(curves.points(control), matrix), attributes, unread)
 
 
 def _attributes(archive: Archive, one: Curves) -> dict[str, Property]:
@@ -112,7 +117,7 @@ def _attributes(archive: Archive, one: Curves) -> dict[str, Property]:
     return found
 
 
-def _attribute(archive: Archive, told: Property, strands: int, points: int) -> Attribute | None:
+def _attribute(archive: Archive, told: Property, name: str, curves: ControlCurves) -> Attribute | None:
     """A property's first sample, None where it has no row for each point or strand or for all."""
     indices = None
     if told.kind == layout.COMPOUND:
@@ -128,15 +133,9 @@ def _attribute(archive: Archive, told: Property, strands: int, points: int) -> A
     if indices is not None:
         values = _expanded(archive, indices, values)
     scope = told.metadata.get("geoScope", values_of.metadata.get("geoScope", ""))
-    domain = _domain(layout.SCOPES.get(scope, ""), values.shape[0], strands, points)
-    if domain is None:
-        return None
     if values_of.dtype == "?":
         values = (values != 0).astype(np.int8)
-    elif values.dtype.kind == "f":
-        with np.errstate(over="ignore"):
-            values = values.astype(np.float32, copy=False)
-    return Attribute(domain, values[:, 0] if values.shape[1] == 1 else values)
+    return curves.attribute(name, layout.SCOPES.get(scope, ""), values)
 
 
 def _expanded(archive: Archive, indices: Property, values: Any) -> Any:
@@ -150,27 +149,6 @@ def _expanded(archive: Archive, indices: Property, values: Any) -> Any:
     return values[rows]
 
 
-def _domain(told: str, rows: int, strands: int, points: int) -> Domain | None:
-    """What has a row: as the scope tells it if that fits, else what does."""
-    counts: dict[Domain, int] = {"point": points, "strand": strands, "groom": 1}
-    fits: list[Domain] = [domain for domain, count in counts.items() if count == rows]
-    return next((domain for domain in fits if domain == told), fits[0] if fits else None)
-
-
-def _basis(archive: Archive, one: Curves) -> str:
-    """What the points mean, in words."""
-    told = one.geometry.get("curveBasisAndType")
-    if told is None or told.kind == layout.COMPOUND or told.extent < 3 or not told.samples or not told.dtype:
-        return "linear"
-    curve, periodic, basis = archive.values(told).reshape(-1).tolist()[:3]
-    words = "linear"
-    if curve == layout.CUBIC:
-        words = f"cubic {layout.BASES[int(basis)] if 0 <= basis < len(layout.BASES) else 'unknown'}"
-    elif curve != layout.LINEAR:
-        words = "NURBS"
-    return f"{words}, periodic" if periodic else words
-
-
 def times_of(archive: Archive, all_of: list[Curves]) -> list[float]:
     """Seconds at which points change, rising."""
     change = [one.points for one in all_of]
@@ -180,22 +158,24 @@ def times_of(archive: Archive, all_of: list[Curves]) -> list[float]:
     return [time for place, time in enumerate(found) if not place or time - found[place - 1] > CLOSE]
 
 
-def at_times(archive: Archive, all_of: list[Curves], times: list[float]) -> Iterator[tuple[float, list[Points]]]:
-    """At each time the points of each object. Raises `UsageError` where curves come or go with time."""
-    first = [counts_of(archive, one) for one in all_of]
+def at_times(
+    archive: Archive, all_of: list[Curves], first: list[ControlCurves], times: list[float]
+) -> Iterator[tuple[float, list[Points]]]:
+    """At each time the points on the curves of each object, which are ``first`` in their first samples. Raises
+    `UsageError` where curves come or go with time."""
     for seconds in times:
         archive.container.renew()
         found = []
-        for one, counts in zip(all_of, first, strict=True):
-            points = points_of(archive, one, seconds)
-            if one.counts.last and not np.array_equal(counts_of(archive, one, seconds), counts):
+        for one, curves in zip(all_of, first, strict=True):
+            control = _control(archive, one, archive.index(one.points, seconds))
+            if one.counts.last and not np.array_equal(counts_of(archive, one, seconds), curves.counts):
                 raise archive.file.fault(
                     f"{one.path}: at {seconds:g} s it has other curves than at first", one.counts.child.at
                 )
-            if points.shape[0] != int(counts.sum()):
+            if control.shape[0] != int(curves.counts.sum()):
                 raise archive.file.damaged(
-                    f"{one.path}: {points.shape[0]:,} points at {seconds:g} s, the curves have {int(counts.sum()):,}",
-                    one.points.child.at,
+                    f"{one.path}: {control.shape[0]:,} points at {seconds:g} s, the curves have "
+                    f"{int(curves.counts.sum()):,}", one.points.child.at,
                 )  # fmt: skip
-            found.append(points)
+            found.append(moved(curves.points(control), world(archive, one.transforms, seconds)))
         yield seconds, found

@@ -76,9 +76,9 @@ BASE = "AbcGeom_GeomBase_v1"
 XFORM = "AbcGeom_Xform_v3"
 CUBIC, LINEAR, VARIABLE = range(3)
 """Types of curves."""
-BASES = ("none", "bezier", "b-spline", "catmull-rom", "hermite", "power")
-SCOPES = {"con": "groom", "": "groom", "uni": "strand", "var": "point", "vtx": "point", "fvr": "point"}
-"""Geometry scopes, and what an attribute of each has a value for."""
+BASES = ("", "bezier", "bspline", "catmullRom", "hermite", "power")
+SCOPES = {"con": "constant", "": "constant", "uni": "uniform", "var": "varying", "vtx": "vertex", "fvr": "varying"}
+"""Geometry scopes, as USD calls them."""
 NAMES = {"N": "normal", "groom_root_uv": "root_uv", "groom_color": "colour", "groom_width": "width"}
 """Names of attributes: Alembic's own, those of Unreal's *Alembic for Grooms*, and ours."""
 SCALE, TRANSLATE, ROTATE, MATRIX, ROTATE_X, ROTATE_Y, ROTATE_Z = range(7)

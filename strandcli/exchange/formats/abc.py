@@ -10,9 +10,10 @@ import numpy as np
 
 from ..alembic import layout
 from ..alembic.archive import Archive
-from ..alembic.curves import all_curves, at_times, counts_of, part_of, times_of
+from ..alembic.curves import all_curves, at_times, control_of, part_of, times_of
 from ..alembic.export import write_curves
 from ..bounded import opened
+from ..control import Fitter, facts_of
 from ..files import ReadOptions
 from ..parts import joined
 from ..strands import SHORTEST, Source, Strands, TimeSample, without_short
@@ -32,22 +33,22 @@ def sniff(head: bytes, size: int) -> bool:
 
 
 def read(path: Path, options: ReadOptions) -> Strands:
-    """The strands of a file, of all its objects of curves in their first sample. Of other than linear curves the
-    points are control points; they are kept as they are."""
+    """The strands of a file, of all its objects of curves in their first sample. Cubic curves become points on them."""
     with opened(path, WHAT, options.lenient) as file:
         archive = Archive(file)
         curves = all_curves(archive)
-        parts = [part_of(archive, one) for one in curves]
+        fitter = Fitter(file.size)
+        fitted = [part_of(archive, one, fitter) for one in curves]
         times = times_of(archive, curves)
         facts: dict[str, Any] = {
-            "objects": [one.path for one in curves[:MOST_NAMES]], "basis": sorted({one.basis for one in parts}),
+            "objects": [one.path for one in curves[:MOST_NAMES]], **facts_of([one for one, _ in fitted]),
             "times": len(times), "begin": times[0], "end": times[-1],
         }  # fmt: skip
         if len(curves) > MOST_NAMES:
             facts["objects_in_all"] = len(curves)
         if archive.metadata.get("_ai_Application"):
             facts["application"] = archive.metadata["_ai_Application"]
-        strands, lost = joined(parts, Source(name, archive.version, facts))
+        strands, lost = joined([part for _, part in fitted], Source(name, archive.version, facts))
     if lost:
         facts["attributes_not_read"] = lost
     return without_short(strands)
@@ -59,9 +60,11 @@ def moments(path: Path, options: ReadOptions) -> Iterator[TimeSample]:
     with opened(path, WHAT, options.lenient) as file:
         archive = Archive(file)
         curves = all_curves(archive)
-        counts = np.concatenate([counts_of(archive, one) for one in curves])
+        fitter = Fitter(file.size)
+        fitted = [control_of(archive, one, fitter)[0] for one in curves]
+        counts = np.concatenate([one.point_counts() for one in fitted])
         keep = np.repeat(counts >= SHORTEST, counts)
-        for seconds, points in at_times(archive, curves, times_of(archive, curves)):
+        for seconds, points in at_times(archive, curves, fitted, times_of(archive, curves)):
             all_points = points[0] if len(points) == 1 else np.concatenate(points)
             yield TimeSample(seconds, all_points if keep.all() else all_points[keep])
 

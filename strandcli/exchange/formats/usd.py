@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ..bounded import opened
+from ..control import facts_of
 from ..files import ReadOptions
 from ..parts import joined
+from ..splines import CATMULL_ROM, LINEAR
 from ..strands import Layer, Source, Strands, TimeSample, without_short
-from ..usd.cubic import CATMULL_ROM, LINEAR
 from ..usd.curves import Reader, Stage
 from ..usd.export import write_stage
 
@@ -57,17 +58,13 @@ def _encoding(path: Path) -> str:
 def _facts(stage: Stage, encoding: str) -> dict[str, Any]:
     told, times = stage.told, stage.told["times"]
     facts: dict[str, Any] = {
-        "encoding": encoding, "prims": [one.prim for one in stage.curves[:MOST_NAMES]],
-        "basis": sorted({one.basis.text for one in stage.curves}), "times": max(len(times), 1),
+        "encoding": encoding, "prims": [one.path for one in stage.curves[:MOST_NAMES]],
+        **facts_of(stage.curves), "times": max(len(times), 1),
     }  # fmt: skip
     if times:
         facts |= {"begin": times[0], "end": times[-1]}
     if len(stage.curves) > MOST_NAMES:
         facts["prims_in_all"] = len(stage.curves)
-    cubic = [one for one in stage.curves if not one.basis.linear]
-    if cubic:
-        facts["points_a_piece"] = sorted({one.each for one in cubic})
-        facts["off_the_curves"] = float(f"{max(one.off for one in cubic):.3g}")
     facts |= {key: told[key] for key in ("not_read", "purpose", "application") if told[key]}
     if told["not_found"]:
         facts["files_not_found"] = told["not_found"]

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from ...errors import UsageError
 from ...output.files import placed
+from ..splines import CATMULL_ROM, CUBIC, LINEAR
 from ..strands import CHUNK, Attribute, Domain, Layer, Points, Strands, TimeSample
-from .cubic import CATMULL_ROM, LINEAR
 from .curves import NAMES
 from .messages import Message
 from .process import ask
@@ -24,7 +24,7 @@ EXTENTS = {"width": 1, "colour": 3, "transparency": 1, "normal": 3, "uv": 2, "ro
 """Numbers that these have a row; they are floating-point."""
 KINDS = {"B": "B", "i": "i", "q": "q", "l": "q"}
 """Integers that USD has, by those of numpy."""
-BASES = {LINEAR: (LINEAR, "", "nonperiodic"), CATMULL_ROM: ("cubic", CATMULL_ROM, "pinned")}
+BASES = {LINEAR: (LINEAR, "", "nonperiodic"), CATMULL_ROM: (CUBIC, CATMULL_ROM, "pinned")}
 """Type, basis and wrap of curves whose first and last control points are their ends."""
 RATE = 24.0
 """Time codes a second of a single time."""

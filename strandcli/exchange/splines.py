@@ -1,7 +1,8 @@
-"""Points on the curves that `BasisCurves` of USD describe by control points.
+"""Points on the curves that files of Alembic and USD describe by control points.
 
-Weights are those of Bezier curves, uniform cubic B-splines and Catmull-Rom splines as the schema UsdGeomBasisCurves has
-them; a piece is a cubic polynomial between two values of its parameter, 0 and 1.
+Weights are those of Bezier and Hermite curves, uniform cubic B-splines and Catmull-Rom splines as the schemas
+UsdGeomBasisCurves and AbcGeom's ICurves have them, both after RenderMan's RiCurves; a piece is a cubic polynomial
+between two values of its parameter, 0 and 1.
 """
 
 from __future__ import annotations
@@ -13,15 +14,20 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..strands import Offsets, Points, offsets
+from .strands import Offsets, offsets
 
-LINEAR, CATMULL_ROM = "linear", "catmullRom"
+LINEAR, CUBIC = "linear", "cubic"
+BEZIER, BSPLINE, CATMULL_ROM, HERMITE = "bezier", "bspline", "catmullRom", "hermite"
 MATRICES = {
-    "bezier": np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], np.float64),
-    "bspline": np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], np.float64) / 6,
+    BEZIER: np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], np.float64),
+    BSPLINE: np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], np.float64) / 6,
     CATMULL_ROM: np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], np.float64) / 2,
+    HERMITE: np.array([[1, 0, 0, 0], [0, 1, 0, 0], [-3, -2, 3, -1], [2, 1, -2, 1]], np.float64),
 }
-"""(4, 4) of each basis: row i has what each of the four control points gives to the power i of the parameter."""
+"""(4, 4) of each basis: row i has what each of the four control points gives to the power i of the parameter. Those of
+Hermite curves are in turn a point and the tangent there."""
+STEPS = {BEZIER: 3, HERMITE: 2}
+"""Control points from a piece to the next one, where they are not 1."""
 WRAPS = ("nonperiodic", "periodic", "pinned")
 FINE = 1e-3
 """Distance of a strand's segments from its curve, over the median length of the control polygons, that is aimed at."""
@@ -38,16 +44,19 @@ Floats = npt.NDArray[np.float64]
 @dataclass(frozen=True, slots=True)
 class Basis:
     """What control points mean: ``type`` is "linear" or "cubic", ``name`` a key of `MATRICES`, ``wrap`` one of
-    `WRAPS`."""
+    `WRAPS`; ``label``: what the file says they are, where it is something else."""
 
     type: str
-    name: str
-    wrap: str
+    name: str = BEZIER
+    wrap: str = "nonperiodic"
+    label: str = ""
 
     @property
     def text(self) -> str:
         """In words."""
-        kind = LINEAR if self.linear else f"cubic {self.name}"
+        if self.label:
+            return self.label
+        kind = LINEAR if self.linear else f"{CUBIC} {self.name}"
         return kind if self.wrap == "nonperiodic" else f"{kind}, {self.wrap}"
 
     @property
@@ -68,7 +77,12 @@ class Basis:
     @property
     def step(self) -> int:
         """Control points from a piece to the next one."""
-        return 3 if self.name == "bezier" and not self.linear else 1
+        return 1 if self.linear else STEPS.get(self.name, 1)
+
+    @property
+    def shared(self) -> int:
+        """Control points that a piece has in common with the next one."""
+        return 4 - self.step
 
     def pieces(self, counts: Offsets) -> Offsets:
         """Pieces of curves of so many control points each (S,): 0 where they are too few, -1 where they do not
@@ -76,9 +90,9 @@ class Basis:
         if self.linear:
             found = counts if self.periodic else counts - 1
             return np.where(counts >= 2, found, 0)
-        if self.step == 3:
-            left = counts if self.periodic else counts - 1
-            return np.where(counts < 3 + (not self.periodic), 0, np.where(left % 3, -1, left // 3))
+        if self.step > 1:
+            left = counts if self.periodic else counts - self.shared
+            return np.where(left < self.step, 0, np.where(left % self.step, -1, left // self.step))
         if self.wrap == "pinned":
             return np.where(counts >= 2, counts - 1, 0)
         return np.where(counts >= 3, counts, 0) if self.periodic else np.maximum(counts - 3, 0)
@@ -92,7 +106,7 @@ class Basis:
 def extended(values: Floats, basis: Basis) -> Floats:
     """Values of control points (k, n, m), with those that the wrap adds before and behind them."""
     if basis.periodic:
-        more = 1 if basis.linear or basis.step == 3 else 3
+        more = 1 if basis.linear else basis.shared
         return np.concatenate([values, values[:, :more]], axis=1)
     if basis.wrap == "pinned" and not basis.linear and basis.step == 1:
         before, behind = 2 * values[:, :1] - values[:, 1:2], 2 * values[:, -1:] - values[:, -2:-1]
@@ -116,9 +130,9 @@ def on_curves(values: Floats, basis: Basis, each: int) -> Floats:
     """Values (k, pieces each + 1, m) along curves whose control points have values (k, n, m)."""
     if basis.linear:
         return at_joints(extended(values, basis), each)
-    told, weight = windows(values, basis), weights(basis, each)
-    inner = np.einsum("kpmw,tw->kptm", told, weight[:-1])
-    last = np.einsum("kmw,w->km", told[:, -1], weight[-1])[:, None]
+    control, weight = windows(values, basis), weights(basis, each)
+    inner = np.einsum("kpmw,tw->kptm", control, weight[:-1])
+    last = np.einsum("kmw,w->km", control[:, -1], weight[-1])[:, None]
     return np.concatenate([inner.reshape(inner.shape[0], -1, inner.shape[-1]), last], axis=1)
 
 
@@ -129,7 +143,7 @@ def at_joints(values: Floats, each: int) -> Floats:
     return np.concatenate([inner.reshape(inner.shape[0], -1, inner.shape[-1]), values[:, -1:]], axis=1)
 
 
-def points_a_piece(counts: Offsets, points: Points, basis: Basis, most: int = MOST) -> tuple[int, float]:
+def points_a_piece(counts: Offsets, points: npt.NDArray[Any], basis: Basis, most: int = MOST) -> tuple[int, float]:
     """How many points each piece gets, and how far the curves are from the segments between them, at most.
 
     A cubic is off its chord by no more than an eighth of the largest second derivative, which is at one of its ends.
@@ -142,7 +156,8 @@ def points_a_piece(counts: Offsets, points: Points, basis: Basis, most: int = MO
         for rows, values in _alike(counts, points, basis):
             bends = np.einsum("kpmw,tw->kptm", windows(values, basis), second)
             off[rows] = np.sqrt(np.einsum("kptm,kptm->kpt", bends, bends).max(axis=(1, 2))) / 8
-            long[rows] = np.sqrt((np.diff(extended(values, basis), axis=1) ** 2).sum(axis=2)).sum(axis=1)
+            through = extended(values, basis)[:, :: 2 if basis.name == HERMITE else 1]
+            long[rows] = np.sqrt((np.diff(through, axis=1) ** 2).sum(axis=2)).sum(axis=1)
     drawn = np.isfinite(off) & np.isfinite(long) & (basis.pieces(counts) > 0)
     if not drawn.any():
         return 1, 0.0
@@ -169,17 +184,17 @@ def new_counts(counts: Offsets, basis: Basis, each: int) -> Offsets:
 
 
 def _made(
-    counts: Offsets, told: Offsets, values: npt.NDArray[Any], basis: Basis, each: int, joints: bool = False
+    counts: Offsets, rows_of: Offsets, values: npt.NDArray[Any], basis: Basis, each: int, joints: bool = False
 ) -> npt.NDArray[np.float32]:
     after = offsets(new_counts(counts, basis, each))
     out = np.empty((int(after[-1]), values.shape[1]), np.float32)
-    first = offsets(told)
+    first = offsets(rows_of)
     with np.errstate(over="ignore", invalid="ignore"):
         for rows, count in _groups(counts, basis, each):
-            held = values[first[rows][:, None] + np.arange(int(told[rows[0]]))].astype(np.float64)
+            some = values[first[rows][:, None] + np.arange(int(rows_of[rows[0]]))].astype(np.float64)
             if joints and basis.periodic:
-                held = np.concatenate([held, held[:, :1]], axis=1)
-            made = at_joints(held, each) if joints else on_curves(held, basis, each)
+                some = np.concatenate([some, some[:, :1]], axis=1)
+            made = at_joints(some, each) if joints else on_curves(some, basis, each)
             out[after[rows][:, None] + np.arange(count)] = made
     return out
 
@@ -199,7 +214,7 @@ def _groups(counts: Offsets, basis: Basis, each: int) -> Any:
         begin = int(end)
 
 
-def _alike(counts: Offsets, points: Points, basis: Basis) -> Any:
+def _alike(counts: Offsets, points: npt.NDArray[Any], basis: Basis) -> Any:
     """Curves of as many control points, some at once: their rows (k,), and control points (k, n, 3)."""
     first = offsets(counts)
     for rows, _ in _groups(counts, basis, 1):

@@ -1,0 +1,144 @@
+"""Control points of curves and their values, made points on the curves: what readers of Alembic and USD share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import UsageError
+from . import splines
+from .nurbs import Spans, spans_of
+from .splines import Basis
+from .strands import Attribute, Domain, Offsets, Points
+
+INTERPOLATIONS: dict[str, Domain] = {
+    "vertex": "point", "varying": "point", "uniform": "strand", "constant": "groom",
+}  # fmt: skip
+"""What a value belongs to, and the domain that it has here: a control point, a joint of pieces, a curve, all of it."""
+SPARE = 1 << 26
+"""Bytes of points that are made of a file beyond twice its size."""
+
+
+class Knots(NamedTuple):
+    """Orders (S,) of NURBS, and their knots, one curve's after the other's; none where they are uniform."""
+
+    orders: npt.NDArray[Any]
+    knots: npt.NDArray[Any]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ControlCurves:
+    """Curves of an object: its path, control points of each (S,), what they mean, points of each piece, and how far
+    segments are from the curves at most; ``spans``: of NURBS, whose Bezier points the basis is of."""
+
+    path: str
+    counts: Offsets
+    basis: Basis
+    each: int = 1
+    off: float = 0.0
+    spans: Spans | None = None
+
+    @property
+    def in_basis(self) -> Offsets:
+        """Control points of each curve (S,) that the basis is of."""
+        return self.counts if self.spans is None else self.spans.counts
+
+    def point_counts(self) -> Offsets:
+        """Points of each curve (S,)."""
+        return splines.new_counts(self.in_basis, self.basis, self.each)
+
+    def points(self, control: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Points (Q, 3) on the curves of control points (P, 3), or values there of those of control points."""
+        if self.basis.plain:
+            return control
+        control = control if self.spans is None else self.spans.bezier(control)
+        return splines.evaluated(self.in_basis, control, self.basis, self.each)
+
+    def attribute(self, name: str, interpolation: str, values: npt.NDArray[Any]) -> Attribute | None:
+        """Values (rows, m), single precision where they are floating-point, at points, curves or all; None where
+        nothing has so many rows, and of whole numbers between which there would have to be others. What has as many
+        rows decides where ``interpolation``, a key of `INTERPOLATIONS` or "", does not fit."""
+        counts = self.counts
+        rows = {"vertex": int(counts.sum()), "varying": int(self.basis.varying(self.in_basis).sum()),
+                "uniform": counts.shape[0], "constant": 1}  # fmt: skip
+        if rows.get(interpolation) != values.shape[0]:
+            interpolation = next((kind for kind, count in rows.items() if count == values.shape[0]), "")
+        if not interpolation:
+            return None
+        if values.dtype.kind == "f":
+            with np.errstate(over="ignore"):
+                values = values.astype(np.float32, copy=False)
+        domain = INTERPOLATIONS[interpolation]
+        if domain == "point" and not self.basis.plain:
+            if values.dtype.kind != "f":
+                return None
+            if interpolation == "varying":
+                values = splines.between(self.in_basis, values, self.basis, self.each)
+            else:
+                values = self.points(values)
+            if name == "width":
+                values = np.maximum(values, 0)
+        return Attribute(domain, values[:, 0] if values.shape[1] == 1 else values)
+
+
+class Fitter:
+    """Says how finely curves of a file are followed, within the memory that a file of its size may take."""
+
+    def __init__(self, size: int) -> None:
+        """``size``: bytes of the file."""
+        self.room = 2 * size + SPARE
+        """Bytes that points on curves may take."""
+
+    def fitted(
+        self, path: str, counts: Offsets, control: Points, basis: Basis, fault: Callable[[str], UsageError],
+        knots: Knots | None = None,
+    ) -> ControlCurves:  # fmt: skip
+        """Curves of control points (P, 3), or of NURBS where there are ``knots``. Raises ``fault`` of the words that
+        say why where they are none."""
+        if counts.size and int(counts.min()) < 0:
+            raise fault(f"{path}: curve {int(np.argmin(counts)):,} has {int(counts.min()):,} points; is damaged")
+        if int(counts.sum()) != control.shape[0]:
+            raise fault(f"{path}: {control.shape[0]:,} points, the curves have {int(counts.sum()):,}; is damaged")
+        spans = None if knots is None else spans_of(counts, *knots, lambda words: fault(f"{path}: {words}"))
+        in_basis = counts if spans is None else spans.counts
+        pieces = basis.pieces(in_basis)
+        if (pieces < 0).any():
+            worst = int(np.argmin(pieces))
+            raise fault(f"{path}: curve {worst:,} has {counts[worst]:,} points, which make no whole pieces of "
+                        f"{basis.text}; is damaged")  # fmt: skip
+        if basis.plain:
+            return ControlCurves(path, counts, basis)
+        needs = 12 * max(int(pieces.sum()), 1)
+        most = min(splines.MOST, self.room // needs)
+        if most < 1:
+            raise fault(f"{path}: holds more curves than is believed of a file of its size; is damaged")
+        bezier = control if spans is None else spans.bezier(control)
+        each, off = splines.points_a_piece(in_basis, bezier, basis, int(most))
+        self.room -= each * needs
+        return ControlCurves(path, counts, basis, each, off, spans)
+
+
+def facts_of(curves: Sequence[ControlCurves]) -> dict[str, Any]:
+    """Of curves the bases and, where there are cubic ones, how they are followed."""
+    facts: dict[str, Any] = {"basis": sorted({one.basis.text for one in curves})}
+    cubic = [one for one in curves if not one.basis.linear]
+    if cubic:
+        facts["points_a_piece"] = sorted({one.each for one in cubic})
+        facts["off_the_curves"] = float(f"{max(one.off for one in cubic):.3g}")
+    return facts
+
+
+def note_of(facts: Mapping[str, Any]) -> str | None:
+    """A line that says what is taken of curves that are not straight segments; None where all are."""
+    bases = facts.get("basis", ())
+    if all(one == splines.LINEAR for one in bases):
+        return None
+    text = f"curves are {' and '.join(bases)}"
+    if "points_a_piece" not in facts:
+        return text
+    each = " or ".join(str(one) for one in facts["points_a_piece"])
+    return f"{text}; points on them are taken, {each} a piece, {facts['off_the_curves']:.3g} off at most"
