@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError
-from ..meshes.files import PIXELS, pixels
-from ..picture_samples import opened, require_pixels
+from ..picture_samples import MOST, pixels
 
 CODES = np.arange(256) / 255.0
 LINEAR = np.where(CODES <= 0.04045, CODES / 12.92, ((CODES + 0.055) / 1.055) ** 2.4).astype(np.float32)
@@ -29,15 +28,13 @@ class Pyramid(NamedTuple):
 def picture(path: str) -> NDArray[np.uint8]:
     """(h, w, 3) sRGB, the first row at the top. Raises `UsageError` for what is no picture."""
     try:
-        with opened(path) as image:
-            found = pixels(require_pixels(image))
+        return pixels(path)
     except MemoryError:
         raise
     except Exception:  # whatever a damaged picture raises
-        found = None
-    if found is None:
-        raise UsageError(f"{path}: is no picture that can be read, of up to {PIXELS:,} pixels; take a PNG or a JPEG")
-    return found
+        raise UsageError(
+            f"{path}: is no picture that can be read, of up to {MOST:,} pixels; take a PNG or a JPEG"
+        ) from None
 
 
 def pyramid(image: NDArray[np.uint8]) -> Pyramid:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
-from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
@@ -12,53 +10,44 @@ import numpy.typing as npt
 
 from ..errors import StrandError
 from ..exchange.bounded import opened
-from ..picture_samples import FORMATS
+from ..picture_samples import pixels
 
 LARGEST = 1 << 31
 """Bytes of a file that another one names, at most."""
-PIXELS = 1 << 27
-"""Of a texture, at most."""
 
 
 class Beside:
-    """Files beside a mesh file, as trimesh asks for them; nothing from elsewhere and nothing from the net."""
+    """Files beside a mesh file, each read once; nothing from elsewhere and nothing from the net."""
 
     def __init__(self, path: Path) -> None:
         self.folder = path.parent.resolve()
-        self.file_name = path.name
         self.missing: list[str] = []
-        self.pictures = 0
+        self.unread: list[str] = []
+        """Pictures that could not be read."""
+        self._contents: dict[Path, bytes] = {}
 
     def get(self, name: str) -> bytes:
         """What a file holds. Raises `ValueError` for one outside of the folder, `OSError` for none."""
         try:
-            found = self._read(self._place(name))
+            path = (self.folder / unquote(name.strip()).replace("\\", "/")).resolve()
+            if not path.is_relative_to(self.folder):
+                raise ValueError("outside of the folder")
+            if path not in self._contents:
+                self._contents[path] = self._read(path)
+            return self._contents[path]
         except (OSError, ValueError):
-            self.missing.append(str(name)[:80])
+            self.missing.append(name[:80])
             raise
-        self.pictures += not str(name).lower().endswith((".mtl", ".bin"))
-        return found
 
-    __getitem__ = get
-
-    def size(self, name: str) -> int:
-        """Bytes of a file; 0 of none."""
+    def picture(self, name: str) -> npt.NDArray[np.uint8] | None:
+        """The pixels (h, w, 3) of a picture; None where there is none that can be read."""
         try:
-            path = self._place(name)
-            return path.stat().st_size if path.is_file() else 0
+            found = picture(self.get(name))
         except (OSError, ValueError):
-            return 0
-
-    @property
-    def found(self) -> bool:
-        """Whether a file was found that may be a picture."""
-        return self.pictures > 0
-
-    def _place(self, name: str) -> Path:
-        path = (self.folder / unquote(str(name).strip()).replace("\\", "/")).resolve()
-        if not path.is_relative_to(self.folder):
-            raise ValueError("outside of the folder")
-        return path
+            return None
+        if found is None:
+            self.unread.append(name[:80])
+        return found
 
     def _read(self, path: Path) -> bytes:
         try:
@@ -69,42 +58,23 @@ class Beside:
         except StrandError as error:
             raise OSError(str(error)) from None
 
-    def keys(self) -> list[str]:
-        """None: files are found by their names alone."""
-        return []
-
-    def namespaced(self, namespace: str) -> Beside:
-        """The same folder."""
-        return self
-
-    def write(self, name: str, data: Any) -> None:
-        """Nothing is written."""
-        raise OSError("nothing is written")
+    @property
+    def size(self) -> int:
+        """Bytes of the files that were read."""
+        return sum(map(len, self._contents.values()))
 
 
-def pixels(image: Any) -> npt.NDArray[np.uint8] | None:
-    """A picture of Pillow's as (h, w, 3) uint8; None for one that is damaged or too large."""
+def picture(content: bytes) -> npt.NDArray[np.uint8] | None:
+    """The pixels (h, w, 3) of a picture's file; None where it cannot be read."""
     try:
-        if image.width * image.height > PIXELS:
-            return None
-        return np.asarray(image.convert("RGB"))
+        return pixels(content)
     except MemoryError:
         raise
     except Exception:  # whatever a damaged picture raises
         return None
 
 
-def picture(beside: Beside, name: str) -> npt.NDArray[np.uint8] | None:
-    """A picture beside a mesh file; None where it cannot be read."""
-    from PIL import Image
-
-    try:
-        return pixels(Image.open(io.BytesIO(beside.get(name)), formats=FORMATS))
-    except Exception:  # likewise
-        return None
-
-
-def whole(path: Path, what: str) -> io.BytesIO:
-    """What a file holds, to be read from memory."""
+def whole(path: Path, what: str) -> bytes:
+    """What a file holds."""
     with opened(path, what) as file:
-        return io.BytesIO(file.take("content", file.size))
+        return file.take("content", file.size)

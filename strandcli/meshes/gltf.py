@@ -1,78 +1,172 @@
-"""`.glb` and `.gltf`: the meshes of a scene, where its nodes put them."""
+"""`.glb` and `.gltf`: the triangles of a scene, where its nodes put them."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from .files import Beside, pixels, whole
-from .gltf_check import MAGIC, check, header_of
+from ..errors import UsageError
+from .files import Beside
+from .gltf_file import Gltf
+from .gltf_nodes import placed_meshes
+from .gltf_texture import texture_of, with_texture
 from .make import RawMesh
-from .polygons import fans
+
+TRIANGLES, STRIP, FAN = 4, 5, 6
+"""Modes of primitives that are read."""
+TIMES, ROOM = 3, 30e6
+"""Bytes that the arrays of all placed meshes may take: so many times the file, and so many beside."""
+OF_PART = 1000
+"""Bytes that a placed part takes beside its arrays."""
+
+
+class Group(NamedTuple):
+    """Primitives of a mesh that have the same vertices."""
+
+    primitives: list[dict[str, Any]]
+    attributes: dict[str, Any]
+    """Accessors by the names of what they hold."""
+    uv: str
+    """The attribute that places the material's picture."""
+    where: str
 
 
 def read_gltf(path: Path, beside: Beside) -> list[RawMesh]:
-    """What each mesh of a file holds. Raises `UsageError`, or whatever trimesh raises."""
-    import trimesh
+    """What each mesh of the scene holds. Raises `UsageError`."""
+    file = Gltf(path, beside)
+    groups = [_groups(file, mesh, f"meshes[{k}]") for k, mesh in enumerate(file.objects(file.header, "meshes"))]
+    sizes = [OF_PART + sum(_bytes(file, group) for group in mesh) for mesh in groups]
+    placed, total, most = [], 0, TIMES * file.size + ROOM
+    for mesh, matrix in placed_meshes(file, len(groups)):
+        total += sizes[mesh]
+        if total > most:
+            raise UsageError(
+                f"{path}: its nodes place more than {len(placed):,} meshes, which take {total / 1e6:,.0f} MB, of a "
+                f"file of {file.size / 1e6:,.3g} MB; write fewer or coarser ones"
+            )
+        placed.append((mesh, matrix))
+    parts: dict[int, list[RawMesh]] = {}
+    found = []
+    for mesh, matrix in placed:
+        if mesh not in parts:
+            parts[mesh] = [_part(file, group) for group in groups[mesh]]
+        found += [_moved(part, matrix) for part in parts[mesh]]
+    if found:
+        primitives = [one for mesh in parts for group in groups[mesh] for one in group.primitives]
+        found[0] = with_texture(file, found[0], primitives)
+    return found
 
-    content = whole(path, "glTF file")
-    tree = header_of(path, content)
-    check(path, tree, len(content.getbuffer()) + _named(tree, beside))
-    kind = "glb" if content.getbuffer()[:4] == MAGIC else "gltf"
-    resolver: Any = beside
-    scene: Any = trimesh.load(content, file_type=kind, resolver=resolver, process=False, force="scene")
-    parts = []
-    for node in scene.graph.nodes_geometry:
-        matrix, name = scene.graph[node]
-        if hasattr(scene.geometry[name], "faces"):
-            parts.append(_placed(_part(scene.geometry[name]), np.asarray(matrix, np.float64)))
-    return parts
+
+def _groups(file: Gltf, mesh: dict[str, Any], where: str) -> list[Group]:
+    """The primitives of triangles, those with the same vertices together."""
+    found: dict[Any, Group] = {}
+    for one in file.objects(mesh, "primitives", where):
+        if one.get("mode", TRIANGLES) not in (TRIANGLES, STRIP, FAN):
+            continue
+        attributes = one.get("attributes")
+        if not isinstance(attributes, dict) or "POSITION" not in attributes:
+            raise file.fault(where, "a primitive has no positions")
+        packed = file.packed(one.get("extensions"))
+        if packed and "bufferView" not in file.named("accessors", attributes["POSITION"], where):
+            raise packed
+        texture = texture_of(file, one)
+        uv = f"TEXCOORD_{file.whole(texture, 'texCoord', where, most=99)}"
+        key = (uv, *sorted((name, repr(index)) for name, index in attributes.items()))
+        found.setdefault(key, Group([], attributes, uv, where)).primitives.append(one)
+    return list(found.values())
 
 
-def _named(tree: Any, beside: Beside) -> int:
-    """Bytes of all files that a header names for its buffers."""
-    buffers = tree.get("buffers", []) if isinstance(tree, dict) else []
-    names = [one.get("uri") for one in buffers if isinstance(one, dict)] if isinstance(buffers, list) else []
-    return sum(beside.size(name) for name in names if isinstance(name, str) and not name.startswith("data:"))
+def _columns(file: Gltf, group: Group) -> dict[str, int]:
+    """Numbers of an item of each attribute that is read."""
+    known = {"POSITION": 3, "NORMAL": 3, group.uv: 2}
+    count, _, _ = file.shape(group.attributes["POSITION"], group.where)
+    found = {}
+    for name, index in group.attributes.items():
+        rows, width, _ = file.shape(index, group.where)
+        if name in known or (name == "COLOR_0" and width in (3, 4)) or (name.startswith("_") and width):
+            if rows != count:
+                raise file.fault(group.where, f"{name} has {rows:,} items, POSITION {count:,}")
+            found[name] = known.get(name, width)
+    return found
 
 
-def _part(mesh: Any) -> RawMesh:
-    """A mesh of trimesh; normals only where the file has them."""
-    visual = mesh.visual
-    triangles = fans(np.asarray(mesh.faces))
-    count = len(mesh.vertices)
-    uv = getattr(visual, "uv", None)
-    picture = getattr(getattr(visual, "material", None), "baseColorTexture", None)
-    colours = visual.vertex_colors if getattr(visual, "kind", None) == "vertex" else None
-    if colours is None and "color" in getattr(visual, "vertex_attributes", {}):
-        colours = visual.vertex_attributes["color"]
+def _corners(file: Gltf, group: Group) -> int:
+    """Corners of all triangles of a group."""
+    found = 0
+    for one in group.primitives:
+        index = one["indices"] if "indices" in one else group.attributes["POSITION"]
+        count, _, _ = file.shape(index, group.where)
+        found += count if one.get("mode", TRIANGLES) == TRIANGLES else 3 * max(count - 2, 0)
+    return found
+
+
+def _bytes(file: Gltf, group: Group) -> int:
+    """Bytes that the arrays of a group take."""
+    count, _, _ = file.shape(group.attributes["POSITION"], group.where)
+    columns = _columns(file, group)
+    return OF_PART + count * 8 * sum(columns.values()) + _corners(file, group) * (12 if group.uv in columns else 4)
+
+
+def _part(file: Gltf, group: Group) -> RawMesh:
+    """The triangles of a group; normals only where the file has them."""
+    columns = _columns(file, group)
+    found = {name: file.numbers(group.attributes[name], width, group.where) for name, width in columns.items()}
+    parts = [_triangles(file, one, found["POSITION"].shape[0], group.where) for one in group.primitives]
+    triangles = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    uv = found.get(group.uv)
+    if uv is not None and triangles.size and triangles.max() < uv.shape[0]:
+        uv = np.asarray(uv, np.float32)[triangles]
+        uv[..., 1] = 1 - uv[..., 1]  # glTF's origin is the upper left
+    else:
+        uv = None
     return RawMesh(
-        np.asarray(mesh.vertices), triangles,
-        np.asarray(mesh.vertex_normals) if "vertex_normals" in mesh._cache.cache else None,
-        np.asarray(uv)[triangles] if uv is not None and np.shape(uv) == (count, 2) else None,
-        _unit_colours(colours, count),
+        found["POSITION"], triangles, found.get("NORMAL"), uv, _linear(found.get("COLOR_0")),
         {
-            str(name).strip("_").lower(): _column(values)
-            for name, values in mesh.vertex_attributes.items() if np.shape(values)[:1] == (count,)
+            name.strip("_").lower(): np.asarray(values[:, 0] if values.shape[1] == 1 else values, np.float32)
+            for name, values in found.items() if name.startswith("_")
         },
-        None if picture is None else pixels(picture),
     )  # fmt: skip
 
 
-def _unit_colours(colours: Any, count: int) -> npt.NDArray[np.float32] | None:
-    """Colours 0 to 1; glTF's are linear, and trimesh makes them bytes."""
-    if colours is None or np.ndim(colours) != 2 or np.shape(colours)[0] != count or np.shape(colours)[1] < 3:
+def _triangles(file: Gltf, primitive: dict[str, Any], count: int, where: str) -> npt.NDArray[Any]:
+    """Triangles (T, 3) of a primitive of so many vertices."""
+    corners: npt.NDArray[Any] = np.arange(count, dtype=np.int32)
+    if "indices" in primitive:
+        corners = file.numbers(primitive["indices"], 1, where)[:, 0]
+        if corners.dtype.kind not in "ui":
+            raise file.fault(where, "indices are no whole numbers")
+        outside = np.flatnonzero((corners < 0) | (corners >= count))
+        if outside.size:
+            raise file.fault(where, f"indices want vertex {corners[outside[0]]:,} of {count:,}")
+        corners = corners.astype(np.int32)
+    mode = primitive.get("mode", TRIANGLES)
+    if mode == TRIANGLES:
+        if corners.size % 3:
+            raise file.fault(where, f"{corners.size:,} corners are not three of each triangle")
+        return corners.reshape(-1, 3)
+    if corners.size < 3:
+        return np.zeros((0, 3), np.int32)
+    if mode == FAN:
+        return np.stack([np.full(corners.size - 2, corners[0]), corners[1:-1], corners[2:]], axis=1)
+    found = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
+    found[1::2] = found[1::2, (1, 0, 2)]
+    flat = (found[:, 0] == found[:, 1]) | (found[:, 1] == found[:, 2]) | (found[:, 0] == found[:, 2])
+    return found[~flat]  # by which a strip goes on elsewhere
+
+
+def _linear(colours: npt.NDArray[Any] | None) -> npt.NDArray[np.float32] | None:
+    """Colours 0 to 1; glTF's are linear."""
+    if colours is None:
         return None
-    values = np.asarray(colours)[:, :3]
-    most = {"u1": 255.0, "u2": 65535.0}.get(values.dtype.str[1:], 1.0)
-    return np.clip(np.nan_to_num(values.astype(np.float64) / most), 0.0, 1.0).astype(np.float32)
+    most = {"u1": 255.0, "u2": 65535.0}.get(colours.dtype.str[1:], 1.0)  # of files that leave out `normalized`
+    return np.clip(np.nan_to_num(colours[:, :3].astype(np.float64) / most), 0.0, 1.0).astype(np.float32)
 
 
-def _placed(part: RawMesh, matrix: npt.NDArray[np.float64]) -> RawMesh:
+def _moved(part: RawMesh, matrix: npt.NDArray[np.float64]) -> RawMesh:
     """A part where its node puts it."""
     if np.array_equal(matrix, np.eye(4)):
         return part
@@ -81,9 +175,3 @@ def _placed(part: RawMesh, matrix: npt.NDArray[np.float64]) -> RawMesh:
     if normals is not None:
         normals = normals @ np.linalg.inv(linear) if abs(np.linalg.det(linear)) > 0 else None
     return replace(part, vertices=part.vertices @ linear.T + matrix[:3, 3], normals=normals)
-
-
-def _column(values: Any) -> npt.NDArray[np.float32]:
-    """Numbers (V, k), or (V,) where there is one of each vertex."""
-    found = np.asarray(values, np.float32)
-    return found[:, 0] if found.ndim == 2 and found.shape[1] == 1 else found

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from ..errors import UsageError, one_line
 from ..exchange.bounded import Bounded, opened
-from .files import Beside, picture
+from .files import Beside
 from .make import RawMesh
 from .polygons import fans_of_lists, linear
 
@@ -237,7 +237,7 @@ def _texture(found: _Found, beside: Beside) -> tuple[npt.NDArray[np.uint8] | Non
                     last = name.split()[-1] if name.startswith(b"-") else name.strip()
                     named.setdefault(material, last.decode("utf-8", "replace"))
     names = list(dict.fromkeys(named[one] for one in found.materials if one in named))
-    pictures = (picture(beside, one) for one in names)
+    pictures = (beside.picture(one) for one in names)
     texture = next((one for one in pictures if one is not None), None)
     more = (f"{len(names)} textures: the first is taken for all of it",) if len(names) > 1 else ()
     return texture, more

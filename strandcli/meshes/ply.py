@@ -1,8 +1,4 @@
-"""`.ply` with faces: text, or binary of either byte order; any polygons, and every number of a vertex as an attribute.
-
-trimesh reads no file whose polygons differ in their number of corners, and keeps no attributes: hence a reader of our
-own.
-"""
+"""`.ply` with faces: text, or binary of either byte order; any polygons, every number of a vertex as an attribute."""
 
 from __future__ import annotations
 
@@ -17,7 +13,7 @@ import numpy.typing as npt
 
 from ..exchange.bounded import Bounded, opened
 from ..exchange.ply_header import Element, read_header
-from .files import Beside, picture
+from .files import Beside
 from .kernels.lists import gather, walk, walk_text
 from .make import RawMesh
 from .polygons import fans_of_lists, linear
@@ -54,7 +50,7 @@ def read_ply(path: Path, beside: Beside) -> list[RawMesh]:
             raise file.fault("element face: has no list vertex_indices", face.at)
         found = _binary(file, elements, order) if order else _text(file, elements)
     names = [line.split(None, 1)[1] for line in comments if line.lower().startswith(TEXTURE + " ")]
-    return [_mesh(found["vertex"], found["face"], picture(beside, names[0]) if names else None)]
+    return [_mesh(found["vertex"], found["face"], beside.picture(names[0]) if names else None)]
 
 
 def _binary(file: Bounded, elements: dict[str, Element], order: str) -> dict[str, Rows]:

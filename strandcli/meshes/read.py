@@ -1,14 +1,10 @@
 """Read a mesh from OBJ, PLY, STL or glTF.
 
-    mesh = read_mesh(Path("head.obj"))
-
-Only glTF is read by trimesh, which is imported when such a file is read.
+mesh = read_mesh(Path("head.obj"))
 """
 
 from __future__ import annotations
 
-import logging
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -66,24 +62,22 @@ def _raw(path: Path) -> RawMesh:
     if suffix not in readers:
         raise UsageError(f"{path}: is no mesh that can be read; read are {', '.join(SUFFIXES)}")
     beside = Beside(path)
-    log = logging.getLogger("trimesh")
-    before = log.level
-    log.setLevel(logging.CRITICAL + 1)
     try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
+        with np.errstate(all="ignore"):  # what is not finite is told afterwards
             found = joined(readers[suffix](path, beside))
     except (StrandError, MemoryError):
         raise
-    except Exception as error:  # trimesh lets through whatever a damaged file makes happen
+    except Exception as error:  # whatever else a damaged file makes happen
         why = one_line(f"{type(error).__name__}: {error}")[:120]
         raise UsageError(f"{path}: cannot be read as {suffix} ({why}); {MENDS}") from None
-    finally:
-        log.setLevel(before)
-    if beside.missing:
-        note = f"not found, or not in its folder: {', '.join(one_line(name) for name in beside.missing[:3])}"
-        found = replace(found, notes=(*found.notes, note))
-    return found
+    notes = list(found.notes)
+    for names, what in (
+        (beside.missing, "not found, or not in its folder"),
+        (beside.unread, "no pictures that can be read, such as PNG or JPEG"),
+    ):
+        if names:
+            notes.append(f"{what}: {', '.join(map(one_line, names[:3]))}")
+    return replace(found, notes=tuple(notes))
 
 
 def joined(parts: Sequence[RawMesh]) -> RawMesh:

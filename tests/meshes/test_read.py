@@ -216,13 +216,16 @@ def changed(change: str, value: object) -> dict:
     return tree
 
 
+MANY: list[dict] = [{"children": list(range(1, 10_001))}, *({"mesh": 0} for _ in range(10_000))]
+
+
 @pytest.mark.parametrize(
     ("change", "value"),
     [
         ("accessors.0.count", 10**12), ("accessors.0.count", -1), ("accessors.0.bufferView", 7),
         ("accessors.0.componentType", 0), ("bufferViews.0.byteLength", 10**12), ("bufferViews.0.byteOffset", -5),
         ("bufferViews.0.buffer", 3), ("bufferViews.0.byteStride", 10**9), ("nodes", [{"mesh": 0, "children": [0]}]),
-        ("nodes", [{"mesh": 0}, {"children": [2]}, {"children": [1]}]), ("nodes", [{"mesh": 0}] * 10000),
+        ("nodes", [{"mesh": 0}, {"children": [2]}, {"children": [1]}]), ("nodes", MANY),
         ("nodes.0.mesh", 4), ("meshes.0.primitives.0.attributes.POSITION", 9), ("meshes.0.primitives.0.mode", 1),
         ("meshes.0.primitives.0.indices", 0), ("accessors", "none"), ("scenes", {}),
         ("extensionsRequired", ["KHR_draco_mesh_compression"]), ("meshes.0.primitives", [{}]),

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import ast
+import sys
 from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
@@ -248,3 +249,29 @@ def member_names(target: ast.expr, value: ast.expr) -> Iterator[str]:
         yield from (inner.id for inner in target.elts if isinstance(inner, ast.Name))
     elif isinstance(target, ast.Name) and isinstance(value, ast.Attribute):
         yield target.id
+
+
+OPENS_PICTURES = "strandcli.picture_samples"
+"""The module that opens pictures, of a list of formats."""
+LIBRARIES = {
+    "OpenEXR", "PIL", "click", "distributed", "imageio_ffmpeg", "isal", "llvmlite", "numba", "numpy", "platformdirs",
+    "pxr", "strandcli", "yaml",
+}  # fmt: skip
+"""By none of these but PIL is a file opened that may be or name a picture."""
+
+
+def test_pictures_are_opened_in_one_module() -> None:
+    """Pillow's `open` without formats runs Ghostscript, for one; and other libraries call it so."""
+    openers, libraries = set(), set()
+    for module, tree in modules().items():
+        for node in ast.walk(tree):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and not node.level:
+                names = [f"{node.module}.{alias.name}" for alias in node.names]
+            libraries |= {name.split(".")[0] for name in names} - sys.stdlib_module_names
+            opened = isinstance(node, ast.Attribute) and ast.unparse(node) in ("Image.open", "PIL.Image.open")
+            if opened or any(name.startswith("PIL.") and ("Plugin" in name or "ImageFile" in name) for name in names):
+                openers.add(module)
+            assert "PIL.Image.open" not in names, module
+    assert openers == {OPENS_PICTURES}
+    assert libraries == LIBRARIES

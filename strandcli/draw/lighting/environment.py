@@ -16,14 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...picture_samples import opened, samples
+from ...picture_samples import MOST, opened, samples
 
 if TYPE_CHECKING:
     from ...scene.model import Scene
 
-LARGEST = 2**26
-"""Greatest number of pixels of a picture."""
-TOO_MANY = f"more than {LARGEST:,} pixels (such as 8192 x 8192); scale it down, nine numbers are kept of it"
+TOO_MANY = f"more than {MOST:,} pixels (such as 8192 x 8192); scale it down, nine numbers are kept of it"
 MOST_IN_A_BYTE = 16
 """Pixels of a Radiance picture: two bytes hold at most 127 times one of four channels."""
 AT_ONCE = 65_536
@@ -120,7 +118,7 @@ def _read_picture(path: Path) -> NDArray[np.float64]:
 
 
 def _require_size(width: int, height: int) -> None:
-    if not 0 < width * height <= LARGEST:
+    if not 0 < width * height <= MOST:
         raise ValueError(f"{width} x {height} pixels: {TOO_MANY}" if width * height else "it has no pixels")
 
 
