@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import __version__
+from .fingerprint import scene_values
 from .output.files import prepare_folder, remove_strays
-from .output.report import scene_values
 from .output.state_file import DamagedError, ForeignError, read_state, write_state
 from .scene.rule_type import MUTUAL
 
@@ -154,7 +154,6 @@ def key_of(scene: Scene) -> str:
     from .simulate.rules import registry
 
     values = {name: value for name, value in scene_values(scene).items() if name not in ONLY_DRAWN}
-    values["period"] = scene.time.period
     if any(use.name in MUTUAL for use in scene.rules):  # strands stand for their children
         values["children"] = scene.children.count if scene.children else 1
     rules = sorted(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .checkpoints import key_of
-from .output.report import scene_values
+from .fingerprint import scene_values
 from .output.state_file import FREE
 
 if TYPE_CHECKING:

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UsageError, one_line
+from ..inputs import content
 from .lens import picture_size, refuse_distortion, square_focal
 from .pinhole import Floats, Pinhole, in_order
 
@@ -82,17 +83,13 @@ def read(folder: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[
         views.append(Pinhole(Path(name).stem, width, height, focal, centre, rotation, -rotation.T @ shift))
     if not views:
         raise UsageError(f"{path}: holds no picture")
-    with open(folder / "cameras.txt", encoding="utf-8", errors="replace") as file:
-        own = MARK in file.readline()
+    own = MARK.encode() in content(folder / "cameras.txt").partition(b"\n")[0]
     return in_order(views), own
 
 
 def rows(path: Path, keep_empty: bool = False) -> Iterator[tuple[int, list[str]]]:
     """The number and the words of each line that is no comment."""
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
+    text = content(path).decode("utf-8", "replace")
     for number, line in enumerate(text.splitlines(), 1):
         if not line.startswith("#") and (line.strip() or keep_empty):
             yield number, line.split()

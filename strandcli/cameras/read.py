@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import UsageError, one_line
+from ..inputs import reading
 from . import colmap, neus, own, transforms, usd
 from .lens import MissingSize
 from .pinhole import Pinhole
@@ -61,12 +62,13 @@ def views_of(
     for what cannot be read or drawn."""
     notes: list[str] = []
     path = file_of(path)
-    try:
-        found = _read(path, size, name, notes)
-    except MissingSize:
-        if assumed is None:
-            raise
-        found = _read(path, assumed, name, notes)
+    with reading(path):
+        try:
+            found = _read(path, size, name, notes)
+        except MissingSize:
+            if assumed is None:
+                raise
+            found = _read(path, assumed, name, notes)
     if len(found.views) > MOST:
         raise UsageError(f"{path}: {len(found.views):,} views; {MOST:,} are read at the most")
     wrong = next((view.name for view in found.views if not view.sound), None)

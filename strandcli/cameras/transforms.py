@@ -15,7 +15,8 @@ import numpy as np
 
 from ..errors import UsageError, one_line
 from ..exchange.edit.transform import turning
-from ..output.files import read_json
+from ..inputs import content
+from ..output.files import json_of
 from .lens import picture_size, refuse_distortion, square_focal
 from .pinhole import Floats, Pinhole, checked_rotation, in_order
 
@@ -34,9 +35,7 @@ def read(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[li
     """The views by the names of their pictures, and whether strandcli wrote them. Raises `UsageError` for a file that
     is damaged and for lenses that are no pinholes. The world of files that strandcli wrote is turned back to y up."""
     try:
-        data = read_json(path)
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
+        data = json_of(content(path))
     except ValueError as error:
         raise UsageError(f"{path}: is no JSON: {error}") from None
     frames = data.get("frames") if isinstance(data, dict) else None

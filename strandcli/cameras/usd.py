@@ -22,6 +22,7 @@ import numpy as np
 from ..errors import UsageError, one_line
 from ..exchange.edit.transform import turning
 from ..exchange.usd.process import ask
+from ..inputs import opened
 from .lens import picture_size, square_focal
 from .pinhole import Floats, Pinhole, checked_rotation
 
@@ -76,9 +77,7 @@ class Picture:
 def read(path: Path, size: tuple[int, int] | None, name: str, notes: list[str]) -> Stage:
     """The views of a camera, one for each frame; ``name``: its path in the stage or the end of it, where there are
     several. Raises `UsageError` for a file that is damaged, and for a camera that is none."""
-    if not path.is_file():
-        raise UsageError(f"{path}: is no file")
-    with path.open("rb") as file:
+    with opened(path) as file:
         text = file.read(1) == b"#"
     request = {"do": "cameras", "path": str(path.absolute()), "text": text, "name": name}
     ((told, (matrices, lenses, exact)),) = list(ask(path, request))

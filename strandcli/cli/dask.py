@@ -45,8 +45,8 @@ def frames(
     from .. import pipeline
     from ..dask_cluster import connect, run
     from ..dask_cluster.job import Job
+    from ..fingerprint import fingerprint
     from ..frame import Frame
-    from ..output.report import fingerprint
 
     local = address == connect.LOCAL
     workers = min(threads or options.available_cores(), len(numbers), _fitting(scene, numbers))

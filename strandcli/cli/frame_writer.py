@@ -17,8 +17,9 @@ def frame_writer(
     resume: bool, exr: bool,
 ) -> FrameWriter:  # fmt: skip
     """What takes the frames; refuses up front what would be refused later."""
+    from ..fingerprint import fingerprint
     from ..output.frames import FrameWriter
-    from ..output.report import FILE, fingerprint
+    from ..output.report import FILE
 
     if "mp4" in animate:
         from ..output.video import ffmpeg

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import gc
-import hashlib
-import stat
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from .. import inputs
 from ..errors import MismatchError, StrandError, UsageError
 from . import options, signals
 from .progress import Progress
@@ -93,9 +93,8 @@ def _round(
     start = time.perf_counter()
     quiet = given["quiet"]
     try:
-        scene = _scene(given)
-        watcher.follow(scene)
-        image, compiling = _drawn(scene, frame, given, motion)
+        with watcher.round():
+            image, compiling = _drawn(_scene(given), frame, given, motion)
         from ..output.files import write_pieces
         from ..output.png import encode
 
@@ -107,7 +106,6 @@ def _round(
     except (StrandError, MemoryError) as error:
         if isinstance(error, MismatchError):
             raise
-        watcher.follow(None)
         _in_place(str(error) or "out of memory; ask for fewer --strands or a smaller --size")
 
 
@@ -160,65 +158,22 @@ def _in_place(text: str) -> None:
 
 
 class Watcher:
-    """Tells when a preset, what it extends, or a file that it names has another content."""
+    """Tells when a file that a preset was read and drawn from has another content."""
 
     def __init__(self, preset: str) -> None:
         self._preset = preset
-        self._files: dict[str, tuple[tuple[int, int], str]] = {}
-        self._first = True
-        self.follow(None)
+        self._files: tuple[inputs.Input, ...] | None = None
 
-    def follow(self, scene: Scene | None) -> None:
-        """Look at the files of the preset, and at those that a scene names."""
-        names = dict.fromkeys(self._chain())
-        if scene is not None:
-            from ..scene.named_files import files_of
-
-            names |= dict.fromkeys(path for _, path in files_of(scene))
-        self._files = {name: self._files.get(name) or (_stamp(name), _digest(name)) for name in names}
+    @contextmanager
+    def round(self) -> Iterator[None]:
+        """Follow the files that are opened meanwhile, in whichever way that ends."""
+        with inputs.recording() as found:
+            inputs.note(self._preset)
+            try:
+                yield
+            finally:
+                self._files = tuple(found)
 
     def changed(self) -> bool:
-        """Whether any has another content than at the last call, looked at closely where its time or size changed."""
-        found = self._first
-        self._first = False
-        for name, (stamp, digest) in list(self._files.items()):
-            now = _stamp(name)
-            if now != stamp:
-                content = _digest(name)
-                found = found or content != digest
-                self._files[name] = now, content
-        return found
-
-    def _chain(self) -> list[str]:
-        """The file of the preset and those that it extends, as far as they can be read."""
-        from ..scene.chain import chain_of, locate
-        from ..simulate.rules import registry
-
-        if options.is_groom(self._preset):
-            return [self._preset]
-        files: list[str] = []
-        try:
-            chain_of(locate(self._preset), registry(), files, [], hashlib.sha256())
-        except StrandError:
-            files = files or [self._preset]
-        return files
-
-
-def _stamp(name: str) -> tuple[int, int]:
-    try:
-        found = Path(name).stat()
-    except OSError:
-        return 0, -1
-    return found.st_mtime_ns, found.st_size
-
-
-def _digest(name: str) -> str:
-    """Hash of a file's content; "" where it cannot be read, as while an editor replaces it. What is no file is not
-    opened: a pipe waits for who writes to it, and /dev/zero has no end."""
-    try:
-        if not stat.S_ISREG(kind := Path(name).stat().st_mode):
-            return stat.filemode(kind)
-        with open(name, "rb") as file:
-            return hashlib.file_digest(file, "blake2b").hexdigest()
-    except OSError:
-        return ""
+        """Whether any has another content than in the last round; true before the first."""
+        return self._files is None or not all(map(inputs.is_current, self._files))

@@ -34,7 +34,7 @@ class _Drawn:
         """Raises `UsageError` where the files that the scene names are others here."""
         from .. import runtime
         from ..compiling.folder import cache
-        from ..output.report import fingerprint
+        from ..fingerprint import fingerprint
         from ..scene.named_files import naming_files
         from ..stages import FrameRenderer, RunOptions, SimulationStage
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,8 +12,8 @@ from typing import Any, BinaryIO, NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import RefusedError, UsageError, one_line
-from ..opening import READ
+from .. import inputs
+from ..errors import UsageError, one_line
 from .strands import CHUNK, Offsets
 
 SLICE = 1 << 22
@@ -134,23 +133,9 @@ class Bounded:
 
 @contextmanager
 def opened(path: Path, what: str, lenient: bool = False) -> Iterator[Bounded]:
-    """A file to be read; arguments as for `Bounded`. Raises `UsageError` for what is no file,
-    and `RefusedError` for one that may not be read."""
-    try:
-        descriptor = os.open(path, READ)
-    except FileNotFoundError:
-        raise UsageError(f"{path}: no such file") from None
-    except PermissionError:
-        raise RefusedError(f"{path}: no permission to read it") from None
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror}") from None
-    found = os.fstat(descriptor)
-    if not stat.S_ISREG(found.st_mode):
-        os.close(descriptor)
-        kind = "a folder" if stat.S_ISDIR(found.st_mode) else "no file but a pipe or a device"
-        raise UsageError(f"{path}: is {kind}")
-    with open(descriptor, "rb") as file:
-        yield Bounded(path, file, found.st_size, what, lenient)
+    """A file to be read; arguments as for `Bounded`. Raises as `strandcli.inputs.opened`."""
+    with inputs.opened(path) as file:
+        yield Bounded(path, file, os.fstat(file.fileno()).st_size, what, lenient)
 
 
 def rows_not_finite(values: npt.NDArray[Any]) -> Offsets:

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError
+from ..inputs import reading
 from ..registry import Registry
 from .bounded import opened
 from .splines import LINEAR
@@ -43,7 +44,8 @@ class ReadOptions:
 
 def read(path: Path, options: ReadOptions | None = None) -> Strands:
     """The strands of a file. Raises `UsageError` for what is no such file, in one line."""
-    return format_of(path).read(path, options or ReadOptions())
+    with reading(path):
+        return format_of(path).read(path, options or ReadOptions())
 
 
 def times_in(strands: Strands) -> int:

@@ -7,15 +7,15 @@ tells strands of one colour apart.
 
 from __future__ import annotations
 
-import functools
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError
+from ..inputs import cached
 from ..mesh_file.maps import coloured
-from ..mesh_file.read import KEPT, Version, placed, placing, version
+from ..mesh_file.read import KEPT, placed, placing
 from ..mesh_file.texture import encoded
 from ..scene.model import MeshShape
 from .record import Anchors, Coat
@@ -35,7 +35,7 @@ def coat(shape: MeshShape, anchors: Anchors, tones: NDArray[np.float32]) -> Coat
     `UsageError` for a mesh without colours."""
     if shape.colours == "none":
         return None
-    file, how = version(shape.file), placing(shape)
+    file, how = shape.file, placing(shape)
     palette = _palette(file, how)
     found = encoded(coloured(placed(file, how), anchors.triangles, anchors.shares)).astype(np.float32)
     codes = encoded(palette).astype(np.float32)
@@ -48,15 +48,15 @@ def coat(shape: MeshShape, anchors: Anchors, tones: NDArray[np.float32]) -> Coat
     return Coat(palette, SHADES, places.astype(np.float32))
 
 
-@functools.lru_cache(maxsize=KEPT)
-def _palette(file: Version, how: Any) -> NDArray[np.float32]:
+@cached(KEPT)
+def _palette(file: str, how: Any) -> NDArray[np.float32]:
     """Linear colours (k, 3), at most `MOST`, of a mesh by median cut over points of its triangles."""
     from PIL import Image
 
     mesh = placed(file, how)
     if mesh.colours is None and (mesh.texture is None or mesh.uv is None):
         raise UsageError(
-            f"{file.path}: emitter.shape.colours: has neither vertex colours nor a texture; take a mesh that has, or "
+            f"{file}: emitter.shape.colours: has neither vertex colours nor a texture; take a mesh that has, or "
             "colours: none"
         )
     triangles = np.repeat(np.arange(len(mesh.triangles)), len(NEAR_CORNERS))

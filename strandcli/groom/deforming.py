@@ -22,13 +22,13 @@ class Deforming:
 
     def __init__(self, scene: Scene, groom: Groom, emitted: bool = False) -> None:
         """``groom``: as it is at the start, or where ``emitted`` is true as on the mesh of `emitter.shape.file`."""
-        from ..mesh_file.read import placed, placing, version
+        from ..mesh_file.read import placed, placing
 
         self._ground = deforming_ground(scene)
         assert groom.anchors is not None
         self.scene = scene
         self.anchors = groom.anchors
-        mesh = placed(version(self._ground.file), placing(self._ground))
+        mesh = placed(self._ground.file, placing(self._ground))
         self._pose = None if scene.emitter.groom is None else pose_in_emitter(self._ground, scene.emitter)
         self._triangles = mesh.triangles[groom.anchors.triangles]
         first = mesh.vertices[self._triangles] if emitted else self._corners(0.0)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh_file.prepared import distances
-from ..mesh_file.read import placing, version
+from ..mesh_file.read import placing
 from ..scene.model import MeshShape
 
 Floats = NDArray[np.float64]
@@ -22,7 +22,7 @@ def rise(shape: MeshShape, points: Floats, normals: Floats) -> Floats:
     outside of a mesh. Raises `UsageError` for a mesh that cannot be read."""
     from .kernels.combed import lift_off_mesh
 
-    grid = distances(version(shape.file), placing(shape), RESOLUTION)
+    grid = distances(shape.file, placing(shape), RESOLUTION)
     out = np.empty(len(points))
     lift_off_mesh(np.ascontiguousarray(points), np.ascontiguousarray(normals), grid, CLEAR * float(grid.spacing), out)
     return out

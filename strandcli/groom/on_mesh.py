@@ -9,15 +9,15 @@ seed and on i alone, and any number of the first strands is spread as the densit
 
 from __future__ import annotations
 
-import functools
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError
+from ..inputs import cached
 from ..mesh_file.maps import Pieces, Place, lookup, pieces, vectors
-from ..mesh_file.read import KEPT, Version, placed, placing, version
+from ..mesh_file.read import KEPT, placed, placing
 from ..meshes.mesh import TriangleMesh, face_vectors, unit
 from ..scene.model import Emitter, MeshShape
 from ..scene.model.emitter import LEAST_MAPPED
@@ -105,14 +105,13 @@ def at_anchors(mesh: TriangleMesh, anchors: Anchors) -> tuple[Floats, Floats]:
 
 def seedbed(shape: MeshShape) -> Seedbed:
     """Return a mesh as strands are spread over it, kept as long as its files stay. Raises `UsageError`."""
-    picture = version(shape.density) if "." in shape.density else None
-    return _seedbed(version(shape.file), placing(shape), shape.density, picture, shape.above)
+    return _seedbed(shape.file, placing(shape), shape.density, shape.above)
 
 
-@functools.lru_cache(maxsize=KEPT)
-def _seedbed(file: Version, how: Any, density: str, picture: Version | None, above: float | None) -> Seedbed:
+@cached(KEPT)
+def _seedbed(file: str, how: Any, density: str, above: float | None) -> Seedbed:
     mesh = placed(file, how)
-    found = pieces(mesh, density, Place(file.path, "emitter.shape.density"))
+    found = pieces(mesh, density, Place(file, "emitter.shape.density"))
     corners = np.einsum("pck,pkd->pcd", found.corners, mesh.vertices[mesh.triangles[found.triangles]])
     areas = 0.5 * np.linalg.norm(face_vectors(corners), axis=1)
     values = np.maximum(found.values, 0.0)
@@ -122,10 +121,10 @@ def _seedbed(file: Version, how: Any, density: str, picture: Version | None, abo
     whole, most = float(measure.sum()), float(values.max())
     if not whole > 0:
         raise UsageError(
-            f"{file.path}: emitter.shape.density: {density!r} is 0 all over the mesh, so that nothing grows; "
+            f"{file}: emitter.shape.density: {density!r} is 0 all over the mesh, so that nothing grows; "
             "take another one, or mend it"
             if above is None
-            else f"{file.path}: emitter.shape.above: nothing grows above {above:g} m, where no vertex has "
+            else f"{file}: emitter.shape.above: nothing grows above {above:g} m, where no vertex has "
             f"a density; it reaches from {corners[:, :, Y].min():.3g} to {corners[:, :, Y].max():.3g} m"
         )
     order = along_curve(corners.mean(axis=1), face_vectors(corners))

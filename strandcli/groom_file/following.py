@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +15,7 @@ from ..exchange.strands import even_offsets
 from ..groom.arrange import spatial_order
 from ..groom.followers import Following
 from ..groom.record import Groom
+from ..inputs import cached
 from ..scene.detail import most_needed
 from ..scene.model import Followers
 from ..scene.motion import camera_at, emitter_pose
@@ -53,9 +52,8 @@ def guided(scene: Scene) -> Guided:
     given, followers = scene.emitter.groom, scene.emitter.followers
     assert given is not None
     assert followers is not None
-    found = os.stat(given.file)
     key = (scene.seed, scene.emitter.particles, followers.tolerance, followers.kept)
-    return _guided(replace(given, cover=None), *key, head_of(scene), found.st_mtime_ns, found.st_size)
+    return _guided(replace(given, cover=None), *key, head_of(scene))
 
 
 def with_followers(scene: Scene) -> Scene:
@@ -106,10 +104,9 @@ def metres_a_pixel(scene: Scene, found: FromFile) -> float:
     return least
 
 
-@lru_cache(maxsize=1)
+@cached(1)
 def _guided(
-    given: GroomFile, seed: int, particles: int, tolerance: float, kept: int, head: Head | None, changed: int,
-    size: int,
+    given: GroomFile, seed: int, particles: int, tolerance: float, kept: int, head: Head | None
 ) -> Guided:  # fmt: skip
     groom = from_file(given, seed, head).groom
     features = features_of(groom)

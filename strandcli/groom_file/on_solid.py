@@ -19,7 +19,7 @@ from ..errors import UsageError
 from ..exchange.change import strands_of
 from ..exchange.strands import Strands, offsets
 from ..groom.record import Anchors
-from ..mesh_file.prepared import Key, key_of, prepared
+from ..mesh_file.prepared import key_of, prepared
 from ..meshes.closest import closest
 from ..scene.motion import Pose, pose_in_emitter
 from .fits import UP, Frame, better, hangs_from, words
@@ -62,8 +62,6 @@ class Head(NamedTuple):
     pose: Pose
     """In the emitter's frame, at the start."""
     name: str
-    mesh: Key | None
-    """Where it is one."""
 
 
 @dataclass
@@ -90,9 +88,7 @@ def head_of(scene: Scene) -> Head | None:
     if given is None or not given.on:
         return None
     solid: Any = next(one for one in scene.solids if one.name == given.on)
-    return Head(
-        solid, pose_in_emitter(solid, scene.emitter), given.on, key_of(solid, 0.0) if solid.kind == "mesh" else None
-    )
+    return Head(solid, pose_in_emitter(solid, scene.emitter), given.on)
 
 
 def put_on(
@@ -133,10 +129,10 @@ def put_on(
 def anchors_on(head: Head | None, roots: NDArray[np.float32]) -> Anchors | None:
     """Return the places of a mesh that are nearest to roots (n, 3), metres, in the emitter's frame, where the mesh
     deforms; else None."""
-    if head is None or head.mesh is None or not head.solid.deform:
+    if head is None or head.solid.kind != "mesh" or not head.solid.deform:
         return None
     own = (roots.astype(np.float64) - np.array(head.pose.translation)) @ np.array(head.pose.rotation)
-    found = closest(prepared(head.mesh).bvh, own)
+    found = closest(prepared(key_of(head.solid)).bvh, own)
     return Anchors(found.triangles, found.barycentrics)
 
 

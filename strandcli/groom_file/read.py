@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +22,7 @@ from ..exchange.strands import CACHED, Offsets, Strands
 from ..groom.arrange import spatial_order
 from ..groom.emit import stream
 from ..groom.record import Groom
+from ..inputs import cached
 from .colours import colours_of
 from .measure import Seen, box_of, seen_of
 from .on_solid import Head, anchors_on, head_of, put_on
@@ -69,22 +68,16 @@ def from_scene(scene: Scene, roughly: bool = False) -> FromFile:
 
 def from_file(given: GroomFile, seed: int, head: Head | None = None, roughly: bool = False) -> FromFile:
     """The strands that a scene's ``emitter.groom`` asks for, on the solid that it names. Raises `UsageError`, one line,
-    for a file that is damaged or cannot be drawn. The last one is kept, as long as the file does not change.
+    for a file that is damaged or cannot be drawn. The last one is kept as long as its files do not change.
 
     ``roughly``: all are read, counted and looked through for faults, but some of them tell what they look like. The
     notes are the same.
     """
-    try:
-        found = os.stat(given.file)
-    except OSError as error:
-        raise UsageError(f"{given.file}: cannot be read: {error.strerror or error}") from None
-    drawn = {"cover": None}  # what does not change the strands
-    now = found.st_mtime_ns, found.st_size
-    return _from_file(replace(given, **drawn), seed, head, roughly and head is None, *now)  # type: ignore[arg-type]
+    return _from_file(replace(given, cover=None), seed, head, roughly and head is None)  # which changes no strand
 
 
-@lru_cache(maxsize=1)
-def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool, changed: int, size: int) -> FromFile:
+@cached(1)
+def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) -> FromFile:
     notes: list[str] = []
     strands = _read(given, seed, notes)
     counts = strands.counts()

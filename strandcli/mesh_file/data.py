@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-import functools
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..inputs import cached
 from .kernels import arrays as at
 from .kernels.arrays import Data
 from .prepared import Key, Prepared, corners_at, key_of, prepared
@@ -26,7 +26,7 @@ def data(solids: Sequence[Any], time: float, past: float | None = None) -> Data:
     return _together(keys, tuple(key_of(one, past) if one.deform else None for one in solids))
 
 
-@functools.lru_cache(maxsize=KEPT)
+@cached(KEPT)
 def _together(keys: tuple[Key, ...], past: tuple[Key | None, ...] = ()) -> Data:
     made = {key: columns(prepared(key)) for key in dict.fromkeys(keys)}
     rows = np.array([made[key][0] for key in keys], np.int64).reshape(len(keys), at.SIZE)

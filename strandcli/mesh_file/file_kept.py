@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
@@ -11,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import inputs
+from ..errors import UsageError
 from ..kept import FREE, kept
 from ..meshes.mesh import MeshFacts, TriangleMesh
 from ..meshes.read import read_mesh
@@ -26,16 +29,26 @@ ARRAYS: dict[str, tuple[type, tuple[int, ...]]] = {
 """Type and shape of a row of those of `TriangleMesh`, some of which may be None."""
 
 
-def mesh_of_file(path: Path, size: int) -> TriangleMesh:
-    """The mesh of a file of so many bytes, as `read_mesh`; where that takes long, and the file names no others, it is
-    kept."""
-    content = _alone(path) if LEAST <= size <= MOST else None
-    if content is None:
-        return read_mesh(path)
+def mesh_of_file(path: Path) -> TriangleMesh:
+    """The mesh of a file, as `read_mesh`; where that takes long, and the file names no others, it is kept."""
+    with inputs.reading(path):
+        data = _alone(path)
+        return read_mesh(path) if data is None else _kept(path, data)
+
+
+def _kept(path: Path, data: bytes) -> TriangleMesh:
+    """The mesh of a file that holds so much."""
+
+    def made() -> Iterable[NDArray[Any]]:
+        mesh = read_mesh(path)
+        if inputs.content(path) != data:
+            raise UsageError(f"{path}: was written while it was read; read it again when it is written")
+        return _taken_apart(mesh)
+
     like: dict[str, NDArray[Any]] = {FREE + name: np.empty(0, kind) for name, (kind, _) in ARRAYS.items()}
     like |= {FREE + "attributes": np.empty(0, np.float32), FREE + "rest": np.empty(0, np.uint8)}
-    of = np.frombuffer(content, np.uint8), path.suffix.lower()
-    *found, attributes, rest = kept("read", CODE, of, like, lambda: _taken_apart(read_mesh(path)))
+    of = np.frombuffer(data, np.uint8), path.suffix.lower()
+    *found, attributes, rest = kept("read", CODE, of, like, made)
     there, shapes, closed, facts, notes = json.loads(rest.tobytes())
     arrays = {
         name: one.reshape(-1, *shape) if name in there else None
@@ -61,12 +74,11 @@ def _taken_apart(mesh: TriangleMesh) -> Iterable[NDArray[Any]]:
 
 
 def _alone(path: Path) -> bytes | None:
-    """The content of a file that has all of its mesh; None where it may have a texture, and where it cannot be read."""
+    """The content of a file that has all of its mesh; None where it may have a texture, is soon read, or too large."""
     if path.suffix.lower() not in (".ply", ".stl"):
         return None
-    try:
-        content = path.read_bytes()
-    except OSError:
-        return None
-    head = content[: max(content.find(b"end_header"), 0)]
-    return None if b"texturefile" in head.lower() else content
+    with inputs.opened(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        data = file.read(size) if LEAST <= size <= MOST else b""
+    head = data[: max(data.find(b"end_header"), 0)]
+    return data if data and b"texturefile" not in head.lower() else None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,8 +10,9 @@ from numpy.typing import NDArray
 
 from ..errors import UsageError
 from ..exchange.edit.transform import turning
+from ..inputs import cached
 from ..meshes.mesh import TriangleMesh
-from .read import KEPT, UP, version
+from .read import KEPT, UP
 from .texture import LINEAR, picture
 
 Floats = NDArray[np.float64]
@@ -60,7 +60,7 @@ def pieces(mesh: TriangleMesh, name: str, place: Place) -> Pieces:
     if not name:
         return Pieces(triangles, corners, np.ones((len(triangles), 3)))
     if is_picture(name):
-        grey, uv = _grey(version(name)), _uv(mesh, name, place)
+        grey, uv = _grey(name), _uv(mesh, name, place)
         triangles, corners = _divided(uv, grey.shape, triangles, corners)
         values = _sampled(grey, np.einsum("pck,pkd->pcd", corners, uv[triangles]).reshape(-1, 2)).reshape(-1, 3)
     else:
@@ -74,7 +74,7 @@ def lookup(
     """(n,) a map at points of triangles (n,) with barycentric coordinates (n, 3). Raises `UsageError` for one that
     there is not."""
     if is_picture(name):
-        found = _sampled(_grey(version(name)), np.einsum("nk,nkd->nd", shares, _uv(mesh, name, place)[triangles]))
+        found = _sampled(_grey(name), np.einsum("nk,nkd->nd", shares, _uv(mesh, name, place)[triangles]))
     else:
         found = np.einsum("nk,nk->n", shares, numbers(mesh, name, place)[mesh.triangles[triangles]])
     return np.asarray(found)
@@ -141,10 +141,10 @@ def _uv(mesh: TriangleMesh, name: str, place: Place) -> Floats:
     return uv
 
 
-@functools.lru_cache(maxsize=KEPT)
-def _grey(file: Any) -> Floats:
+@cached(KEPT)
+def _grey(file: str) -> Floats:
     """(h, w) the codes of a picture over 255, weighted by brightness: what it says, not the light that it shows."""
-    return np.asarray(picture(file.path).astype(np.float64) @ BRIGHTNESS / 255.0)
+    return np.asarray(picture(file).astype(np.float64) @ BRIGHTNESS / 255.0)
 
 
 def _sampled(grey: Floats, uv: Floats) -> Floats:

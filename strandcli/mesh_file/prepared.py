@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import functools
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..inputs import cached
 from ..meshes.bvh import Bvh, moved
 from ..meshes.distance_grid import DistanceGrid, make_distance_grid
 from ..meshes.mesh import TriangleMesh, Vectors
 from . import long
 from .normals import shading_normals
-from .read import KEPT, Moment, Placing, Version, deformed, moment, placed, placing, version
+from .read import KEPT, Moment, Placing, deformed, moment, placed, placing
 from .texture import Pyramid, picture, pyramid
 
 GREY = (0.18, 0.18, 0.18)
@@ -23,15 +23,15 @@ GREY = (0.18, 0.18, 0.18)
 class Key(NamedTuple):
     """All that a prepared mesh follows from."""
 
-    file: Version
+    file: str
     placing: Placing
     resolution: int
     coloured: bool
     """Whether colours of the file are drawn."""
-    texture: Version | None
+    texture: str | None
     crease: float
     """Degrees."""
-    files: tuple[Version, ...] = ()
+    files: tuple[str, ...] = ()
     """All files between which it deforms."""
     moment: Moment | None = None
 
@@ -55,46 +55,45 @@ class Prepared(NamedTuple):
 
 
 def key_of(settings: Any, time: float = 0.0) -> Key:
-    """The key of a solid's settings at a time in seconds, as its files are now."""
+    """The key of a solid's settings at a time in seconds."""
     coloured = settings.colour_from == "file" or (
         settings.colour_from == "auto" and (tuple(settings.colour) == GREY or bool(settings.texture))
     )
-    texture = version(settings.texture) if settings.texture else None
     return Key(
-        version(settings.file), placing(settings), settings.resolution, coloured, texture, settings.crease,
+        settings.file, placing(settings), settings.resolution, coloured, settings.texture, settings.crease,
         _files(settings), moment(settings.deform, time) if settings.deform else None,
     )  # fmt: skip
 
 
-def _files(settings: Any) -> tuple[Version, ...]:
+def _files(settings: Any) -> tuple[str, ...]:
     """The files between which a mesh deforms."""
-    return tuple(version(key.file) for key in settings.deform)
+    return tuple(key.file for key in settings.deform)
 
 
 def mesh_of(settings: Any) -> TriangleMesh:
     """The placed mesh of a solid's settings."""
-    return placed(version(settings.file), placing(settings))
+    return placed(settings.file, placing(settings))
 
 
 def reach_of(settings: Any) -> float:
     """Distance of the farthest vertex from the origin of the solid's frame, metres, at any time."""
-    return _extent(version(settings.file), placing(settings), _files(settings))[2]
+    return _extent(settings.file, placing(settings), _files(settings))[2]
 
 
 def box_of(settings: Any) -> tuple[Vectors, Vectors]:
     """Low and high corner of a solid's mesh at any time, metres."""
-    return _extent(version(settings.file), placing(settings), _files(settings))[:2]
+    return _extent(settings.file, placing(settings), _files(settings))[:2]
 
 
-@functools.lru_cache(maxsize=KEPT)
-def _extent(file: Version, how: Placing, files: tuple[Version, ...]) -> tuple[Vectors, Vectors, float]:
+@cached(KEPT)
+def _extent(file: str, how: Placing, files: tuple[str, ...]) -> tuple[Vectors, Vectors, float]:
     """Low and high corner of all shapes of a mesh, and the distance of the farthest vertex from the origin."""
     shapes = [deformed(file, how, one) for one in files] or [placed(file, how).vertices]
     low, high = np.min([one.min(axis=0) for one in shapes], axis=0), np.max([one.max(axis=0) for one in shapes], axis=0)
     return low, high, 1.0001 * max(float(np.linalg.norm(one, axis=1).max()) for one in shapes)
 
 
-@functools.lru_cache(maxsize=KEPT)
+@cached(KEPT)
 def prepared(key: Key) -> Prepared:
     """The mesh of a key for kernels."""
     mesh, bvh = placed(key.file, key.placing), _bvh(key.file, key.placing)
@@ -105,7 +104,7 @@ def prepared(key: Key) -> Prepared:
     none = np.zeros((0, 3, 3), np.float32)
     texture, uv, density = None, np.zeros((0, 3, 2), np.float32), np.zeros(0, np.float32)
     if key.coloured and mesh.uv is not None:
-        found = mesh.texture if key.texture is None else picture(key.texture.path)
+        found = mesh.texture if key.texture is None else picture(key.texture)
         if found is not None:
             texture, uv = pyramid(found), np.ascontiguousarray(mesh.uv[order])
             density = _density(mesh, uv, order, found.shape)
@@ -133,13 +132,13 @@ def _vertices_at(key: Key, mesh: TriangleMesh) -> Vectors:
     return found
 
 
-@functools.lru_cache(maxsize=KEPT)
-def _bvh(file: Version, how: Placing) -> Bvh:
+@cached(KEPT)
+def _bvh(file: str, how: Placing) -> Bvh:
     return long.tree_of(placed(file, how))
 
 
-@functools.lru_cache(maxsize=KEPT)
-def distances(file: Version, how: Placing, resolution: int) -> DistanceGrid:
+@cached(KEPT)
+def distances(file: str, how: Placing, resolution: int) -> DistanceGrid:
     """The grid of distances from the mesh of a file."""
     return long.distances_of(_bvh(file, how), placed(file, how).closed, resolution)
 
@@ -154,8 +153,8 @@ def _grid_between(key: Key, at: Moment) -> DistanceGrid:
     return first._replace(values=first.values + share * (second.values - first.values))
 
 
-@functools.lru_cache(maxsize=KEPT)
-def _grid_of(file: Version, how: Placing, resolution: int, files: tuple[Version, ...], one: Version) -> DistanceGrid:
+@cached(KEPT)
+def _grid_of(file: str, how: Placing, resolution: int, files: tuple[str, ...], one: str) -> DistanceGrid:
     mesh = placed(file, how)
     low, high, _ = _extent(file, how, files)
     bvh = moved(_bvh(file, how), deformed(file, how, one), mesh.triangles)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from bisect import bisect_right
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 
 from ..errors import UsageError
 from ..exchange.edit.transform import turning
+from ..inputs import cached
 from ..meshes.make import LARGEST
 from ..meshes.mesh import TriangleMesh, Vectors
 from ..meshes.read import read_mesh
@@ -20,25 +20,6 @@ from .file_kept import mesh_of_file
 UP = "y"
 KEPT = 8
 """Meshes that are kept, of the last ones asked for."""
-
-
-class Version(NamedTuple):
-    """A file as it is now: one that is written anew is read anew."""
-
-    path: str
-    changed: int
-    """Nanoseconds."""
-    size: int
-    """Bytes."""
-
-
-def version(path: str) -> Version:
-    """The file's version. Raises `UsageError` where there is none."""
-    try:
-        found = Path(path).stat()
-    except OSError as error:
-        raise UsageError(f"{path}: {error.strerror or error}") from None
-    return Version(path, found.st_mtime_ns, found.st_size)
 
 
 class Placing(NamedTuple):
@@ -58,8 +39,8 @@ def placing(settings: Any) -> Placing:
 class Moment(NamedTuple):
     """A moment of a mesh that deforms: between two files."""
 
-    before: Version
-    after: Version
+    before: str
+    after: str
     share: float
     """Of the way from the first to the second."""
 
@@ -71,11 +52,11 @@ def moment(keys: Sequence[Any], time: float) -> Moment:
     before, after = keys[max(place - 1, 0)], keys[place]
     span = after.time - before.time
     share = min(max((time - before.time) / span, 0.0), 1.0) if span > 0 else 0.0
-    return Moment(version(before.file), version(after.file), share)
+    return Moment(before.file, after.file, share)
 
 
-@functools.lru_cache(maxsize=KEPT)
-def placed(file: Version, how: Placing) -> TriangleMesh:
+@cached(KEPT)
+def placed(file: str, how: Placing) -> TriangleMesh:
     """The mesh of a file in metres, y up, as its solid has it."""
     mesh = as_in_file(file)
     linear, shift = _transform(file, how)
@@ -83,23 +64,23 @@ def placed(file: Version, how: Placing) -> TriangleMesh:
         return mesh
     moved = mesh.transformed(linear, shift)
     if not np.abs(np.array(moved.box())).max() < LARGEST:
-        raise UsageError(f"{file.path}: is too far out for single precision; set the solid's scale or size")
+        raise UsageError(f"{file}: is too far out for single precision; set the solid's scale or size")
     return moved
 
 
-@functools.lru_cache(maxsize=KEPT)
-def deformed(file: Version, how: Placing, other: Version) -> Vectors:
+@cached(KEPT)
+def deformed(file: str, how: Placing, other: str) -> Vectors:
     """The vertices of a mesh as another file has them, placed as those of its own file."""
     if other == file:
         return placed(file, how).vertices
     linear, shift = _transform(file, how)
-    found: Vectors = read_mesh(Path(other.path), like=as_in_file(file)).vertices @ linear.T + shift
+    found: Vectors = read_mesh(Path(other), like=as_in_file(file)).vertices @ linear.T + shift
     return found
 
 
 def vertices_at(settings: Any, time: float) -> Vectors:
     """The vertices (V, 3) of a placed mesh at a time in seconds, as it deforms."""
-    file, how = version(settings.file), placing(settings)
+    file, how = settings.file, placing(settings)
     if not settings.deform:
         return placed(file, how).vertices
     now = moment(settings.deform, time)
@@ -108,8 +89,8 @@ def vertices_at(settings: Any, time: float) -> Vectors:
     return found
 
 
-@functools.lru_cache(maxsize=KEPT)
-def _transform(file: Version, how: Placing) -> tuple[Vectors, Vectors]:
+@cached(KEPT)
+def _transform(file: str, how: Placing) -> tuple[Vectors, Vectors]:
     """The matrix and the shift that place the mesh of a file."""
     turn = turning(how.up, UP)
     corners = np.array(as_in_file(file).box()) @ turn.T
@@ -123,7 +104,7 @@ def _transform(file: Version, how: Placing) -> tuple[Vectors, Vectors]:
     return factor * turn, shift
 
 
-@functools.lru_cache(maxsize=KEPT)
-def as_in_file(file: Version) -> TriangleMesh:
+@cached(KEPT)
+def as_in_file(file: str) -> TriangleMesh:
     """The mesh of a file, in its own units and axes."""
-    return mesh_of_file(Path(file.path), file.size)
+    return mesh_of_file(Path(file))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError
+from ..inputs import content
 from ..picture_samples import MOST, pixels
 
 CODES = np.arange(256) / 255.0
@@ -27,8 +28,9 @@ class Pyramid(NamedTuple):
 
 def picture(path: str) -> NDArray[np.uint8]:
     """(h, w, 3) sRGB, the first row at the top. Raises `UsageError` for what is no picture."""
+    data = content(path)
     try:
-        return pixels(path)
+        return pixels(data)
     except MemoryError:
         raise
     except Exception:  # whatever a damaged picture raises

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import StrandError, UsageError, one_line
+from ..inputs import reading
 from .files import Beside
 from .gltf import read_gltf
 from .make import RawMesh, mesh_of
@@ -31,9 +32,10 @@ def read_mesh(path: Path, like: TriangleMesh | None = None) -> TriangleMesh:
     ``like``: an earlier mesh of a sequence, whose triangles, uv and attributes are kept; only the places of the
     vertices are read, which have to be as many in the file, in the same order.
     """
-    if like is None:
-        return mesh_of(_raw(Path(path)), str(path))  # which alone has it, and lets go what it is done with
-    return _moved(_raw(Path(path)), like, path)
+    with reading(path):
+        if like is None:
+            return mesh_of(_raw(Path(path)), str(path))  # which alone has it, and lets go what it is done with
+        return _moved(_raw(Path(path)), like, path)
 
 
 def _moved(raw: RawMesh, like: TriangleMesh, path: Path) -> TriangleMesh:

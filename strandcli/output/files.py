@@ -150,6 +150,11 @@ def read_json(path: Path) -> Any:
         text = file.read(min(found.st_size, LARGEST_JSON) + 1)  # which takes memory for as many bytes as it may read
     if len(text) > LARGEST_JSON:
         raise ValueError(f"larger than {megabytes(LARGEST_JSON)}")
+    return json_of(text)
+
+
+def json_of(text: bytes) -> Any:
+    """The data of JSON. Raises ``ValueError`` for what is none."""
     try:
         return json.loads(text)
     except RecursionError:

@@ -6,29 +6,19 @@ scene into a folder, one after the other or at once, each takes over what the re
 
 from __future__ import annotations
 
-import dataclasses
-import hashlib
-import json
 import math
-import os
-import stat
 import sys
 import time
 from collections.abc import Collection, Mapping, Sequence
-from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .. import __version__
-from ..scene.specs import FileSpec
 from . import png
 from .claim import Claim
 from .earlier import sound_report
 from .files import read_json, write_json
 from .frames import SCENE_KEYWORD, Written, frame_file
-
-if TYPE_CHECKING:
-    from ..scene.model import Scene
 
 SCHEMA_VERSION = 1
 FILE = "report.json"
@@ -56,64 +46,12 @@ def peak_rss_bytes() -> int:
     return peak if sys.platform == "darwin" else peak * 1024
 
 
-def fingerprint(scene: Scene, *more: str) -> str:
-    """Hash of everything in a scene that changes its pixels, files that it names among it, and of this version of
-    strandcli.
-
-    Left out: where the scene was read from, its title, and how many frames the film has, so that a longer film can
-    resume a shorter one.
-    """
-    data = json.dumps([__version__, scene_values(scene), *more], sort_keys=True, default=repr)
-    return hashlib.sha256(data.encode()).hexdigest()[:32]
-
-
-def scene_values(scene: Scene) -> dict[str, Any]:
-    """Every setting of a scene that its pixels depend on, with hashes of the files that it names; ready for JSON."""
-    found: dict[str, Any] = _values(scene)
-    return found
-
-
-_IGNORED = {"Scene": {"source", "sha256", "title"}, "RuleUse": {"path"}, "Time": {"frames"}, "Image": {"aovs"}}
-
-
-def _values(thing: Any) -> Any:
-    if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
-        kind = type(thing).__name__
-        fields = [f for f in dataclasses.fields(thing) if f.name not in _IGNORED.get(kind, ())]
-        files = {f"{f.name} holds": _digest(getattr(thing, f.name)) for f in fields if _is_file(f)}
-        return {"": kind, **{f.name: _values(getattr(thing, f.name)) for f in fields}, **files}
-    if isinstance(thing, tuple | list):
-        return [_values(one) for one in thing]
-    return thing
-
-
-def _is_file(field: dataclasses.Field[Any]) -> bool:
-    return isinstance(field.metadata.get("spec"), FileSpec)
-
-
-def _digest(path: str | None) -> str:
-    """Hash of what is in a file, "" where there is none or it cannot be read: what needs it says so."""
-    if path is None:
-        return ""
-    try:
-        found = os.stat(path)
-        return _digest_of(path, found.st_mtime_ns, found.st_size) if stat.S_ISREG(found.st_mode) else ""
-    except OSError:
-        return ""
-
-
-@lru_cache(maxsize=32)
-def _digest_of(path: str, changed: int, size: int) -> str:
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "blake2b").hexdigest()[:32]
-
-
 class RunReport:
     """Collects one run and writes it. ``status`` is complete, interrupted or failed."""
 
     def __init__(self, preset: str, sha256: str | None, plan: Any, scene: str = "") -> None:
         """``preset`` is the name as it was typed; ``plan`` a `strandcli.plan.Plan`, or None; ``scene`` is the
-        `fingerprint` that frames have in their files."""
+        `strandcli.fingerprint` that frames have in their files."""
         self.preset = {"name": preset, "sha256": sha256 or None}
         self.plan = plan_stages(plan)
         self.plan_warnings: list[str] = list(getattr(plan, "warnings", ()))

@@ -7,9 +7,9 @@ strands and with how dense they stand.
 from __future__ import annotations
 
 import dataclasses
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..inputs import cached
 from ..scene.touched import touched
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def crowding_of(scene: Scene, strands: int) -> Crowding:
     return Crowding(counted.pairs * times**2, counted.cells * times)
 
 
-@lru_cache(maxsize=4)
+@cached(4)
 def _counted(
     emitter: Emitter, seed: int, thickness: float | None, rod: Rod, fall: float, solids: tuple[Any, ...]
 ) -> Crowding:

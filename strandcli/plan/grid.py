@@ -7,8 +7,9 @@ are emitted is measured; it is seldom larger later, when they hang.
 from __future__ import annotations
 
 import dataclasses
-from functools import lru_cache
 from typing import TYPE_CHECKING
+
+from ..inputs import cached
 
 if TYPE_CHECKING:
     from ..scene.model import Emitter, Scene
@@ -37,7 +38,7 @@ def grid_bytes(scene: Scene, strands: int) -> int:
     return EACH * min(_cells(few, scene.seed, cell), MOST)
 
 
-@lru_cache(maxsize=4)
+@cached(4)
 def _cells(emitter: Emitter, seed: int, cell: float) -> int:
     """Return the cells of the box about straight strands."""
     import numpy as np

@@ -7,7 +7,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..errors import UsageError
+from ..errors import StrandError, UsageError
+from ..inputs import opened
 from . import library
 from .faults import Fault, SceneError, fault_at, shown
 from .nodes import MapNode, Scalar, kind_of
@@ -66,10 +67,10 @@ def _with_suffix(given: str) -> Path | None:
 def _bytes_of(path: Path) -> bytes:
     """A preset's bytes; one more than allowed where it is too large. Raises UsageError."""
     try:
-        with path.open("rb") as file:
+        with opened(path) as file:
             return file.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise UsageError(f"{shown(str(path))} cannot be read: {error.strerror or error}") from None
+    except StrandError as error:
+        raise UsageError(f"{shown(str(path))}: {str(error).removeprefix(f'{path}: ')}") from None
 
 
 class _Link(NamedTuple):

@@ -116,9 +116,9 @@ def text(default: str, *, doc: str = "") -> Any:
     return _field(TextSpec(default, doc=doc))
 
 
-def file(default: str | None = "", *, doc: str = "") -> Any:
-    """A field that is the path of a file; it has to be given, or with a default of None may be absent."""
-    return _field(FileSpec(default, doc=doc))
+def file(kind: str, default: str | None = "", *, doc: str = "") -> Any:
+    """A field that is the path of a file of a kind; it has to be given, or with a default of None may be absent."""
+    return _field(FileSpec(default, kind=kind, doc=doc))
 
 
 def surface_map(*, doc: str = "") -> Any:

@@ -12,15 +12,23 @@ from ..errors import RefusedError, UsageError
 from .specs import FileSpec, MapSpec
 
 
+def named_file(field: dataclasses.Field[Any], value: Any) -> str | None:
+    """Return the kind of the file whose path a field's value is; None where it is none."""
+    spec = field.metadata.get("spec")
+    if not isinstance(spec, FileSpec | MapSpec) or not value or (isinstance(spec, MapSpec) and not Path(value).suffix):
+        return None
+    return spec.kind
+
+
 def files_of(thing: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[str, str]]:
     """Yield the key and the path of every file that a scene, or a part of it at a place, names."""
     if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
         for field in dataclasses.fields(thing):
-            value, spec = getattr(thing, field.name), field.metadata.get("spec")
-            if not isinstance(spec, FileSpec | MapSpec):
-                yield from files_of(value, (*place, field.name))
-            elif value:
+            value = getattr(thing, field.name)
+            if named_file(field, value) is not None:
                 yield ".".join((*place, field.name)), value
+            else:
+                yield from files_of(value, (*place, field.name))
     elif isinstance(thing, tuple | list):
         for number, one in enumerate(thing):
             yield from files_of(one, (*place, str(number)))

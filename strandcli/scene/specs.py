@@ -132,11 +132,18 @@ class TextSpec(Spec):
 
 
 class FileSpec(TextSpec):
-    """The path of a file that is there, beside the preset that names it."""
+    """The path of a file that is there, beside the preset that names it; ``kind``: who reads it, as
+    `strandcli.fingerprint.READERS` has it."""
+
+    def __init__(self, default: Any = None, *, kind: str, doc: str = "") -> None:
+        super().__init__(default, doc=doc)
+        self.kind = kind
 
 
 class MapSpec(TextSpec):
     """The name of an attribute of a mesh's vertices, or the path of a picture, which has a suffix."""
+
+    kind = "picture"
 
 
 class NamesSpec(Spec):

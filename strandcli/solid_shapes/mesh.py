@@ -30,7 +30,7 @@ class Settings(SolidSettings):
     """Triangles of a file: a head, an animal. In its own frame they stand as in the file, times `scale`, with y up."""
 
     kind: str = choice("mesh", ("mesh",))
-    file: str = fields.file(doc="mesh of triangles: .obj, .ply, .stl, .glb or .gltf")
+    file: str = fields.file("mesh", doc="mesh of triangles: .obj, .ply, .stl, .glb or .gltf")
     up: str = placed_file.up()
     scale: float | None = placed_file.scale()
     size: float | None = placed_file.size()
@@ -40,7 +40,9 @@ class Settings(SolidSettings):
         ("auto", "file", "colour"),
         doc="file: its texture, else its vertices' colours; colour: `colour`; auto: the file's, unless `colour` is set",
     )
-    texture: str | None = fields.file(None, doc="picture for its uv, in place of the file's own; absent: the file's")
+    texture: str | None = fields.file(
+        "picture", None, doc="picture for its uv, in place of the file's own; absent: the file's"
+    )
     deform: tuple[MeshKey, ...] = items(
         MeshKey,
         doc="files between which its vertices move in straight lines; `file` tells triangles, colours and its placing",

@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 
 from .. import __version__
 from ..errors import MismatchError
+from ..fingerprint import fingerprint
 from ..output.earlier import is_number, is_number_or_none
 from ..output.files import read_json
-from ..output.report import fingerprint, finite
+from ..output.report import finite
 from ..scene.model import Scene
 from . import advice, sweep
 from .axes import Axis, Request

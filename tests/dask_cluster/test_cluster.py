@@ -23,8 +23,8 @@ from strandcli.dask_cluster import connect, worker
 from strandcli.dask_cluster import run as running
 from strandcli.dask_cluster.job import Job, Task
 from strandcli.errors import RefusedError
+from strandcli.fingerprint import fingerprint
 from strandcli.output import png
-from strandcli.output.report import fingerprint
 
 FRAMES = tuple(range(1, 9))
 

@@ -17,8 +17,8 @@ from strandcli.dask_cluster import run as running
 from strandcli.dask_cluster import worker
 from strandcli.dask_cluster.job import Job, Task
 from strandcli.errors import UsageError
+from strandcli.fingerprint import fingerprint
 from strandcli.frame import Frame
-from strandcli.output.report import fingerprint
 from strandcli.scene import Scene
 
 BLURRED = TINY + "camera: {shutter: 0.5, samples: 2}\n"

@@ -85,8 +85,8 @@ def test_a_preset_that_cannot_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
         raise PermissionError(13, "Permission denied")
 
     write("p.yaml", "seed: 1")
-    monkeypatch.setattr(Path, "open", refuse)
-    assert fails("p.yaml") == "'p.yaml' cannot be read: Permission denied"
+    monkeypatch.setattr(os, "open", refuse)
+    assert fails("p.yaml") == "'p.yaml': no permission to read it"
 
 
 def test_the_size_is_capped_before_all_is_read() -> None:

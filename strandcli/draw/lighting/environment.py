@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UsageError
+from ...inputs import content
 from ...picture_samples import MOST, opened, samples
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def _read_picture(path: Path) -> NDArray[np.float64]:
     from PIL import Image, UnidentifiedImageError
 
     try:
-        with opened(path) as image:
+        with opened(content(path)) as image:
             if image.format not in FORMATS or image.mode == "CMYK":
                 kind = f"{image.format} picture" if image.mode != "CMYK" else f"CMYK {image.format}"
                 raise ValueError(f"a {kind} is not read")
@@ -125,7 +126,7 @@ def _require_size(width: int, height: int) -> None:
 def read_hdr(path: Path) -> NDArray[np.float32]:
     """Return the linear picture (height, width, 3) of a Radiance file whose rows go down and columns to the right.
     Raises `OSError`, and `ValueError` for any other file."""
-    data = path.read_bytes()
+    data = content(path)
     head, _, rest = data.partition(b"\n\n")
     if not head.startswith(b"#?") or b"32-bit_rle_rgbe" not in head:
         raise ValueError("not a Radiance picture in rgbe")

@@ -18,6 +18,7 @@ from typing import Any
 import numpy.typing as npt
 
 from ...errors import RefusedError, StrandError, UsageError, one_line
+from ...inputs import note
 from ..bounded import LONGEST, amount
 from .messages import Message, receive, send
 
@@ -140,6 +141,8 @@ def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None)
                 done = True
                 raise _error(path, told["do"], found["error"])
             process.deadline = float("inf")  # what asks may take its time
+            for layer in found.get("layers", ()):
+                note(layer)
             yield found, arrays
             process.deadline = time.monotonic() + SECONDS + size / BYTES_A_SECOND
     except OverflowError:

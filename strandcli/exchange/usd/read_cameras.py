@@ -11,7 +11,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdRender
 
 from .messages import Fill, Message, RefusedFileError
-from .read_stage import opened, rate_of, times_along
+from .read_stage import layers_of, opened, rate_of, times_along
 
 OWN = "strandcli:lens"
 """Attribute of cameras that strandcli wrote: `LENS` in double precision."""
@@ -53,6 +53,7 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
         "own": bool(own),
         "up": str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else "y",
         "unit": UsdGeom.GetStageMetersPerUnit(stage) if UsdGeom.StageHasAuthoredMetersPerUnit(stage) else 1.0,
+        "layers": layers_of(stage),
         **_picture(settings),
     }, [np.array(matrices), np.array(lenses), np.array(exact, np.float64)]  # fmt: skip
 

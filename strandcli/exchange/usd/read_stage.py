@@ -31,6 +31,13 @@ def opened(path: str) -> Usd.Stage:
     return Usd.Stage.Open(layer, Usd.Stage.LoadAll)
 
 
+def layers_of(stage: Usd.Stage) -> list[str]:
+    """Paths of the files of a stage, and of those that it names and are not found."""
+    layers = [layer.realPath.partition("[")[0] for layer in stage.GetUsedLayers(includeClipLayers=True)]
+    errors = [getattr(error, "resolvedAssetPath", "") or "" for error in stage.GetCompositionErrors()]
+    return sorted({path for path in (*layers, *errors) if path})
+
+
 def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
     """What a stage says of all curves, then of each prim of curves its points and attributes at the first time."""
     stage = opened(request["path"])
@@ -44,6 +51,7 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
         "times": [time / rate for time in times],
         "application": str((stage.GetRootLayer().customLayerData or {}).get("creator", "")),
         "not_found": len(stage.GetCompositionErrors()),
+        "layers": layers_of(stage),
     }, []  # fmt: skip
     moment = Usd.TimeCode(times[0]) if times else Usd.TimeCode.Default()
     places = UsdGeom.XformCache(moment)

@@ -51,6 +51,7 @@ class Camera:
     )
     keys: tuple[CameraKey, ...] = items(CameraKey, doc="motion")
     file: str | None = file(
+        "cameras",
         None,
         doc="file of cameras, whose views are those of frames 1, 2, …, in the scene's world: transforms.json, COLMAP's "
         "cameras.txt, cameras.npz, dataset.json, USD; absent: none",

@@ -77,7 +77,7 @@ class GroomFile:
     position, rotation and keys carry them. Their number, points and lengths are those of the file. Where rules move
     strands, some of the file's are simulated as guides, and all follow these."""
 
-    file: str = file(doc="file of strands: .hair, .data, .bin, .tfx, .ply, .npz, .abc or .usd")
+    file: str = file("strands", doc="file of strands: .hair, .data, .bin, .tfx, .ply, .npz, .abc or .usd")
     up: str = placed_file.up(auto="as the file says, or a clear guess, else y")
     root: str = choice(
         "auto",

@@ -79,6 +79,9 @@ class AmbientOcclusion:
 class Environment:
     """Light from all round, from a lat-long picture; it is not drawn. `ambient_occlusion` shades it."""
 
-    image: str = file(doc="picture, beside the preset: PNG, JPEG (taken as sRGB) or Radiance .hdr; its middle is at +z")
+    image: str = file(
+        "picture",
+        doc="picture, beside the preset: PNG, JPEG (taken as sRGB) or Radiance .hdr; its middle is at +z",
+    )
     intensity: float = number(1.0, low=0, doc="scale")
     rotation: float = number(0.0, unit="deg", doc="turn about +y")

@@ -13,7 +13,7 @@ class MeshKey:
     """A shape of a mesh that deforms, at a time."""
 
     time: float = number(0.0, unit="s", doc="seconds")
-    file: str = file(doc="mesh with the same vertices in the same order as `file` of what deforms")
+    file: str = file("mesh", doc="mesh with the same vertices in the same order as `file` of what deforms")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -22,7 +22,7 @@ class MeshShape:
     a solid's of kind `mesh` do in its own."""
 
     kind: str = choice("mesh", ("mesh",))
-    file: str = file(doc="mesh of triangles: .obj, .ply, .stl, .glb or .gltf")
+    file: str = file("mesh", doc="mesh of triangles: .obj, .ply, .stl, .glb or .gltf")
     up: str = placed_file.up()
     scale: float | None = placed_file.scale()
     size: float | None = placed_file.size()
