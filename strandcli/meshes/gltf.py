@@ -40,7 +40,8 @@ def read_gltf(path: Path, beside: Beside) -> list[RawMesh]:
     file = Gltf(path, beside)
     groups = [_groups(file, mesh, f"meshes[{k}]") for k, mesh in enumerate(file.objects(file.header, "meshes"))]
     sizes = [OF_PART + sum(_bytes(file, group) for group in mesh) for mesh in groups]
-    placed, total, most = [], 0, TIMES * file.size + ROOM
+    placed: list[tuple[int, npt.NDArray[np.float64]]] = []
+    total, most = 0, TIMES * file.size + ROOM
     for mesh, matrix in placed_meshes(file, len(groups)):
         total += sizes[mesh]
         if total > most:

@@ -247,7 +247,7 @@ def test_what_cannot_be_used_is_refused(ball: str, tmp_path: Path) -> None:
         ({"file": bare, "length": str(tmp_path / "white.png")}, "no texture coordinates"),
         ({"file": square, "density": str(tmp_path / "black.png")}, "is 0 all over the mesh"),
         ({"file": square, "density": ball}, "is no picture"),
-        ({"file": str(tmp_path / "none.obj")}, "No such file"),
+        ({"file": str(tmp_path / "none.obj")}, "no such file"),
     ]  # fmt: skip
     for settings, words in cases:
         with pytest.raises(UsageError, match=words) as found:

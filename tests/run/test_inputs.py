@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import json
 import os
@@ -230,3 +231,26 @@ def test_a_file_that_is_written_while_it_is_read_is_refused(tmp_path: Path) -> N
     path.write_bytes(b"efgh")
     with pytest.raises(UsageError, match="was written after it had been read"):
         inputs.digest_of(settled)
+
+
+PACKAGE = Path(strandcli.__file__).parent
+READ_SCENES = (
+    "scene", "exchange", "meshes", "mesh_file", "groom_file", "cameras", "groom", "draw", "simulate", "solids",
+    "solid_shapes",
+)  # fmt: skip
+"""Packages that read what pictures follow from: by `strandcli.inputs` alone, so that fingerprints know of it."""
+OTHERWISE = {
+    "scene/library.py",  # titles of presets, for lists
+    "exchange/archive.py", "exchange/formats/npz.py",  # members of an archive that is open
+    "exchange/usd/worker.py",  # the memory of its process
+}  # fmt: skip
+OPENERS = ("open", "os.open", "io.open", "np.load", "np.fromfile", "np.memmap", "np.genfromtxt", "np.loadtxt")
+
+
+def test_files_of_scenes_are_opened_in_one_module() -> None:
+    found = set()
+    for path in (path for room in READ_SCENES for path in (PACKAGE / room).rglob("*.py")):
+        calls = [ast.unparse(one.func) for one in ast.walk(ast.parse(path.read_text())) if isinstance(one, ast.Call)]
+        if any(name in OPENERS or name.endswith((".open", ".read_bytes", ".read_text")) for name in calls):
+            found.add(path.relative_to(PACKAGE).as_posix())
+    assert found == OTHERWISE
