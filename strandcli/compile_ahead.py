@@ -26,7 +26,8 @@ def begin(scene: Scene, threads: int | None) -> None:
     if not service.enabled:
         return
     threads = cores() if threads is None else threads
-    empty = next(cache.path.glob("shade_strands.strands-*.kernel"), None) is None
+    folders = [cache.path] if cache.shared is None else [cache.path, cache.shared]
+    empty = not any(next(one.glob("shade_strands.strands-*.kernel"), None) for one in folders)
     start = service.ahead if empty else service.ahead_if_missing
     start(scene, PARTS, threads)
 

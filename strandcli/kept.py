@@ -15,8 +15,6 @@ import hashlib
 import json
 import os
 import platform
-import stat
-import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -26,7 +24,7 @@ from numpy.typing import NDArray
 
 from .compiling import folder
 from .compiling.clock import clock
-from .output.state_file import FREE, DamagedError, ForeignError, read_state, state_pieces
+from .output.state_file import FREE, DamagedError, ForeignError, state_of, state_pieces
 
 __all__ = ["FREE", "Arrays", "find", "keep", "kept", "key_of"]
 
@@ -55,7 +53,7 @@ def kept(
         found = zip(like, make(), strict=True)
         return {name: one.reshape(-1) if name.startswith(FREE) else one for name, one in found}
 
-    if folder.cache.trouble is not None:
+    if folder.cache.trouble is not None and folder.cache.shared is None:
         return list(made().values())
     key = key_of(kind, code, of)
     found = find(kind, key, like)
@@ -67,42 +65,31 @@ def kept(
 
 def find(kind: str, key: str, like: Arrays) -> Arrays | None:
     """The arrays that are kept under a key (see `key_of`), if there are such, of the types and shapes of ``like``."""
-    return _read(_path(kind, key), key, like) if folder.cache.trouble is None else None
+    if folder.cache.trouble is not None and folder.cache.shared is None:
+        return None
+    path = folder.cache.find(_name(kind, key))
+    try:
+        with folder.opened(path) as file:
+            return state_of(file, key, like)
+    except FileNotFoundError:
+        return None
+    except (DamagedError, ForeignError, OSError, ValueError) as error:
+        clock.tell(f"{path}: is not used ({error or 'it is of something else'}): made anew")
+        folder.cache.discard(path)
+        return None
 
 
 def keep(kind: str, key: str, arrays: Arrays) -> None:
     """Keep arrays under a key, where a file can be written and they are not too large."""
     if folder.cache.trouble is not None or sum(one.nbytes for one in arrays.values()) > LARGEST:
         return
-    path = _path(kind, key)
+    path = folder.cache.path / _name(kind, key)
     if folder.cache.write(path, state_pieces(key, arrays)):
         _remove_oldest(path.parent)
 
 
-def _path(kind: str, key: str) -> Path:
-    return folder.cache.path / f"{kind}-{key[:24]}{SUFFIX}"
-
-
-def _read(path: Path, key: str, like: Arrays) -> Arrays | None:
-    """The arrays of a file; None where there is none that is whole. Its time says at least to the day when it was last
-    used."""
-    try:
-        status = path.lstat()
-        if others := folder.writers(status):
-            raise DamagedError(others)
-        if not stat.S_ISREG(status.st_mode):
-            raise DamagedError("it is no file")
-        found = read_state(path, key, like)
-    except FileNotFoundError:
-        return None
-    except (DamagedError, ForeignError, OSError) as error:
-        clock.tell(f"{path}: is not used ({error or 'it is of something else'}): made anew")
-        folder.cache.discard(path)
-        return None
-    if status.st_mtime < time.time() - folder.DAY:
-        with contextlib.suppress(OSError):
-            os.utime(path)
-    return found
+def _name(kind: str, key: str) -> str:
+    return f"{kind}-{key[:24]}{SUFFIX}"
 
 
 def key_of(kind: str, code: Sequence[str], of: Iterable[Any]) -> str:

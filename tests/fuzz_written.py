@@ -20,6 +20,7 @@ from fuzz_changes import mutated
 from fuzz_presets import command
 from strandcli.checkpoints import FOLDER, Checkpoints
 from strandcli.cli.main import main
+from strandcli.compiling.folder import cache as compiled
 from strandcli.errors import MismatchError
 from strandcli.groom.emit import emit
 from strandcli.jit import function
@@ -191,8 +192,8 @@ def dispatcher() -> KernelDispatcher:
     return KernelDispatcher(plus_one.py_func, plus_one._cache._options)
 
 
-def entry() -> tuple[Path, bytes]:
-    """The file of a kernel's entry, and its key."""
+def entry() -> tuple[str, bytes]:
+    """The name of a kernel's entry, and its key."""
     return dispatcher()._cache._entry((numba.int64,), cpu_target.target_context.codegen())
 
 
@@ -200,8 +201,8 @@ def entry() -> tuple[Path, bytes]:
 def kernel() -> tuple[str, bytes]:
     """The name and the content of a kernel's entry."""
     assert dispatcher()(1) == 2
-    path, _ = entry()
-    return path.name, path.read_bytes()
+    name, _ = entry()
+    return name, compiled.find(name).read_bytes()
 
 
 def attempt_kernel(content: bytes, folder: Path) -> str:

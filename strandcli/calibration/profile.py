@@ -76,7 +76,7 @@ def machine() -> dict[str, Any]:
 def read() -> Profile | None:
     """Return this machine's profile; None where there is none that can be believed."""
     try:
-        data = json.loads((cache.path / FILE).read_text(encoding="utf-8"))
+        data = json.loads(cache.find(FILE).read_text(encoding="utf-8"))
         if data["schema_version"] != SCHEMA_VERSION or data["machine"] != machine():
             return None
         kinds = {str(name): Kind(_factor(one["factor"]), _whole(one["runs"])) for name, one in data["kinds"].items()}

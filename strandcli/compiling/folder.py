@@ -1,13 +1,16 @@
 """The folder that holds compiled kernels and generated modules.
 
 ``STRANDCLI_CACHE_DIR`` names it, else the user's cache folder. What lies around it may be anybody's: nothing is removed
-there but files that strandcli has named. The folder itself has to be the user's alone, for its files are run as code.
+there but files that strandcli has named. Nobody but the user and root may be able to change the folder or its files,
+for they are run as code. One that cannot be written, such as that of an image, is read, and what is not there is
+compiled into a temporary one.
 """
 
 from __future__ import annotations
 
 import atexit
 import contextlib
+import errno
 import hashlib
 import os
 import re
@@ -15,10 +18,12 @@ import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from .. import __version__
+from ..opening import READ
 
 DAY = 86_400.0
 KEPT_DAYS = 30.0
@@ -32,6 +37,8 @@ PART = re.compile(r"\d+-\w+\.part")
 OLD_FOLDER = re.compile(r"kernels-\d+\.\d+\.\w+|\d+\.\d+\.\w+-[0-9a-f]{12}")
 """Folders of other versions, and of those whose folder's name held a hash of all sources."""
 SWEPT = "swept"
+ROOT = 0
+"""The user who may change everything anyway."""
 
 
 class Folder:
@@ -40,13 +47,15 @@ class Folder:
     def __init__(self) -> None:
         self._path: Path | None = None
         self._trouble: str | None = None
+        self._shared: Path | None = None
+        self._told = False
         self.warn: Callable[[str], None] | None = None
         """Is handed, once, what keeps kernels from being kept."""
 
     @property
     def path(self) -> Path:
-        """A private folder of this user; a temporary one of this process where that cannot be written, or others can
-        write there."""
+        """A private folder of this user, into which is written; a temporary one of this process where that cannot be
+        written, or others can write there."""
         if self._path is None:
             self._path = self._choose()
         return self._path
@@ -57,9 +66,34 @@ class Folder:
         _ = self.path
         return self._trouble
 
-    def use(self, path: Path) -> None:
-        """Take this folder, which another process has chosen."""
-        self._path = path
+    @property
+    def shared(self) -> Path | None:
+        """The folder that is read and cannot be written; None where there is no such."""
+        _ = self.path
+        return self._shared
+
+    def use(self, path: Path, shared: Path | None = None) -> None:
+        """Take these folders, which another process has chosen."""
+        self._path, self._shared = path, shared
+
+    def find(self, name: str) -> Path:
+        """Where a file is that was written here or lies in the shared folder; where it would be written if there is
+        none."""
+        path = self.path / name
+        if self._shared is None or os.path.exists(path):
+            return path
+        there = self._shared / name
+        return there if os.path.exists(there) else path
+
+    def missed(self) -> None:
+        """Tell `warn`, once, that a kernel is compiled which the shared folder does not have."""
+        if self.shared is not None:
+            self._tell()
+
+    def _tell(self) -> None:
+        if self.warn is not None and not self._told and self._trouble is not None:
+            self._told = True
+            self.warn(self._trouble)
 
     def write(self, path: Path, content: bytes | Iterable[bytes | memoryview]) -> bool:
         """Write a file of this folder, whole or not at all, of bytes or pieces; returns whether it is there.
@@ -80,8 +114,7 @@ class Folder:
                     temporary.unlink()
             if self._trouble is None:
                 self._trouble = _advice(path.parent, error)
-                if self.warn is not None:
-                    self.warn(self._trouble)
+                self._tell()
             return False
 
     def discard(self, path: Path) -> None:
@@ -98,20 +131,27 @@ class Folder:
         base = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("strandcli", appauthor=False))
         folder = base / f"kernels-{__version__}"
         try:
-            base.mkdir(mode=0o700, parents=True, exist_ok=True)
-            folder.mkdir(mode=0o700, exist_ok=True)
+            if not folder.is_dir():
+                base.mkdir(mode=0o700, parents=True, exist_ok=True)
+                folder.mkdir(mode=0o700, exist_ok=True)
             others = writers(folder.stat())
-            if not others:
-                with tempfile.TemporaryFile(dir=folder):
-                    pass
+            if not others and _is_writable(folder):
                 with contextlib.suppress(OSError):
                     os.utime(folder)
                     sweep(base, folder)
                 return folder
-            self._trouble = (
-                f"{folder}: kernels that lie there are not run, for {others}: every run will compile anew; "
-                f"'chmod go-w {folder}' where it is yours, or point STRANDCLI_CACHE_DIR at a folder of your own"
-            )
+            if others:
+                self._trouble = (
+                    f"{folder}: kernels that lie there are not run, for {others}: every run will compile anew; "
+                    f"'chmod go-w {folder}' where it is yours, or point STRANDCLI_CACHE_DIR at a folder of your own"
+                )
+            else:
+                with os.scandir(folder):  # which needs the right to read it
+                    self._shared = folder
+                self._trouble = (
+                    f"{folder}: is read and cannot be written: kernels that are not there are compiled anew in every "
+                    "run; have who may write there run 'strandcli warmup', or point STRANDCLI_CACHE_DIR elsewhere"
+                )
         except OSError as error:
             self._trouble = _advice(folder, error)
         try:
@@ -128,13 +168,42 @@ def text_hash(text: bytes) -> str:
 
 
 def writers(found: os.stat_result) -> str:
-    """Who but this user may change a folder or a file of the cache, in words; "" where nobody may, root left aside,
-    and on systems that have no such owners."""
+    """Who but this user and root may change a folder or a file of the cache, in words; "" where nobody may, and on
+    systems that have no such owners."""
     if not hasattr(os, "getuid"):
         return ""
-    if found.st_uid != os.getuid():
+    if found.st_uid not in (os.getuid(), ROOT):
         return "it belongs to another user"
     return "other users may change it" if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else ""
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[BinaryIO]:
+    """A file of the cache, whose time says at least to the day when it was last used.
+
+    Raises `OSError`, and `ValueError` for what is no file, and for one that others than this user and root may change.
+    """
+    with open(os.open(path, READ | getattr(os, "O_NOFOLLOW", 0)), "rb") as file:
+        status = os.fstat(file.fileno())
+        if not stat.S_ISREG(status.st_mode):
+            raise ValueError("it is no file")
+        if others := writers(status):
+            raise ValueError(others)
+        if status.st_mtime < time.time() - DAY:
+            with contextlib.suppress(OSError):
+                os.utime(path)
+        yield file
+
+
+def _is_writable(folder: Path) -> bool:
+    """Whether files can be made in a folder. Raises `OSError` where that fails for another reason than rights."""
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError as error:
+        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+            return False
+        raise
 
 
 def _advice(folder: Path, error: OSError) -> str:

@@ -38,10 +38,12 @@ FAILURES = 3
 class Worker:
     """One process and the pipes to it."""
 
-    def __init__(self, path: Path, preload: bool) -> None:
+    def __init__(self, preload: bool) -> None:
         """Start it; ``preload``: it imports all that draws and simulates at once. Raises `OSError`."""
+        shared = folder.cache.shared
+        settings = json.dumps([str(folder.cache.path), None if shared is None else str(shared), preload])
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", PROGRAM, json.dumps(sys.path), json.dumps([str(path), preload])],
+            [sys.executable, "-P", "-c", PROGRAM, json.dumps(sys.path), settings],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -130,7 +132,7 @@ class Service:
                 data = pickle.dumps(scene)
                 self._worker_on_demand(preload=True)
                 for number in range(min(others, len(parts))):
-                    worker = Worker(folder.cache.path, preload=True)
+                    worker = Worker(preload=True)
                     self._ahead.append(worker)
                     worker.send("ahead", data, list(parts[number::others]))
             except Exception:  # a scene with rules of this process alone
@@ -168,7 +170,7 @@ class Service:
             return None
         if self._first is None:
             try:
-                self._first = Worker(folder.cache.path, preload)
+                self._first = Worker(preload)
             except OSError:
                 self._fail()
         return self._first

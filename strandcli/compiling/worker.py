@@ -20,8 +20,8 @@ IDLE = 20.0
 
 
 def main(settings: str) -> None:
-    """Do what comes in on standard input until that ends. ``settings``: the cache's folder and whether to import all
-    that draws and simulates at once, as JSON."""
+    """Do what comes in on standard input until that ends. ``settings``: the cache's folder, the shared one or null,
+    and whether to import all that draws and simulates at once, as JSON."""
     inbound, outbound = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nowhere = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1):  # modules that are imported may print
@@ -29,12 +29,12 @@ def main(settings: str) -> None:
     os.environ.pop("NUMBA_NUM_THREADS", None)
     messages: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(inbound, messages), daemon=True).start()
-    path, preload = json.loads(settings)
+    path, shared, preload = json.loads(settings)
 
     from .folder import cache
     from .service import service
 
-    cache.use(Path(path))
+    cache.use(Path(path), None if shared is None else Path(shared))
     service.enabled = False
     sys.meta_path.append(WrittenModules())
     import numba

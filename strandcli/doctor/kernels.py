@@ -18,8 +18,8 @@ def kept() -> Iterator[Finding]:
     """Whether kernels are kept for the next run, in a folder of this user's alone, and how many there are."""
     from ..output.files import megabytes
 
-    folder = cache.path
-    if cache.trouble is not None:
+    folder = cache.shared or cache.path
+    if cache.trouble is not None and cache.shared is None:
         yield Finding("cache", NOTE, cache.trouble)
         return
     entries = [one for one in folder.iterdir() if ENTRY.fullmatch(one.name)]
@@ -29,6 +29,10 @@ def kept() -> Iterator[Finding]:
     if broken:
         some = f"{len(broken)} damaged, such as {broken[0].name}"
         yield Finding("cache", NOTE, f"{text}; {some}", "nothing: they are compiled anew when they are needed")
+    elif cache.shared is not None:
+        text += "; they are read, and cannot be written"
+        advice = "nothing where all is there that is drawn; else have who may write there run 'strandcli warmup PRESET'"
+        yield Finding("cache", NOTE, text, advice)
     elif size > MOST_BYTES:
         yield Finding("cache", NOTE, text, "nothing: what was not used for longest is removed once a day")
     else:

@@ -7,12 +7,8 @@ the kernel is made of, the signature, the processor, the versions of Python, Num
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
-import os
 import platform
-import stat
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -30,7 +26,6 @@ from ..compiling.claims import claims
 from ..compiling.clock import clock
 from ..compiling.interrupts import interrupts
 from ..compiling.service import service
-from ..opening import READ
 from . import sources
 from .loaded import rebuilt, unpacked
 
@@ -70,29 +65,31 @@ class KernelCache(_Cache):
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The kernel for a signature; None where it has to be compiled, by this process, which has claimed it."""
         rtsys.initialize(target_context)  # which refresh() does, and imports all that only the compiler needs
-        path, key = self._entry(sig, target_context.codegen())
-        found = self._load(path, key, target_context)
+        name, key = self._entry(sig, target_context.codegen())
+        found = self._load(folder.cache.find(name), key, target_context)
         if found is not None:
             return found
         clock.missed(self._function.__name__)
+        folder.cache.missed()
         with interrupts.allowed():
-            if not service.compile(self._function, sig, path.name):
-                claims.take(path.parent, key)
+            if not service.compile(self._function, sig, name):
+                claims.take(folder.cache.path, key)
         # in the meantime another process may have compiled it
-        return self._load(path, key, target_context)
+        return self._load(folder.cache.find(name), key, target_context)
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a kernel that was compiled, whole or not at all."""
         if data.library.has_dynamic_globals or any(not one.can_cache for one in data.lifted):
             return
-        path, key = self._entry(sig, data.codegen)
+        name, key = self._entry(sig, data.codegen)
         payload = dumps(data._reduce())
-        folder.cache.write(path, MAGIC + hashlib.sha256(key + payload).digest() + payload)
+        folder.cache.write(folder.cache.path / name, MAGIC + hashlib.sha256(key + payload).digest() + payload)
 
     def _load(self, path: Path, key: bytes, target_context: Any) -> Any:
         """The kernel in a file; None where there is none that is whole."""
         try:
-            data = _read(path)
+            with folder.opened(path) as file:
+                data = file.read()
             return rebuilt(target_context, *unpacked(_checked(data, key)))
         except FileNotFoundError:
             return None
@@ -101,8 +98,8 @@ class KernelCache(_Cache):
             folder.cache.discard(path)
             return None
 
-    def _entry(self, sig: Any, codegen: Any) -> tuple[Path, bytes]:
-        """Where a signature's entry is, and the hash of all that it depends on."""
+    def _entry(self, sig: Any, codegen: Any) -> tuple[str, bytes]:
+        """The name of a signature's entry, and the hash of all that it depends on."""
         function = self._function
         parts = (
             sources.digest(function.__module__), function.__module__, function.__qualname__,
@@ -113,24 +110,7 @@ class KernelCache(_Cache):
         )  # fmt: skip
         key = hashlib.sha256(repr(parts).encode()).digest()
         name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}-{key.hex()[:24]}{SUFFIX}"
-        return folder.cache.path / name, key
-
-
-def _read(path: Path) -> bytes:
-    """The content of an entry, whose time says at least to the day when it was last used.
-
-    Raises `OSError`, and `ValueError` for what is no file of this user's alone.
-    """
-    with open(os.open(path, READ), "rb") as entry:
-        status = os.fstat(entry.fileno())
-        if not stat.S_ISREG(status.st_mode):
-            raise ValueError("it is no file")
-        if others := folder.writers(status):
-            raise ValueError(others)
-        if status.st_mtime < time.time() - folder.DAY:
-            with contextlib.suppress(OSError):
-                os.utime(path)
-        return entry.read()
+        return name, key
 
 
 def _checked(data: bytes, key: bytes) -> bytes:

@@ -14,7 +14,7 @@ import stat
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,28 +63,33 @@ def read_state(path: Path, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
     ``OSError`` where it cannot be read.
     """
     with open(os.open(path, READ), "rb") as file:
-        found = os.fstat(file.fileno())
-        if not stat.S_ISREG(found.st_mode):
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
             raise DamagedError("it is no file")
-        magic = file.read(len(MAGIC))
-        line = file.readline(LONGEST_HEAD)
-        if magic != MAGIC or not line.endswith(b"\n"):
-            raise DamagedError("it does not begin as one")
-        arrays = _sized(arrays, line, found.st_size)
-        head = _head(key, arrays)
-        if line != head:
-            raise ForeignError if _is_head(line) else DamagedError("its head is damaged")
-        if found.st_size != len(MAGIC) + len(head) + sum(one.nbytes for one in arrays.values()) + DIGEST:
-            raise DamagedError("it is not as long as it was written")
-        whole = hashlib.sha256(magic + head)
-        read: dict[str, NDArray[Any]] = {}
-        for name, one in arrays.items():
-            read[name] = np.empty(one.shape, one.dtype)
-            if file.readinto(_bytes(read[name])) != one.nbytes:
-                raise DamagedError("it ends too soon")
-            whole.update(_bytes(read[name]))
-        if file.read(DIGEST + 1) != whole.digest():
-            raise DamagedError("its content is not what was written")
+        return state_of(file, key, arrays)
+
+
+def state_of(file: BinaryIO, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an opened file, as `read_state`."""
+    size = os.fstat(file.fileno()).st_size
+    magic = file.read(len(MAGIC))
+    line = file.readline(LONGEST_HEAD)
+    if magic != MAGIC or not line.endswith(b"\n"):
+        raise DamagedError("it does not begin as one")
+    arrays = _sized(arrays, line, size)
+    head = _head(key, arrays)
+    if line != head:
+        raise ForeignError if _is_head(line) else DamagedError("its head is damaged")
+    if size != len(MAGIC) + len(head) + sum(one.nbytes for one in arrays.values()) + DIGEST:
+        raise DamagedError("it is not as long as it was written")
+    whole = hashlib.sha256(magic + head)
+    read: dict[str, NDArray[Any]] = {}
+    for name, one in arrays.items():
+        read[name] = np.empty(one.shape, one.dtype)
+        if file.readinto(_bytes(read[name])) != one.nbytes:  # type: ignore[attr-defined]
+            raise DamagedError("it ends too soon")
+        whole.update(_bytes(read[name]))
+    if file.read(DIGEST + 1) != whole.digest():
+        raise DamagedError("its content is not what was written")
     return read
 
 

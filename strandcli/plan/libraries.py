@@ -89,7 +89,7 @@ def _environment() -> str:
 
 def _kept() -> dict[str, int]:
     try:
-        data = json.loads((cache.path / FILE).read_text(encoding="utf-8"))
+        data = json.loads(cache.find(FILE).read_text(encoding="utf-8"))
         return {str(name): one for name, one in data.items() if type(one) is int and LEAST <= one <= MOST}
     except (OSError, ValueError, AttributeError, RecursionError):
         return {}

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import importlib
 import os
+import shutil
 import stat
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from strandcli import written
@@ -18,6 +23,7 @@ from strandcli.doctor import kernels
 from strandcli.doctor.finding import NOTE
 from strandcli.jit import function
 from strandcli.jit.dispatcher import KernelDispatcher
+from strandcli.kept import kept
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "getuid"), reason="this system has no such owners")
 
@@ -96,6 +102,7 @@ def test_kernels_in_another_users_folder_are_not_run(base: Path, monkeypatch: py
     assert not called()
     me = os.getuid()
     monkeypatch.setattr(os, "getuid", lambda: me + 1)
+    monkeypatch.setattr(folder, "ROOT", -1)  # who may run these tests
     assert "it belongs to another user" in (begin(monkeypatch).trouble or "")
     monkeypatch.setattr(os, "getuid", lambda: me)
     assert called() is False  # the temporary folder was empty
@@ -113,6 +120,7 @@ def test_a_kernel_that_another_user_owns_or_may_change_is_not_run(base: Path, mo
     assert called()
     me = os.getuid()
     monkeypatch.setattr(os, "getuid", lambda: me + 1)
+    monkeypatch.setattr(folder, "ROOT", -1)
     assert not called()
     assert f"{entry}: cached kernel cannot be loaded (it belongs to another user): compiling anew" in told
 
@@ -135,3 +143,102 @@ def test_a_module_in_the_cache_is_run_if_its_hash_is_the_one_in_its_name(
         importlib.import_module(name)
     assert written.module_of(text, "fuzzed", place).value == 1
     del sys.modules[name]
+
+
+@function
+def plus_five(x):
+    return x + 5
+
+
+NOBODY = 65534
+
+
+@pytest.fixture
+def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder that STRANDCLI_CACHE_DIR names, into which other users can look."""
+    made = Path(tempfile.mkdtemp())
+    made.chmod(0o755)
+    monkeypatch.setenv("STRANDCLI_CACHE_DIR", str(made))
+    monkeypatch.setattr(service, "enabled", False)
+    begin(monkeypatch)
+    yield made
+    made.chmod(0o700)
+    shutil.rmtree(made)
+
+
+@contextmanager
+def unwritable(inner: Path, owner: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A block in which a folder is root's, or this user's own, who is not root, and cannot be written."""
+    me = os.getuid()
+    for one in (*inner.iterdir(), inner):
+        one.chmod(0o555 if one == inner else 0o444)
+        if me == 0 and owner == "mine":
+            os.chown(one, NOBODY, -1)
+    with monkeypatch.context() as patch:
+        if me == 0:
+            patch.setattr(os, "getuid", lambda: NOBODY)
+            os.seteuid(NOBODY)
+        elif owner == "root's":
+            patch.setattr(os, "getuid", lambda: me + 1)
+            patch.setattr(folder, "ROOT", me)
+        try:
+            yield
+        finally:
+            os.seteuid(me)
+            inner.chmod(0o755)
+
+
+def as_owner(path: Path, mode: int) -> None:
+    """Change the rights of a file of another user."""
+    now = os.geteuid()
+    os.seteuid(path.stat().st_uid if now == NOBODY else now)
+    path.chmod(mode)
+    os.seteuid(now)
+
+
+@pytest.mark.parametrize("owner", ["root's", "mine"])
+def test_a_folder_that_cannot_be_written_is_read(owner: str, place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Kernels and arrays; what is not in it is compiled for this run alone, which is told once."""
+    like, told = {"a": np.arange(3.0)}, list[str]()
+    make = lambda: [np.arange(3.0)]  # noqa: E731
+    assert not called()
+    kept("table", ("strandcli.constants",), [1], like, make)
+    inner = folder.cache.path
+    before = {path.name for path in inner.iterdir()}
+    with unwritable(inner, owner, monkeypatch):
+        new = begin(monkeypatch)
+        new.warn = told.append
+        assert called()
+        kept("table", ("strandcli.constants",), [1], like, lambda: pytest.fail("made again"))
+        assert (new.shared, told) == (inner, [])
+        (found,) = kernels.kept()
+        assert "1 kernels and modules" not in found.text
+        assert "they are read, and cannot be written" in found.text
+        for _ in range(2):
+            assert KernelDispatcher(plus_five.py_func, plus_five._cache._options)(1) == 6
+        assert told == [new.trouble]
+        assert str(new.trouble).startswith(f"{inner}: is read and cannot be written: kernels that are not there are")
+        assert mode(new.path) == 0o700
+        (made,) = new.path.glob("*.kernel")
+        assert made.name.startswith("test_private_folder.plus_five-")
+        assert not list(new.path.glob("*.arrays"))
+    assert {path.name for path in inner.iterdir()} == before
+
+
+def test_what_others_may_change_in_a_folder_that_cannot_be_written_is_not_run(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert not called()
+    inner = folder.cache.path
+    with unwritable(inner, "root's", monkeypatch):
+        (entry,) = inner.glob("*.kernel")
+        assert begin(monkeypatch).shared == inner
+        assert called()
+        as_owner(entry, 0o646)
+        begin(monkeypatch)
+        assert not called()
+        as_owner(entry, 0o444)
+        as_owner(inner, 0o757)
+        assert "other users may change it" in str(begin(monkeypatch).trouble)
+        assert folder.cache.shared is None
+        assert not called()

@@ -42,7 +42,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     new = folder.Folder()
     new.use(tmp_path / "cache")
     new.path.mkdir(mode=0o700)
-    monkeypatch.setattr(keeping, "folder", SimpleNamespace(cache=new, writers=folder.writers, DAY=folder.DAY))
+    monkeypatch.setattr(keeping, "folder", SimpleNamespace(cache=new, opened=folder.opened))
     return new.path
 
 
