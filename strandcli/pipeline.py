@@ -111,7 +111,9 @@ def _run(
         if notify is not None and given is None and (scene.time.preroll > 0 or (frames and frames[0] > 1)):
             notify(f"simulating up to frame {frames[0]}")
         if options.draw:
-            yield from _drawn(moved, frames, several)
+            for frame in _drawn(moved, frames, several):
+                moved.warn_of_stretch(frame)
+                yield frame
         else:
             for number in frames:
                 yield moved.begin(number).frame

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 Notify = Callable[[str], None]
 Positions = Callable[[int], NDArray[np.float32]]
+STRETCH = 0.01
+"""Of a strand that follows guides, from which on a frame is warned of."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +105,8 @@ class SimulationStage:
         self._wrong = False
         self._told: set[str] = set()
         """Errors that a line was said of."""
+        self._stretch = STRETCH / 2
+        """Stretch of followers that a line was said of."""
         if given is None:
             for words in warnings(scene, self.groom):
                 self._warn(f"{scene.label}: {words}" if scene.label else words)
@@ -192,6 +196,18 @@ class SimulationStage:
             raise SimulationError(f"{trouble.message}, or go on regardless (--keep-going)", trouble)
         self._wrong = True
         self._warn(f"{trouble.message}; going on")
+
+    def warn_of_stretch(self, frame: Frame) -> None:
+        """Warn of a frame whose followers would have changed their length by more than `STRETCH`, and again of one
+        where it is twice as much."""
+        found = frame.report["error"].get("follow_stretch_max") or 0.0
+        if found > 2 * self._stretch:
+            self._stretch = found
+            self._warn(
+                f"frame {frame.number}: guides would change the length of a strand that follows them by "
+                f"{100 * found:.2g} %, which is put right but bends it; take more emitter.groom.guides, or more "
+                "emitter.particles where strands curl"
+            )
 
     def _warn(self, words: str) -> None:
         if self.options.warn is not None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 NOWHERE = Pose(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0))
 FINER = 4
-"""Rows of a guide's table for each of its segments."""
+"""Rows of a guide's table for each of its segments, which stand for equal lengths of its strand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,10 +48,7 @@ class Following:
     """(k, P), 1 together."""
     reaches: NDArray[np.float32]
     """(k, P) share of each guide's length that the strand follows."""
-    along: NDArray[np.float64]
-    """(G, n) how far along its strand each particle of a guide is, as a share of the length."""
-    guides: Groom | None = None
-    """The guides, where roots may move with a mesh that deforms."""
+    guides: Groom
 
 
 class Followers:
@@ -71,7 +68,7 @@ class Followers:
         self._carried = any(use.name == "emitter_motion" for use in scene.rules)
         self._pose = emitter_pose(scene.emitter, 0.0)
         self._roots = deforming(scene, following.groom)
-        self._guides = None if self._roots is None or following.guides is None else deforming(scene, following.guides)
+        self._guides = None if self._roots is None else deforming(scene, following.guides)
 
     def select(self, positions: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
         """The tones of all strands whose guides (blocks, n + 1, 3 W) are finite, and their places in the file. Raises
@@ -97,8 +94,9 @@ class Followers:
         from .kernels import follow as kernel
 
         part = self._whole if len(ids) == self.groom.strands else self._part(ids)
-        table = scratch.borrow("guide_table", (*self._joints.shape, kernel.COLUMNS), np.float32)
-        kernel.motions(positions, self.rest, self._joints, self._turn(at), table)
+        rows = (self.rest.shape[1] - 2) * FINER + 1
+        table = scratch.borrow("guide_table", (self.following.guides.strands, rows, kernel.COLUMNS), np.float32)
+        kernel.motions(positions, self.rest, self._turn(at), table)
         count, points, _ = part.points.shape
         out = scratch.borrow("followers", (-(-count // W), points + 1, 3 * W), np.float32)
         stretch = scratch.borrow("followers_stretch", len(out), np.float32)
@@ -146,23 +144,13 @@ class Followers:
     def _turn(self, at: float) -> NDArray[np.float64]:
         """(G, 4) rotations of guides' roots since the start, unit quaternions: the emitter's, and before it those of
         triangles that deform."""
-        now, count = self._now(at), len(self.following.along)
+        now, count = self._now(at), self.following.guides.strands
         outer, start = np.array(now.rotation), np.array(self._pose.rotation).T
         if self._guides is not None:
             return np.array([quaternion(outer @ turn @ start) for turn in self._guides.turns(at)])
         if now.rotation == self._pose.rotation:
             return np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
         return np.tile(quaternion(outer @ start), (count, 1))
-
-    @cached_property
-    def _joints(self) -> NDArray[np.float32]:
-        """(G, T) of a guide's table, the particle at each row, a fraction too."""
-        guides, n = self.following.along.shape
-        shares = np.linspace(0.0, 1.0, (n - 1) * FINER + 1)
-        found = np.empty((guides, len(shares)), np.float32)
-        for g, along in enumerate(self.following.along):
-            found[g] = np.interp(shares, along, np.arange(n))
-        return found
 
     @cached_property
     def _whole(self) -> Any:

@@ -119,7 +119,7 @@ def _guided(
         )
     own = chosen(features, order, given.guides, fit)
     own = own[spatial_order(groom.roots[own])]
-    guides, along, deviation = chained(groom, own, particles)
+    guides, deviation = chained(groom, own, particles)
     ranks = ranks_of(order, seed)
     some = np.flatnonzero(ranks < kept)
     assert groom.places is not None
@@ -131,7 +131,7 @@ def _guided(
         widths=None if groom.widths is None else groom.widths[some], colours=groom.colours,
         anchors=None if groom.anchors is None else groom.anchors.of(some),
     )  # fmt: skip
-    following = Following(drawn, _drawn(groom, some, tolerance), ranks[some], parents, weights, reaches, along, guides)
+    following = Following(drawn, _drawn(groom, some, tolerance), ranks[some], parents, weights, reaches, guides)
     share = deviation / groom.lengths[own]
     return Guided(guides, following, float(deviation.max()), float(share.max()))
 

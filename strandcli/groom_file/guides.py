@@ -103,17 +103,17 @@ def ranks_of(order: NDArray[np.int32], seed: int) -> NDArray[np.int32]:
     return found
 
 
-def chained(groom: Groom, own: NDArray[np.int64], particles: int) -> tuple[Groom, Floats, Floats]:
-    """The strands ``own`` as solvers take them, with so many particles; how far along its strand each particle is
-    (k, particles), as a share of the length; and (k,) the greatest distance of a point from its chain, metres."""
+def chained(groom: Groom, own: NDArray[np.int64], particles: int) -> tuple[Groom, Floats]:
+    """The strands ``own`` as solvers take them, with so many particles at equal distances along them; and (k,) the
+    greatest distance of a point from its chain, metres."""
     points = picked_points(groom, own)
-    joints = np.zeros((len(own), particles, 3))
-    along, deviation = np.zeros(joints.shape[:2]), np.zeros(len(own))
-    chains(points, joints, along, deviation)
+    count, n, _ = points.shape
+    joints, deviation = np.empty((count, particles, 3)), np.empty(count)
+    low, share = np.empty(joints.shape[:2], np.int64), np.empty(joints.shape[:2], np.float32)
+    chains(even_offsets(count, n), points.reshape(-1, 3), low, share, joints, deviation)
     steps = np.diff(joints, axis=1)
     sizes = np.linalg.norm(steps, axis=2)
     ways = steps / np.maximum(sizes, 1e-300)[:, :, None]
-    whole = np.linalg.norm(np.diff(points.astype(np.float64), axis=1), axis=2).sum(1)
     placed = groom.placed(np.arange(groom.strands))[own]
     guides = Groom(
         groom.roots[own],
@@ -124,7 +124,7 @@ def chained(groom: Groom, own: NDArray[np.int64], particles: int) -> tuple[Groom
         ways=ways,
         anchors=None if groom.anchors is None else groom.anchors.of(own),
     )
-    return guides, along / whole[:, None], deviation
+    return guides, deviation
 
 
 def parents_of(features: Features, guides: Features) -> tuple[NDArray[np.int32], NDArray[np.float32]]:

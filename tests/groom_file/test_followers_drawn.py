@@ -87,3 +87,18 @@ def test_a_cache_holds_guides_and_draws_the_same(tmp_path: Path, capsys: pytest.
     told = run("plan", path, *plain)
     assert told.code == 0
     assert "25 of 200 strands, 10 particles each, within" in told.out
+
+
+def test_a_frame_whose_followers_are_stretched_is_warned_of(tmp_path: Path) -> None:
+    """Two guides of 200 strands stretch what follows both; where all are guides none is."""
+    told: dict[int, list[str]] = {}
+    for guides in (2, 200):
+        given = moving(write(tmp_path / "a.data", curls(200)), emitter__groom__guides=guides)
+        lines: list[str] = []
+        found = list(pipeline.render(given, [1, 8, 9], warn=lines.append))
+        worst = [frame.report["error"]["follow_stretch_max"] for frame in found]
+        told[guides] = [one for one in lines if "follows" in one]
+        assert (max(worst) > 0.01) == (guides == 2)
+    assert told[200] == []
+    assert len(told[2]) == 1  # the frame after it stretches them no more
+    assert told[2][0].startswith("frame 8: guides would change the length of a strand that follows them by 2")

@@ -218,6 +218,16 @@ def test_kernels_import_no_drivers() -> None:
     only_known("kernels", found)
 
 
+def test_kernels_ask_for_double_precision_by_its_name() -> None:
+    """Numba's ``float(x)`` of a number in single precision stays in single precision."""
+    wrong = []
+    for module, tree in modules().items():
+        if ".kernels." in module:
+            calls = [one for one in ast.walk(tree) if isinstance(one, ast.Call)]
+            wrong += [f"{module}:{one.lineno}" for one in calls if ast.unparse(one.func) == "float"]
+    assert not wrong, "np.float64(x) is meant"
+
+
 def test_parallel_kernels_write_to_no_member_of_a_tuple() -> None:
     """Numba takes ``lines.screen[v] = x`` in a parallel kernel, where lines is a tuple, for dead code and leaves it
     out: a function that the kernel calls has to write it."""

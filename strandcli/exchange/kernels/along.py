@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ...jit import device, parallel, prange
 
 
@@ -57,28 +59,28 @@ def put(points, i, t, low, share, out, s, k):
     low[s, k] = i
     share[s, k] = t
     for c in range(3):
-        a = points[i, c]
+        a = np.float64(points[i, c])
         out[s, k, c] = points[i + 1, c] if t == 1.0 else a + t * (points[i + 1, c] - a)
 
 
 @device
 def distance(points, i, j):
     """From point i to point j."""
-    x = float(points[j, 0]) - points[i, 0]
-    y = float(points[j, 1]) - points[i, 1]
-    z = float(points[j, 2]) - points[i, 2]
+    x = np.float64(points[j, 0]) - points[i, 0]
+    y = np.float64(points[j, 1]) - points[i, 1]
+    z = np.float64(points[j, 2]) - points[i, 2]
     return math.sqrt(x * x + y * y + z * z)
 
 
 @device
 def apart(points, i, others, j, k):
     """Square of the distance from point i to the segment between j and k of ``others``."""
-    ex = float(others[k, 0]) - others[j, 0]
-    ey = float(others[k, 1]) - others[j, 1]
-    ez = float(others[k, 2]) - others[j, 2]
-    x = float(points[i, 0]) - others[j, 0]
-    y = float(points[i, 1]) - others[j, 1]
-    z = float(points[i, 2]) - others[j, 2]
+    ex = np.float64(others[k, 0]) - others[j, 0]
+    ey = np.float64(others[k, 1]) - others[j, 1]
+    ez = np.float64(others[k, 2]) - others[j, 2]
+    x = np.float64(points[i, 0]) - others[j, 0]
+    y = np.float64(points[i, 1]) - others[j, 1]
+    z = np.float64(points[i, 2]) - others[j, 2]
     square = ex * ex + ey * ey + ez * ez
     t = min(max((x * ex + y * ey + z * ez) / square, 0.0), 1.0) if square > 0.0 else 0.0
     x -= t * ex

@@ -55,20 +55,19 @@ class Strands(NamedTuple):
 
 
 @parallel
-def motions(positions, rest, joints, turn, table):
+def motions(positions, rest, turn, table):
     """Write a table (G, T, `COLUMNS`) of guides at positions (blocks, n + 1, 3 W), which lay at ``rest`` in the same
-    layout; joints (G, T) float32: the particle, a fraction too, at each row; turn (G, 4) the rotations at their roots,
-    unit quaternions with their real parts first."""
+    layout; turn (G, 4) the rotations at their roots, unit quaternions with their real parts first."""
     for g in prange(table.shape[0]):
         turns = np.empty((rest.shape[1] - 1, 4), np.float64)
-        trace(positions[g // W], rest[g // W], g % W, joints[g], turn[g], turns, table[g])
+        trace(positions[g // W], rest[g // W], g % W, turn[g], turns, table[g])
 
 
 @device
-def trace(now, rest, lane, joints, turn, turns, table):
+def trace(now, rest, lane, turn, turns, table):
     """`motions` of one guide; turns (n, 4): scratch for the rotations at its particles."""
     n = now.shape[0] - 1
-    w, x, y, z = float(turn[0]), float(turn[1]), float(turn[2]), float(turn[3])
+    w, x, y, z = turn[0], turn[1], turn[2], turn[3]
     put(turns, 0, w, x, y, z)
     for j in range(1, n):  # the edge that ends at particle j
         ax, ay, az = edge(rest, j, lane)
@@ -80,15 +79,16 @@ def trace(now, rest, lane, joints, turn, turns, table):
             put(turns, j - 1, pw + w, px + x, py + y, pz + z)
         put(turns, j, w, x, y, z)
     for row in range(table.shape[0]):
-        j = min(int(joints[row]), n - 2)
-        t = float(joints[row]) - j
+        at = row * (n - 1) / (table.shape[0] - 1)
+        j = min(int(at), n - 2)
+        t = at - j
         for c in range(3):
             k = c * W + lane
             old = smooth(rest, j, k, t)
             moved = 0.0
             for i in range(4):
-                at = min(max(j - 1 + i, 0), n - 1)
-                moved += cubic(i, j, n, t) * (float(now[at + 1, k]) - float(rest[at + 1, k]))
+                one = min(max(j - 1 + i, 0), n - 1)
+                moved += cubic(i, j, n, t) * (np.float64(now[one + 1, k]) - rest[one + 1, k])
             table[row, SHIFT + c] = moved
             table[row, REST + c] = old
         for c in range(4):
@@ -103,7 +103,7 @@ def smooth(rows, j, k, t):
     total = 0.0
     for i in range(4):
         at = min(max(j - 1 + i, 0), n - 1)
-        total += cubic(i, j, n, t) * float(rows[at + 1, k])
+        total += cubic(i, j, n, t) * np.float64(rows[at + 1, k])
     return total
 
 
@@ -138,9 +138,9 @@ def put(turns, j, w, x, y, z):
 @device
 def edge(rows, j, lane):
     """Unit vector from particle j − 1 to j."""
-    x = float(rows[j + 1, lane]) - rows[j, lane]
-    y = float(rows[j + 1, W + lane]) - rows[j, W + lane]
-    z = float(rows[j + 1, 2 * W + lane]) - rows[j, 2 * W + lane]
+    x = np.float64(rows[j + 1, lane]) - rows[j, lane]
+    y = np.float64(rows[j + 1, W + lane]) - rows[j, W + lane]
+    z = np.float64(rows[j + 1, 2 * W + lane]) - rows[j, 2 * W + lane]
     size = 1.0 / math.sqrt(max(x * x + y * y + z * z, 1e-300))
     return x * size, y * size, z * size
 

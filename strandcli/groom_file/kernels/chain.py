@@ -1,102 +1,99 @@
-"""Strands as chains of equal segments, which solvers take: their joints lie on the strands' polylines."""
+"""Strands as chains of equal segments, which solvers take: as long as the strands, from their roots to their tips.
+
+Points at equal distances s along a strand are at most s apart, and less where it bends: a chain through all of them is
+too short. So every other one is a joint, and what lies between two becomes an isosceles triangle with sides s on the
+side on which the strand lies; or, once at the tip, a trapezoid, where the number of segments is odd. Both exist
+whatever the strand is like, for an arc is no shorter than its chord.
+"""
 
 from __future__ import annotations
 
 import math
 
-from ...exchange.kernels.along import apart, distance
+from ...exchange.kernels.along import along, apart, distance
 from ...jit import device, parallel, prange
 
-HALVINGS = 48
-"""Of the range in which the length of a segment lies."""
-SLACK = 1e-12
-"""Share of a segment's length by which the last one may reach beyond the tip."""
+STRAIGHT = 1e-20
+"""Square of how far the strand lies beside a chord, over that of a segment, from which on it has a side."""
 
 
 @parallel
-def chains(points, out, along, deviation):
-    """Chains on strands (G, p, 3), G being few: out (G, n, 3) float64, whose segments are equally long, as long as lets
-    all of them lie on the strand; along (G, n) float64, how far along the strand each joint is, in its own units; and
-    deviation (G,) float64, the greatest distance of a point from the chain."""
+def chains(first, points, low, share, out, deviation):
+    """Chains on strands, few of them: first (G + 1,) int64 of points (P, 3); out (G, n, 3) float64, n ≥ 2; deviation
+    (G,) float64, the greatest distance of a point from the chain; low (G, n) int64, share (G, n) float32: scratch.
+
+    Joint k of a chain stands for the point at k / (n − 1) of its strand's length. A chain of one segment is the chord.
+    """
     for g in prange(out.shape[0]):
-        deviation[g] = chain(points[g], out[g], along[g])
+        along(first, points, g, low, share, out)
+        last = out.shape[1] - 1
+        total = length(points, first[g], first[g + 1] - 1)
+        k = 0
+        while last - k > 1:
+            end = last if last - k == 3 else k + 2
+            fold(out[g], k, end, total / last)
+            k = end
+        deviation[g] = off(points, first[g], first[g + 1] - 1, out[g], total)
 
 
 @device
-def chain(points, out, along):
-    """`chains` of one strand; returns the deviation."""
-    last = points.shape[0] - 1
-    steps = out.shape[0] - 1
-    high = 0.0
-    for i in range(last):
-        high += distance(points, i, i + 1)
-    high /= steps
-    low = distance(points, 0, last) / steps * (1.0 - SLACK)
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        if march(points, middle, out, along):
-            low = middle
+def length(points, begin, end):
+    """Of the polyline from point ``begin`` to ``end``."""
+    total = 0.0
+    for i in range(begin, end):
+        total += distance(points, i, i + 1)
+    return total
+
+
+@device
+def fold(out, k, end, size):
+    """Place the joints between k and ``end``, one or two, so that all segments have a size; they are where the strand
+    is, and the chord of those two is no longer than the segments together."""
+    ex, ey, ez = out[end, 0] - out[k, 0], out[end, 1] - out[k, 1], out[end, 2] - out[k, 2]
+    chord = math.sqrt(ex * ex + ey * ey + ez * ez)
+    ex, ey, ez = (ex / chord, ey / chord, ez / chord) if chord > 0.0 else (0.0, 1.0, 0.0)
+    sx, sy, sz = side_of(out, k, end, ex, ey, ez, size)
+    ahead = 0.5 * (chord - (end - k - 2) * size)
+    aside = math.sqrt(max(size * size - ahead * ahead, 0.0))
+    for j in range(k + 1, end):
+        t = ahead + (j - k - 1) * size
+        out[j, 0] = out[k, 0] + t * ex + aside * sx
+        out[j, 1] = out[k, 1] + t * ey + aside * sy
+        out[j, 2] = out[k, 2] + t * ez + aside * sz
+
+
+@device
+def side_of(out, k, end, ex, ey, ez, size):
+    """The unit vector across a unit vector e towards the mean of the points between k and ``end``, seen from the middle
+    of these; any across where that is none."""
+    x = y = z = 0.0
+    for j in range(k + 1, end):
+        x += out[j, 0] - 0.5 * (out[k, 0] + out[end, 0])
+        y += out[j, 1] - 0.5 * (out[k, 1] + out[end, 1])
+        z += out[j, 2] - 0.5 * (out[k, 2] + out[end, 2])
+    for _ in range(2):  # once leaves rounding, of which little may be left where the strand is nearly straight
+        t = x * ex + y * ey + z * ez
+        x, y, z = x - t * ex, y - t * ey, z - t * ez
+    if not x * x + y * y + z * z > STRAIGHT * size * size:  # across the axis that e is farthest from, too
+        if abs(ex) <= min(abs(ey), abs(ez)):
+            x, y, z = 0.0, ez, -ey
+        elif abs(ey) <= abs(ez):
+            x, y, z = -ez, 0.0, ex
         else:
-            high = middle
-    march(points, low, out, along)
-    return off(points, out, along)
+            x, y, z = ey, -ex, 0.0
+    scale = 1.0 / math.sqrt(x * x + y * y + z * z)
+    return x * scale, y * scale, z * scale
 
 
 @device
-def march(points, size, out, along):
-    """Place joints so far apart, the first at the root; False where the strand ends before the last."""
-    last = points.shape[0] - 1
-    x, y, z = float(points[0, 0]), float(points[0, 1]), float(points[0, 2])
-    place(out, along, 0, x, y, z, 0.0)
-    before = 0.0  # length of the strand up to its point i
-    i = 0
-    least = 0.0  # share of the segment from i on that is behind
-    for k in range(1, out.shape[0]):
-        found = False
-        while i < last:
-            ex = float(points[i + 1, 0]) - points[i, 0]
-            ey = float(points[i + 1, 1]) - points[i, 1]
-            ez = float(points[i + 1, 2]) - points[i, 2]
-            bx, by, bz = points[i, 0] - x, points[i, 1] - y, points[i, 2] - z
-            a = ex * ex + ey * ey + ez * ez
-            b = ex * bx + ey * by + ez * bz
-            c = bx * bx + by * by + bz * bz - size * size
-            root = b * b - a * c
-            if a > 0.0 and root >= 0.0:
-                t = (-b + math.sqrt(root)) / a
-                if least <= t <= 1.0:
-                    x, y, z = points[i, 0] + t * ex, points[i, 1] + t * ey, points[i, 2] + t * ez
-                    place(out, along, k, x, y, z, before + t * math.sqrt(a))
-                    least = t
-                    found = True
-                    break
-            before += math.sqrt(a)
-            least = 0.0
-            i += 1
-        if not found:
-            return False
-    return True
-
-
-@device
-def place(out, along, k, x, y, z, way):
-    """Write joint k."""
-    out[k, 0] = x
-    out[k, 1] = y
-    out[k, 2] = z
-    along[k] = way
-
-
-@device
-def off(points, out, along):
-    """Greatest distance of a strand's points from the segments of its chain that go with them."""
+def off(points, begin, end, out, total):
+    """Greatest distance of points ``begin`` to ``end`` of a strand from the segments of its chain that stand for it."""
+    last = out.shape[0] - 1
     worst = 0.0
-    way = 0.0
-    k = 0
-    for i in range(points.shape[0]):
-        if i > 0:
-            way += distance(points, i - 1, i)
-        while k < out.shape[0] - 2 and along[k + 1] < way:
-            k += 1
+    passed = 0.0
+    for i in range(begin, end + 1):
+        if i > begin:
+            passed += distance(points, i - 1, i)
+        k = min(int(passed / total * last), last - 1) if total > 0.0 else 0
         worst = max(worst, apart(points, i, out, k, k + 1))
     return math.sqrt(worst)

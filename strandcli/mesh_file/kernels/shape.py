@@ -103,7 +103,7 @@ def look_after(x, y, z, eye, width, before, numbers, data):
     is looked for."""
     k = int(numbers[0])
     tree = tree_of(data, k)
-    u, v, row = drawn(tree, float(x), float(y), float(z), before, CLOSE * spacing_of(data, k))
+    u, v, row = drawn(tree, np.float64(x), np.float64(y), np.float64(z), before, CLOSE * spacing_of(data, k))
     px, py, pz = point_of(tree.corners, row, u, v)
     normals = surface_of(data, k).normals
     nx = ny = nz = lx = ly = lz = 0.0

@@ -85,9 +85,9 @@ def nearest(bvh, x, y, z, limit):
 
     The point is a + u (b - a) + v (c - a). Of triangles that are as near the lowest number.
     """
-    x, y, z = float(x), float(y), float(z)
+    x, y, z = np.float64(x), np.float64(y), np.float64(z)
     nodes, distances = local_int32(), local_float64()
-    best, best_u, best_v, hit, row = float(limit), 0.0, 0.0, -1, -1
+    best, best_u, best_v, hit, row = np.float64(limit), 0.0, 0.0, -1, -1
     node, waiting, entry = 0, 0, box_distance(bvh.boxes[0], x, y, z)
     while True:
         if entry <= best:

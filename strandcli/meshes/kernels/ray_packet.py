@@ -50,9 +50,9 @@ def rays_in(box, rays, inverses, found):
     for k in range(0, RAYS, lane_count(rays)):
         ox, oy, oz = load(rays, k), load(rays, RAYS + k), load(rays, 2 * RAYS + k)
         ix, iy, iz = load(inverses, k), load(inverses, RAYS + k), load(inverses, 2 * RAYS + k)
-        x0, x1 = (float(box[0]) - ox) * ix, (float(box[3]) - ox) * ix
-        y0, y1 = (float(box[1]) - oy) * iy, (float(box[4]) - oy) * iy
-        z0, z1 = (float(box[2]) - oz) * iz, (float(box[5]) - oz) * iz
+        x0, x1 = (box[0] - ox) * ix, (box[3] - ox) * ix
+        y0, y1 = (box[1] - oy) * iy, (box[4] - oy) * iy
+        z0, z1 = (box[2] - oz) * iz, (box[5] - oz) * iz
         enter = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), 0.0))
         leave = min(min(max(x0, x1), max(y0, y1)), max(z0, z1)) * WIDER
         entered |= movemask(enter <= min(leave, load(found, k))) << k

@@ -89,11 +89,12 @@ def first_hit(bvh, ox, oy, oz, dx, dy, dz, t_max):
     The point is a + u (b - a) + v (c - a) of the triangle's corners. t counts in lengths of d, which need not be a unit
     vector. Both sides of triangles count; of several at the same t the lowest number.
     """
-    ox, oy, oz, dx, dy, dz = float(ox), float(oy), float(oz), float(dx), float(dy), float(dz)
+    ox, oy, oz = np.float64(ox), np.float64(oy), np.float64(oz)
+    dx, dy, dz = np.float64(dx), np.float64(dy), np.float64(dz)
     ix, iy, iz = inverse(dx), inverse(dy), inverse(dz)
     shear = sheared(dx, dy, dz)
     nodes, entries = local_int32(), local_float64()
-    best, best_u, best_v, hit = float(t_max), 0.0, 0.0, -1
+    best, best_u, best_v, hit = np.float64(t_max), 0.0, 0.0, -1
     node, waiting, entry = 0, 0, box_entry(bvh.boxes[0], ox, oy, oz, ix, iy, iz, best)
     while True:
         if entry <= best:
@@ -124,11 +125,12 @@ def first_hit(bvh, ox, oy, oz, dx, dy, dz, t_max):
 @device
 def any_hit(bvh, ox, oy, oz, dx, dy, dz, t_max):
     """Whether a ray o + t d meets any triangle at 0 <= t <= t_max."""
-    ox, oy, oz, dx, dy, dz = float(ox), float(oy), float(oz), float(dx), float(dy), float(dz)
+    ox, oy, oz = np.float64(ox), np.float64(oy), np.float64(oz)
+    dx, dy, dz = np.float64(dx), np.float64(dy), np.float64(dz)
     ix, iy, iz = inverse(dx), inverse(dy), inverse(dz)
     shear = sheared(dx, dy, dz)
     nodes = local_int32()
-    most = float(t_max)
+    most = np.float64(t_max)
     nodes[0] = 0
     waiting = 1
     while waiting > 0:

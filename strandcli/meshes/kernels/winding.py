@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ...jit import device, function
 from ...simd.local import local_int32
 
@@ -93,7 +95,7 @@ def solid_angle(corners, i, x, y, z):
 def winding(bvh, x, y, z):
     """The winding number of a mesh about a point: 1 within a closed mesh that is wound outward, 0 outside of it, .5 in
     the middle of a hole. Far parts are approximated, which is off by some hundredths."""
-    x, y, z = float(x), float(y), float(z)
+    x, y, z = np.float64(x), np.float64(y), np.float64(z)
     nodes = local_int32()
     nodes[0] = 0
     waiting = 1

@@ -21,7 +21,7 @@ def direction(d, start):
     along = (start + 1) // 2
     way = broadcast(d[0], 1.0 if start % 2 == 1 else -1.0)
     zero = broadcast(d[0], 0.0)
-    own = broadcast(d[0], float(start)) < 0.5
+    own = broadcast(d[0], 1.0 * start) < 0.5
     return (
         where(own, d[0], way if along == 1 else zero), where(own, d[1], way if along == 2 else zero),
         where(own, d[2], way if along == 3 else zero),

@@ -117,7 +117,7 @@ def with_strand(some, place, number, given, j):
     numbers, at, q, size, depth, goal = some
     p, r, length, under, least = given
     return (
-        with_lane(numbers, place, float(number)),
+        with_lane(numbers, place, 1.0 * number),
         (with_lane(at[0], place, lane(p[0], j)), with_lane(at[1], place, lane(p[1], j)),
          with_lane(at[2], place, lane(p[2], j))),
         (with_lane(q[0], place, lane(r[0], j)), with_lane(q[1], place, lane(r[1], j)),
@@ -252,7 +252,7 @@ def direction(like, way):
     """Return unit direction number ``way`` of the `WAYS`, in all lanes of vectors like this one."""
     place = way if way < WAYS // 2 else way + 1  # the middle one has no length
     a, b, c = place % 3 - 1, place // 3 % 3 - 1, place // 9 - 1
-    size = math.sqrt(float(a * a + b * b + c * c))
+    size = math.sqrt(a * a + b * b + c * c)
     return broadcast(like, a / size), broadcast(like, b / size), broadcast(like, c / size)
 
 

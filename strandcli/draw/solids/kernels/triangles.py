@@ -120,7 +120,7 @@ def bound_one(corners, i, rays, view, frame, spans):
 @device
 def held(value, low, high):
     """A number between two others, or the nearer one of them."""
-    return min(max(value, float(low)), float(high))
+    return min(max(value, np.float64(low)), np.float64(high))
 
 
 @device
@@ -226,7 +226,7 @@ def draw_one(corners, i, solid, rays, view, frame, spans, low, high, nearest):
     )  # fmt: skip
     for y in range(max(low, np.int64(spans.box[i, TOP])), min(high, np.int64(spans.box[i, BOTTOM]))):
         b = (view[AXIS_Y] - y - 0.5) / view[FOCAL]
-        left, right = float(spans.box[i, LEFT]), spans.box[i, RIGHT] - 1.0
+        left, right = np.float64(spans.box[i, LEFT]), spans.box[i, RIGHT] - 1.0
         left, right = cut(left, right, first, b, view)
         left, right = cut(left, right, second, b, view)
         left, right = cut(left, right, third, b, view)

@@ -1,0 +1,92 @@
+"""Strands of a file as chains of equal segments, which solvers take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from groom_file_kit import scene, write
+from strandcli.exchange.strands import offsets
+from strandcli.groom_file.following import guided
+from strandcli.groom_file.kernels.chain import chains
+
+Floats = npt.NDArray[np.float64]
+Points = npt.NDArray[np.float32]
+
+
+def chain(points: Points, particles: int) -> tuple[Floats, float]:
+    """The chain (n, 3) of a strand (p, 3), and its deviation."""
+    joints, deviation = np.empty((1, particles, 3)), np.empty(1)
+    low, share = np.empty((1, particles), np.int64), np.empty((1, particles), np.float32)
+    chains(offsets(np.array([len(points)])), points, low, share, joints, deviation)
+    return joints[0], float(deviation[0])
+
+
+@st.composite
+def strands(draw: st.DrawFn) -> Points:
+    """Straight, nearly straight, bent, curled and rough ones; some turn back, have points twice, or lie far out."""
+    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
+    count = draw(st.integers(2, 200))
+    t = np.linspace(0, 1, count) if draw(st.booleans()) else np.sort(rng.random(count))
+    along = rng.normal(size=3)
+    points = t[:, None] * along
+    kind = draw(st.sampled_from(("straight", "nearly", "bent", "curled", "rough", "back")))
+    size, turns = {"straight": (0.0, 0), "nearly": (1e-4, 1), "bent": (0.5, 0.4)}.get(
+        kind, (0.2, draw(st.floats(1, 40)))
+    )
+    wave = np.stack([np.cos(2 * np.pi * turns * t), np.sin(2 * np.pi * turns * t), 0 * t], 1)
+    points += size * wave
+    if kind == "rough":
+        points += 0.1 * rng.normal(size=points.shape)
+    if kind == "back":
+        points = np.outer(np.abs(t - 0.5), along)
+    if draw(st.booleans()):
+        points = np.repeat(points, rng.integers(1, 4, count), axis=0)[:200]
+    far = draw(st.sampled_from((0.0, 1.0, 100.0))) * rng.normal(size=3)
+    return (draw(st.sampled_from((1e-3, 1.0, 1e3))) * (points + far)).astype(np.float32)
+
+
+@settings(max_examples=150, deadline=None)
+@given(strands(), st.integers(3, 40))
+def test_chains_are_as_long_as_their_strands_and_end_at_their_tips(points: Points, particles: int) -> None:
+    wide = points.astype(np.float64)
+    whole = np.linalg.norm(np.diff(wide, axis=0), axis=1).sum()
+    joints, deviation = chain(points, particles)
+    sizes = np.linalg.norm(np.diff(joints, axis=0), axis=1)
+    scale = np.abs(wide).max()
+    assert np.abs(sizes - whole / (particles - 1)).max() <= 1e-9 * whole + 1e-14 * scale
+    assert (joints[0] == wide[0]).all()
+    assert (joints[-1] == wide[-1]).all()
+    assert deviation <= 2 * whole / (particles - 1) + 1e-9 * scale
+
+
+@pytest.mark.parametrize("particles", [8, 9, 24])
+def test_chains_of_arcs_are_nearer_than_chords(particles: int) -> None:
+    """The chord of a segment that spans the angle a of a circle is 1 − cos(a / 2) off in its middle."""
+    t = np.linspace(0, np.pi, 2000)
+    arc = np.stack([np.cos(t), np.sin(t), 0 * t], 1).astype(np.float32)
+    _, deviation = chain(arc, particles)
+    assert 0 < deviation < 1 - np.cos(np.pi / (particles - 1) / 2)
+
+
+@pytest.mark.parametrize("points", [2, 3, 60])
+def test_straight_strands_of_a_file_have_straight_guides(points: int, tmp_path: Path) -> None:
+    rng = np.random.default_rng(7)
+    t = np.linspace(0, 1, points)[:, None]
+    made = [(rng.normal(size=3) + t * rng.normal(size=3)).astype(np.float32) for _ in range(150)]
+    own = {"emitter.groom.guides": 150, "emitter.groom.root": "first", "emitter.particles": 12}
+    found = guided(scene(write(tmp_path / "a.data", made), rules=[{"gravity": {}}], solver="rod", **own))
+    guides = found.guides
+    assert guides.ways is not None
+    each = guides.lengths.astype(np.float64)[:, None] / guides.ways.shape[1]
+    tips = guides.roots + (guides.ways * each[:, None]).sum(1)
+    wanted = np.stack(made).astype(np.float64)
+    order = [int(np.argmin(np.linalg.norm(wanted[:, 0] - root, axis=1))) for root in guides.roots]
+    assert np.linalg.norm(tips - wanted[order, -1], axis=1).max() < 1e-5
+    assert guides.lengths == pytest.approx(np.linalg.norm(wanted[:, -1] - wanted[:, 0], axis=1)[order], rel=1e-6)
+    assert found.deviation < 1e-5
