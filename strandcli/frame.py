@@ -15,7 +15,8 @@ class Frame:
 
     number: int
     image: NDArray[np.uint8] | None
-    """(height, width, 3) sRGB; None where nothing was drawn."""
+    """(height, width, 3) sRGB, or (height, width, 4) with straight alpha where `image.background` is none; None where
+    nothing was drawn."""
     positions: NDArray[np.float32] | None
     """(strands, particles, 3) metres, where they were asked for."""
     report: dict[str, Any]

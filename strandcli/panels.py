@@ -31,19 +31,21 @@ def side_by_side(scene: Scene, parts: Sequence[Iterator[Frame]]) -> Iterator[Fra
 
 
 def join(images: Sequence[NDArray[np.uint8]], labels: Sequence[str]) -> NDArray[np.uint8]:
-    """Images from left to right with a gap between, (height + strip, width, 3); no strip where no label has text."""
+    """Images from left to right with a gap between, (height + strip, width, 3); no strip where no label has text. Where
+    some have alpha, so has the whole, and gaps and labels are opaque."""
     from PIL import Image, ImageDraw, ImageFont
 
     height = max(image.shape[0] for image in images)
     text = max(12, height // 28)
     strip = 2 * text if any(labels) else 0
     width = sum(image.shape[1] for image in images) + GAP * (len(images) - 1)
-    sheet = Image.new("RGB", (width, height + strip), PAPER)
+    mode = "RGBA" if any(image.shape[2] == 4 for image in images) else "RGB"
+    sheet = Image.new(mode, (width, height + strip), PAPER)
     pen = ImageDraw.Draw(sheet)
     left = 0
     for image, label in zip(images, labels, strict=True):
         font = ImageFont.load_default(fitting_size(label, text, image.shape[1]))
-        sheet.paste(Image.fromarray(image), (left, 0))
+        sheet.paste(Image.fromarray(image).convert(mode), (left, 0))
         if strip:
             pen.text((left + image.shape[1] / 2, height + strip / 2), label, INK, font, anchor="mm")
         left += image.shape[1] + GAP

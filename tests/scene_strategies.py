@@ -15,6 +15,7 @@ from strandcli.scene.look import settle
 from strandcli.scene.model import Emitter
 from strandcli.scene.specs import (
     LARGEST,
+    NO_COLOUR,
     SMALLEST,
     BooleanSpec,
     ChoiceSpec,
@@ -63,6 +64,7 @@ def values(spec: Spec) -> st.SearchStrategy[Any]:
                 found = found.filter(lambda v: sum(abs(x) for x in v) > 1e-6)
         case ColourSpec():
             found = st.tuples(*[floats(Range(low=0))] * 3)
+            found = st.just(NO_COLOUR) | found if spec.or_none else found
         case SizeSpec():
             found = st.tuples(*[st.integers(1, int(spec.limits.high or 1))] * 2)
         case WindowSpec():

@@ -50,7 +50,9 @@ def command(
     if folders and (output is not None or as_json):
         raise UsageError("-o and --json are for two images: name one frame of each folder")
     for a, b in _frames(first, second) if folders else [(first, second)]:
-        found, one, two = compare_files(a, b, threshold)
+        found, one, two, note = compare_files(a, b, threshold)
+        if note and not quiet:
+            say(note, err=True)
         if output is not None:
             write_image(output, difference_image(one, two))
         seen = {"flip": mean_flip(one, two)} if perceived else {}

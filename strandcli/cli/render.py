@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import SimulationError, StrandError, UsageError
-from . import camera_files, garbage, html_page, options, signals
+from . import animations, camera_files, garbage, html_page, options, signals
 from . import checkpoint as checkpoints
 from . import dask as clusters
 from .frame_range import FrameRange
@@ -25,7 +25,7 @@ from .say import say
 from .sweep import run as run_sweep
 from .sweep import sweep_option
 from .terminal_pictures import Preview, preview_option
-from .values import KindsType, LayersType
+from .values import LayersType
 from .watch import run as run_watch
 from .watch import watch_option
 
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 @options.quality
 @options.threads
 @max_error_option
-@click.option("--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp, .mp4: gif,mp4.")
+@animations.options
 @click.option(
     "--aov", "aovs", type=LayersType(), metavar="LAYERS",
     help="Also write layers as .npz and PNG: depth, mask, solid, tangent, orientation, strand_id, shadow, linear.",
@@ -68,6 +68,7 @@ def command(
     threads: int | None,
     max_error: dict[str, float] | None,
     animate: tuple[str, ...] | None,
+    over: tuple[int, int, int] | None,
     aovs: tuple[str, ...] | None,
     exr: bool,
     cameras: Path | None,
@@ -119,6 +120,7 @@ def command(
         scene, bound = advised(preset, max_error, scene_settings, threads, talk, quiet)
     scene = _with_layers(scene, exr)
     clusters.require(scene, dask)
+    ground = animations.ground(scene, animate or (), over)
     numbers = options.frame_numbers(frames, scene, from_cache)
 
     from ..plan import checked_plan
@@ -141,7 +143,7 @@ def command(
     ):
         data = _run(scene, writer, report, motion, threads, quiet, progress, bound, look)
     learn_speed(plan, scene, data, motion)
-    made = [_animate(writer, kind, numbers, scene.time.fps, quiet) for kind in animate or ()]
+    made = [animations.animate(writer, kind, numbers, scene.time.fps, ground, quiet) for kind in animate or ()]
     if page is not None:
         page.write(data, made)
     if as_json:
@@ -264,21 +266,3 @@ def _report(
         if claim is not None:
             claim.release()
     return data
-
-
-def _animate(writer: FrameWriter, kind: str, numbers: tuple[int, ...], fps: float, quiet: bool) -> Path:
-    from ..output.animation import write_animation
-    from ..output.frames import frame_file
-
-    path = writer.directory / f"animation.{kind}"
-    paths = [writer.directory / frame_file(number) for number in numbers]
-    try:
-        signals.check()
-        shown = write_animation(path, paths, numbers, fps)
-    except KeyboardInterrupt:
-        if not quiet:
-            say(interrupted(writer, f"{path.name} is not written; "), err=True)
-        raise
-    if not quiet and len(numbers) > 1 and shown < 0.99 * fps:
-        say(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked", err=True)
-    return path

@@ -8,6 +8,7 @@ import click
 
 from . import options
 from .say import say
+from .values import ColourType
 
 
 @click.command()
@@ -18,22 +19,29 @@ from .say import say
     "--width", type=options.Whole(16, 32_768), default=400, show_default=True, metavar="PX",
     help="Images wider than this are scaled down.",
 )  # fmt: skip
+@click.option(
+    "--over", type=ColourType(), metavar="COLOUR",
+    help="Colour under images with alpha: white, '#rrggbb'.  [default: the sheet's own]",
+)  # fmt: skip
 @options.overwrite
 @options.quiet
 @options.debug
-def command(sources: tuple[Path, ...], output: Path, columns: int, width: int, overwrite: bool, quiet: bool) -> None:
+def command(
+    sources: tuple[Path, ...], output: Path, columns: int, width: int, over: tuple[int, int, int] | None,
+    overwrite: bool, quiet: bool,
+) -> None:  # fmt: skip
     """Put images on one labelled contact sheet.
 
     A single folder gives its images by name, several folders of frames the last frame of each, and a folder of such
     folders, like out/figures, the same.
     """
     from ..output.files import prepare_folder
-    from ..output.sheet import gather, write_sheet
+    from ..output.sheet import PAPER, gather, write_sheet
 
     options.require_png(output)
     options.refuse_existing(output, overwrite)
     cells = gather(sources, leave_out=output)
     prepare_folder(output.parent, 0)
-    wide, high = write_sheet(output, cells, columns, width)
+    wide, high = write_sheet(output, cells, columns, width, over or PAPER)
     if not quiet:
         say(f"{output}: {len(cells)} {'image' if len(cells) == 1 else 'images'}, {wide}x{high}", err=True)

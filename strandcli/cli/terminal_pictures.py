@@ -153,11 +153,13 @@ class Preview:
         self.kind = (detected(os.environ) if kind == "auto" else kind) if shown else None
 
     def show(self, image: Pixels, *, alone: bool = False) -> None:
-        """Show a picture (H, W, 3); ``alone``: on an empty screen."""
+        """Show a picture (H, W, 3), or one with alpha over grey; ``alone``: on an empty screen."""
         if self.kind is None:
             return
+        from ..output.over import over
+
         size = shutil.get_terminal_size()
-        text = ("\x1b[H\x1b[2J" if alone else "") + drawn(image, self.kind, size.columns, size.lines)
+        text = ("\x1b[H\x1b[2J" if alone else "") + drawn(over(image), self.kind, size.columns, size.lines)
         sys.stdout.write(text)
         sys.stdout.flush()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import click
@@ -192,6 +193,24 @@ class SpanType(click.ParamType):
             words = f"'{value}' is not two angles in degrees, the lesser first, such as -30,45"
             self.fail(f"{words}, within {-self.most:g} and {self.most:g}", param, ctx)
         return low, high
+
+
+class ColourType(click.ParamType):
+    """A colour of sRGB, ``#rrggbb`` or a name of CSS such as ``white``, as three numbers of 8 bits."""
+
+    name = "COLOUR"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, ...]:
+        if isinstance(value, tuple):
+            return value
+        from PIL import ImageColor
+
+        found: tuple[int, ...] = ()
+        with suppress(ValueError):
+            found = ImageColor.getrgb(str(value).strip())
+        if len(found) != 3:
+            self.fail(f"'{value}' is not a colour, such as white or '#3060a0' in quotes", param, ctx)
+        return found
 
 
 class SizeType(click.ParamType):

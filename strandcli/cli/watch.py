@@ -29,7 +29,7 @@ PAUSE = 0.01
 """Seconds between two looks at the files."""
 SIDE = 400
 """Pixels of the longer side, where no --size is given."""
-NOT_WITH = ("resume", "animate", "max_error", "exr", "from_cache", "cameras", "camera", "sweep", "aovs", "dask")
+NOT_WITH = ("resume", "animate", "over", "max_error", "exr", "from_cache", "cameras", "camera", "sweep", "aovs", "dask")
 
 watch_option = click.option(
     "--watch", is_flag=True, help=f"Draw one frame as a draft into {FILE}, and again whenever the preset is saved."

@@ -79,6 +79,8 @@ def scene_for(scene: Scene, layout: Layout, size: tuple[int, int], frame: int) -
     labels are made of. Raises `UsageError` for a scene without layers, or without such a frame."""
     if scene.panels:
         raise UsageError("a preset of several panels has no labels; take one without panels")
+    if scene.image.has_alpha:
+        raise UsageError("image.background: a data set has masks beside its pictures, not alpha in them; name a colour")
     if frame > scene.time.frames:
         raise UsageError(f"--frame {frame}: the preset has {scene.time.frames} frames")
     from ..scene.motion import camera_at

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,18 +24,27 @@ from .film import haze
 from .film.aovs import Recorder
 from .film.kernels import film
 from .geometry.curves import Polylines
-from .lighting.lighting import NO_SPOTS, NOT_HIDDEN, Lighting
-from .lighting.sparse_light import is_costly, shade_surfaces
+from .lighting.lighting import Lighting
 from .shadows.vertex_shadows import VertexShadows
 from .solids import triangles
 from .solids.edges import Edges, find_edges
 from .solids.kernels import rasterise
 from .solids.solids import frames_of
 from .strand_batches import StrandBatch
+from .transmittance import Transmittance, draw_solids
 from .zbuffer import raster
 
 Shade = Callable[[Lighting, StrandBatch, NDArray[np.uint8], NDArray[np.float32] | None], NDArray[np.float32]]
 """Returns the radiance at marked vertices (see `strandcli.draw.renderer.Renderer.shade`)."""
+
+
+class Exposed(NamedTuple):
+    """One exposure, or the mean of several."""
+
+    parts: Sequence[NDArray[np.float32]]
+    """As `Canvas.parts`."""
+    light: Lighting | None
+    """How it was lit."""
 
 
 @dataclass
@@ -65,6 +76,8 @@ class Canvas:
     """(height * width,) the z-buffer, with the solids from the beginning."""
     image: NDArray[np.float32] = field(init=False)
     """(height, width, 3) linear."""
+    through: Transmittance | None = field(init=False, default=None)
+    """Of a picture without background."""
     _base: int = 0
     """Number of the next batch's first vertex."""
     _batches: int = 0
@@ -79,11 +92,18 @@ class Canvas:
             self.lighting = replace(self.lighting, triangles=shown)
         clear(self.keys, self.size, self.lighting)
         if self.recorder is not None:
-            self.recorder.solids(self.keys)
+            self.recorder.solids(self.keys, self.lighting, self.scratch)
         self.drawing.lap("raster")
         self.image = self.scratch.borrow("image", (height, width, 3), np.float32)
         np.copyto(self.image, self.backdrop)
+        if self.lighting.scene.image.has_alpha:
+            self.through = Transmittance(self.lighting, self.size, self.scratch)
         self.drawing.lap("film")
+
+    @property
+    def parts(self) -> Sequence[NDArray[np.float32]]:
+        """The image, and its transmittance if it has no background."""
+        return (self.image,) if self.through is None else (self.image, self.through.image)
 
     def composite_sorted(self, batch: StrandBatch, coverage: Coverage) -> None:
         """Composite all strands, in one batch, over the solids, sorted by depth in each pixel."""
@@ -109,12 +129,17 @@ class Canvas:
 
     def _behind(self, layer: Layer, edges: Edges) -> None:
         """Shade the solids in the rows of a layer, but where its strands hide them wholly."""
-        top, bottom, width = layer.fragments.top, layer.fragments.bottom, self.size[0]
-        here, hidden = edges.within(top * width, bottom * width), layer.fragments.closed
+        rows, width = (layer.fragments.top, layer.fragments.bottom), self.size[0]
+        begin, end = rows[0] * width, rows[1] * width
+        here, hidden = edges.within(begin, end), layer.fragments.closed
         here.keys[hidden[here.pixels] == CLOSED] = EMPTY  # no light of theirs is seen
         hidden[here.pixels] = 1  # they are drawn by themselves
-        self._surfaces(self.keys, self.image, hidden=hidden, rows=(top, bottom))
-        here.composite(self._surfaces, self.image, self.backdrop)
+        draw = partial(draw_solids, self.lighting, self.scratch)
+        draw(self.keys, self.image, hidden=hidden, rows=rows)
+        here.composite(draw, self.image, self.backdrop)
+        if self.through is not None:
+            self.through.solids(self.keys, hidden=hidden, rows=rows)
+            self.through.edges(edges, begin, end)
 
     def _blend(self, layer: Layer, batch: StrandBatch) -> None:
         """Shade the vertices of a layer, and blend it with the picture."""
@@ -126,6 +151,8 @@ class Canvas:
         layer.blend(colours, self.image)
         if batch.profiles is not None:
             layer.add_departures(batch.profiles, self.image)
+        if self.through is not None:
+            self.through.layer(layer, batch)
 
     def rasterise(self, batch: StrandBatch) -> None:
         """Draw a batch into the z-buffer, shade the vertices visible so far, and colour the samples that show them."""
@@ -143,6 +170,8 @@ class Canvas:
         film.colours(self.keys, self._base, screen, lines.per, lines.stride, colours, self.image)
         if batch.profiles is not None:
             add_to_zbuffer(batch.profiles, self.keys, self._base, lines, self.image)
+        if self.through is not None:
+            self.through.batch(self.keys, self._base, batch, marks)
         self.drawing.lap("film")
         self.fragments = seen
         self.segments += lines.segments
@@ -153,7 +182,9 @@ class Canvas:
         """Shade the visible solids, after the last batch."""
         if self._batches > 1:  # a later batch may hide fragments counted in an earlier one
             self.fragments = int(np.count_nonzero((self.keys & np.uint64(0xFFFFFFFF)) < FIRST))
-        self._surfaces(self.keys, self.image)
+        draw_solids(self.lighting, self.scratch, self.keys, self.image)
+        if self.through is not None:
+            self.through.solids(self.keys)
         self.drawing.lap("shade")
         if self.recorder is not None:
             self.recorder.rest(self.keys, self.lighting)
@@ -191,22 +222,6 @@ class Canvas:
             )  # fmt: skip
         self.drawing.lap("shade")
         return colours
-
-    def _surfaces(
-        self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS,
-        hidden: NDArray[np.uint8] = NOT_HIDDEN, rows: tuple[int, int] | None = None,
-    ) -> None:  # fmt: skip
-        """Shade solids with `Lighting.shade_surfaces`, and apply haze if there is any."""
-        thick = self.lighting.scene.image.haze
-        top, bottom = rows or (0, len(image))
-        behind = None if thick is None else image[top:bottom].copy()
-        if rows is not None and is_costly(self.lighting):
-            shade_surfaces(self.lighting, keys, image, hidden, rows, self.scratch)
-        else:
-            self.lighting.shade_surfaces(keys, image, spots, hidden, rows)
-        if thick is not None and behind is not None:
-            here = slice(top * image.shape[1], bottom * image.shape[1])
-            haze.veil_solids(thick, self.lighting.view, behind, keys[here], image[top:bottom], hidden[here])
 
 
 def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -> None:

@@ -14,14 +14,13 @@ from ..groom.followers import Followers
 from ..groom.record import Groom
 from ..scene.model import Scene
 from ..solids import Solids
-from .canvas import Canvas
+from .canvas import Canvas, Exposed
 from .common.drawing import Drawing
 from .common.scratch import IN_LIGHT, POSITIONS, Scratch
 from .coverage.coverage import Coverage
 from .drawn_strands import DrawnStrands
 from .film.aovs import Recorder
-from .film.film import backdrop_of, curve_of, grain_of
-from .film.kernels import film
+from .film.film import backdrop_of, develop, grain_of
 from .geometry.curves import Polylines
 from .geometry.extent import Thickness, bounds_of, boxes_of, extents_of, thickness_of
 from .geometry.spacing import first_emitted, spacing_of
@@ -100,25 +99,25 @@ class Renderer:
             self.tones, self.ids = self.children.select(positions)
         recorder = Recorder(scene.image) if scene.image.aovs else None
         if not lens.is_sampled(camera):
-            image, made = self._expose(positions, lengths, lens.Exposure(at, 1.0), workers, self._made, recorder)
-            self._made = made if self.keeps_light else None
+            made = self._expose(positions, lengths, lens.Exposure(at, 1.0), workers, self._made, recorder)
+            self._made = made.light if self.keeps_light else None
         else:
-            image = self._average(positions, before, lengths, at, workers)
-        self.develop(image, self._drawing.image)
+            made = self._average(positions, before, lengths, at, workers)
+        self.develop(made.parts[0], self._drawing.image, *made.parts[1:])
         if recorder is not None:
             if lens.is_sampled(camera):  # AOVs are drawn through a pinhole at the frame's own time
                 self._expose(positions, lengths, lens.Exposure(at, 1.0), workers, recorder=recorder, pinhole=True)
-            self._drawing.aovs = recorder.layers(image)
+            self._drawing.aovs = recorder.layers(*made.parts)
         self._drawing.lap("film")
         return self._drawing
 
     def _average(
         self, positions: NDArray[np.float32], before: NDArray[np.float32] | None, lengths: NDArray[np.float32],
         at: float, workers: int,
-    ) -> NDArray[np.float32]:  # fmt: skip
-        """Return the mean of a frame's exposures (see `lens`), linear, (height, width, 3)."""
+    ) -> Exposed:  # fmt: skip
+        """Return the mean of a frame's exposures (see `lens`)."""
         scene, camera = self.scene, self.scene.camera
-        total = self.scratch.borrow("total", (self.size[1], self.size[0], 3), np.float32)
+        total = self.scratch.borrow("total", (2 if scene.image.has_alpha else 1, *self.size[::-1], 3), np.float32)
         total.fill(0)
         carried = any(use.name == "emitter_motion" for use in scene.rules)
         moving = camera.shutter > 0 and before is not None
@@ -130,20 +129,21 @@ class Renderer:
                 where = self.scratch.borrow("between", positions.shape, np.float32)
                 lens.interpolate(before, positions, scene.emitter, carried, at - 1 / scene.time.fps, at, shot, where)
                 self._drawing.lap("curves")
-            image, made = self._expose(where, lengths, shot, workers, light)
-            light = made if camera.shutter == 0 else None  # with the shutter closed the light does not change
-            np.add(total, image, out=total)
+            made = self._expose(where, lengths, shot, workers, light)
+            light = made.light if camera.shutter == 0 else None  # with the shutter closed the light does not change
+            for part, added in zip(total, made.parts, strict=True):
+                np.add(part, added, out=part)
             self._drawing.lap("film")
         total *= np.float32(1 / len(shots))
         self._drawing.counts["exposures"] = len(shots)
-        return total
+        return Exposed(tuple(total), light)
 
     def _expose(
         self, positions: NDArray[np.float32], lengths: NDArray[np.float32], shot: lens.Exposure, workers: int,
         made: Lighting | None = None, recorder: Recorder | None = None, pinhole: bool = False,
-    ) -> tuple[NDArray[np.float32], Lighting]:  # fmt: skip
-        """Return one exposure, linear, (height, width, 3), and its lighting; made: lighting of an earlier exposure, of
-        which shadows and occlusion are reused; pinhole: whether to ignore lens and jitter."""
+    ) -> Exposed:  # fmt: skip
+        """Return one exposure; made: lighting of an earlier one, of which shadows and occlusion are reused; pinhole:
+        whether to ignore lens and jitter."""
         scene, drawing, at = self.scene, self._drawing, shot.at
         strands = self.drawn.at(scene, at, positions, lengths, self.tones, self.ids, drawing)
         if recorder is not None:
@@ -184,7 +184,7 @@ class Renderer:
         self._draw_batches(canvas, batches, lines)
         self._note_counts(strands, canvas)
         drawing.lap("film")
-        return canvas.image, lighting
+        return Exposed(canvas.parts, lighting)
 
     def _plan_shadows(
         self, strands: Strands, bounds: NDArray[np.float64], thickness: Thickness, solids: Solids | None, spacing: float
@@ -273,15 +273,15 @@ class Renderer:
             view = view.shifted(shot.x, shot.y)
         return lens.through_lens(view, scene.camera, shot)
 
-    def develop(self, image: NDArray[np.float32], out: NDArray[np.uint8]) -> None:
-        """Convert a linear picture, in samples, to sRGB pixels (height, width, 3), written to ``out``."""
-        settings = self.scene.image
-        curve, roll = curve_of(settings.tone)
-        film.develop(image, settings.supersample, np.float32(2.0**settings.exposure), curve, roll, out)
+    def develop(
+        self, image: NDArray[np.float32], out: NDArray[np.uint8], through: NDArray[np.float32] | None = None
+    ) -> None:
+        """Write a linear picture, in samples, to ``out`` as pixels of 8 bits; see `film.develop`."""
+        develop(self.scene.image, image, out, through)
 
     def blank(self) -> NDArray[np.uint8]:
-        """Return a picture (height, width, 3) with undefined contents."""
-        return np.empty((*self.scene.image.drawn[::-1], 3), np.uint8)
+        """Return a picture (height, width, channels) with undefined contents."""
+        return np.empty((*self.scene.image.drawn[::-1], self.scene.image.channels), np.uint8)
 
     def _spacing(self, strands: Strands, boxes: NDArray[np.float32] | None) -> float:
         """Return the distance between neighbouring drawn strands, metres, for opacity maps; 0 if there are none. It is

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from ..errors import StrandError
 from ..output import png
+from ..output.over import flattened
 from ..picture_samples import opened
 
 THUMBNAIL, LARGE, FILM = 288, 860, 480
@@ -44,7 +45,7 @@ def embedded(path: Path, width: int, most_bytes: int) -> Picture | None:
         image = png.load(path)
     except StrandError:
         return None
-    return _packed(_fitted(image.convert("RGB"), width), most_bytes)
+    return _packed(_fitted(flattened(image), width), most_bytes)
 
 
 def _fitted(image: Any, width: int) -> Any:
@@ -85,7 +86,7 @@ def film(path: Path) -> Picture | None:
             times: list[int] = []
             for place, one in enumerate(ImageSequence.Iterator(image)):
                 if place % step == 0:
-                    small.append(_fitted(one.convert("RGB"), FILM))
+                    small.append(_fitted(flattened(one), FILM))
                     times.append(0)
                 times[-1] += int(one.info.get("duration", 40))
         for quality in (70, 45, 25):

@@ -16,6 +16,7 @@ import numpy as np
 
 from . import png
 from .files import atomic
+from .over import GREY, Rgb, over
 
 COLOURS = 255  # one entry of 256 is left for pixels that stay as they were
 PALETTE_FRAMES = 12
@@ -26,22 +27,23 @@ WEBP_QUALITY = 85
 WEBP_METHOD = 2  # 0 fast … 6 small; above 2 the time doubles for a few per cent
 
 
-def write_animation(path: Path, images: Sequence[Path], frames: Sequence[int], fps: float) -> float:
+def write_animation(path: Path, images: Sequence[Path], frames: Sequence[int], fps: float, ground: Rgb = GREY) -> float:
     """Write ``path`` (its suffix says what) from the files ``images`` of the ascending frame numbers ``frames``.
 
-    Frame f stands until the time of the next one, so that a film of every fifth frame runs at its true speed.
+    Images with alpha are over the colour ``ground``, but in WebP, which has alpha too. Frame f stands until the time
+    of the next one, so that a film of every fifth frame runs at its true speed.
     Returns the mean rate that is shown, in film frames a second; it is below ``fps`` where the format is too slow.
     Raises ``UsageError`` for images that cannot be read, ``RefusedError`` if the file cannot be written.
     """
     if path.suffix == ".mp4":
         from .video import write_video
 
-        return write_video(path, images, frames, fps)
+        return write_video(path, images, frames, fps, ground)
     unit, shortest = (10, GIF_SHORTEST) if path.suffix == ".gif" else (1, 1)
     times = durations(frames, fps, unit, shortest)
     settings: dict[str, Any] = {"save_all": True, "duration": times if len(times) > 1 else times[0], "loop": 0}
     if path.suffix == ".gif":
-        pictures = _paletted(images)
+        pictures = _paletted(images, ground)
         settings |= {"format": "GIF", "optimize": False, "disposal": 1}
     elif path.suffix == ".webp":
         pictures = (png.load(image) for image in images)
@@ -72,25 +74,25 @@ def _span(frames: Sequence[int]) -> int:
     return frames[-1] - frames[0] + 1
 
 
-def _paletted(images: Sequence[Path]) -> Iterator[Any]:
+def _paletted(images: Sequence[Path], ground: Rgb) -> Iterator[Any]:
     from PIL import Image
 
-    palette = _palette(images)
+    palette = _palette(images, ground)
     pattern: Any = None
     for path in images:
-        pixels = png.read(path)
+        pixels = over(png.read(path), ground)
         if pattern is None or pattern.shape[:2] != pixels.shape[:2]:
             pattern = _pattern(pixels.shape[0], pixels.shape[1])
         dithered = np.clip(pixels + pattern, 0, 255).astype(np.uint8)
         yield Image.fromarray(dithered).quantize(palette=palette, dither=Image.Dither.NONE)
 
 
-def _palette(images: Sequence[Path]) -> Any:
+def _palette(images: Sequence[Path], ground: Rgb) -> Any:
     """An image whose palette suits all of ``images``: median cut over evenly chosen frames, refined by k-means."""
     from PIL import Image
 
     step = max(1, -(-len(images) // PALETTE_FRAMES))
-    chosen = [png.read(path) for path in images[::step]]
+    chosen = [over(png.read(path), ground) for path in images[::step]]
     pixels = np.concatenate([image.reshape(-1, 3) for image in chosen])
     pixels = pixels[:: max(1, len(pixels) // PALETTE_PIXELS)]
     return Image.fromarray(pixels[None]).quantize(COLOURS, method=Image.Quantize.MEDIANCUT, kmeans=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..errors import MismatchError
 from . import png
 from .files import write_pieces
+from .over import over
 
 Samples = NDArray[Any]
 
@@ -58,12 +59,14 @@ class Comparison:
 
 
 def compare(first: Samples, second: Samples, threshold: int = 0) -> Comparison:
-    """Compare images of shape (height, width, channels), uint8 or `samples` of 16 bits.
+    """Compare images of shape (height, width, channels), uint8 or `samples` of 16 bits. Of those with alpha, colours
+    are premultiplied first: what shows nothing is alike whatever its colour.
 
     Raises ``MismatchError`` if their shapes differ.
     """
     if first.shape != second.shape:
-        raise MismatchError(f"sizes differ: {_size(first)} against {_size(second)}")
+        raise MismatchError(f"sizes differ: {size_of(first)} against {size_of(second)}")
+    first, second = _associated(first), _associated(second)
     difference = _difference(first, second)
     worst = difference.max(axis=2)
     over = int(np.count_nonzero(worst > threshold))
@@ -82,8 +85,18 @@ def compare(first: Samples, second: Samples, threshold: int = 0) -> Comparison:
     )
 
 
-def compare_files(first: Path, second: Path, threshold: int = 0) -> tuple[Comparison, Samples, Samples]:
-    """Compare two files, and hand back what was compared. Alpha counts if either image has some.
+class Compared(NamedTuple):
+    """Two files, compared."""
+
+    found: Comparison
+    first: Samples
+    second: Samples
+    note: str
+    """What was taken for granted, "" for nothing."""
+
+
+def compare_files(first: Path, second: Path, threshold: int = 0) -> Compared:
+    """Compare two files. Alpha counts if either image has some; the other is then taken as opaque.
 
     Raises ``UsageError`` if one cannot be read and ``MismatchError``, naming both, if their sizes differ.
     """
@@ -93,8 +106,10 @@ def compare_files(first: Path, second: Path, threshold: int = 0) -> tuple[Compar
     images = png.read_samples(first), png.read_samples(second)
     channels = max(image.shape[2] for image in images)
     one, two = (image if image.shape[2] == channels else _opaque(image) for image in images)
+    opaque = [path for path, image in zip((first, second), images, strict=True) if image.shape[2] < channels]
+    note = f"{opaque[0]} has no alpha, as the other has: taken as opaque" if opaque else ""
     try:
-        return compare(one, two, threshold), one, two
+        return Compared(compare(one, two, threshold), one, two, note)
     except MismatchError as error:
         raise MismatchError(f"{first} and {second}: {error}") from None
 
@@ -103,9 +118,9 @@ def difference_image(first: Samples, second: Samples) -> png.Pixels:
     """Where two images differ, to be looked at: the first in dark grey, and over it each differing pixel on a scale
     red, yellow, white, stretched so that the greatest difference is white. Each is spread over its 8 neighbours, so
     that a single one is seen."""
-    worst = _difference(first, second).max(axis=2).astype(np.float64)
+    worst = _difference(_associated(first), _associated(second)).max(axis=2).astype(np.float64)
     spread = _spread(worst)
-    grey = first[..., :3].astype(np.float64) @ np.array([0.2126, 0.7152, 0.0722]) * 0.3
+    grey = _shown(first).astype(np.float64) @ np.array([0.2126, 0.7152, 0.0722]) * 0.3
     picture = np.repeat(grey[..., None], 3, axis=2)
     if worst.max() > 0:
         heat = 0.25 + 0.75 * spread / worst.max()
@@ -117,13 +132,25 @@ def difference_image(first: Samples, second: Samples) -> png.Pixels:
 def side_by_side(expected: png.Pixels, found: png.Pixels) -> png.Pixels:
     """Expected, found and difference in one image, a white line between them."""
     line = np.full((expected.shape[0], 2, 3), 255, dtype=np.uint8)
-    parts = [expected[..., :3], line, found[..., :3], line, difference_image(expected, found)]
+    parts = [_shown(expected), line, _shown(found), line, difference_image(expected, found)]
     return np.concatenate(parts, axis=1)
 
 
 def write_image(path: Path, image: png.Pixels) -> None:
     """Write a picture as PNG, whole or not at all."""
     write_pieces(path, png.encode(image))
+
+
+def _shown(image: Samples) -> Samples:
+    """An image over grey, if it has alpha."""
+    return image if image.shape[2] == 3 else over(np.rint(image).astype(np.uint8))
+
+
+def _associated(image: Samples) -> Samples:
+    """The image with colours that are multiplied by its alpha, if it has any."""
+    if image.shape[2] == 3:
+        return image
+    return np.dstack([image[..., :3] * (image[..., 3:] / 255.0), image[..., 3:]])
 
 
 def _opaque(image: Samples) -> Samples:
@@ -144,5 +171,6 @@ def _spread(values: Any) -> Any:
     return np.maximum.reduce(shifted)
 
 
-def _size(image: Samples) -> str:
-    return f"{image.shape[1]}x{image.shape[0]}"
+def size_of(image: Samples) -> str:
+    """Width and height in words, and whether there is alpha."""
+    return f"{image.shape[1]}x{image.shape[0]}{' with alpha' if image.shape[2] == 4 else ''}"

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MismatchError
+from .over import Rgb, over
 
 Array = NDArray[np.float64]
 
@@ -62,8 +63,13 @@ def flip(first: NDArray[Any], second: NDArray[Any], pixels_a_degree: float = PIX
 
 
 def mean_flip(first: NDArray[Any], second: NDArray[Any]) -> float:
-    """Return the mean of `flip` over a picture, at the usual distance of the eye."""
-    return float(flip(first, second).mean())
+    """Return the mean of `flip` over a picture, at the usual distance of the eye; with alpha, over black or white,
+    whichever shows more."""
+    if first.shape[2:] != (4,):
+        return float(flip(first, second).mean())
+    grounds: tuple[Rgb, ...] = ((0, 0, 0), (255, 255, 255))
+    pairs = ([over(np.rint(one).astype(np.uint8), ground) for one in (first, second)] for ground in grounds)
+    return max(float(flip(one, two).mean()) for one, two in pairs)
 
 
 def _difference(first: Array, second: Array, density: float) -> Array:

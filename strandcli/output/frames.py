@@ -120,7 +120,7 @@ class FrameWriter:
             image = png.load_frame(path, self.size)
         except UsageError:
             return
-        if image is None or image.mode != "RGB":
+        if image is None or image.mode not in ("RGB", "RGBA"):
             return
         made_from = image.info.get(SCENE_KEYWORD, "")
         if made_from and self.scene and made_from != self.scene:
@@ -147,8 +147,8 @@ class FrameWriter:
             self._raise()
 
     def submit(self, frame: int, image: png.Pixels, layers: Layers | None = None) -> None:
-        """Hand in a picture: uint8, (height, width, 3), which the caller may reuse at once, and its layers, which the
-        caller may not. Waits while two are queued.
+        """Hand in a picture: uint8, (height, width, 3), or 4 with alpha, which the caller may reuse at once, and its
+        layers, which the caller may not. Waits while two are queued.
 
         Raises what went wrong with an earlier frame.
         """

@@ -14,8 +14,9 @@ orientation     8 bit colour, hue 2 θ: 0 red, π / 4 yellow-green, π / 2 cyan;
 strand_id       8 bit colour, one a strand; solids grey, nothing black
 =============== =====================================================================================
 
-`linear` has no PNG of its own: the picture is that. In EXR depth is ``Z``, the linear picture ``R G B``, the mask
-``A``, tangents ``tangent.X``, ``.Y``, ``.Z``, and others have their own names.
+`linear` has no PNG of its own: the picture is that. In EXR depth is ``Z``, the linear picture ``R G B A``, whose ``A``
+is 1 with a background, else what strands and solids cover, which ``R G B`` are multiplied by; tangents are
+``tangent.X``, ``.Y``, ``.Z``, and others have their own names.
 """
 
 from __future__ import annotations
@@ -36,11 +37,10 @@ Layers = Mapping[str, NDArray[Any]]
 
 EXR_INTEGERS = 1 << 24
 """Strands that an EXR file can number: its floats hold whole numbers up to here."""
-_CHANNELS = {"tangent": 3, "linear": 3}
+_CHANNELS = {"tangent": 3, "linear": 4}
 _EXR_NAMES = {
     "depth": ("Z",),
-    "linear": ("R", "G", "B"),
-    "mask": ("A",),
+    "linear": ("R", "G", "B", "A"),
     "tangent": ("tangent.X", "tangent.Y", "tangent.Z"),
 }
 
@@ -136,6 +136,8 @@ def viewable(name: str, data: NDArray[Any]) -> tuple[NDArray[Any], dict[str, str
 def exr_channels(layers: Layers) -> Iterator[tuple[str, NDArray[np.float32]]]:
     """The channels of an EXR file by name, (height, width) float32 each."""
     for name, data in layers.items():
+        if name == "linear" and data.shape[-1] == 3:
+            data = np.dstack([data, np.ones(data.shape[:2], np.float32)])
         planes = np.moveaxis(data, -1, 0) if data.ndim == 3 else data[None]
         for channel, plane in zip(_EXR_NAMES.get(name, (name,)), planes, strict=True):
             yield channel, np.ascontiguousarray(plane, np.float32)

@@ -16,7 +16,7 @@ zlib-ng 1, Z_RLE, left difference   4.3    0.25
 ISA-L 1, left difference            1.9    0.25
 =================================  ============
 
-The file is an ordinary truecolour PNG with an sRGB chunk.
+The file is an ordinary truecolour PNG with an sRGB chunk; alpha is straight, not premultiplied, as the format has it.
 """
 
 from __future__ import annotations
@@ -39,6 +39,8 @@ Pixels = npt.NDArray[np.uint8]
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 LEVEL = 1
 SUB = 1  # filter type: each byte less that of the pixel to the left
+COLOUR_TYPES = {1: 0, 3: 2, 4: 6}
+"""By the number of channels."""
 LARGEST_CHUNK = 1 << 20
 """Bytes of a PNG's chunk, which readers keep whole."""
 
@@ -54,22 +56,24 @@ def pixels_sha256(image: Pixels) -> str:
 
 
 def encode(image: npt.NDArray[Any], text: Mapping[str, str] | None = None) -> list[bytes]:
-    """A PNG file, as pieces to be written one after the other, of ``image``: uint8, shape (height, width, 3), sRGB.
+    """A PNG file, as pieces to be written one after the other, of ``image``: uint8, shape (height, width, 3), sRGB, or
+    (height, width, 4) with alpha.
 
     Data that are no picture may be grey, (height, width), and may have 16 bits, uint16. ``text`` becomes tEXt
     chunks: Latin-1 keywords and values. Releases the GIL while it compresses.
     """
     deep = image.dtype == np.uint16
     grey = image.ndim == 2
-    fits = grey or (image.ndim == 3 and image.shape[2] == 3)
+    channels = 1 if grey else image.shape[-1]
+    fits = grey or (image.ndim == 3 and channels in (3, 4))
     if not (deep or image.dtype == np.uint8) or not fits or 0 in image.shape:
-        raise ValueError(f"a frame must be uint8 of shape (height, width, 3), not {image.dtype} {image.shape}")
+        raise ValueError(f"a frame must be uint8 of shape (height, width, 3 or 4), not {image.dtype} {image.shape}")
     height, width = image.shape[:2]
-    header = struct.pack(">IIBBBBB", width, height, 16 if deep else 8, 0 if grey else 2, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", width, height, 16 if deep else 8, COLOUR_TYPES[channels], 0, 0, 0)
     pieces = [SIGNATURE, *_chunk(b"IHDR", header), *([] if deep or grey else _chunk(b"sRGB", b"\0"))]
     for keyword, value in (text or {}).items():
         pieces += _chunk(b"tEXt", keyword.encode("latin-1") + b"\0" + value.encode("latin-1", "replace"))
-    step = (1 if grey else 3) * image.itemsize
+    step = channels * image.itemsize
     flat = np.ascontiguousarray(image, ">u2" if deep else None).view(np.uint8).reshape(height, step * width)
     rows = np.empty((height, 1 + step * width), dtype=np.uint8)
     rows[:, 0] = SUB
@@ -99,12 +103,13 @@ def _chunk(kind: bytes, body: bytes) -> tuple[bytes, bytes, bytes]:
     return struct.pack(">I", len(body)) + kind, body, struct.pack(">I", crc32(body, crc32(kind)))
 
 
-def read(path: Path, mode: str = "RGB") -> Pixels:
-    """Decode the picture at ``path`` as uint8, (height, width, channels of ``mode``).
+def read(path: Path) -> Pixels:
+    """Decode the picture at ``path`` as uint8, (height, width, 3), or (height, width, 4) where it has alpha.
 
     Raises ``UsageError`` if there is none or it cannot be read, ``RefusedError`` if it is too big.
     """
-    return np.asarray(load(path).convert(mode))
+    image = load(path)
+    return np.asarray(image.convert("RGBA" if image.has_transparency_data else "RGB"))
 
 
 def load(path: Path) -> Any:

@@ -12,10 +12,11 @@ import numpy as np
 from ..errors import RefusedError, UsageError
 from . import png
 from .compare import write_image
+from .over import Rgb, over
 
 KINDS = (".png", ".jpg", ".jpeg", ".webp", ".gif")
 GAP = 8
-PAPER = (24, 25, 28)
+PAPER: Rgb = (24, 25, 28)
 INK = (220, 221, 224)
 LARGEST = 32_768
 MOST_BYTES = 2_000_000_000
@@ -71,15 +72,16 @@ def _images(folder: Path, leave_out: Path | None) -> list[Path]:
     ]
 
 
-def make_sheet(cells: Sequence[Cell], columns: int, width: int) -> png.Pixels:
-    """The sheet as uint8, (height, width, 3). Images wider than ``width`` are scaled down, none is scaled up.
+def make_sheet(cells: Sequence[Cell], columns: int, width: int, paper: Rgb = PAPER) -> png.Pixels:
+    """The sheet as uint8, (height, width, 3). Images wider than ``width`` are scaled down, none is scaled up; those
+    with alpha are over the colour ``paper``.
 
     Raises ``UsageError`` for an image that cannot be read and ``RefusedError`` for a sheet that is too big.
     """
     from PIL import Image, ImageDraw, ImageFont
 
     columns = min(columns, len(cells))
-    pictures = [_fit(cell.path, width) for cell in cells]
+    pictures = [_fit(cell.path, width, paper) for cell in cells]
     text = max(12, min(20, width // 16))
     font = ImageFont.load_default(size=text)
     cell_width = max(picture.width for picture in pictures)
@@ -102,17 +104,17 @@ def make_sheet(cells: Sequence[Cell], columns: int, width: int) -> png.Pixels:
     return np.asarray(sheet)
 
 
-def write_sheet(path: Path, cells: Sequence[Cell], columns: int, width: int) -> tuple[int, int]:
-    """Write the sheet as PNG, whole or not at all; returns its (width, height)."""
-    sheet = make_sheet(cells, columns, width)
+def write_sheet(path: Path, cells: Sequence[Cell], columns: int, width: int, paper: Rgb = PAPER) -> tuple[int, int]:
+    """Write the sheet as PNG, whole or not at all; returns its (width, height). ``paper``: as in `make_sheet`."""
+    sheet = make_sheet(cells, columns, width, paper)
     write_image(path, sheet)
     return sheet.shape[1], sheet.shape[0]
 
 
-def _fit(path: Path, width: int) -> Any:
+def _fit(path: Path, width: int, paper: Rgb) -> Any:
     from PIL import Image
 
-    picture = Image.fromarray(np.rint(png.read_samples(path)[..., :3]).astype(np.uint8))
+    picture = Image.fromarray(over(np.rint(png.read_samples(path)).astype(np.uint8), paper))
     if picture.width <= width:
         return picture
     height = max(1, round(picture.height * width / picture.width))

@@ -13,6 +13,7 @@ from pathlib import Path
 from ..errors import RefusedError, UsageError
 from . import png
 from .files import refusal, temporary_name
+from .over import GREY, Rgb, over
 
 QUALITY = "17"
 """Of x264, 0 to 51: below 18 a viewer sees no difference."""
@@ -34,14 +35,16 @@ def ffmpeg() -> str:
         raise UsageError(f"--animate mp4: there is no ffmpeg; {ADVICE}") from None
 
 
-def write_video(path: Path, images: Sequence[Path], frames: Sequence[int], fps: float) -> float:
+def write_video(path: Path, images: Sequence[Path], frames: Sequence[int], fps: float, ground: Rgb = GREY) -> float:
     """Write ``path`` from the files ``images`` of ascending frame numbers, each shown until the next one's time, whole
-    or not at all; returns the rate, ``fps``. Raises ``UsageError`` and ``RefusedError``."""
+    or not at all; returns the rate, ``fps``. Images with alpha are over the colour ``ground``. Raises ``UsageError``
+    and ``RefusedError``."""
     command, trouble = ffmpeg(), ""
     temporary = temporary_name(path)
     try:
         for encoder in ENCODERS:
-            trouble = _encode(command, encoder, temporary, images, frames, fps)
+            words = [command, *arguments(png.size_of(images[0]), fps, encoder, temporary)]
+            trouble = _encode(words, images, frames, ground)
             if not trouble:
                 os.replace(temporary, path)
                 return fps
@@ -66,18 +69,15 @@ def arguments(size: tuple[int, int], fps: float, encoder: Sequence[str], target:
     ]  # fmt: skip
 
 
-def _encode(
-    command: str, encoder: Sequence[str], target: Path, images: Sequence[Path], frames: Sequence[int], fps: float
-) -> str:
-    """Hand all pictures to ffmpeg; returns its last line where that fails, else ""."""
-    words = [command, *arguments(png.size_of(images[0]), fps, encoder, target)]
+def _encode(words: Sequence[str], images: Sequence[Path], frames: Sequence[int], ground: Rgb) -> str:
+    """Hand all pictures to ffmpeg, called by ``words``; returns its last line where that fails, else ""."""
     process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     assert process.stdin is not None
     assert process.stderr is not None
     try:
         with suppress(BrokenPipeError):  # it has ended by itself and says why
             for place, image in enumerate(images):
-                pixels = png.read(image).tobytes()
+                pixels = over(png.read(image), ground).tobytes()
                 until = frames[place + 1] if place + 1 < len(frames) else frames[place] + 1
                 for _ in range(until - frames[place]):
                     process.stdin.write(pixels)

@@ -177,6 +177,8 @@ def _camera(scene: Scene) -> Iterator[Decision]:
     sharp, still = camera.aperture == 0, camera.shutter == 0
     yield Decision("depth of field", "the camera is a pinhole" if sharp else times, runs=not sharp)
     yield Decision("motion blur", "the shutter is not open" if still else times, runs=not still)
+    why = "image.background is none, with or without horizon" if scene.image.has_alpha else "there is a background"
+    yield Decision("alpha", why, runs=scene.image.has_alpha)
     layers = scene.image.aovs
     yield Decision("layers", ", ".join(layers) or "image.aovs is empty", runs=bool(layers))
 

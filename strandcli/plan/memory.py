@@ -211,10 +211,12 @@ def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
         total += fragment_bytes(plan, scene) + plan.samples * 12 + vertices
     if scene.image.haze is not None:  # the picture before solids are lit
         total += plan.samples * 12
+    if scene.image.has_alpha:  # transmittance, of samples, vertices and their mean
+        total += 12 * (plan.samples * (1 + (scene.image.haze is not None)) + vertices) + 60 * plan.pixels
     if scene.camera.shutter > 0:  # the frame before, and the moment between
         total += 2 * plan.strands * 12 * (scene.emitter.particles + 1)
     if scene.camera.aperture > 0 or scene.camera.shutter > 0:
-        total += plan.samples * 12
+        total += plan.samples * (24 if scene.image.has_alpha else 12)
     if scene.image.aovs:
         total += plan.pixels * 60
     return total + plan.samples * 32 + plan.pixels * WAITING

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .specs import (
+    NO_COLOUR,
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
@@ -34,7 +35,8 @@ def wanted(spec: Spec) -> str:
             each = f" each {spec.limits}" if str(spec.limits) else ""
             return f"three numbers [x, y, z]{each}{_unit(spec.unit)}"
         case ColourSpec():
-            return 'three linear numbers [r, g, b] or "#rrggbb" in quotes'
+            none = f", or {NO_COLOUR}" if spec.or_none else ""
+            return f'three linear numbers [r, g, b] or "#rrggbb" in quotes{none}'
         case SizeSpec():
             return f'a size [w, h] or "800x600" of at least 1 and at most {spec.limits.high}{_unit(spec.unit)}'
         case WindowSpec():

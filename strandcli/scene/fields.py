@@ -86,9 +86,9 @@ def vector(
     return _field(VectorSpec(default, limits=limits, nonzero=nonzero, unit=unit, doc=doc))
 
 
-def colour(default: Colour | None, *, doc: str = "") -> Any:
-    """A field that is a linear Rec. 709 colour."""
-    return _field(ColourSpec(default, doc=doc))
+def colour(default: Colour | None, *, or_none: bool = False, doc: str = "") -> Any:
+    """A field that is a linear Rec. 709 colour, or with ``or_none`` perhaps `NO_COLOUR`."""
+    return _field(ColourSpec(default, or_none=or_none, doc=doc))
 
 
 def size(default: tuple[int, int], *, high: int, unit: str = "px", doc: str = "") -> Any:

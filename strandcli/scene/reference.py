@@ -12,6 +12,7 @@ from .model import Scene
 from .rule_type import RuleType, doc_of
 from .specs import (
     MOST_PANELS,
+    NO_COLOUR,
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
@@ -123,7 +124,8 @@ def _row(setting: Setting) -> tuple[str, ...]:
     options = spec.options if isinstance(spec, ChoiceSpec) else ()
     first = spec.doc[:1] if spec.doc.startswith(options) else spec.doc[:1].upper()
     meaning = f"{first}{spec.doc[1:]}." if spec.doc else ""
-    cells = (TYPES[type(spec)], _range(spec), unit, _default(spec), meaning)
+    none = f", or `{NO_COLOUR}`" if isinstance(spec, ColourSpec) and spec.or_none else ""
+    cells = (TYPES[type(spec)] + none, _range(spec), unit, _default(spec), meaning)
     return (f"`{setting.key}`", *(cell.replace("|", "\\|") for cell in cells))
 
 

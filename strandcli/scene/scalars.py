@@ -11,6 +11,7 @@ import re
 
 from .faults import shown
 from .nodes import Scalar
+from .specs import NO_COLOUR
 
 _DECIMAL = re.compile(r"[-+]?[0-9]+")
 _FLOAT = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
@@ -85,8 +86,10 @@ def as_boolean(scalar: Scalar) -> bool:
     raise Refusal(f"not {shown(scalar.text)}")
 
 
-def as_hex_colour(scalar: Scalar) -> tuple[float, float, float]:
-    """The linear colour of "#rrggbb" in sRGB (IEC 61966-2-1). Raises Refusal."""
+def as_colour(scalar: Scalar, or_none: bool = False) -> tuple[float, float, float] | str:
+    """The linear colour of "#rrggbb" in sRGB (IEC 61966-2-1), or `NO_COLOUR` if that may be. Raises Refusal."""
+    if or_none and scalar.text == NO_COLOUR:
+        return NO_COLOUR
     if not _HEX_COLOUR.fullmatch(scalar.text):
         raise Refusal(f"not {shown(scalar.text)}")
     red, green, blue = (linear(int(scalar.text[i : i + 2], 16) / 255.0) for i in (1, 3, 5))

@@ -15,6 +15,7 @@ from .model import Scene
 from .rule_type import RuleType, doc_of, first_paragraph
 from .specs import (
     MOST_PANELS,
+    NO_COLOUR,
     BooleanSpec,
     ChoiceSpec,
     ColourSpec,
@@ -113,7 +114,8 @@ class _Writer:
                 return {**vector, "not": {"const": [0, 0, 0]}} if spec.nonzero else vector
             case ColourSpec():
                 hexadecimal = {"type": "string", "pattern": "^#[0-9a-fA-F]{6}$"}
-                return {"anyOf": [_numbers(3, {"type": "number", "minimum": 0}), hexadecimal]}
+                none = [{"const": NO_COLOUR}] if spec.or_none else []
+                return {"anyOf": [_numbers(3, {"type": "number", "minimum": 0}), hexadecimal, *none]}
             case SizeSpec():
                 sides = _numbers(2, {"type": "integer", **_limits(spec.limits)})
                 return {"anyOf": [sides, {"type": "string", "pattern": "^[0-9]{1,9}\\s*[x×]\\s*[0-9]{1,9}$"}]}

@@ -17,6 +17,8 @@ MOST_ITEMS = 100_000
 """Entries of a list at the most, where nothing less is said."""
 MOST_PANELS = 100
 """Panels of a preset at the most: each is a scene of its own."""
+NO_COLOUR = "none"
+"""What stands for no colour at all where there may be none; ``null`` stands for the default."""
 
 
 class Range:
@@ -98,7 +100,11 @@ class VectorSpec(Spec):
 
 
 class ColourSpec(Spec):
-    """Three linear numbers that are not negative, or "#rrggbb" in sRGB."""
+    """Three linear numbers that are not negative, or "#rrggbb" in sRGB; with ``or_none`` also the word `NO_COLOUR`."""
+
+    def __init__(self, default: Any = None, *, doc: str = "", or_none: bool = False) -> None:
+        super().__init__(default, doc=doc)
+        self.or_none = or_none
 
 
 class SizeSpec(Spec):

@@ -16,7 +16,7 @@ from .fields import settings_of, why_absent
 from .model import RuleUse
 from .nodes import ListNode, MapNode, Node, Scalar
 from .rule_type import RuleType
-from .scalars import Refusal, as_boolean, as_hex_colour, as_number, as_size
+from .scalars import Refusal, as_boolean, as_colour, as_number, as_size
 from .specs import (
     SMALLEST,
     BooleanSpec,
@@ -188,7 +188,7 @@ class Reader:
         if isinstance(node, Scalar) and node.empty:
             raise Refusal("not nothing; without quotes a # begins a comment")
         if isinstance(node, Scalar):
-            return as_hex_colour(node)
+            return as_colour(node, spec.or_none)
         raise Refusal(f"not {given(node)}")
 
     def size(self, spec: SizeSpec, node: Node, path: str) -> Any:

@@ -26,7 +26,7 @@ import numpy as np
 
 from ..errors import SimulationError, UsageError
 from ..output import png
-from ..output.compare import Comparison, compare, side_by_side, write_image
+from ..output.compare import Comparison, compare, side_by_side, size_of, write_image
 from ..output.files import prepare_folder, write_json
 from .golden_list import LIST, Entry
 
@@ -100,7 +100,7 @@ def tolerable(comparison: Comparison) -> bool:
 
 
 def draw(entry: Entry, directory: Path, notify: Notify | None = None, threads: int | None = None) -> png.Pixels:
-    """The picture of an entry, drawn now: uint8, (height, width, 3)."""
+    """The picture of an entry, drawn now: uint8, (height, width, 3), or 4 with alpha."""
     import strandcli
 
     from .. import pipeline
@@ -136,7 +136,7 @@ def check(directory: Path, entry: Entry, output: Path, drawer: Draw) -> Result:
     if png.pixels_sha256(expected) != record["picture"]:
         words = f"{picture.name} is not the image that {HASHES} was written for"
     elif expected.shape != found.shape:
-        words = f"sizes differ: {expected.shape[1]}x{expected.shape[0]} against {found.shape[1]}x{found.shape[0]}"
+        words = f"sizes differ: {size_of(expected)} against {size_of(found)}"
     elif exact is not None and png.pixels_sha256(found) != exact:
         words = "not the pixels recorded for machines of this class"
     elif exact is None and not tolerable(compare(expected, found, THRESHOLD)):
@@ -185,7 +185,7 @@ def update(directory: Path, entry: Entry, drawer: Draw) -> str | None:
     if old is None:
         return "new"
     if old.shape != found.shape:
-        return f"now {found.shape[1]}x{found.shape[0]}, was {old.shape[1]}x{old.shape[0]}"
+        return f"now {size_of(found)}, was {size_of(old)}"
     return f"changed: {compare(old, found)}"
 
 

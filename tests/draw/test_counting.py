@@ -73,7 +73,7 @@ def test_counts_of_sorted_strands_are_those_of_the_fragments_blended(monkeypatch
     assert counts["lit_vertices"] == len(lit)
     assert counts["child_particles"] == 40 * 3 * counts["particles"] // counts["strands"]
     assert counts["samples"] == 4 * 64 * 48
-    assert counts["solid_samples"] == pytest.approx(4 * frame.aovs["solid"].sum(), abs=0.01)
+    assert counts["solid_samples"] == pytest.approx(4 * frame.aovs["solid"].sum(), rel=0.01)
     assert 0 < counts["solid_samples"] < counts["samples"]
     assert (counts["lights"], counts["lights_with_maps"]) == (2, 1)
     maps, world, first, stride = lines[0]

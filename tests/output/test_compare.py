@@ -104,7 +104,7 @@ def test_sixteen_bits_are_compared_in_full(tmp_path: Path, grey: bool) -> None:
     b[1, 2] += 1
     for name, image in (("a.png", a), ("b.png", b)):
         (tmp_path / name).write_bytes(b"".join(png.encode(image)))
-    found, one, two = compare_files(tmp_path / "a.png", tmp_path / "b.png")
+    found, one, two, _ = compare_files(tmp_path / "a.png", tmp_path / "b.png")
     assert (found.over, found.max_difference) == (1, pytest.approx(1 / 257))
     np.testing.assert_allclose(one, 2000 / 257)
     assert compare_files(tmp_path / "a.png", tmp_path / "a.png")[0].equal

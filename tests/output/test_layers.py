@@ -194,19 +194,31 @@ def test_channels_of_exr_hold_what_the_layers_do() -> None:
         "linear": np.arange(6, dtype=np.float32).reshape(1, 2, 3) + 10,
     }
     found = dict(exr_channels(layers))
-    assert list(found) == ["Z", "strand_id", "tangent.X", "tangent.Y", "tangent.Z", "R", "G", "B"]
+    assert list(found) == ["Z", "strand_id", "tangent.X", "tangent.Y", "tangent.Z", "R", "G", "B", "A"]
     assert found["strand_id"].tolist() == [[-1, (1 << 24) - 1]]
     np.testing.assert_array_equal(found["tangent.Y"], [[1, 4]])
     np.testing.assert_array_equal(found["B"], [[12, 15]])
+    np.testing.assert_array_equal(found["A"], [[1, 1]])
+    bare = dict(exr_channels({"mask": np.float32([[0.5]]), "linear": np.float32([[[1, 2, 3, 0.25]]])}))
+    assert {name: channel.item() for name, channel in bare.items()} == {"mask": 0.5, "R": 1, "G": 2, "B": 3, "A": 0.25}
 
 
 def test_exr_files_are_read_by_their_own_library_again(run: Runner) -> None:
     OpenEXR = pytest.importorskip("OpenEXR")
-    done = run("render", "tiny.yaml", "-f", "3", "-o", "out", "--exr", "--aov", "depth,strand_id", "--quiet")
-    assert done.code == 0, done.err
-    with OpenEXR.File("out/frame_0003.exr", separate_channels=True) as file:
-        channels = {name: channel.pixels for name, channel in file.channels().items()}
-    assert set(channels) == {"R", "G", "B", "Z", "strand_id"}
+    for folder, changes in (("out", ()), ("bare", ("--set", "image.background=none"))):
+        words = ("--exr", "--aov", "depth,strand_id,mask", "--quiet", *changes)
+        done = run("render", "tiny.yaml", "-f", "3", "-o", folder, *words)
+        assert done.code == 0, done.err
+    found = {}
+    for folder in ("out", "bare"):
+        with OpenEXR.File(f"{folder}/frame_0003.exr", separate_channels=True) as file:
+            found[folder] = {name: channel.pixels for name, channel in file.channels().items()}
+    channels, bare = found["out"], found["bare"]
+    assert set(channels) == set(bare) == {"R", "G", "B", "A", "Z", "strand_id", "mask"}
+    assert (channels["A"] == 1).all()
+    np.testing.assert_array_equal(channels["mask"], bare["mask"])
+    np.testing.assert_array_equal(bare["A"], read_layer(Path("bare/linear_0003.npz"))[..., 3])
+    assert 0 < bare["A"].mean() < 1
     np.testing.assert_array_equal(channels["Z"], read_layer(Path("out/depth_0003.npz")))
     np.testing.assert_array_equal(channels["strand_id"], read_layer(Path("out/strand_id_0003.npz")))
     np.testing.assert_array_equal(channels["G"], read_layer(Path("out/linear_0003.npz"))[..., 1])

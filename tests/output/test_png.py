@@ -78,7 +78,7 @@ def test_the_hash_changes_with_any_pixel_and_with_the_shape(image: np.ndarray, d
         assert png.pixels_sha256(turned) != png.pixels_sha256(image)
 
 
-@pytest.mark.parametrize(("shape", "kind"), [((2,), "u1"), ((2, 2, 3), "f4"), ((0, 2, 3), "u1"), ((2, 2, 4), "u1")])
+@pytest.mark.parametrize(("shape", "kind"), [((2,), "u1"), ((2, 2, 3), "f4"), ((0, 2, 3), "u1"), ((2, 2, 2), "u1")])
 def test_only_pictures_are_encoded(shape: tuple[int, ...], kind: str) -> None:
     with pytest.raises(ValueError, match="a frame must be uint8"):
         png.encode(np.zeros(shape, kind))

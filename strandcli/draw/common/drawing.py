@@ -15,7 +15,7 @@ class Drawing:
     """One picture, and what drawing it took. The clock starts when the object is made."""
 
     image: NDArray[np.uint8]
-    """(height, width, 3) sRGB."""
+    """(height, width, channels) sRGB, as `Frame.image`."""
     seconds: dict[str, float] = field(default_factory=dict)
     """Run time of each stage."""
     counts: dict[str, int] = field(default_factory=dict)

@@ -9,13 +9,14 @@ layer is an array of the picture's height and width:
 `depth`       float32   metres along the camera's axis, not along the ray; infinite where nothing is
 `mask`        float32   share of the pixel that strands cover before anything else, 0 to 1: of its samples, or where
                         strands are sorted of its light, exactly, however little that is
-`solid`       float32   share of the pixel's samples whose rays meet a solid, whether strands are in front or not
+`solid`       float32   share of the pixel that solids cover, whether strands are in front or not; at edges by 4×4 rays
 `tangent`     float32   (…, 3) unit vector in the world along the strand, root to tip; 0 where there is no strand
 `orientation` float32   angle of the tangent as it is seen, radians in [0, π): 0 to the right, π / 2 upright,
                         counted against the clock; a line's, so root and tip are alike; −1 where there is no strand
 `strand_id`   int32     index in the groom; −1 nothing, −2 a solid
 `shadow`      float32   share of all lights' irradiance that strands and solids let through; 1 where nothing is
-`linear`      float32   (…, 3) the picture itself as linear light, before exposure and tone curve
+`linear`      float32   (…, 3) the picture itself as linear light, before exposure and tone curve; without background
+                        (…, 4), light that is multiplied by alpha, and alpha
 ============= ========= =========================================================================================
 """
 
@@ -27,12 +28,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.kernels.keys import EMPTY
+from ..common.scratch import Scratch
 from ..coverage.coverage import Layer
 from ..geometry.curves import Polylines
 from ..lighting.lighting import Lighting
 from ..shadows.shadow import map_arrays
+from ..solids.edges import find_edges
+from ..solids.kernels.edges import WHOLE
 from ..solids.solids import NONE
 from ..view.camera import View
+from .film import associated
 from .kernels import aovs as kernel
 
 NOTHING = -1
@@ -59,13 +64,17 @@ class Recorder:
         }
         self._shares: NDArray[np.float32] | None = None
 
-    def solids(self, keys: NDArray[np.uint64]) -> None:
+    def solids(self, keys: NDArray[np.uint64], lighting: Lighting, scratch: Scratch) -> None:
         """Record a z-buffer (samples · samples · height · width,) that holds nothing but solids."""
-        if "solid" in self._names:
-            height, width = self._found["strand_id"].shape
-            k = self._samples
-            there = (keys != EMPTY).reshape(height, k, width, k)
-            self._found["solid"] = there.mean((1, 3), dtype=np.float32)
+        if "solid" not in self._names:
+            return
+        height, width = self._found["strand_id"].shape
+        k = self._samples
+        there = (keys != EMPTY).astype(np.float32)
+        if lighting.solids is not None:
+            edges = find_edges(keys, lighting.solids, lighting.view, (width * k, height * k), scratch)
+            there[edges.pixels] = edges.counts.sum(1) / WHOLE
+        self._found["solid"] = there.reshape(height, k, width, k).mean((1, 3), dtype=np.float32)
 
     def layer(self, layer: Layer, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64]) -> None:
         """Write the strand that contributes most to each sample of a layer to ``keys`` (samples · samples · height ·
@@ -105,12 +114,15 @@ class Recorder:
             )  # fmt: skip
             self._found["shadow"] = through
 
-    def layers(self, image: NDArray[np.float32]) -> dict[str, NDArray[Any]]:
-        """Return the requested layers; ``image`` is the linear picture in samples."""
+    def layers(self, image: NDArray[np.float32], through: NDArray[np.float32] | None = None) -> dict[str, NDArray[Any]]:
+        """Return the requested layers; ``image`` is the linear picture in samples, ``through`` its transmittance where
+        it has no background."""
         if self.ids is not None:
             ids = self._found["strand_id"]
             ids[ids >= 0] = self.ids[ids[ids >= 0]]
-        if "linear" in self._names:
+        if "linear" in self._names and through is not None:
+            self._found["linear"] = associated(image, through, self._samples)
+        elif "linear" in self._names:
             height, width, _ = image.shape
             k = self._samples
             mean = image.reshape(height // k, k, width // k, k, 3).mean((1, 3), dtype=np.float32)

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .kernels import film as kernel
+
 
 @functools.cache
 def srgb_curve() -> NDArray[np.uint8]:
@@ -81,11 +83,44 @@ def level_sizes(tone: str) -> NDArray[np.float32]:
 def grain_of(image: Any) -> tuple[NDArray[np.float32], NDArray[np.float32]] | None:
     """Return levels and frame of `strandcli.draw.lighting.kernels.inputs.Screen`; None where backdrop and solids are
     not dithered."""
-    if image.horizon is None:
+    if image.horizon is None or image.has_alpha:
         return None
     x, y = (image.crop or (0, 0))[:2]
     frame = [image.supersample, x, y, 2.0**image.exposure, 2.0**-image.exposure]
     return level_sizes(image.tone), np.array(frame, np.float32)
+
+
+def associated(image: NDArray[np.float32], through: NDArray[np.float32], samples: int) -> NDArray[np.float32]:
+    """Return the pixels (height, width, 4) of a picture without background, light (premultiplied) and alpha, from light
+    and transmittance (samples · height, samples · width, 3). Light that is no number becomes black."""
+    height, width, _ = image.shape
+    shape = height // samples, samples, width // samples, samples
+    found = np.empty((shape[0], shape[2], 4), np.float32)
+    light = image.reshape(*shape, 3).mean((1, 3), dtype=np.float32)
+    found[..., :3] = np.where(np.isfinite(light), light, np.float32(0))
+    found[..., 3] = 1 - through[..., 0].reshape(shape).mean((1, 3), dtype=np.float32)
+    return np.clip(found, 0, (np.inf, np.inf, np.inf, 1), out=found)
+
+
+def straight(pixels: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """Return the light (height, width, 3) of what covers each of the `associated` pixels, divided by its alpha, and
+    alpha (height, width) of 8 bits; where that is 0 the light is black."""
+    alpha = np.rint(255 * pixels[..., 3]).astype(np.uint8)
+    return np.where(alpha[..., None] > 0, pixels[..., :3] / np.maximum(pixels[..., 3:], 1e-6), np.float32(0)), alpha
+
+
+def develop(
+    settings: Any, image: NDArray[np.float32], out: NDArray[np.uint8], through: NDArray[np.float32] | None
+) -> None:
+    """Convert a linear picture, in samples, to sRGB pixels (height, width, 3) of 8 bits, written to ``out``; with a
+    transmittance to pixels with straight alpha (height, width, 4): the tone curve is that of what covers a pixel, and
+    not of its light, which alpha scales. settings: the scene's `image`."""
+    curve, roll = curve_of(settings.tone)
+    samples = settings.supersample
+    if through is not None:
+        image, out[..., 3] = straight(associated(image, through, samples))
+        samples = 1
+    kernel.develop(image, samples, np.float32(2.0**settings.exposure), curve, roll, out)
 
 
 def _noise(x: NDArray[np.uint32], y: NDArray[np.uint32]) -> NDArray[np.float64]:
@@ -121,8 +156,11 @@ def gradient(top: NDArray[np.float32], bottom: NDArray[np.float32], height: int)
 
 @functools.lru_cache(maxsize=1)
 def backdrop_of(image: Any) -> NDArray[np.float32]:
-    """Return the background (height, width, 3), linear, in samples, which is nobody's to write to."""
+    """Return the background (height, width, 3), linear, in samples, which is nobody's to write to; black where there is
+    none."""
     samples, (width, height) = image.supersample, image.drawn
+    if image.has_alpha:
+        return np.zeros((height * samples, width * samples, 3), np.float32)
     crop = image.crop or (0, 0, *image.size)
     top = np.array(image.background, np.float32)
     bottom = top if image.horizon is None else np.array(image.horizon, np.float32)

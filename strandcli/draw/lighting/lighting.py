@@ -98,6 +98,16 @@ class Lighting:
     """(height * width,) or (0,): as in `kernels.inputs.Screen`."""
     free: FreeWays = NO_FREE_WAYS
     """From `strandcli.draw.shadows.free_ways.free_ways`."""
+    like: Lighting | None = None
+    """Lighting whose compiled kernels this one shares, if `sized` alone would tell them apart."""
+
+    def without_light(self) -> Lighting:
+        """Return the same lighting with all that shines taken away: solids are black, as opaque as they are."""
+        scene = replace(self.scene, ambient=(0.0, 0.0, 0.0))
+        return replace(
+            self, scene=scene, sky=None, lights=self.lights[:0], maps=None, occlusion=None, grain=None,
+            free=NO_FREE_WAYS, like=self,
+        )  # fmt: skip
 
     @property
     def skin(self) -> np.float32:
@@ -111,6 +121,8 @@ class Lighting:
     @property
     def sized(self) -> np.uint8 | None:
         """1 if any light has a size and there are solids, else None, for which kernels compile without soft shadows."""
+        if self.like is not None:
+            return self.like.sized
         return np.uint8(1) if self.solids is not None and self.lights[:, LIGHT_SIZE].any() else None
 
     def shade_strands(

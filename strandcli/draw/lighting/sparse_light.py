@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.kernels.light_columns import MAP_LAYERS
+from ..common.kernels.light_columns import LIGHT_SIZE, MAP_LAYERS
 from ..common.scratch import Scratch
 from .kernels import lattice as kernel
 from .kernels.inputs import READ, WRITTEN
@@ -14,8 +14,7 @@ from .lighting import Lattice, Lighting
 
 def is_costly(lighting: Lighting) -> bool:
     """Return whether light on solids takes so long that fewer places pay: it has soft edges."""
-    deep = bool((lighting.lights[:, MAP_LAYERS] > 0).any())
-    return lighting.solids is not None and (deep or lighting.sized is not None)
+    return lighting.solids is not None and bool((lighting.lights[:, (MAP_LAYERS, LIGHT_SIZE)] > 0).any())
 
 
 def shade_surfaces(

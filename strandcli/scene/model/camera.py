@@ -5,8 +5,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from ..fields import Colour, Vector, choice, colour, file, integer, items, names, number, size, text, vector, window
+from ..specs import NO_COLOUR
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -71,7 +73,11 @@ class Image:
 
     size: tuple[int, int] = size((800, 600), high=32_768, unit="px", doc='width and height, as [w, h] or "800x600"')
     supersample: int = integer(1, low=1, high=8, doc="samples along each side of a pixel")
-    background: Colour = colour((0.03, 0.035, 0.045), doc="behind everything; with horizon, at the top")
+    background: Colour | Literal["none"] = colour(
+        (0.03, 0.035, 0.045),
+        or_none=True,
+        doc="behind everything; with horizon, at the top; none: a picture with alpha, whatever horizon is",
+    )
     horizon: Colour | None = colour(
         None,
         doc="background at the bottom, with noise against bands, as in solids; absent: one colour everywhere, no noise",
@@ -102,3 +108,13 @@ class Image:
     def drawn(self) -> tuple[int, int]:
         """Width and height of what is drawn: of the crop window, where there is one."""
         return self.size if self.crop is None else self.crop[2:]
+
+    @property
+    def has_alpha(self) -> bool:
+        """Whether pictures have no background, but alpha."""
+        return self.background == NO_COLOUR
+
+    @property
+    def channels(self) -> int:
+        """Of a picture: red, green and blue, and alpha where it has no background."""
+        return 4 if self.has_alpha else 3

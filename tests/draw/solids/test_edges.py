@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from strand_kit import frames_of, scene_of
 from strandcli.draw.canvas import Canvas
 from strandcli.draw.common.kernels.keys import EMPTY
 from strandcli.draw.lighting.lighting import NO_SPOTS, Lighting
+from strandcli.draw.transmittance import draw_solids
 
 # no strand is near the camera, or one as wide as a board, alone: all light comes from everywhere
 SCENE = """
@@ -103,10 +105,9 @@ def test_solids_behind_closed_strands_are_not_shaded_and_no_pixel_differs(monkey
 
     def all_of_them(self: Canvas, layer: Any, edges: Any) -> None:
         rows = layer.fragments.top, layer.fragments.bottom
-        self._surfaces(self.keys, self.image, rows=rows)
-        edges.within(rows[0] * self.size[0], rows[1] * self.size[0]).composite(
-            self._surfaces, self.image, self.backdrop
-        )
+        draw = partial(draw_solids, self.lighting, self.scratch)
+        draw(self.keys, self.image, rows=rows)
+        edges.within(rows[0] * self.size[0], rows[1] * self.size[0]).composite(draw, self.image, self.backdrop)
 
     monkeypatch.setattr("strandcli.draw.coverage.coverage.Coverage._cuts", lambda self: [(0, 21), (21, 48)])
     monkeypatch.setattr(Lighting, "shade_surfaces", note)

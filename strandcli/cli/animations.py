@@ -1,0 +1,76 @@
+"""Animations of the frames that `strandcli render` leaves: which, and over which colour."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from ..errors import UsageError
+from . import signals
+from .render_words import interrupted
+from .say import say
+from .values import ColourType, KindsType
+
+if TYPE_CHECKING:
+    from ..output.frames import FrameWriter
+    from ..output.over import Rgb
+    from ..scene.model import Scene
+
+OPAQUE = ("gif", "mp4")
+"""Kinds without alpha, or with one bit of it."""
+
+
+def options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """``--animate`` and ``--over``."""
+    kinds = click.option(
+        "--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp, .mp4: gif,mp4."
+    )
+    over = click.option(
+        "--over", type=ColourType(), metavar="COLOUR",
+        help="Colour under frames without background, in GIF and MP4: white, '#rrggbb'.  [default: mid grey]",
+    )  # fmt: skip
+    return kinds(over(command))
+
+
+class Ground(NamedTuple):
+    """What frames with alpha are put over."""
+
+    colour: Rgb
+    guessed: bool
+    """Whether frames have alpha, and no colour was named."""
+
+
+def ground(scene: Scene, kinds: Sequence[str], over: Rgb | None) -> Ground:
+    """What the frames of a scene are put over. Raises ``UsageError`` for a colour that nothing would be put over."""
+    from ..output.over import GREY
+
+    alpha = any(one.image.has_alpha for one in scene.panels or (scene,))
+    if over is not None and not any(kind in OPAQUE for kind in kinds):
+        raise UsageError("--over is for GIF and MP4, which have no alpha: add --animate gif or mp4, or leave it out")
+    if over is not None and not alpha:
+        raise UsageError("--over: the frames have a background; add --set image.background=none, or leave it out")
+    return Ground(over or GREY, alpha and over is None)
+
+
+def animate(writer: FrameWriter, kind: str, numbers: Sequence[int], fps: float, under: Ground, quiet: bool) -> Path:
+    """Write an animation of a writer's frames, and say what it could not do."""
+    from ..output.animation import write_animation
+    from ..output.frames import frame_file
+
+    path = writer.directory / f"animation.{kind}"
+    paths = [writer.directory / frame_file(number) for number in numbers]
+    try:
+        signals.check()
+        shown = write_animation(path, paths, numbers, fps, under.colour)
+    except KeyboardInterrupt:
+        if not quiet:
+            say(interrupted(writer, f"{path.name} is not written; "), err=True)
+        raise
+    if not quiet and under.guessed and kind in OPAQUE:
+        say(f"{path}: {kind} has no alpha: frames are over mid grey; name another colour by --over", err=True)
+    if not quiet and len(numbers) > 1 and shown < 0.99 * fps:
+        say(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked", err=True)
+    return path
