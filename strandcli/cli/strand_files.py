@@ -50,8 +50,12 @@ def say_facts(found: Facts) -> None:
     for name, value in data["header"].items():
         if value not in ("", None):
             say(f"  header     {name.replace('_', ' ')}: {value}")
+    if data["root"] is not None:
+        say(f"  root       {data['root']}, as the file says")
     for text in _guesses(data["guess"]):
         say(f"  guess      {text}")
+    if _as_it_is(data):
+        say(f"  as it is   {_as_it_is(data)}")
     for fault in found.faults:
         say(f"  fault      {fault.text}" + (f"; convert {fault.mend}" if fault.mend else ""))
 
@@ -63,6 +67,14 @@ def _guesses(guess: Mapping[str, Any]) -> list[str]:
     if guess["up"] is not None:
         found.append(f"up is {guess['up']['axis']}")
     if guess["head"] is not None:
-        head = guess["head"]
-        found.append(f"a head of radius {head['radius']:.3g}" + (f", in {head['unit']}" if head["unit"] else ""))
+        found.append(f"a head of radius {guess['head']['radius']:.3g}, in {guess['head']['unit']}")
     return found
+
+
+def _as_it_is(data: Mapping[str, Any]) -> str:
+    """What holds because neither the file nor its strands tell otherwise, "" where they tell all."""
+    guess = data["guess"]
+    taken = {"roots are first": (data["root"], guess["root"]), "up is y": (data["up"], guess["up"]),
+             "units are metres": (data["unit"], guess["head"])}  # fmt: skip
+    found = ", ".join(words for words, known in taken.items() if known == (None, None))
+    return found and f"{found}: nothing tells otherwise, and nothing is guessed"

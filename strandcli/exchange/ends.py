@@ -1,70 +1,212 @@
-"""What roots and tips tell: which end of a strand is which, the up axis, and the unit.
+"""What strands themselves tell: which end is the root, the up axis, and the unit.
 
-Roots lie on a head, about a sphere, and tips do not; hair hangs; heads have a size. Each guess is one only where what
-it rests on is clear.
+Hair leaves a scalp: its roots lie on a wide part of a sphere, strands fan out from there, and stay outside. Where they
+end they do no such thing. Hair that hangs from a scalp tells which axis is up, and a scalp of a human's size the unit.
+Each is a guess only where all of that is clear; grass on a plane, a mohawk, a fringe, fur that is trimmed tell nothing,
+for the other end may be the root as well. `python tests/guesses.py` measures how often guesses are right.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from .edit.transform import AXES, axis
-from .strands import Mask, Strands
+from .strands import Mask, Offsets, Strands
 
-LEAST_STRANDS = 20
+Floats = npt.NDArray[np.float64]
+
+LEAST_STRANDS = 40
 """With fewer, nothing is guessed."""
 ENOUGH = 20_000
-"""Strands that spheres are fitted to, at most."""
-CLEARER = 0.7
-"""The misfit of roots is at most so much of that of tips."""
-ON = 0.1
-"""Misfit of roots that lie on a head, and how far from it one is on it, radii."""
-OFF = 0.5
-"""How far from the head an end is off it, radii: roots at the nape, on the neck, are .36 from the sphere of a scalp."""
+"""Strands that are looked at, at most."""
 MOST, ROUNDS = 0.9, 4
 """Share of the points that a sphere is fitted to, and how often anew: strands that run the other way are not."""
-HANGS = 0.5
-"""Cosine between hanging hair and down, at least; of the middle of the scalp and up, `CAP`."""
+FITS = 0.08
+"""Misfit of roots to the scalp's sphere, at most, over its radius and over the strands' reach."""
+THICK = 0.18
+"""Extent (root mean square) of a scalp across itself, at least, over the sphere's radius: half a ball has .29, a
+straight or flat set none."""
+FANS, FANS_LESS = 0.75, 0.2
+"""Length of the mean direction in which strands leave a scalp, at most: 1 where all are parallel; and by how much it is
+more at their other end, at least."""
+LEAVES = 0.6
+"""Median cosine between that direction and the sphere's normal, at least."""
+OUTSIDE = 0.85
+"""Share of the strands that stay outside the sphere in the mean, at least."""
+CLEARER, LARGER = 0.7, 0.4
+"""Distances of roots from their sphere are at most so much of those of tips from theirs; and roots are spread at least
+so much as tips: hair that is drawn to a knot ends on a sphere, too."""
+ON, OFF = 0.1, 0.5
+"""How far from the head an end is on it, and off it, radii: roots at the nape, on the neck, are .36 from the sphere."""
+HANGS = 0.7
+"""Cosine between hanging hair and down, at least, and between up and the way from the head's middle to the scalp's."""
 CAP = 0.2
-HEAD = 0.1
-"""Radius of a human head about the scalp, metres; within a factor of `LIKE`, a unit is believed."""
-LIKE = 1.6
-UNITS = {"metres": 1.0, "decimetres": 0.1, "inches": 0.0254, "centimetres": 0.01, "millimetres": 0.001}
+"""The latter, at least, over the radius."""
+HEAD, LIKE = 0.1, 1.3
+"""Radius of a human head about the scalp, metres; within that factor, a unit is believed."""
+UNITS = {"metres": 1.0, "centimetres": 0.01, "millimetres": 0.001}
+STATED = 0.99
+"""Share of the strands whose one end is held, and of those whose other is free, where a file states the root."""
+
+LAST = "there strands fan out from a scalp, and at their first points they do not"
+"""Why roots are guessed to be last."""
 
 
-@dataclass(frozen=True, slots=True)
-class Sphere:
-    """A sphere, and the root mean square of the distances of points that fit it, over its radius."""
+class Sphere(NamedTuple):
+    """A sphere, and the root mean square of the distances of the points that it is fitted to."""
 
-    centre: npt.NDArray[np.float64]
+    centre: Floats
     radius: float
     misfit: float
 
-    def off(self, points: npt.NDArray[np.floating]) -> npt.NDArray[np.float64]:
-        """How far points are from it, radii."""
-        found: npt.NDArray[np.float64] = np.linalg.norm(points - self.centre, axis=1) / self.radius - 1
-        return np.abs(found)
+    def height(self, points: npt.NDArray[np.floating]) -> Floats:
+        """How far points (..., 3) are outside, radii."""
+        found: Floats = np.linalg.norm(points - self.centre, axis=-1) / self.radius - 1
+        return found
 
 
-def sphere(points: npt.NDArray[np.floating]) -> Sphere:
-    """The sphere through most points: fitted some times, each time to the points that were nearest to the last one, and
-    first to those nearest to the middle: one point far away would make a sphere so large that all others lie on it."""
-    points = points.astype(np.float64)  # whose squares overflow in single precision
-    far = np.linalg.norm(points - np.median(points, axis=0), axis=1)
-    found = _fitted(points[far <= np.quantile(far, MOST)])
-    for _ in range(ROUNDS):
-        off = found.off(points)
-        found = _fitted(points[off <= np.quantile(off, MOST)])
+class Head(NamedTuple):
+    """A human head: its radius about the scalp, and the unit in which it has that, by name and in metres."""
+
+    radius: float
+    unit: str
+    scale: float
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """One end of strands: the sphere through its points; the root mean square of these about their mean, and across
+    the direction in which they are thinnest; how long the mean is of the directions in which strands leave them, and
+    its median cosine to the normal; the share of strands outside the sphere."""
+
+    sphere: Sphere
+    spread: float
+    thin: float
+    fan: float
+    leaves: float
+    outside: float
+
+    def like_scalp(self, reach: float) -> bool:
+        """Whether strands that reach so far leave it as they do a scalp."""
+        return (
+            self.sphere.misfit <= FITS * min(self.sphere.radius, reach) and self.thin >= THICK * self.sphere.radius
+            and self.fan <= FANS and self.leaves >= LEAVES and self.outside >= OUTSIDE
+        )  # fmt: skip
+
+    def clearer(self, other: End) -> bool:
+        """Whether it is a scalp sooner than another end, by a margin."""
+        return (
+            self.sphere.misfit <= CLEARER * other.sphere.misfit and self.spread >= LARGER * other.spread
+            and self.fan <= other.fan - FANS_LESS
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Ends:
+    """Which end is the root: "first", "last" or "" where nothing tells; whether the file states it; the sphere of the
+    scalp, None where roots lie on none; strands (S,) that run the other way than the rest."""
+
+    root: str
+    stated: bool
+    scalp: Sphere | None
+    others: Mask
+
+
+def ends(strands: Strands) -> Ends:
+    """Which end of finite strands is the root."""
+    stated, others = held_end(strands), np.zeros(strands.count, np.bool_)
+    if strands.count < LEAST_STRANDS:
+        return Ends(stated, bool(stated), None, others)
+    step = -(-strands.count // ENOUGH)
+    rows = np.arange(0, strands.count, step)
+    reach = float(np.median(np.linalg.norm(_at(strands, rows, 1, False) - _at(strands, rows, 0, False), axis=1)))
+    first, last = _end(strands, rows, False), _end(strands, rows, True)
+    scalps = [name for name, one, rest in (("first", first, last), ("last", last, first))
+              if one.like_scalp(reach) and one.clearer(rest)]  # fmt: skip
+    root = stated or (scalps[0] if scalps else "")
+    if root not in scalps:
+        return Ends(root, bool(stated), None, others)
+    sphere = (first if root == "first" else last).sphere
+    one, other = (strands.roots(), strands.tips()) if root == "first" else (strands.tips(), strands.roots())
+    others = (sphere.height(one) > OFF) & (np.abs(sphere.height(other)) < ON)
+    some = np.flatnonzero(others)
+    others[some] = _cosines(sphere, other[some], _leaving(strands, some, root == "first", sphere.radius)) >= LEAVES
+    return Ends(root, bool(stated), sphere, others)
+
+
+def held_end(strands: Strands) -> str:
+    """The end at which a file states that strands are held, "" where it does not state it, or of both."""
+    movable = strands.attributes.get("movable")
+    if movable is None or movable.domain != "point" or not strands.count:
+        return ""
+    first = float(np.mean(movable.values[strands.first[:-1]] == 0))
+    last = float(np.mean(movable.values[strands.first[1:] - 1] == 0))
+    if max(first, last) < STATED or min(first, last) > 1 - STATED:
+        return ""
+    return "first" if first > last else "last"
+
+
+def _end(strands: Strands, rows: Offsets, back: bool) -> End:
+    """The first points of some strands, or with ``back`` the last ones."""
+    points = _at(strands, rows, 0, back)
+    sphere, near = fitted(points)
+    among = points[near] - points[near].mean(axis=0)
+    extents = np.linalg.eigvalsh(among.T @ among / len(among))
+    leaving = _leaving(strands, rows, back, sphere.radius)
+    heights = sum(sphere.height(_at(strands, rows, part, back)) for part in (0.25, 0.5, 0.75, 1.0))
+    return End(
+        sphere, float(np.sqrt(extents.sum())), float(np.sqrt(max(extents[0], 0.0))),
+        float(np.linalg.norm(leaving.mean(axis=0))), float(np.median(_cosines(sphere, points, leaving))),
+        float(np.mean(heights > 0)),
+    )  # fmt: skip
+
+
+def _at(strands: Strands, rows: Offsets, part: float, back: bool) -> Floats:
+    """The points of some strands at a share of their number, from the first, or with ``back`` from the last one."""
+    counts = strands.first[rows + 1] - strands.first[rows] - 1
+    place = np.clip((part * counts).astype(np.int64), min(1, int(part > 0)), counts)
+    return strands.points[strands.first[rows] + (counts - place if back else place)].astype(np.float64)
+
+
+def _leaving(strands: Strands, rows: Offsets, back: bool, radius: float) -> Floats:
+    """Unit vectors along the beginnings of some strands: a sixth of them, or less where that is half a radius."""
+    begin = _at(strands, rows, 0, back)
+    found = _at(strands, rows, 1e-9, back) - begin
+    for part in (0.02, 0.04, 0.08, 0.16):
+        longer = _at(strands, rows, part, back) - begin
+        found = np.where(np.linalg.norm(longer, axis=1, keepdims=True) < 0.5 * radius, longer, found)
+    return _units(found)
+
+
+def _units(vectors: Floats) -> Floats:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-30)
+
+
+def _cosines(sphere: Sphere, points: npt.NDArray[np.floating], directions: Floats) -> Floats:
+    """Between the sphere's normals at points and directions."""
+    found: Floats = np.einsum("ij,ij->i", _units(points - sphere.centre), directions)
     return found
 
 
-def _fitted(points: npt.NDArray[np.floating]) -> Sphere:
+def fitted(points: npt.NDArray[np.floating]) -> tuple[Sphere, Mask]:
+    """The sphere through most points, and which: fitted some times, each time to the points that were nearest to the
+    last one, and first to those nearest to the middle: one point far away would make a sphere so large that all others
+    lie on it."""
+    points = points.astype(np.float64)  # whose squares overflow in single precision
+    far = np.linalg.norm(points - np.median(points, axis=0), axis=1)
+    for _ in range(ROUNDS + 1):
+        near = far <= np.quantile(far, MOST)
+        found = _fitted(points[near])
+        far = np.abs(found.height(points))
+    return found, near
+
+
+def _fitted(p: Floats) -> Sphere:
     """The sphere of the least squares of |p|² − 2 c·p − (r² − |c|²)."""
-    p = points.astype(np.float64)
     middle = p.mean(axis=0)
     p = p - middle
     size = float(np.sqrt((p * p).sum(axis=1).mean())) or 1.0
@@ -73,66 +215,29 @@ def _fitted(points: npt.NDArray[np.floating]) -> Sphere:
     centre = solution[:3]
     radius = float(np.sqrt(max(solution[3] + centre @ centre, 1e-30)))
     off = np.linalg.norm(p - centre, axis=1) - radius
-    return Sphere(middle + size * centre, size * radius, float(np.sqrt((off * off).mean()) / radius))
-
-
-@dataclass(frozen=True, slots=True)
-class Ends:
-    """Which end is the root: "first", "last" or "unknown"; the spheres through first and last points; strands (S,) that
-    run the other way than the rest."""
-
-    root: str
-    first: Sphere
-    last: Sphere
-    others: Mask
-
-
-def ends(strands: Strands) -> Ends | None:
-    """Which end of finite strands is the root; None of too few."""
-    if strands.count < LEAST_STRANDS:
-        return None
-    step = -(-strands.count // ENOUGH)
-    first, last = sphere(strands.roots()[::step]), sphere(strands.tips()[::step])
-    others = np.zeros(strands.count, np.bool_)
-    root = "unknown"
-    if min(first.misfit, last.misfit) < CLEARER * max(first.misfit, last.misfit):
-        root = "first" if first.misfit < last.misfit else "last"
-        head = first if root == "first" else last
-        if head.misfit < ON:
-            one, other = strands.roots(), strands.tips()
-            one, other = (one, other) if root == "first" else (other, one)
-            others = (head.off(one) > OFF) & (head.off(other) < ON)
-    return Ends(root, first, last, others)
+    return Sphere(middle + size * centre, size * radius, size * float(np.sqrt((off * off).mean())))
 
 
 def up_axis(strands: Strands, found: Ends) -> tuple[str, float] | None:
     """The up axis, and the cosine between hanging hair and down; None where hair hangs from no scalp above it."""
-    if found.root == "unknown":
+    if found.scalp is None:
         return None
-    head = found.first if found.root == "first" else found.last
     one, other = strands.roots().astype(np.float64), strands.tips().astype(np.float64)
     one, other = (one, other) if found.root == "first" else (other, one)
     reach = np.linalg.norm(other - one, axis=1)
     usual = np.minimum(reach, np.quantile(reach, MOST))  # how much a strand counts: no single one decides
-    ways = (other - one) / np.maximum(reach, 1e-30)[:, None]
-    hanging = (usual @ ways) / max(float(usual.sum()), 1e-30)
-    cap = (np.median(one, axis=0) - head.centre) / head.radius
+    hanging = (usual @ _units(other - one)) / max(float(usual.sum()), 1e-30)
+    cap = (np.median(one, axis=0) - found.scalp.centre) / found.scalp.radius
     for name in AXES:
-        if hanging @ axis(name) <= -HANGS and cap @ axis(name) >= CAP:
+        least = max(CAP, HANGS * float(np.linalg.norm(cap)))
+        if hanging @ axis(name) <= -HANGS and cap @ axis(name) >= least:
             return name, float(-(hanging @ axis(name)))
     return None
 
 
-def unit(strands: Strands, found: Ends) -> dict[str, Any] | None:
-    """The radius of the head that roots lie on, the unit in which it is a human one ("" where none is), and the factor
-    to metres; None where roots lie on no head, or on a small part of one."""
-    head = found.last if found.root == "last" else found.first
-    if found.root == "unknown" or head.misfit > ON:
+def head(strands: Strands, found: Ends) -> Head | None:
+    """The human head whose scalp hair hangs from, None where there is none."""
+    if found.scalp is None or up_axis(strands, found) is None:
         return None
-    low, high = np.percentile(strands.tips() if found.root == "last" else strands.roots(), [1, 99], axis=0)
-    if np.sort(high - low)[1] < head.radius:
-        return None
-    for name, metres in UNITS.items():
-        if 1 / LIKE <= head.radius * metres / HEAD <= LIKE:
-            return {"radius": head.radius, "unit": name, "scale": metres}
-    return {"radius": head.radius, "unit": "", "scale": HEAD / head.radius}
+    sizes = [Head(found.scalp.radius, name, metres) for name, metres in UNITS.items()]
+    return next((one for one in sizes if 1 / LIKE <= one.radius * one.scale / HEAD <= LIKE), None)

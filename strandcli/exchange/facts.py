@@ -13,7 +13,7 @@ import numpy.typing as npt
 from . import faults
 from .bounded import rows_not_finite
 from .change import strands_of
-from .ends import Ends, ends, unit, up_axis
+from .ends import LAST, Ends, ends, head, up_axis
 from .files import ReadOptions, read
 from .strands import CHUNK, Strands
 
@@ -65,6 +65,7 @@ def facts(strands: Strands) -> Facts:
         "format": source.format, "version": source.version or None, "header": dict(source.facts),
         "strands": strands.count, "points": strands.points.shape[0], "skipped": dict(source.skipped),
         "points_a_strand": _spread(strands.counts()), "unit": source.unit, "up": source.up,
+        "root": known.root if known.stated else None,
         "length": _spread(fine.lengths()) if fine.count else None, "box": _box(fine),
         "segment": _spread(_inner(fine)) if fine.count else None,
         "curvature": _spread(curvature(fine)) if fine.count else None,
@@ -118,14 +119,12 @@ def _attribute(name: str, one: Any) -> dict[str, Any]:
     return {"name": name, "domain": one.domain, "shape": list(values.shape), "type": values.dtype.name, **bounds}
 
 
-def _guesses(strands: Strands, known: Ends | None) -> dict[str, Any]:
-    if known is None:
-        return {"root": None, "up": None, "head": None}
-    up = up_axis(strands, known)
+def _guesses(strands: Strands, known: Ends) -> dict[str, Any]:
+    up, human = up_axis(strands, known), head(strands, known)
     return {
-        "root": None if known.root == "unknown" else known.root,
+        "root": None if known.stated else known.root or None,
         "up": None if up is None else {"axis": up[0], "hangs": up[1]},
-        "head": unit(strands, known),
+        "head": None if human is None else human._asdict(),
     }
 
 
@@ -168,7 +167,7 @@ def _still(strands: Strands) -> npt.NDArray[np.int64]:
     return found
 
 
-def _faults_of_groom(strands: Strands, known: Ends | None) -> list[Fault]:
+def _faults_of_groom(strands: Strands, known: Ends) -> list[Fault]:
     found = []
     source = strands.source
     if source.up not in (None, UP):
@@ -177,12 +176,9 @@ def _faults_of_groom(strands: Strands, known: Ends | None) -> list[Fault]:
     if source.unit not in (None, 1.0):
         text = f"a unit is {source.unit:.6g} m, as the file says; here they are metres"
         found.append(Fault("unit", strands.count, text, f"--scale {source.unit:.9g}"))
-    if known is None:
-        return found
     if known.root == "last":
-        misfits = f"last points fit a head within {known.last.misfit:.1%}, first within {known.first.misfit:.1%}"
-        text = f"roots are last: {misfits}"
-        found.append(Fault("tips_first", strands.count, text, "--reverse"))
+        why = "the file holds strands at their last points" if known.stated else LAST
+        found.append(Fault("tips_first", strands.count, f"roots are last: {why}", "--reverse"))
     others = int(np.count_nonzero(known.others))
     if others:
         found.append(Fault("other_way", others, f"{strands_of(others)} run the other way than the rest", "--fix"))
@@ -190,9 +186,8 @@ def _faults_of_groom(strands: Strands, known: Ends | None) -> list[Fault]:
     if up is not None and up[0] != UP and strands.source.up is None:
         text = f"up is {up[0]}, if hair hangs down ({up[1]:.0%} of it); here up is {UP}"
         found.append(Fault("up", strands.count, text, f"--up {up[0]}"))
-    head = unit(strands, known)
-    if head is not None and head["scale"] != 1.0 and strands.source.unit is None:
-        words = f"units are {head['unit']}" if head["unit"] else "units are unusual"
-        text = f"roots lie on a head of radius {head['radius']:.3g}: {words}, if it is a human's; here they are metres"
-        found.append(Fault("unit", strands.count, text, f"--scale {head['scale']:.3g}"))
+    human = head(strands, known)
+    if human is not None and human.scale != 1.0 and strands.source.unit is None:
+        text = f"hair hangs from a head of radius {human.radius:.3g}: units are {human.unit}, if it is a human's"
+        found.append(Fault("unit", strands.count, f"{text}; here they are metres", f"--scale {human.scale:.3g}"))
     return found

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError
+from ..exchange.edit.fix import reversed_all
 from ..exchange.edit.transform import AXES, turning
 from ..exchange.ends import ends, up_axis
 from ..exchange.faults import not_finite
@@ -80,9 +81,9 @@ def better(roots: Floats, up: str, surface: Surface, frame: Frame, likely: str |
 
 
 def hangs_from(strands: Strands) -> str | None:
-    """The axis that hair which hangs tells to be up; None where it does not."""
+    """The axis that hair which hangs tells to be up, if roots are first; None where it does not."""
     known = ends(strands)
-    found = None if known is None else up_axis(strands, known)
+    found = up_axis(strands, known) if known.root == "first" else None
     return None if found is None else found[0]
 
 
@@ -104,8 +105,9 @@ def facts_on(file: Path, given: ReadOptions, solid: Any) -> dict[str, Any]:
     strands = strands.select(~not_finite(strands))
     if not strands.count:
         raise UsageError(f"{file}: holds no strand that could lie on {mesh}")
-    known = ends(strands)
-    roots = strands.tips() if known is not None and known.root == "last" else strands.roots()
+    if ends(strands).root == "last":
+        strands, _ = reversed_all(strands)
+    roots = strands.roots()
     up, unit = strands.source.up or UP, strands.source.unit or 1.0
     surface = Surface(solid)
     placed = unit * (roots.astype(np.float64) @ turning(up, UP).T)

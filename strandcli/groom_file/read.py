@@ -16,7 +16,6 @@ from ..exchange.control import note_of
 from ..exchange.edit.fix import fixed, reversed_all
 from ..exchange.edit.subsample import some
 from ..exchange.edit.transform import turned
-from ..exchange.ends import ends, up_axis
 from ..exchange.files import ReadOptions, read
 from ..exchange.strands import CACHED, Offsets, Strands
 from ..groom.arrange import spatial_order
@@ -24,6 +23,7 @@ from ..groom.emit import stream
 from ..groom.record import Groom
 from ..inputs import cached
 from .colours import colours_of
+from .fits import hangs_from
 from .measure import Seen, box_of, seen_of
 from .on_solid import Head, anchors_on, head_of, put_on
 from .rows import most_points, packed, with_at_most
@@ -157,7 +157,8 @@ def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:
         before = strands
         strands, change = fixed(strands, given.root == "auto")
         if strands is not before:
-            notes.append(f"{path}: {change.text}")
+            otherwise = "; emitter.groom.root: first has none turned" if change.facts["turned_around"] else ""
+            notes.append(f"{path}: {change.text}{otherwise}")
     if given.root == "last":
         strands, _ = reversed_all(strands)
     if given.strands is not None and given.strands < strands.count:
@@ -180,10 +181,9 @@ def _upright(strands: Strands, given: GroomFile, notes: list[str]) -> tuple[Stra
     up = given.up
     if up == "auto":
         up = strands.source.up or UP
-        known = None if strands.source.up else ends(strands)
-        guess = None if known is None else up_axis(strands, known)
-        if guess is not None and guess[0] != up:
-            up = guess[0]
+        guess = None if strands.source.up else hangs_from(strands)
+        if guess is not None and guess != up:
+            up = guess
             notes.append(f"{given.file}: up is taken to be {up}, which becomes y; emitter.groom.up says otherwise")
     return strands if up == UP else turned(strands, up, UP)[0], up
 

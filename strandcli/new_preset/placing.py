@@ -83,9 +83,8 @@ def strands(path: Path, preset: Path) -> Placed:
     )
     if up is None:
         up, why_up = "y", "of the file; nothing tells, so look at the picture"
-    head = guess["head"] or {"unit": ""}
-    guessed = head["scale"] if head["unit"] else None
-    unit, why = _first((data["unit"], TOLD), (guessed, f"metres a unit, a guess: the head is in {head['unit']}"))
+    head = guess["head"] or {"scale": None, "unit": ""}
+    unit, why = _first((data["unit"], TOLD), (head["scale"], f"metres a unit, a guess: the head is in {head['unit']}"))
     size = max(data["box"]["size"])
     scale = GROOM_SIZE / size if unit is None else float(unit)
     return Placed(

@@ -194,14 +194,15 @@ def test_lengths_are_bounds() -> None:
 
 
 def head(seed: int = 1, count: int = 200) -> npt.NDArray[np.float32]:
-    """Strands (count, 20, 3) that hang from the upper half of a head of radius 9."""
+    """Strands (count, 20, 3) that leave the upper half of a head of radius 9 and hang, outside it."""
     generator = np.random.default_rng(seed)
     out = generator.normal(size=(count, 1, 3))
     out[..., 1] = np.abs(out[..., 1])
     out /= np.linalg.norm(out, axis=2, keepdims=True)
     t = np.linspace(0, 1, 20)[:, None]
     length = generator.uniform(10, 30, (count, 1, 1))
-    return (9 * out + 4 * t * out + length * t**1.5 * np.array([0, -1, 0])).astype(np.float32)
+    found = 9 * out + 4 * t * out + length * t**2.5 * np.array([0, -1, 0])
+    return (found * np.maximum(1, 9 / np.linalg.norm(found, axis=2, keepdims=True))).astype(np.float32)
 
 
 def test_fixing_leaves_out_and_turns_around() -> None:

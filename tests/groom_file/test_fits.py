@@ -82,8 +82,11 @@ def test_what_hangs_tells_the_up_axis_where_another_fits_as_well(
     """Hair in centimetres of a head a tenth smaller lies nearest to this one as if another axis were up."""
     points = hair().points.reshape(-1, 2, 3)
     points = points[points[:, 0, 1] > 0]
-    points[:, 1] = points[:, 0]
-    points[:, 1, 1] -= np.random.default_rng(6).uniform(0.1, 0.4, len(points))
+    leaving = 0.97 * points[:, 0] + 0.03 / 0.2 * (points[:, 1] - points[:, 0])
+    aside = leaving * [1, 0, 1]
+    aside *= 0.13 / np.linalg.norm(aside, axis=1, keepdims=True)
+    low = aside - [0, 1, 0] * np.random.default_rng(6).uniform(0, 0.3, (len(points), 1))
+    points = np.stack([points[:, 0], leaving, aside + leaving * [0, 1, 0], low], axis=1).astype(np.float32)
     write(tmp_path / "hair.ply", turned(exchange_kit.of(list(points)), up, 90))
     found = json.loads(run("info", tmp_path / "hair.ply", "--on", head, "--json").out)["on"]
     assert (found["mend"]["up"], found["mend"]["scale"]) == (up, 0.01)

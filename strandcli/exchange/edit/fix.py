@@ -29,11 +29,11 @@ def fixed(strands: Strands, turn: bool = True) -> tuple[Strands, Change]:
         kept = {name: one for name, one in strands.attributes.items() if name not in bad}
         strands = replace(strands, attributes=kept)
     counts["attributes_left_out"] = bad
-    known = ends(strands) if turn else None
     back = np.zeros(strands.count, np.bool_)
-    if known is not None and known.root != "unknown":
-        back = known.others if known.root == "first" else ~known.others
-    strands = _turned_around(strands, back)
+    if turn:
+        known = ends(strands)
+        back = ~known.others if known.root == "last" else known.others
+    strands = turned_around(strands, back)
     counts["turned_around"] = int(back.sum())
     return strands, Change("fix", f"mended: {_said(counts) or 'nothing, no fault was found'}", counts)
 
@@ -51,7 +51,7 @@ def _said(counts: dict[str, Any]) -> str:
 
 def reversed_all(strands: Strands) -> tuple[Strands, Change]:
     """Strands from the other end."""
-    changed = _turned_around(strands, np.ones(strands.count, np.bool_))
+    changed = turned_around(strands, np.ones(strands.count, np.bool_))
     return changed, Change("reverse", f"{strands_of(strands.count)} turned around", {"strands": strands.count})
 
 
@@ -59,7 +59,7 @@ def _odd(one: Attribute) -> bool:
     return one.values.dtype.kind == "f" and rows_not_finite(one.values).size > 0
 
 
-def _turned_around(strands: Strands, back: Mask) -> Strands:
+def turned_around(strands: Strands, back: Mask) -> Strands:
     """Strands of which some (S,) run from last point to first, and their points' attributes with them."""
     if not back.any():
         return strands
