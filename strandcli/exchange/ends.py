@@ -21,7 +21,7 @@ Floats = npt.NDArray[np.float64]
 
 LEAST_STRANDS = 40
 """With fewer, nothing is guessed."""
-ENOUGH = 20_000
+ENOUGH = 5_000
 """Strands that are looked at, at most."""
 MOST, ROUNDS = 0.9, 4
 """Share of the points that a sphere is fitted to, and how often anew: strands that run the other way are not."""
@@ -51,9 +51,6 @@ HEAD, LIKE = 0.1, 1.3
 UNITS = {"metres": 1.0, "centimetres": 0.01, "millimetres": 0.001}
 STATED = 0.99
 """Share of the strands whose one end is held, and of those whose other is free, where a file states the root."""
-
-LAST = "there strands fan out from a scalp, and at their first points they do not"
-"""Why roots are guessed to be last."""
 
 
 class Sphere(NamedTuple):
@@ -114,6 +111,13 @@ class Ends:
     stated: bool
     scalp: Sphere | None
     others: Mask
+
+    @property
+    def why(self) -> str:
+        """What tells that roots are last."""
+        if self.stated:
+            return "the file holds strands at their last points"
+        return "there strands fan out from a scalp, and clearly less at their first points"
 
 
 def ends(strands: Strands) -> Ends:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from . import faults
 from .bounded import rows_not_finite
 from .change import strands_of
-from .ends import LAST, Ends, ends, head, up_axis
+from .ends import Ends, ends, head, up_axis
 from .files import ReadOptions, read
 from .strands import CHUNK, Strands
 
@@ -177,8 +177,7 @@ def _faults_of_groom(strands: Strands, known: Ends) -> list[Fault]:
         text = f"a unit is {source.unit:.6g} m, as the file says; here they are metres"
         found.append(Fault("unit", strands.count, text, f"--scale {source.unit:.9g}"))
     if known.root == "last":
-        why = "the file holds strands at their last points" if known.stated else LAST
-        found.append(Fault("tips_first", strands.count, f"roots are last: {why}", "--reverse"))
+        found.append(Fault("tips_first", strands.count, f"roots are last: {known.why}", "--reverse"))
     others = int(np.count_nonzero(known.others))
     if others:
         found.append(Fault("other_way", others, f"{strands_of(others)} run the other way than the rest", "--fix"))

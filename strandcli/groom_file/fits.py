@@ -56,9 +56,9 @@ class Better(NamedTuple):
 
 
 def better(roots: Floats, up: str, surface: Surface, frame: Frame, likely: str | None = None) -> Better | None:
-    """The placing with which roots (S, 3) are nearest to a surface; None where they fit as they are, or none is clearly
-    better. ``up``: the axis of the file that is y in the roots' frame; ``likely``: what hair that hangs tells of it,
-    which holds unless roots clearly tell another."""
+    """The placing with which roots (S, 3) are nearest to a surface; None where they fit as they are, none is clearly
+    better, or several up axes are. ``up``: the axis of the file that is y in the roots' frame, and stays where it is
+    among these; ``likely``: what hair that hangs tells of it, which comes first."""
     some = roots[:: max(len(roots) // ENOUGH, 1)]
 
     def median(axis: str, factor: float) -> float:
@@ -71,13 +71,23 @@ def better(roots: Floats, up: str, surface: Surface, frame: Frame, likely: str |
         return None
     large = float(np.ptp(some, axis=0).max()) / surface.size
     tried = [Better(a, f, median(a, f)) for f in FACTORS if SPREAD <= f * large <= 1 / SPREAD for a in AXES]
-    # of equals the one that changes less
-    found = min(tried, key=lambda one: (one.median, one.factor != 1, one.up != up), default=None)
-    fine = [one for one in tried if one.median <= min(CLEARLY * now, CLOSE * surface.size)]
-    own = min((one for one in fine if one.up == likely), key=lambda one: one.median, default=None)
-    if own is not None and found is not None and CLEARLY * own.median < found.median:
-        return own
-    return found if found in fine else None
+    # of each axis the best factor, of equal ones that which changes nothing
+    fine = {one.up: one for one in sorted(tried, key=lambda one: (one.median, one.factor != 1), reverse=True)
+            if one.median <= min(CLEARLY * now, CLOSE * surface.size)}  # fmt: skip
+    least = min((one.median for one in fine.values()), default=0.0)
+    rivals = {axis: one for axis, one in fine.items() if CLEARLY * one.median <= least}
+    one_left = next(iter(rivals)) if len(rivals) == 1 else ""
+    return next((rivals[axis] for axis in (likely, up, one_left) if axis in rivals), None)
+
+
+def nearer_tips(strands: Strands, surface: Surface, frame: Frame, median: float) -> float | None:
+    """The median distance of strands' last points from a surface, where these clearly lie on it and first ones, so far
+    off in the median, do not; else None."""
+    if median <= SURE * surface.size:
+        return None
+    some = strands.tips()[:: max(strands.count // ENOUGH, 1)].astype(np.float64)
+    found = float(np.median(np.abs(surface.nearest((some - frame.shift) @ frame.turn).distances)))
+    return found if found <= min(CLEARLY * median, SURE * surface.size) else None
 
 
 def hangs_from(strands: Strands) -> str | None:
@@ -114,12 +124,14 @@ def facts_on(file: Path, given: ReadOptions, solid: Any) -> dict[str, Any]:
     off = np.abs(surface.nearest(placed).distances)
     found = better(placed, up, surface, Frame(np.eye(3), np.zeros(3)), hangs_from(strands))
     median = float(np.median(off))
+    tips = nearer_tips(strands, surface, Frame(unit * turning(UP, up), np.zeros(3)), median)
     mend = None
-    if found is not None:
+    if found is not None and tips is None:
         mend = {"up": found.up, "scale": found.factor * unit, "median": found.median}
+    fits = found is None and tips is None and median <= CLOSE * surface.size
     return {
         "mesh": mesh, "size": surface.size, "median": median, "most": float(off.max()),
-        "fits": found is None and median <= CLOSE * surface.size, "up": up, "scale": unit, "mend": mend,
+        "fits": fits, "up": up, "scale": unit, "mend": mend, "tips": tips,
     }  # fmt: skip
 
 
@@ -131,6 +143,9 @@ def said(data: dict[str, Any]) -> str:
     if data["fits"]:
         return f"{there}: they fit"
     mend = data["mend"]
+    if data["tips"] is not None:
+        last = f"last points are {data['tips']:.3g} off: if roots are last"
+        return f"{there}; {last}, set emitter.groom.root: last; 'convert --reverse' writes them first"
     if mend is None:
         return f"{there}: neither another unit nor another up axis brings them there; move or scale one of them"
     options, settings = [], []

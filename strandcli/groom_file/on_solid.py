@@ -22,7 +22,7 @@ from ..groom.record import Anchors
 from ..mesh_file.prepared import key_of, prepared
 from ..meshes.closest import closest
 from ..scene.motion import Pose, pose_in_emitter
-from .fits import UP, Frame, better, hangs_from, words
+from .fits import UP, Frame, better, hangs_from, nearer_tips, words
 from .kernels import bend
 from .surface import Near, Surface
 
@@ -105,12 +105,19 @@ def put_on(
     likely = up if hangs_from(strands) == UP else None
     found = better(strands.roots().astype(np.float64), up, surface, Frame(turn, shift), likely)
     size = None if given is None else given.size
-    advice = "" if found is None else f"with {words(found, up, size)} it would be {found.median:.2g} m"
+    median = float(np.median(fit.off))
+    advice = perhaps = ""
+    tips = nearer_tips(strands, surface, Frame(turn, shift), median)
+    if tips is not None:
+        advice = f"its last points are {tips:.2g} m off: if these are the roots, set emitter.groom.root: last"
+    elif found is not None:
+        advice = f"with {words(found, up, size)} it would be {found.median:.2g} m"
+        perhaps = ": perhaps its up axis or unit is another one"
     _check(roots, fit.off, surface, head, file, advice or _replaced(given))
     if advice:
         notes.append(
-            f"{file}: its roots are {np.median(fit.off):.3g} m off {head.name} in the median, before they are moved "
-            f"to it; {advice}: perhaps its up axis or unit is another one"
+            f"{file}: its roots are {median:.3g} m off {head.name} in the median, before they are moved to it; {advice}"
+            f"{perhaps}"
         )
     loose = fit.off > SEATED * surface.size
     fit.seated = int(loose.sum())

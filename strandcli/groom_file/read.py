@@ -155,10 +155,9 @@ def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:
     notes += [f"{path}: {curves}"] if curves else []
     if given.fix:
         before = strands
-        strands, change = fixed(strands, given.root == "auto")
+        strands, change = fixed(strands, given.root == "auto", "emitter.groom.root: first has none turned")
         if strands is not before:
-            otherwise = "; emitter.groom.root: first has none turned" if change.facts["turned_around"] else ""
-            notes.append(f"{path}: {change.text}{otherwise}")
+            notes.append(f"{path}: {change.text}")
     if given.root == "last":
         strands, _ = reversed_all(strands)
     if given.strands is not None and given.strands < strands.count:

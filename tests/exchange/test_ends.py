@@ -4,18 +4,21 @@ alone; what a file states counts; what turns strands says so."""
 from __future__ import annotations
 
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import ends_kit
 import exchange_kit as kit
+import groom_file_kit
 from exchange.test_edits import head
 from guesses import tally
 from strandcli.exchange.edit import fix
 from strandcli.exchange.ends import ends
 from strandcli.exchange.facts import facts
 from strandcli.exchange.strands import Attribute, Strands
+from strandcli.groom_file import from_scene
 
 
 @pytest.mark.parametrize("kind", ends_kit.KINDS)
@@ -56,3 +59,17 @@ def test_points_that_are_held_state_the_root() -> None:
     assert ends(held(hair, last=True)).root == "last"
     both = Attribute("point", np.zeros(len(hair.points), np.float32))
     assert not ends(Strands(hair.first, hair.points, {"movable": both})).stated
+
+
+def test_what_turns_all_strands_says_why_and_how_to_have_them_otherwise(tmp_path: Path) -> None:
+    hair = head()
+    change = fix.fixed(kit.of(list(hair[:, ::-1])))[1]
+    assert change.facts["turned_around"] == 200
+    assert "turned around, for roots are last: there strands fan out" in change.text
+    assert "with --reverse as well they run as in the file" in change.text
+    file = groom_file_kit.write(tmp_path / "a.data", list(hair[:, ::-1]))
+    for root, fix_it, turned in (("auto", True, True), ("first", True, False), ("auto", False, False)):
+        given = groom_file_kit.scene(file, emitter__groom__root=root, emitter__groom__fix=fix_it)
+        notes = [one for one in from_scene(given).notes if "turned around" in one]
+        assert len(notes) == turned
+        assert all("emitter.groom.root: first has none turned" in one for one in notes)

@@ -17,7 +17,10 @@ from strandcli.exchange.edit.transform import AXES, turning
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import Strands
 from strandcli.groom_file import from_scene
+from strandcli.groom_file.fits import Better, Frame, better
+from strandcli.groom_file.surface import Surface
 from strandcli.meshes.read import read_mesh
+from strandcli.scene.model.solids import BoxSolid, SphereSolid
 
 SHARE = {"m": 1.0, "cm": 100.0, "in": 1 / 0.0254}
 HEAD = read_mesh(Path(__file__).parents[2] / "presets/meshes/head.ply")
@@ -92,6 +95,23 @@ def test_what_hangs_tells_the_up_axis_where_another_fits_as_well(
     assert (found["mend"]["up"], found["mend"]["scale"]) == (up, 0.01)
 
 
+def test_of_up_axes_that_fit_alike_none_is_taken() -> None:
+    """Spikes all over a ball lie on it whatever is up: their unit is told alone. A box whose long side is level fits
+    hair with that side upright by two axes."""
+    frame = Frame(np.eye(3), np.zeros(3))
+    out = np.random.default_rng(3).normal(size=(300, 3))
+    roots = 10 * out / np.linalg.norm(out, axis=1, keepdims=True)
+    for said in AXES:
+        found = better(roots, said, Surface(SphereSolid(name="head", radius=0.1)), frame)
+        assert found is not None
+        assert (found.up, found.factor) == (said, 0.01)
+    roots = np.random.default_rng(4).uniform(-0.1, 0.1, (300, 3))
+    roots[:150, 0], roots[150:, 2], roots[:, 1] = 0.1, -0.1, 2 * roots[:, 1]
+    box = Surface(BoxSolid(name="head", size=(0.2, 0.2, 0.4)))
+    assert better(roots, "y", box, frame) is None
+    assert better(roots, "y", box, frame, "z") == Better("z", 1.0, 0.0)
+
+
 def test_a_spot_of_hair_and_another_head_fit_nowhere(head: Path, tmp_path: Path, run: Runner) -> None:
     spot = hair().points[:2]
     for name, points in {"spot.ply": np.tile(spot, (30, 1)) + 3, "far.ply": hair().points + 5}.items():
@@ -129,6 +149,20 @@ def test_hair_that_is_put_on_a_head_tells_another_up_axis(head: Path, tmp_path: 
                 continue
             notes = " ".join(from_scene(kit.scene(file, **asked)).notes)
             assert (f"with emitter.groom.up: {up} " in notes) == (said != up)
+
+
+def test_last_points_that_lie_on_a_head_are_told(head: Path, tmp_path: Path, run: Runner) -> None:
+    """Strands are put on it as the file has them; the line says what turns them, and that does."""
+    file = tmp_path / "hair.ply"
+    settings = {"solids": [{"kind": "mesh", "file": str(head), "name": "head"}], "emitter.groom.on": "head"}
+    short = hair().points.reshape(-1, 2, 3)
+    short[:, 1] = 0.9 * short[:, 0] + 0.1 * short[:, 1]
+    for first, root in ((True, "first"), (False, "last")):
+        write(file, exchange_kit.of(list(short[:, :: 1 if first else -1])))
+        notes = " ".join(from_scene(kit.scene(file, **settings)).notes)
+        assert ("set emitter.groom.root: last" in notes) != first
+        assert not from_scene(kit.scene(file, **{**settings, "emitter.groom.root": root})).notes
+        assert ("'convert --reverse' writes them first" in run("info", file, "--on", head).out) != first
 
 
 def test_hair_that_its_settings_move_is_told_where_its_file_has_it(tmp_path: Path, head: Path) -> None:

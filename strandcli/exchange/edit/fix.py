@@ -14,9 +14,12 @@ from ..ends import ends
 from ..strands import Attribute, Mask, Strands
 
 
-def fixed(strands: Strands, turn: bool = True) -> tuple[Strands, Change]:
+def fixed(
+    strands: Strands, turn: bool = True, otherwise: str = "with --reverse as well they run as in the file"
+) -> tuple[Strands, Change]:
     """Strands without those that are not finite, have no length or repeat another; with ``turn`` the ones that clearly
-    begin at the tip turned around; attributes that are not finite left out."""
+    begin at the tip turned around; attributes that are not finite left out. ``otherwise``: what keeps all as they
+    are."""
     counts: dict[str, Any] = {}
     for name, found in (
         ("not_finite", faults.not_finite), ("without_length", faults.without_length), ("repeated", faults.repeated)
@@ -29,13 +32,14 @@ def fixed(strands: Strands, turn: bool = True) -> tuple[Strands, Change]:
         kept = {name: one for name, one in strands.attributes.items() if name not in bad}
         strands = replace(strands, attributes=kept)
     counts["attributes_left_out"] = bad
-    back = np.zeros(strands.count, np.bool_)
+    back, why = np.zeros(strands.count, np.bool_), ""
     if turn:
         known = ends(strands)
         back = ~known.others if known.root == "last" else known.others
+        why = f", for roots are last: {known.why}; {otherwise}" if known.root == "last" else ""
     strands = turned_around(strands, back)
     counts["turned_around"] = int(back.sum())
-    return strands, Change("fix", f"mended: {_said(counts) or 'nothing, no fault was found'}", counts)
+    return strands, Change("fix", f"mended: {_said(counts) or 'nothing, no fault was found'}{why}", counts)
 
 
 def _said(counts: dict[str, Any]) -> str:
