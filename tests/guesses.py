@@ -1,7 +1,8 @@
 """How often guesses about strands are right: ``python tests/guesses.py [seeds] [FILE ...]``.
 
 Made grooms of all kinds of `ends_kit`, and files of strands that have roots first, as they are and with all strands
-turned around, in random units and up axes, single strands turned around as well. Exit code 1 where a guess is wrong.
+turned around, in random units and up axes; single strands turned around as well; and how many points a strand has,
+from the points alone. Exit code 1 where a guess is wrong.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from strandcli.exchange.edit.fix import reversed_all, turned_around
 from strandcli.exchange.ends import ends, head, up_axis
 from strandcli.exchange.files import ReadOptions, read
 from strandcli.exchange.strands import Strands
+from strandcli.exchange.stride import guess
 
 TURNED = 3
 """Strands that are turned around by themselves."""
@@ -40,6 +42,8 @@ def tally(strands: Strands, up: str | None, unit: float | None, seed: int) -> Co
         others = ends(mixed).others
         for right, some in ((True, others & few), (False, others & ~few), (None, few & ~others)):
             found[f"strand {judged(right)}"] += int(some.sum())
+        stride = guess(given.points) or None
+        found[f"stride {judged(None if stride is None else stride == given.equal())}"] += 1
         axis, human = up_axis(given, known), head(given, known)
         if up is not None:
             found[f"up {judged(None if axis is None else axis[0] == up)}"] += 1

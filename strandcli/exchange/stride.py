@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from .strands import CHUNK, Offsets, Points
@@ -12,6 +14,8 @@ FOUND = 0.9
 """Share of the ends of strands that must show as jumps."""
 ELSEWHERE = 0.02
 """Share of the jumps that may be elsewhere, at most."""
+WITHIN = 1.5
+"""A step of at most so many times the smaller one of its neighbours may be within a strand."""
 LEAST_STRANDS = 8
 """With fewer, nothing is certain."""
 MOST_POINTS = 4096
@@ -26,7 +30,8 @@ def guess(points: Points) -> int:
     """The number of points of every strand, 0 where the jumps leave a doubt.
 
     A jump is a step longer than `JUMP` times both of its neighbours; a number is right where strands end in jumps, and
-    jumps are nowhere else. Numbers that divide the right one find too few, its multiples too many elsewhere.
+    jumps are nowhere else. Numbers that divide the right one find too few, its multiples too many elsewhere. Where some
+    strands have more points than the rest, it would end within these.
     """
     after = jumps(points)
     for one in divisors(points.shape[0]):
@@ -35,8 +40,17 @@ def guess(points: Points) -> int:
             break
         there = np.count_nonzero(after % one == 0)
         if there >= FOUND * ends and there >= (1 - ELSEWHERE) * after.size:
-            return one
+            return 0 if _within(points, one) else one
     return 0
+
+
+def _within(points: Points, count: int) -> bool:
+    """Whether strands of so many points each would begin where a strand may go on."""
+    begins = np.arange(count, points.shape[0], count)
+    near = [points[begins + one].astype(np.float64) for one in (-2, -1, 0, 1)]
+    with np.errstate(invalid="ignore"):  # of points that are not finite
+        before, step, after = (np.linalg.norm(b - a, axis=1) for a, b in pairwise(near))
+    return bool((step <= WITHIN * np.minimum(before, after)).any())
 
 
 def jumps(points: Points) -> Offsets:
