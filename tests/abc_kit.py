@@ -77,7 +77,8 @@ class Builder:
 
     def object(self, name: str, meta: str, members: Sequence[Entry] = (), children: Sequence[Entry] = ()) -> Entry:
         """An object, its properties, and those that it holds."""
-        header = struct.pack("<I", len(name)) + name.encode() + struct.pack("<BI", 255, len(meta)) + meta.encode()
+        letters = name.encode()
+        header = struct.pack("<I", len(letters)) + letters + struct.pack("<BI", 255, len(meta)) + meta.encode()
         headers = self.data(b"".join(one for one, _ in children) + bytes(32))
         return header, self.group(self.members(members), *(word for _, word in children), headers)
 

@@ -92,6 +92,7 @@ def command(
     target: Path,
     stride: int | None,
     array: str | None,
+    objects: tuple[str, ...],
     frames: FrameRange | None,
     basis: str,
     overwrite: bool,
@@ -113,7 +114,7 @@ def command(
     writer = files.writer_of(target)
     files.require_basis(target, basis)
     options.refuse_existing(target, overwrite)
-    how = files.ReadOptions(stride, array, lenient=edits["fix"])
+    how = files.ReadOptions(stride, array, lenient=edits["fix"], objects=objects)
     strands = files.read(source, how)
     skipped, before = dict(strands.source.skipped), strands.count
     chosen = _moments(source, strands, frames, getattr(writer, "moving", False))

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import options
-
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
     from ..scene.model import Scene
@@ -28,7 +26,7 @@ def frame_writer(
     return FrameWriter(
         folder,
         numbers,
-        options.picture_size(scene),
+        picture_size(scene),
         overwrite=overwrite,
         resume=resume,
         scene=fingerprint(scene, *([] if cache is None else [str(cache.resolve())])),
@@ -37,3 +35,16 @@ def frame_writer(
         layers=scene.image.aovs,
         exr=exr,
     )
+
+
+def picture_size(scene: Scene) -> tuple[int, int]:
+    """Width and height of what is drawn; panels, their gaps and their labels included."""
+    if not scene.panels:
+        return scene.image.drawn
+    import numpy as np
+
+    from ..panels import join
+
+    empty = [np.zeros((*panel.image.drawn[::-1], 3), np.uint8) for panel in scene.panels]
+    height, width, _ = join(empty, [panel.label for panel in scene.panels]).shape
+    return width, height

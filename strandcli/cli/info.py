@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from . import options, strand_files
 from .say import say
 
 if TYPE_CHECKING:
+    from ..exchange.files import ReadOptions
     from ..scene.model import Scene
 
 MESHES = (".obj", ".ply", ".stl", ".glb", ".gltf")
@@ -34,6 +36,7 @@ def command(
     file: Path,
     stride: int | None,
     array: str | None,
+    objects: tuple[str, ...],
     picture: Path | None,
     on: Path | None,
     overwrite: bool,
@@ -53,13 +56,14 @@ def command(
             raise UsageError(f"--on: {file} is a mesh itself; name a file of strands, and the mesh after --on")
         _tell_mesh(file, picture, as_json)
         return
-    found = facts_of_file(file, ReadOptions(stride, array))
+    how = ReadOptions(stride, array, objects=objects)
+    found = facts_of_file(file, how)
     fit = None
     if on is not None:
         from ..groom_file import fits  # Numba comes with it
         from ..solid_shapes.mesh import Settings
 
-        fit = fits.facts_on(file, ReadOptions(stride, array, lenient=True), Settings(file=str(on)))
+        fit = fits.facts_on(file, replace(how, lenient=True), Settings(file=str(on)))
     if as_json:
         options.print_json(found.as_dict() if fit is None else {**found.as_dict(), "on": fit})
     else:
@@ -67,15 +71,17 @@ def command(
         if fit is not None:
             say(f"  on mesh    {fit['mesh']}: {fits.said(fit)}")
     if picture is not None:
-        _draw(file, stride, array, picture)
+        _draw(file, how, picture)
 
 
-def _draw(file: Path, stride: int | None, array: str | None, picture: Path) -> None:
+def _draw(file: Path, how: ReadOptions, picture: Path) -> None:
     """Write a picture of a file of strands, by the preset for them."""
     import strandcli
 
-    settings = {"emitter.groom.file": str(file), "emitter.groom.stride": stride, "emitter.groom.array": array}
-    scene = strandcli.load(options.GROOM, settings={key: one for key, one in settings.items() if one is not None})
+    settings = {"file": str(file), "stride": how.stride, "array": how.array, "object": list(how.objects)}
+    scene = strandcli.load(
+        options.GROOM, settings={f"emitter.groom.{key}": one for key, one in settings.items() if one}
+    )
     _write(scene, picture)
 
 

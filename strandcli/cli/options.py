@@ -98,6 +98,10 @@ overrides = click.option(
     "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_assignment, shell_complete=complete.keys,
     help="Change one value of the preset, such as wind.strength=3. Repeatable.",
 )  # fmt: skip
+objects = click.option(
+    "--object", "objects", multiple=True, metavar="NAME",
+    help="Only the strands of this object of a file; 'strandcli info' lists them. Repeatable.",
+)  # fmt: skip
 keep_going = click.option(
     "--keep-going", is_flag=True,
     help="Do not stop where a run goes wrong; strands that are no longer finite are left out of the pictures.",
@@ -142,7 +146,7 @@ def alone(*names: str) -> Callable[[F], F]:
 
 
 resume_or_overwrite = together(alone("overwrite", "resume"), resume, overwrite)
-scene_options = together(size, strands, particles, seed, overrides)
+scene_options = together(size, strands, particles, seed, objects, overrides)
 
 
 def talk(more: str) -> Callable[[F], F]:
@@ -162,6 +166,7 @@ def load_scene(
     particles: int | None = None,
     seed: int | None = None,
     quality: str | None = None,
+    objects: tuple[str, ...] = (),
     overrides: tuple[str, ...] = (),
     aovs: Sequence[str] | None = None,
     roughly: bool = False,
@@ -184,6 +189,7 @@ def load_scene(
         "seed": seed,
         "quality": quality,
         "image.aovs": None if aovs is None else list(aovs),
+        "emitter.groom.object": list(objects) or None,
     }
     settings = {path: value for path, value in chosen.items() if value is not None}
     if Path(preset).suffix.lower() in MESHES:
@@ -230,19 +236,6 @@ def frame_numbers(frames: FrameRange | None, scene: Scene, from_cache: Path | No
     if not found:
         raise UsageError(f"{from_cache}: has positions for none of the frames 1 to {scene.time.frames} of the preset")
     return found
-
-
-def picture_size(scene: Scene) -> tuple[int, int]:
-    """Width and height of what is drawn; panels, their gaps and their labels included."""
-    if not scene.panels:
-        return scene.image.drawn
-    import numpy as np
-
-    from ..panels import join
-
-    empty = [np.zeros((*panel.image.drawn[::-1], 3), np.uint8) for panel in scene.panels]
-    height, width, _ = join(empty, [panel.label for panel in scene.panels]).shape
-    return width, height
 
 
 def preset_name(preset: str) -> str:

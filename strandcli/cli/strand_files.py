@@ -19,11 +19,18 @@ reading = options.together(
         help="Points a strand, where a file has vertices alone.",
     ),
     click.option("--array", metavar="NAME", help="Array of the points, where an .npz file has several."),
+    options.objects,
 )  # fmt: skip
+
+MOST_OBJECTS = 20
+"""Objects that are told to people."""
 
 
 def say_facts(found: Facts) -> None:
     """Facts for people: a line each."""
+    from ..exchange.change import strands_of
+    from ..exchange.objects import shown
+
     data = found.data
     kind = " ".join(part for part in (data["format"], data["version"]) if part)
     say(f"{data['file']}: {kind}, {data['bytes']:,} bytes")
@@ -44,6 +51,10 @@ def say_facts(found: Facts) -> None:
         say(f"  unit       {data['unit']:.6g} m")
     if data["up"] is not None:
         say(f"  up         {data['up']}")
+    for one in data["objects"][:MOST_OBJECTS]:
+        say(f"  object     {shown(one['name'])}: {strands_of(one['strands'])}, {one['points']:,} points")
+    if len(data["objects"]) > MOST_OBJECTS:
+        say(f"  object     and {len(data['objects']) - MOST_OBJECTS:,} more, all of them with --json")
     for one in data["attributes"]:
         bounds = "" if one["min"] is None else f", {one['min']:.4g} to {one['max']:.4g}"
         say(f"  attribute  {one['name']}: {one['type']} for each {one['domain']}{bounds}")

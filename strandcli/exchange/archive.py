@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,11 +25,11 @@ LONGEST_HEADER = 4096
 SPARE = 1 << 26
 """Bytes that arrays may take beyond three times the file: packed ones may be of any size."""
 HEADER = re.compile(
-    r"\{\s*'descr':\s*'(?P<kind>[<>|=](?:f[248]|[iu][1248]))',\s*'fortran_order':\s*(?P<fortran>True|False),"
+    r"\{\s*'descr':\s*'(?P<kind>[<>|=](?:f[248]|[iu][1248]|U\d{1,4}))',\s*'fortran_order':\s*(?P<fortran>True|False),"
     r"\s*'shape':\s*\((?P<shape>(?:\d{1,18},\s*)*(?:\d{1,18})?)\),?\s*\}\s*",
     re.ASCII,
 )
-"""What numpy writes for arrays of numbers."""
+"""What numpy writes for arrays of numbers and of text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,15 +53,16 @@ class Archive:
     """The arrays of a file by name, and how many bytes may still be taken for them."""
 
     def __init__(self, file: Bounded, archive: zipfile.ZipFile) -> None:
-        """Read the headers of all arrays; members that are no arrays of numbers are left out."""
+        """Read the headers of all arrays; ``members`` are of numbers, ``texts`` of text, others are left out."""
         self.file, self.archive = file, archive
         self.room = 2 * file.size + SPARE
-        self.members = {}
+        self.members: dict[str, Member] = {}
+        self.texts: dict[str, Member] = {}
         for info in archive.infolist():
             if info.filename.endswith(".npy"):
                 found = self._member(info)
                 if found is not None:
-                    self.members[found.name] = found
+                    (self.texts if found.kind.kind == "U" else self.members)[found.name] = found
 
     def fault(self, info: zipfile.ZipInfo, message: str) -> UsageError:
         """An error about a member."""
@@ -118,6 +120,19 @@ class Archive:
             if file.read(1):
                 raise self.fault(member.info, "goes on after its numbers; it is damaged")
         return values
+
+    def text(self, member: Member) -> tuple[str, ...]:
+        """The texts of an array. Raises `UsageError` where they are none."""
+        letters = self.read(
+            replace(
+                member,
+                kind=np.dtype("u4").newbyteorder(member.kind.byteorder),
+                shape=(member.size, member.kind.itemsize // 4),
+            )
+        )
+        if letters.size and int(letters.max()) > sys.maxunicode:
+            raise self.fault(member.info, "is no text; it is damaged")
+        return tuple("".join(map(chr, row[row > 0].tolist())) for row in letters)
 
     @contextmanager
     def opened(self, info: zipfile.ZipInfo) -> Iterator[Any]:

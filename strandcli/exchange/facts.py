@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from .bounded import rows_not_finite
 from .change import strands_of
 from .ends import Ends, ends, head, up_axis
 from .files import ReadOptions, read
+from .objects import table
 from .strands import CHUNK, Strands
 
 TINY = 1e-3
@@ -49,7 +50,7 @@ class Facts:
 
 def facts_of_file(path: Path, options: ReadOptions) -> Facts:
     """What is in a file. Numbers that are not finite are told as a fault."""
-    strands = read(path, ReadOptions(options.stride, options.array, lenient=True))
+    strands = read(path, replace(options, lenient=True))
     found = facts(strands)
     return Facts({"file": str(path), "bytes": path.stat().st_size, **found.data}, found.faults)
 
@@ -64,6 +65,7 @@ def facts(strands: Strands) -> Facts:
     data: dict[str, Any] = {
         "format": source.format, "version": source.version or None, "header": dict(source.facts),
         "strands": strands.count, "points": strands.points.shape[0], "skipped": dict(source.skipped),
+        "objects": table(strands),
         "points_a_strand": _spread(strands.counts()), "unit": source.unit, "up": source.up,
         "root": known.root if known.stated else None,
         "length": _spread(fine.lengths()) if fine.count else None, "box": _box(fine),

@@ -18,10 +18,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import UsageError
 from ..inputs import reading
 from ..registry import Registry
 from .bounded import opened
+from .objects import chosen, only
 from .splines import LINEAR
 from .strands import Layer, Strands, TimeSample
 
@@ -35,17 +38,20 @@ HEAD = 64
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
     """How a file is read: points a strand, and name of the array, where it does not say them; ``lenient`` lets in
-    numbers that are not finite."""
+    numbers that are not finite; ``objects``: names of those whose strands are wanted, () of all."""
 
     stride: int | None = None
     array: str | None = None
     lenient: bool = False
+    objects: tuple[str, ...] = ()
 
 
 def read(path: Path, options: ReadOptions | None = None) -> Strands:
     """The strands of a file. Raises `UsageError` for what is no such file, in one line."""
+    options = options or ReadOptions()
     with reading(path):
-        return format_of(path).read(path, options or ReadOptions())
+        strands: Strands = format_of(path).read(path, options)
+    return only(strands, options.objects, path)
 
 
 def times_in(strands: Strands) -> int:
@@ -55,10 +61,13 @@ def times_in(strands: Strands) -> int:
 
 def moments_of(path: Path, options: ReadOptions, numbers: Sequence[int]) -> Iterator[TimeSample]:
     """The points of what `read` finds, at the moments of a file with these numbers, rising from 1."""
-    wanted = set(numbers)
+    wanted, keep = set(numbers), None
+    if options.objects:
+        whole = format_of(path).read(path, options)
+        keep = np.repeat(chosen(whole, options.objects, path), whole.counts())
     for number, one in enumerate(format_of(path).moments(path, options), 1):
         if number in wanted:
-            yield one
+            yield one if keep is None else TimeSample(one.seconds, one.points[keep])
         if number >= numbers[-1]:
             return
 

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from .strands import Attribute, Domain, Offsets, Points, Source, Strands, offsets
+from .strands import OBJECT, Attribute, Domain, Offsets, Points, Source, Strands, offsets
 
 RANK: dict[Domain, int] = {"groom": 0, "strand": 1, "point": 2}
 """Domains, from few values to many."""
@@ -16,8 +16,10 @@ RANK: dict[Domain, int] = {"groom": 0, "strand": 1, "point": 2}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """What an object of curves holds: points of each curve (S,), points (P, 3), attributes by our names, names of
-    those that are none here."""
+    """What an object of curves holds: its name in full, points of each curve (S,), points (P, 3), attributes by our
+    names, names of those that are none here."""
+
+    name: str
 
     counts: Offsets
     points: Points
@@ -37,7 +39,13 @@ def joined(parts: list[Part], source: Source) -> tuple[Strands, list[str]]:
             lost[name] = None
         else:
             attributes[name] = found
-    return Strands(offsets(counts), points, attributes, source), sorted(lost)
+    if len(parts) > 1:
+        if OBJECT in attributes:
+            lost[OBJECT] = None
+        numbers = np.repeat(np.arange(len(parts), dtype=np.int32), [one.counts.size for one in parts])
+        attributes[OBJECT] = Attribute("strand", numbers)
+    names = tuple(one.name for one in parts)
+    return Strands(offsets(counts), points, attributes, source, names), sorted(lost)
 
 
 def _attribute(found: list[Attribute | None], parts: list[Part]) -> Attribute | None:

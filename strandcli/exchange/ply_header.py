@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from .bounded import Bounded
+from .strands import OBJECT
 
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -71,3 +74,24 @@ def read_header(file: Bounded) -> tuple[str, dict[str, Element], list[str]]:
             case _:
                 raise file.damaged(f"header: '{' '.join(words)[:60]}' means nothing there", at)
     raise file.damaged(f"header: does not end within {MOST_LINES:,} lines")
+
+
+def object_names(comments: list[str]) -> tuple[tuple[str, ...], list[str]]:
+    """Names of objects that comments tell, as `object_comment` makes them, and the other comments."""
+    names, others = [], []
+    for one in comments:
+        text = None
+        if one.startswith(f'{OBJECT} "'):
+            with suppress(ValueError):
+                text = json.loads(one[len(OBJECT) :])
+        if isinstance(text, str):
+            names.append(text)
+        else:
+            others.append(one)
+    return tuple(names), others
+
+
+def object_comment(name: str) -> str:
+    """The line of a header that names an object: text of JSON, of ASCII and without spaces, which are not kept."""
+    text = json.dumps(name).replace(" ", "\\u0020")
+    return f"comment {OBJECT} {text}"

@@ -16,6 +16,8 @@ Domain = Literal["point", "strand", "groom"]
 """What an attribute has a value for: each point, each strand, or all of it."""
 Layer = Callable[[float], str]
 """Makes a layer in USD's own text, whose time codes are so many a second."""
+OBJECT = "object"
+"""Attribute of strands that come from several objects of a file: the number of each one's, of `Strands.objects`."""
 SHORTEST = 2
 """Points of a strand, at least; readers skip and count those that have fewer."""
 SHORT = "fewer than two points"
@@ -52,13 +54,15 @@ class Strands:
     """Strands of at least two points each.
 
     first: (S + 1,), of each strand its first point, and last the number of points; points: (P, 3), root to tip, units
-    of the file; attributes: by name.
+    of the file; attributes: by name; objects: full names of the objects of the file that they come from, one alone or
+    those that the attribute `OBJECT` (S,) numbers; () where it names none.
     """
 
     first: Offsets
     points: Points
     attributes: Mapping[str, Attribute] = field(default_factory=dict)
     source: Source = field(default_factory=Source)
+    objects: tuple[str, ...] = ()
 
     @property
     def count(self) -> int:

@@ -149,7 +149,7 @@ def _made(
 def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:
     """The file's strands in its own frame, root to tip, without those that cannot be drawn."""
     path = Path(given.file)
-    strands = read(path, ReadOptions(given.stride, given.array or None, lenient=given.fix))
+    strands = read(path, ReadOptions(given.stride, given.array or None, given.fix, given.object))
     notes += [f"{path}: {strands_of(count)} of {why}, skipped" for why, count in strands.source.skipped.items()]
     curves = note_of(strands.source.facts)
     notes += [f"{path}: {curves}"] if curves else []

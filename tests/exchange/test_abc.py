@@ -185,9 +185,10 @@ def test_objects_of_curves_follow_one_another() -> None:
     found = read_bytes(content)
     assert found.counts().tolist() == [4, 4, 4, 2, 2]
     assert found.points.tolist() == np.concatenate([POINTS, POINTS[:2], POINTS[3:5]]).tolist()
-    assert {name: one.domain for name, one in found.attributes.items()} == {"width": "point"}
+    assert {name: one.domain for name, one in found.attributes.items()} == {"width": "point", "object": "strand"}
     assert found.attributes["width"].values.tolist() == [1.0] * 12 + [2.0] * 4
-    assert found.source.facts["objects"] == ["/a", "/b"]
+    assert found.objects == ("/a", "/b")
+    assert found.attributes["object"].values.tolist() == [0, 0, 0, 1, 1]
     assert found.source.facts["attributes_not_read"] == ["normal", "uv"]
     assert found.source.skipped == {"fewer than two points": 1}
     assert found.source.version == "1.7.9"
@@ -221,7 +222,7 @@ def test_what_blender_writes_is_read() -> None:
     there = np.concatenate([points, 2 * points[:4] + np.float32([1, 2, 3])])
     order = abc_kit.rows_from_blender(found.counts())
     np.testing.assert_allclose(found.points[order], there[:, [0, 2, 1]] * [1, 1, -1], rtol=2e-7, atol=2e-7)
-    assert sorted(found.source.facts["objects"]) == ["/a/a", "/b/b"]
+    assert sorted(found.objects) == ["/a/a", "/b/b"]
     assert found.source.facts["application"] == "Blender"
     widths = np.concatenate([(place + 1) / 8, (place[:4] + 1) / 4])
     np.testing.assert_allclose(found.attributes["width"].values[order], widths, rtol=2e-7)

@@ -147,7 +147,7 @@ def test_what_is_not_for_pictures_is_left_out_and_told() -> None:
     found = read_text(usd_kit.HEAD + body)
     assert found.points.tobytes() == STRANDS[0].tobytes()
     facts = found.source.facts
-    assert facts["prims"] == ["/a"]
+    assert found.objects == ("/a",)
     assert facts["not_read"] == {"invisible": 1, "NurbsCurves": 1, "PointInstancer": 1, "of purpose guide": 1}
     assert facts["files_not_found"] == 1
     guides = read_text(usd_kit.HEAD + usd_kit.prim(STRANDS, more='    uniform token purpose = "guide"\n'))
@@ -163,7 +163,7 @@ def test_instances_are_read_where_they_stand() -> None:
         held += f"    double3 xformOp:translate = ({shift}, 0, 0)\n"
         held += '    uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n'
     found = read_text(usd_kit.HEAD + held)
-    assert found.source.facts["prims"] == ["/one/a", "/two/a"]
+    assert found.objects == ("/one/a", "/two/a")
     assert np.array_equal(found.points, np.concatenate([POINTS + np.array(x) for x in ([1, 0, 0], [50, 0, 0])]))
 
 

@@ -104,7 +104,7 @@ def part_of(archive: Archive, one: Curves, fitter: Fitter) -> tuple[ControlCurve
             unread.append(name)
         else:
             attributes[name] = found if matrix is None else moved_attribute(name, found, matrix)
-    return curves, Part(curves.point_counts(), moved(curves.points(control), matrix), attributes, unread)
+    return curves, Part(one.path, curves.point_counts(), moved(curves.points(control), matrix), attributes, unread)
 
 
 def _attributes(archive: Archive, one: Curves) -> dict[str, Property]:

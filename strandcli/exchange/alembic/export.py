@@ -11,12 +11,11 @@ import numpy.typing as npt
 
 from ...errors import UsageError
 from ...output.files import atomic
+from ..objects import SHAPE, Pieces, pieces, renamed
 from ..strands import CHUNK, Attribute, Domain, Strands, TimeSample
 from . import layout
 from .writer import Kind, Member, Sample, Writer, sampling
 
-NAME = "strands"
-"""Of the object; the curves in it are its ``strandsShape``."""
 EVEN = 1e-6
 """Seconds by which times may be off that are told as even."""
 SCOPES: dict[Domain, str] = {"point": "vtx", "strand": "uni", "groom": "con"}
@@ -30,29 +29,40 @@ LARGEST_EXTENT = 255
 """Numbers an element."""
 
 
+def legal(name: str) -> str:
+    """A name without what no object of Alembic may have in its own."""
+    return "".join(letter if letter.isprintable() and letter != "/" else "_" for letter in name)
+
+
 def write_curves(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
-    """Write strands as one object of linear curves; ``samples``: their points at several times, rising. Returns lines
-    for what is left out."""
+    """Write each object of strands as one of linear curves; ``samples``: all points at several times, rising. Returns
+    lines for what is left out."""
+    there = pieces(strands, legal)
     with atomic(path) as file:
         writer = Writer(file)
-        points, boxes, times = _moments(path, writer, strands, samples)
         moving = int(samples is not None)
+        stored, times = _moments(path, writer, strands, there, samples)
         writes = _Properties(writer, len(times), moving)
-        geometry, lost = _geometry(writes, strands, points, boxes)
-        geom = writer.compound(".geom", {"schema": layout.CURVES, "schemaBaseType": layout.BASE}, geometry)
-        shape = writer.object(f"{NAME}Shape", layout.CURVES, [geom], [], layout.BASE)
-        place = writer.compound(".xform", {"schema": layout.XFORM}, [])
-        holder = writer.object(NAME, layout.XFORM, [place], [shape])
-        top = writer.objects([], [holder])
-        cycle, stored = _cycle(times)
+        holders: list[Member] = []
+        lost: dict[str, None] = {}
+        for name, piece, (points, boxes) in zip(there.names, there.strands, stored, strict=True):
+            geometry, left = _geometry(writes, piece, points, boxes)
+            geom = writer.compound(".geom", {"schema": layout.CURVES, "schemaBaseType": layout.BASE}, geometry)
+            shape = writer.object(f"{name}{SHAPE}", layout.CURVES, [geom], [], layout.BASE)
+            place = writer.compound(".xform", {"schema": layout.XFORM}, [])
+            holders.append(writer.object(name, layout.XFORM, [place], [shape]))
+            lost |= dict.fromkeys(left)
+        top = writer.objects([], holders)
+        cycle, when = _cycle(times)
         samplings = sampling(0 if moving else 1, 1.0, [0.0])
         if moving:
-            samplings += sampling(len(times), cycle, stored)
+            samplings += sampling(len(times), cycle, when)
         told = {"_ai_Application": "strandcli"}
-        if moving and len(stored) == 1 and cycle != 1.0:
+        if moving and len(when) == 1 and cycle != 1.0:
             told["_ai_DCC_FPS"] = f"{1 / cycle:.6g}"
         writer.close(top, told, samplings)
-    return [f".abc does not hold {', '.join(lost)}: left out"] if lost else []
+    left_out = [f".abc does not hold {', '.join(lost)}: left out"] if lost else []
+    return left_out + renamed(strands, legal, ".abc")
 
 
 class _Properties:
@@ -69,11 +79,11 @@ class _Properties:
 
 
 def _moments(
-    path: Path, writer: Writer, strands: Strands, samples: Iterable[TimeSample] | None
-) -> tuple[list[Sample], list[Sample], list[float]]:
-    """Write points and their boxes as they come; returns both, and the times."""
-    points: list[Sample] = []
-    boxes: list[Sample] = []
+    path: Path, writer: Writer, strands: Strands, there: Pieces, samples: Iterable[TimeSample] | None
+) -> tuple[list[tuple[list[Sample], list[Sample]]], list[float]]:
+    """Write points and their boxes as they come; returns both of each object, and the times."""
+    points: list[list[Sample]] = [[] for _ in there.names]
+    boxes: list[list[Sample]] = [[] for _ in there.names]
     times: list[float] = []
     for one in [TimeSample(0.0, strands.points)] if samples is None else samples:
         if one.points.shape != strands.points.shape:
@@ -83,12 +93,13 @@ def _moments(
             )
         if times and not one.seconds > times[-1]:
             raise UsageError(f"{path}: {one.seconds:g} s comes after {times[-1]:g} s; times must rise")
-        points.append(writer.sample(one.points.astype("<f4", copy=False)))
-        boxes.append(writer.sample(_box(one.points)))
+        for place, own in enumerate(there.of(one.points)):
+            points[place].append(writer.sample(own.astype("<f4", copy=False)))
+            boxes[place].append(writer.sample(_box(own)))
         times.append(one.seconds)
     if not times:
         raise UsageError(f"{path}: there is no moment to be written")
-    return _once(points), _once(boxes), times
+    return [(_once(own), _once(box)) for own, box in zip(points, boxes, strict=True)], times
 
 
 def _once(samples: list[Sample]) -> list[Sample]:

@@ -23,8 +23,6 @@ suffixes = (".abc",)
 moving = True
 
 WHAT = ".abc file"
-MOST_NAMES = 20
-"""Objects that are told by name."""
 
 
 def sniff(head: bytes, size: int) -> bool:
@@ -41,11 +39,9 @@ def read(path: Path, options: ReadOptions) -> Strands:
         fitted = [part_of(archive, one, fitter) for one in curves]
         times = times_of(archive, curves)
         facts: dict[str, Any] = {
-            "objects": [one.path for one in curves[:MOST_NAMES]], **facts_of([one for one, _ in fitted]),
+            **facts_of([one for one, _ in fitted]),
             "times": len(times), "begin": times[0], "end": times[-1],
         }  # fmt: skip
-        if len(curves) > MOST_NAMES:
-            facts["objects_in_all"] = len(curves)
         if archive.metadata.get("_ai_Application"):
             facts["application"] = archive.metadata["_ai_Application"]
         strands, lost = joined([part for _, part in fitted], Source(name, archive.version, facts))

@@ -2,6 +2,8 @@
 
 DiffLocks writes ``positions`` (N, P, 3) with ``root_uv`` (N, 2) and ``root_normal`` (N, 3); hairutil calls the points
 ``point``. Strands that differ in length are ``points`` (P, 3) and ``first`` (N + 1,), of each strand its first point.
+Objects are ``object_names`` (K,), text, and where there are several, ``object`` (N,), of each strand the number of its
+own.
 """
 
 from __future__ import annotations
@@ -18,14 +20,15 @@ from ...output.files import atomic
 from ..archive import Archive, Member, arrays_of
 from ..bounded import Bounded, opened
 from ..files import ReadOptions
-from ..strands import Attribute, Domain, Source, Strands, TimeSample, even_offsets, without_short
+from ..objects import renamed, written_names
+from ..strands import OBJECT, Attribute, Domain, Source, Strands, TimeSample, even_offsets, without_short
 
 name = ".npz"
 suffixes = (".npz",)
 
 USUAL = ("positions", "point", "points", "strands", "vertices", "xyz")
 """Names of the array of points, where several have its shape."""
-FIRST, POINTS, POSITIONS = "first", "points", "positions"
+FIRST, POINTS, POSITIONS, OBJECT_NAMES = "first", "points", "positions", "object_names"
 
 
 def sniff(head: bytes, size: int) -> bool:
@@ -57,11 +60,30 @@ def read(path: Path, options: ReadOptions) -> Strands:
                 flat = values.reshape(-1, *values.shape[2:]) if domain == "point" and not ragged else values
                 attributes[one.name] = Attribute(domain, flat)
         kept = {member.name, FIRST, *attributes}
+        objects = _objects(archive, attributes)
     facts: dict[str, Any] = {"array": member.name, "shape": list(member.shape), "type": str(member.kind)}
     unread = [one for one in members if one not in kept]
     if unread:
         facts["arrays_not_read"] = unread
-    return without_short(Strands(first, points, attributes, Source(name, facts=facts)))
+    return without_short(Strands(first, points, attributes, Source(name, facts=facts), objects))
+
+
+def _objects(archive: Archive, attributes: dict[str, Attribute]) -> tuple[str, ...]:
+    """The names of objects, () where there are none. Raises `UsageError` where strands are of others."""
+    if OBJECT_NAMES not in archive.texts:
+        return ()
+    member = archive.texts[OBJECT_NAMES]
+    found, of = archive.text(member), attributes.get(OBJECT)
+    if of is None:
+        return found if len(found) == 1 else ()
+    numbers = of.values
+    if of.domain != "strand" or numbers.ndim != 1 or numbers.dtype.kind not in "iu":
+        raise archive.fault(member.info, f"{OBJECT} has no whole number for each strand")
+    if numbers.size and not 0 <= int(numbers.min()) <= int(numbers.max()) < len(found):
+        raise archive.fault(member.info, f"{len(found):,} names, {OBJECT} has numbers from {int(numbers.min()):,} to "
+                            f"{int(numbers.max()):,}")  # fmt: skip
+    attributes[OBJECT] = Attribute("strand", numbers.astype(np.int32))
+    return found
 
 
 def _read(file: Bounded, archive: Archive, member: Member) -> Any:
@@ -117,9 +139,11 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
     arrays: dict[str, Any] = {POSITIONS if equal else POINTS: strands.points.reshape(*each, 3)}
     if not equal:
         arrays[FIRST] = strands.first
+    if strands.objects:
+        arrays[OBJECT_NAMES] = np.array(written_names(strands.objects, str))
     lost = []
     for attribute, one in strands.attributes.items():
-        if one.domain == "groom" or attribute in (POSITIONS, POINTS, FIRST):
+        if one.domain == "groom" or attribute in (POSITIONS, POINTS, FIRST, OBJECT_NAMES):
             lost.append(attribute)
         else:
             shape = each if one.domain == "point" else (strands.count,)
@@ -129,4 +153,5 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
             entry = zipfile.ZipInfo(f"{array}.npy")  # of no date: the same strands make the same bytes
             with archive.open(entry, "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, np.ascontiguousarray(values), allow_pickle=False)
-    return [f"{name} does not hold {', '.join(lost)}: left out"] if lost else []
+    left_out = [f"{name} does not hold {', '.join(lost)}: left out"] if lost else []
+    return left_out + renamed(strands, str, name)

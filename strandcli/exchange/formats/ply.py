@@ -2,7 +2,8 @@
 
 Strands are told by an element ``strand`` with the property ``nsegs`` (segments of each, as hairutil writes it), by an
 element ``edge`` that joins successive vertices, or not at all: then all strands have as many points, which
-`ReadOptions.stride` tells, or the jumps between strands where they leave no doubt.
+`ReadOptions.stride` tells, or the jumps between strands where they leave no doubt. Comments ``object "NAME"`` name the
+objects that the property ``object`` of strands numbers.
 """
 
 from __future__ import annotations
@@ -20,8 +21,9 @@ from ...errors import UsageError
 from ...output.files import write_pieces
 from ..bounded import SLICE, Bounded, opened
 from ..files import ReadOptions
-from ..ply_header import Element, read_header
-from ..strands import Attribute, Offsets, Source, Strands, TimeSample, even_offsets, offsets, without_short
+from ..objects import renamed, written_names
+from ..ply_header import Element, object_comment, object_names, read_header
+from ..strands import OBJECT, Attribute, Offsets, Source, Strands, TimeSample, even_offsets, offsets, without_short
 from ..stride import divisors, guess
 from ..written import left_out, raw
 
@@ -30,6 +32,8 @@ suffixes = (".ply",)
 
 NUMBERS = {"thickness": "width", "width": "width", "alpha": "transparency"}
 """Properties of a vertex that become attributes of one number."""
+MOST_OBJECTS = 500
+"""Objects that a header names; it has a line for each."""
 XYZ, RGB = ("x", "y", "z"), ("red", "green", "blue")
 Columns = dict[str, npt.NDArray[Any]]
 
@@ -54,14 +58,30 @@ def read(path: Path, options: ReadOptions) -> Strands:
         size = vertex.record(order).itemsize
         file.finite("vertex", points, (lambda row: begin + size * row) if order else (lambda row: begin))
         facts: dict[str, Any] = {"encoding": {"": "text", "<": "binary", ">": "binary, big-endian"}[order]}
+        names, comments = object_names(comments)
         if comments:
             facts["comments"] = comments[:8]
         first = _first(file, vertex, found, points, options, facts)
         attributes = _attributes(file, found["vertex"], begin)
+        objects = _objects(file, vertex, found, names, first.size - 1, attributes)
     unread = [one for one in vertex.properties if one not in {*XYZ, *RGB, *NUMBERS}]
     if unread:
         facts["properties_not_read"] = unread
-    return without_short(Strands(first, points, attributes, Source(name, "1.0", facts)))
+    return without_short(Strands(first, points, attributes, Source(name, "1.0", facts), objects))
+
+
+def _objects(
+    file: Bounded, vertex: Element, found: dict[str, Columns], names: tuple[str, ...], strands: int,
+    attributes: dict[str, Attribute],
+) -> tuple[str, ...]:  # fmt: skip
+    """The objects that strands are of, () where the file does not tell. Raises `UsageError` where there are no such."""
+    numbers = found.get("strand", {}).get(OBJECT)
+    if numbers is None:
+        return names if len(names) == 1 else ()
+    if numbers.size != strands or (numbers.size and not 0 <= int(numbers.min()) <= int(numbers.max()) < len(names)):
+        raise file.damaged(f"strand: {OBJECT} is none of {len(names):,} that comments name", vertex.at)
+    attributes[OBJECT] = Attribute("strand", numbers.astype(np.int32))
+    return names
 
 
 def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[str, Columns]:
@@ -86,7 +106,7 @@ def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[s
                 whole = all(one.properties[colour] == "u1" for colour in RGB)
                 columns["rgb"] = np.empty((one.count, 3), np.uint8 if whole else np.float32)
                 wanted |= {name: columns["rgb"][:, axis] for axis, name in enumerate(RGB)}
-        for name in NUMBERS.keys() | {"nsegs", "vertex1", "vertex2"}:
+        for name in NUMBERS.keys() | {"nsegs", "vertex1", "vertex2", OBJECT}:
             kind = one.properties.get(name, "")
             if kind and (name in NUMBERS or kind[0] in "iu"):
                 columns[name] = np.empty(one.count, np.float32 if kind == "f8" else kind)
@@ -217,19 +237,29 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
             rows = np.repeat(rows, counts, axis=0)
         kinds += [(label, kind, rows[:, i]) for i, label in enumerate(names)]
         kept.append(attribute)
+    of = strands.attributes.get(OBJECT)
+    named = of is not None and 1 < len(strands.objects) <= MOST_OBJECTS
+    objects = written_names(strands.objects, str) if named or len(strands.objects) == 1 else []
     segments = "<u2" if not counts.size or counts.max() <= 65_536 else "<i4"
     words = {"<f4": "float", "|u1": "uchar", "<u2": "ushort", "<i4": "int"}
+    columns: list[tuple[str, str, Any]] = [("nsegs", segments, counts - 1)]
+    if named and of is not None:
+        columns.append((OBJECT, "<i4", of.values))
+        kept.append(OBJECT)
     edges = strands.points.shape[0] - strands.count
     header = [
-        "ply", "format binary_little_endian 1.0", f"element vertex {strands.points.shape[0]}",
+        "ply", "format binary_little_endian 1.0", *(object_comment(one) for one in objects),
+        f"element vertex {strands.points.shape[0]}",
         *(f"property {words[kind]} {label}" for label, kind, _ in kinds),
         f"element strand {strands.count}", f"property {words[segments]} nsegs",
+        *([f"property int {OBJECT}"] if named else []),
         f"element edge {edges}", "property int vertex1", "property int vertex2", "end_header", "",
     ]  # fmt: skip
     write_pieces(path, [
-        "\n".join(header).encode(), *_rows(kinds, strands.points.shape[0]), raw(counts - 1, segments), *_edges(strands),
+        "\n".join(header).encode(), *_rows(kinds, strands.points.shape[0]), *_rows(columns, strands.count),
+        *_edges(strands),
     ])  # fmt: skip
-    return left_out(strands, name, kept)
+    return left_out(strands, name, kept) + (renamed(strands, str, name) if objects else [])
 
 
 def _rows(kinds: list[tuple[str, str, Any]], count: int) -> Iterable[Any]:

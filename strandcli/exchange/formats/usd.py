@@ -23,8 +23,6 @@ bases = (LINEAR, CATMULL_ROM)
 MAGIC = {b"PXR-USDC": "binary", b"#usda ": "text", b"#sdf ": "text"}
 """How files begin."""
 WHAT = ".usd file"
-MOST_NAMES = 20
-"""Prims that are told by name."""
 
 
 def sniff(head: bytes, size: int) -> bool:
@@ -58,13 +56,10 @@ def _encoding(path: Path) -> str:
 def _facts(stage: Stage, encoding: str) -> dict[str, Any]:
     told, times = stage.told, stage.told["times"]
     facts: dict[str, Any] = {
-        "encoding": encoding, "prims": [one.path for one in stage.curves[:MOST_NAMES]],
-        **facts_of(stage.curves), "times": max(len(times), 1),
+        "encoding": encoding, **facts_of(stage.curves), "times": max(len(times), 1),
     }  # fmt: skip
     if times:
         facts |= {"begin": times[0], "end": times[-1]}
-    if len(stage.curves) > MOST_NAMES:
-        facts["prims_in_all"] = len(stage.curves)
     facts |= {key: told[key] for key in ("not_read", "purpose", "application") if told[key]}
     if told["not_found"]:
         facts["files_not_found"] = told["not_found"]

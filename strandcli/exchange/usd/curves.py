@@ -97,7 +97,7 @@ class Reader:
             self._check_finite(f"{prim}: {name}", found.values)
             attributes[ours] = found if matrix is None else moved_attribute(ours, found, matrix)
         stage.curves.append(one)
-        stage.parts.append(Part(one.point_counts(), moved(one.points(points), matrix), attributes, unread))
+        stage.parts.append(Part(prim, one.point_counts(), moved(one.points(points), matrix), attributes, unread))
 
     def _basis(self, prim: str, named: list[str]) -> Basis:
         """What control points of a prim mean."""

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from ...errors import UsageError
 from ...output.files import placed
+from ..objects import Pieces, pieces, renamed
 from ..splines import CATMULL_ROM, CUBIC, LINEAR
 from ..strands import CHUNK, Attribute, Domain, Layer, Points, Strands, TimeSample
 from .curves import NAMES
@@ -26,6 +27,8 @@ KINDS = {"B": "B", "i": "i", "q": "q", "l": "q"}
 """Integers that USD has, by those of numpy."""
 BASES = {LINEAR: (LINEAR, "", "nonperiodic"), CATMULL_ROM: (CUBIC, CATMULL_ROM, "pinned")}
 """Type, basis and wrap of curves whose first and last control points are their ends."""
+Attributes = list[tuple[str, str, npt.NDArray[Any]]]
+"""Of each attribute its name, interpolation and values (rows, m), as USD holds it."""
 RATE = 24.0
 """Time codes a second of a single time."""
 NEAR = 1e-6
@@ -38,23 +41,36 @@ def write_stage(
 ) -> list[str]:  # fmt: skip
     """Write strands as curves of a basis; ``samples``: their points at several times, rising; ``beside``: other prims.
     Returns lines for what is left out. Raises `RefusedError` where it cannot be written."""
-    attributes, lost = _attributes(strands)
+    there = pieces(strands, legal)
+    attributes = [_attributes(one) for one in there.strands]
+    lost = list({name: None for _, left in attributes for name in left})
     kind = "usda" if path.suffix.lower() == ".usda" else "usdc"
     with placed(path, ".usd") as temporary:
         temporary.write_bytes(b"")
         temporary.unlink()
         request = {"do": "write", "temporary": str(temporary.absolute()), "format": kind}
-        for _ in ask(path, request, _messages(path, strands, attributes, samples, (beside, basis))):
+        for _ in ask(
+            path, request, _messages(path, strands, (there, [held for held, _ in attributes]), samples, (beside, basis))
+        ):
             pass
-    return [f".usd does not hold {', '.join(lost)}: left out"] if lost else []
+    left_out = [f".usd does not hold {', '.join(lost)}: left out"] if lost else []
+    return left_out + renamed(strands, legal, ".usd")
+
+
+def legal(name: str) -> str:
+    """A name with letters, digits and underscores alone, the first of them no digit, as prims have it."""
+    found = "".join(letter if f"_{letter}".isidentifier() else "_" for letter in name)
+    return found if not found or found.isidentifier() else f"_{found}"
 
 
 def _messages(
-    path: Path, strands: Strands, attributes: list[tuple[str, str, Any]], samples: Iterable[TimeSample] | None,
+    path: Path, strands: Strands, objects: tuple[Pieces, list[Attributes]], samples: Iterable[TimeSample] | None,
     more: tuple[Layer | None, str],
 ) -> Iterator[Message]:  # fmt: skip
-    """What the worker is to write: all but points, then these at each time; ``more``: other prims, and the basis."""
+    """What the worker is to write: all but points, then these at each time; ``objects``: each with its attributes;
+    ``more``: other prims, and the basis."""
     beside, basis = more
+    there, attributes = objects
     moments = _moments(path, strands, samples)
     first = next(moments)
     second = next(moments, None)
@@ -65,16 +81,23 @@ def _messages(
         raise UsageError(f"{path}: USD knows y and z as up axes, not {up}; turn it with --up {up}")
     told = {
         "rate": rate, "up": up.upper(), "unit": source.unit or 1.0, "basis": BASES[basis],
-        "attributes": [[name, interpolation] for name, interpolation, _ in attributes],
+        "prims": [
+            {"name": name, "attributes": [[theirs, interpolation] for theirs, interpolation, _ in held]}
+            for name, held in zip(there.names, attributes, strict=True)
+        ],
         "beside": beside(rate or RATE) if beside else "",
     }  # fmt: skip
-    yield told, [strands.counts().astype("<i4"), *(values for _, _, values in attributes)]
-    widest = max((float(values.max(initial=0.0)) for name, _, values in attributes if name == "widths"), default=0.0)
-    yield _points(first, rate, widest)
+    arrays: list[npt.NDArray[Any]] = []
+    for one, held in zip(there.strands, attributes, strict=True):
+        arrays += [one.counts().astype("<i4"), *(values for _, _, values in held)]
+    yield told, arrays
+    widest = [max((float(values.max(initial=0.0)) for name, _, values in held if name == "widths"), default=0.0)
+              for held in attributes]  # fmt: skip
+    yield _points(there, first, rate, widest)
     if second is not None:
-        yield _points(second, rate, widest)
-    for one in moments:
-        yield _points(one, rate, widest)
+        yield _points(there, second, rate, widest)
+    for moment in moments:
+        yield _points(there, moment, rate, widest)
     yield {"all": True}, []
 
 
@@ -108,9 +131,10 @@ def time_code(seconds: float, rate: float) -> float:
     return float(round(code)) if abs(code - round(code)) < NEAR else code
 
 
-def _points(one: TimeSample, rate: float | None, widest: float) -> Message:
+def _points(there: Pieces, one: TimeSample, rate: float | None, widest: list[float]) -> Message:
     code = None if rate is None else time_code(one.seconds, rate)
-    return {"code": code, "extent": _extent(one.points, widest)}, [one.points.astype("<f4", copy=False)]
+    points = [own.astype("<f4", copy=False) for own in there.of(one.points)]
+    return {"code": code, "extents": [_extent(*pair) for pair in zip(points, widest, strict=True)]}, points
 
 
 def _extent(points: Points, widest: float) -> list[list[float]]:
@@ -124,9 +148,9 @@ def _extent(points: Points, widest: float) -> list[list[float]]:
     return np.asarray(np.clip(corners, -largest, largest)).tolist() if points.shape[0] else [[0.0] * 3] * 2
 
 
-def _attributes(strands: Strands) -> tuple[list[tuple[str, str, npt.NDArray[Any]]], list[str]]:
+def _attributes(strands: Strands) -> tuple[Attributes, list[str]]:
     """Name, interpolation and values (rows, m) of what USD holds, and names of what it does not."""
-    found: list[tuple[str, str, npt.NDArray[Any]]] = []
+    found: Attributes = []
     lost = []
     for name, one in strands.attributes.items():
         values = _values(strands, name, one)

@@ -1,4 +1,4 @@
-"""Write a stage of USD with one prim of curves, of what messages tell; runs in the worker."""
+"""Write a stage of USD with prims of curves, of what messages tell; runs in the worker."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from .messages import Fill, Message, receive
 
-NAME = "/strands"
+HOLDER = "/strands"
+"""What holds several prims of curves; one stands by itself."""
 SAVED = 1 << 26
 """Bytes of points that are kept in memory before they are written."""
 VALUES = {
@@ -51,17 +52,18 @@ def _parts(fill: Fill) -> Iterator[Message]:
 def _write(request: dict[str, Any], parts: Iterator[Message]) -> None:
     layer = Sdf.Layer.CreateNew(request["temporary"], {"format": request["format"]})
     stage = Usd.Stage.Open(layer)
-    curves = UsdGeom.BasisCurves.Define(stage, NAME)
     told, arrays = next(parts)
-    _describe(stage, curves, told, arrays)
+    prims = _prims(stage, told, arrays)
+    _describe(stage, told)
     waiting, codes = 0, []
-    for told, (points,) in parts:
+    for told, points in parts:
         code = told["code"]
         moment = Usd.TimeCode.Default() if code is None else Usd.TimeCode(code)
-        curves.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points)), moment)
-        curves.GetExtentAttr().Set([Gf.Vec3f(*corner) for corner in told["extent"]], moment)
+        for curves, own, extent in zip(prims, points, told["extents"], strict=True):
+            curves.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(own)), moment)
+            curves.GetExtentAttr().Set([Gf.Vec3f(*corner) for corner in extent], moment)
+            waiting += own.nbytes
         codes += [] if code is None else [code]
-        waiting += points.nbytes
         if waiting > SAVED and request["format"] == "usdc":
             layer.Save()
             waiting = 0
@@ -82,9 +84,23 @@ def _add(stage: Usd.Stage, text: str) -> None:
         stage.SetMetadata("renderSettingsPrimPath", settings)
 
 
-def _describe(stage: Usd.Stage, curves: UsdGeom.BasisCurves, told: dict[str, Any], arrays: list[Any]) -> None:
-    """Write all but points."""
-    stage.SetDefaultPrim(curves.GetPrim())
+def _prims(stage: Usd.Stage, told: dict[str, Any], arrays: list[Any]) -> list[UsdGeom.BasisCurves]:
+    """Write the prims of curves, all but their points; one is the default prim, or what holds several."""
+    names, rest = [one["name"] for one in told["prims"]], iter(arrays)
+    holder = f"/{names[0]}" if len(names) == 1 else HOLDER
+    if len(names) > 1:
+        UsdGeom.Xform.Define(stage, holder)
+    found = []
+    for one in told["prims"]:
+        place = holder if len(names) == 1 else f"{holder}/{one['name']}"
+        found.append(_curves(stage, place, told["basis"], next(rest)))
+        _set(found[-1], one["attributes"], [next(rest) for _ in one["attributes"]])
+    stage.SetDefaultPrim(stage.GetPrimAtPath(holder))
+    return found
+
+
+def _describe(stage: Usd.Stage, told: dict[str, Any]) -> None:
+    """Write what concerns all of the stage."""
     UsdGeom.SetStageUpAxis(stage, told["up"])
     UsdGeom.SetStageMetersPerUnit(stage, told["unit"])
     stage.GetRootLayer().customLayerData = {"creator": "strandcli"}
@@ -93,16 +109,26 @@ def _describe(stage: Usd.Stage, curves: UsdGeom.BasisCurves, told: dict[str, Any
     if told["rate"] is not None:
         stage.SetTimeCodesPerSecond(told["rate"])
         stage.SetFramesPerSecond(told["rate"])
-    kind, basis, wrap = told["basis"]
+
+
+def _curves(stage: Usd.Stage, place: str, told: list[str], counts: Any) -> UsdGeom.BasisCurves:
+    """A prim of curves of a basis, without points."""
+    curves = UsdGeom.BasisCurves.Define(stage, place)
+    kind, basis, wrap = told
     curves.CreateTypeAttr(kind)
     if basis:
         curves.CreateBasisAttr(basis)
     curves.CreateWrapAttr(wrap)
     curves.CreatePointsAttr()
     curves.CreateExtentAttr()
-    curves.CreateCurveVertexCountsAttr(Vt.IntArray.FromNumpy(arrays[0]))
+    curves.CreateCurveVertexCountsAttr(Vt.IntArray.FromNumpy(counts))
+    return curves
+
+
+def _set(curves: UsdGeom.BasisCurves, attributes: list[list[str]], arrays: list[Any]) -> None:
+    """Write attributes, of names and interpolations."""
     primvars = UsdGeom.PrimvarsAPI(curves.GetPrim())
-    for (name, interpolation), values in zip(told["attributes"], arrays[1:], strict=True):
+    for (name, interpolation), values in zip(attributes, arrays, strict=True):
         held = values[:, 0] if values.shape[1] == 1 else values
         type_name, array = VALUES[values.dtype.str[1:], values.shape[1]]
         numbers = array.FromNumpy(np.ascontiguousarray(held))

@@ -115,6 +115,7 @@ class GroomFile:
     )
     stride: int | None = integer(None, low=2, high=1_000_000, doc="points a strand, where the file has vertices alone")
     array: str = text("", doc="array of the points, where an .npz file has several")
+    object: tuple[str, ...] = names(doc="objects of the file whose strands are wanted; absent: all")
 
 
 HEADS = ("sphere", "capsule", "box", "plane", "mesh")
