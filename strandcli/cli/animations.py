@@ -38,33 +38,33 @@ def options(command: Callable[..., Any]) -> Callable[..., Any]:
 class Ground(NamedTuple):
     """What frames with alpha are put over."""
 
-    colour: Rgb
+    colour: Rgb | None
+    """None: mid grey."""
     guessed: bool
     """Whether frames have alpha, and no colour was named."""
 
 
 def ground(scene: Scene, kinds: Sequence[str], over: Rgb | None) -> Ground:
     """What the frames of a scene are put over. Raises ``UsageError`` for a colour that nothing would be put over."""
-    from ..output.over import GREY
-
     alpha = any(one.image.has_alpha for one in scene.panels or (scene,))
     if over is not None and not any(kind in OPAQUE for kind in kinds):
         raise UsageError("--over is for GIF and MP4, which have no alpha: add --animate gif or mp4, or leave it out")
     if over is not None and not alpha:
         raise UsageError("--over: the frames have a background; add --set image.background=none, or leave it out")
-    return Ground(over or GREY, alpha and over is None)
+    return Ground(over, alpha and over is None)
 
 
 def animate(writer: FrameWriter, kind: str, numbers: Sequence[int], fps: float, under: Ground, quiet: bool) -> Path:
     """Write an animation of a writer's frames, and say what it could not do."""
     from ..output.animation import write_animation
     from ..output.frames import frame_file
+    from ..output.over import GREY
 
     path = writer.directory / f"animation.{kind}"
     paths = [writer.directory / frame_file(number) for number in numbers]
     try:
         signals.check()
-        shown = write_animation(path, paths, numbers, fps, under.colour)
+        shown = write_animation(path, paths, numbers, fps, under.colour or GREY)
     except KeyboardInterrupt:
         if not quiet:
             say(interrupted(writer, f"{path.name} is not written; "), err=True)

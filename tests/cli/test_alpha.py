@@ -115,6 +115,28 @@ def test_sheets_and_comparisons_know_alpha(run: Runner) -> None:
         assert (found[39, 59] == paper).all()
 
 
+def test_panels_without_background_leave_gaps_and_labels_opaque(run: Runner) -> None:
+    Path("two.yaml").write_text("extends: tiny.yaml\npanels: [{label: a, set: {image.background: none}}, {label: b}]\n")
+    assert run("render", "two.yaml", "-f", "1", "-o", "a", "--animate", "gif", "--over", "white").code == 0
+    found = png.read(Path("a/frame_0001.png"))
+    (alone,) = pipeline.render(strandcli.load("tiny.yaml", overrides=["image.background=none"]), [1])
+    np.testing.assert_array_equal(found[:48, :64], alone.image)
+    assert (found[:, 64:, 3] == 255).all()
+    assert (found[48:, :, 3] == 255).all()
+
+
+def test_data_sets_have_masks_and_no_alpha(run: Runner) -> None:
+    refused = run("dataset", "tiny.yaml", "-o", "a", "--layout", "nerfstudio", *NONE)
+    assert refused.code == 2
+    assert "image.background: a data set has masks beside its pictures" in refused.error()
+
+
+def test_terminals_are_sent_pictures_over_grey(run: Runner) -> None:
+    shown = run("render", "tiny.yaml", "-f", "1", "-o", "a", "--preview", "blocks", "-q", *NONE).out
+    red, green, blue = GREY
+    assert shown.startswith(f"\x1b[38;2;{red};{green};{blue};48;2;{red};{green};{blue}m")
+
+
 def test_golden_images_have_alpha(run: Runner) -> None:
     os.makedirs("g")
     Path("g/tiny.yaml").write_text(TINY.replace("image: {", "image: {background: none, "))

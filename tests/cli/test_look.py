@@ -30,6 +30,7 @@ from strandcli.cli.watch import Watcher, _with_one_turn
 from strandcli.errors import RefusedError, UsageError
 from strandcli.output import png, video
 from strandcli.output.compare import write_image
+from strandcli.output.over import over
 
 SIZES = st.tuples(st.integers(1, 40), st.integers(1, 40))
 
@@ -232,6 +233,10 @@ def test_ffmpeg_is_handed_every_frame_for_its_time(run: Runner, monkeypatch: pyt
     words, _, data = Path("film.mp4").read_bytes().partition(b"\n")
     assert b"-video_size 5x3 -framerate 2997/125" in words
     assert data == b"".join(picture((3, 5), number).tobytes() for number in (1, 1, 3, 4))
+    bare = np.dstack([picture((3, 5), 1), np.full((3, 5), 90, np.uint8)])
+    write_image(images[0], bare)
+    video.write_video(Path("bare.mp4"), images[:1], [1], 24, (9, 99, 199))
+    assert Path("bare.mp4").read_bytes().partition(b"\n")[2] == over(bare, (9, 99, 199)).tobytes()
     with pytest.raises(RefusedError, match="ffmpeg could not write it: no such luck"):
         video.write_video(Path("fail.mp4"), images, [1, 3, 4], 24)
     assert sorted(path.suffix for path in Path().iterdir() if path.name.startswith((".", "fail"))) == []

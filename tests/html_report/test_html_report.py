@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import json
 import re
 import xml.etree.ElementTree as ET
@@ -21,6 +23,7 @@ from strandcli.errors import UsageError
 from strandcli.html_report import page, pictures, run, svg
 from strandcli.output.animation import write_animation
 from strandcli.output.compare import write_image
+from strandcli.output.over import GREY
 
 MOST_BYTES = 2_000_000
 VOID = {"meta", "img", "br"}
@@ -146,6 +149,11 @@ def test_a_small_animation_is_kept_and_what_cannot_be_read_is_left_out(tmp_path:
     assert pictures.film(tmp_path / "b.gif") is None
     assert pictures.embedded(tmp_path / "none.png", 100, 1000) is None
     assert pictures.chosen(list(range(100)), 3) == [0, 50, 99]
+    write_image(frames[0], np.full((30, 40, 4), (250, 0, 0, 0), np.uint8))  # red, and nothing of it to be seen
+    bare = pictures.embedded(frames[0], 100, 100_000)
+    assert bare is not None
+    with Image.open(io.BytesIO(base64.b64decode(bare.address.partition(",")[2]))) as image:
+        assert np.abs(np.asarray(image).astype(int) - GREY).max() <= 2
 
 
 @pytest.fixture

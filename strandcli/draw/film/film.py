@@ -98,8 +98,8 @@ def associated(image: NDArray[np.float32], through: NDArray[np.float32], samples
     found = np.empty((shape[0], shape[2], 4), np.float32)
     light = image.reshape(*shape, 3).mean((1, 3), dtype=np.float32)
     found[..., :3] = np.where(np.isfinite(light), light, np.float32(0))
-    found[..., 3] = 1 - through[..., 0].reshape(shape).mean((1, 3), dtype=np.float32)
-    return np.clip(found, 0, (np.inf, np.inf, np.inf, 1), out=found)
+    found[..., 3] = np.clip(1 - through[..., 0].reshape(shape).mean((1, 3), dtype=np.float32), 0, 1)
+    return found
 
 
 def straight(pixels: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:

@@ -22,8 +22,8 @@ camera: {kind: %(kind)s, position: [0.1, 0.6, 5], target: [0, 0, 0], fov: 30, he
 image: {size: [64, 48], background: %(background)s, aovs: [linear, mask, solid], resolver: %(resolver)s,
   supersample: %(samples)d%(more)s}
 curves: {mode: "off"}
-material: {width: 0.01, opacity: %(opacity)g}
-lights: [{kind: directional, direction: [0, -1, -1], intensity: %(light)g, size: 2, shadow: {model: opacity}}]
+material: {width: %(width)g, opacity: %(opacity)g}
+lights: [{kind: directional, direction: [0, -1, -1], intensity: %(light)g, size: 2, shadow: {model: %(shadow)s}}]
 solids: %(solids)s
 """
 BALL = "{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 0.9]}"
@@ -31,6 +31,7 @@ GROUND = "{kind: plane, position: [0, -0.8, 0], rotation: [0, 0, 8], colour: [0.
 USUAL: dict[str, Any] = {
     "strands": 300, "height": -0.6, "kind": "perspective", "lens": "", "background": "none", "resolver": "sorted",
     "samples": 1, "more": "", "opacity": 1, "light": 1, "solids": f"[{BALL}, {GROUND}]",
+    "width": 0.01, "shadow": "opacity",
 }  # fmt: skip
 MANY = ", aperture: 0.1, shutter: 0.5, samples: 3"
 STILL = 1 / 1024
@@ -57,7 +58,7 @@ def over(frame: Frame, plate: NDArray[np.float32]) -> NDArray[np.float32]:
 @pytest.mark.parametrize(
     "changes",
     [{}, {"samples": 2, "opacity": 0.4}, {"lens": MANY}, {"kind": "orthographic"}, {"light": 0}, {"solids": "[]"},
-     {"height": 90}, {"strands": 4000}],
+     {"height": 90}, {"strands": 4000}, {"shadow": "traced", "width": 0.08}],
 )  # fmt: skip
 def test_a_picture_over_a_plate_is_the_picture_before_that_plate(resolver: str, changes: dict[str, Any]) -> None:
     plate = np.random.default_rng(len(str(changes))).random((48, 64, 3)).astype(np.float32)
@@ -89,7 +90,7 @@ def test_alpha_is_all_or_nothing_where_a_pixel_shows_only_one(changes: dict[str,
         assert (linear[covered == 0] == 0).all()
         assert (frame.image[covered == 0] == 0).all()
         assert (linear[frame.aovs["mask"] == 1][:, 3] == 1).all()
-    assert linear.min() >= 0
+    assert linear[..., 3].min() >= 0
     assert linear[..., 3].max() <= 1
 
 
