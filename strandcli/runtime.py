@@ -15,7 +15,7 @@ from typing import Any
 
 from .compiling.clock import clock
 from .compiling.folder import cache
-from .errors import UsageError
+from .errors import RefusedError, UsageError
 
 SPINS = "30000"
 """How often an idle thread looks for work before it sleeps. GNU's OpenMP looks 300,000 times, a millisecond in which
@@ -24,6 +24,9 @@ every step of a small simulation waits for a thread to wake up."""
 
 MOST_THREADS = 4096
 """That NUMBA_NUM_THREADS may ask for; of a hundred thousand Numba crashes."""
+
+ADDRESSES = 800_000_000
+"""Bytes of addresses that Python takes with the libraries, NumPy's and LLVM's among them, and a small picture."""
 
 NO_COMPILER = "NUMBA_DISABLE_JIT is set, and strandcli draws and reads nothing without Numba's compiler: unset it"
 
@@ -55,6 +58,7 @@ def checked_threads(threads: int | None) -> int:
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         raise UsageError(NO_COMPILER)
     most = int(numba.config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
+    _check_threading_layer()
     if threads is None:
         threads = most
     if not 1 <= threads <= most:
@@ -91,6 +95,43 @@ def still_idle_threads() -> None:
     if "OMP_WAIT_POLICY" not in os.environ:
         os.environ.setdefault("GOMP_SPINCOUNT", SPINS)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def address_limit() -> int | None:
+    """Bytes of addresses that this process may use, such as a shell sets by ``ulimit -v``; None where all are free."""
+    try:
+        import resource
+    except ImportError:  # no POSIX
+        return None
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return None if limit == resource.RLIM_INFINITY else limit
+
+
+def require_addresses() -> None:
+    """Raise `RefusedError` where libraries cannot be loaded: some end the process then, without a word of ours."""
+    limit = address_limit()
+    if limit is not None and limit < ADDRESSES:
+        raise RefusedError(
+            f"this process may use {limit / 1e6:,.0f} MB of addresses, and the libraries take {ADDRESSES / 1e6:,.0f}; "
+            "raise the limit: 'ulimit -v unlimited'"
+        )
+
+
+def _check_threading_layer() -> None:
+    """Raise `UsageError` for a threading layer that Numba is asked for and has not."""
+    import numba
+
+    asked = str(numba.config.THREADING_LAYER)  # type: ignore[attr-defined]
+    if asked == "default":
+        return
+    from numba.np.ufunc import parallel
+
+    try:
+        parallel._launch_threads()
+    except ValueError as error:
+        raise UsageError(
+            f"NUMBA_THREADING_LAYER={asked}: {error}; unset it, and Numba takes one that is there"
+        ) from None
 
 
 def _check_threads_of_environment() -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 TARGETS = ("slurm", "parallel", "openjd")
 NEXT = {"slurm": "sh {}/submit.sh", "parallel": "sh {}/run.sh", "openjd": "openjd run {}/job.yaml"}
-MOST_THREADS = 4096
+MOST_THREADS, USUAL_THREADS = 4096, 4
 
 
 @click.command()
@@ -32,7 +32,10 @@ MOST_THREADS = 4096
     "--chunk", type=options.Whole(1, 100_000), metavar="N", help="Frames a task.  [default: 8, at most 1000 tasks]"
 )
 @click.option(
-    "--threads", type=options.Whole(1, MOST_THREADS), metavar="N", default=4, show_default=True, help="Threads a task."
+    "--threads",
+    type=options.Whole(1, MOST_THREADS),
+    metavar="N",
+    help="Threads a task.  [default: 4, or as many as this machine has cores]",
 )
 @click.option("--animate", type=KindsType(), metavar="KIND", help="Also join the frames as an animation.")
 @options.keep_going
@@ -46,7 +49,7 @@ def command(
     output: Path | None,
     frames: FrameRange | None,
     chunk: int | None,
-    threads: int,
+    threads: int | None,
     animate: tuple[str, ...] | None,
     keep_going: bool,
     overwrite: bool,
@@ -74,7 +77,8 @@ def command(
         raise UsageError(str(error)) from None
     extra = ("--keep-going",) if keep_going else ()
     job = jobs.Job(
-        options.preset_name(preset), jobs.spelled(numbers), chunks, _simulated(scene, numbers), threads,
+        options.preset_name(preset), jobs.spelled(numbers), chunks, _simulated(scene, numbers),
+        threads or min(USUAL_THREADS, options.available_cores()),
         ",".join(animate or ()), extra,
     )  # fmt: skip
     files = openjd.files(job) if target == "openjd" else scripts.files(job, target, options.available_cores())

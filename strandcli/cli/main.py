@@ -43,6 +43,9 @@ COMMANDS = {
     "warmup": ("warmup", "Compile ahead of the first run."),
 }
 
+LIGHT = ("presets", "schema", "completion", "doctor")
+"""Commands that need no kernels, or tell themselves what is wrong with them."""
+
 
 @dataclass(slots=True)
 class State:
@@ -85,6 +88,8 @@ class LazyGroup(click.Group):
             close = get_close_matches(name, COMMANDS, n=1)
             hint = f"did you mean '{close[0]}'?" if close else f"commands are {', '.join(COMMANDS)}"
             raise click.UsageError(f"no command '{name}'; {hint}", ctx)
+        if name not in LIGHT and not ctx.resilient_parsing and not {"-h", "--help"} & set(args):
+            runtime.require_addresses()
         return super().resolve_command(ctx, args)
 
 
@@ -187,9 +192,11 @@ def report(error: BaseException, debug: bool) -> int:
             _say(runtime.NO_COMPILER)
             return USAGE
         case MemoryError():
+            limit = runtime.address_limit()
+            least = "" if limit is None else f" ('ulimit -v' leaves {limit / 1e6:,.0f} MB of addresses)"
             _say(
-                "out of memory; ask for fewer --strands or --particles or a smaller --size "
-                "('strandcli plan' estimates the need)"
+                f"out of memory{least}; ask for fewer --strands or --particles or a smaller "
+                "--size ('strandcli plan' estimates the need)"
             )
             return REFUSED
         case OSError() if error.errno in _REFUSALS:

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 def interrupted(writer: FrameWriter, besides: str = "") -> str:
     """Say that a run was interrupted, and how many frames stay."""
-    finished = count_frames(len(writer.written), " finished")
+    from ..output.files import count_there
+
+    there = count_there(writer.directory / one.file for one in writer.written.values())
+    finished = count_frames(there, " finished")
     return f"{writer.directory}: interrupted; {besides}{finished} stay, --resume goes on"
 
 

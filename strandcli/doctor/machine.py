@@ -48,7 +48,7 @@ def threads() -> Iterator[Finding]:
     try:
         count = checked_threads(None)
     except UsageError as error:
-        yield Finding("threads", BROKEN, str(error), "unset NUMBA_NUM_THREADS")
+        yield Finding("threads", BROKEN, str(error), "unset the variable")
         return
     except ImportError:  # told by another check
         return

@@ -19,6 +19,8 @@ strandcli() {{
   if [ -n "${{STRANDCLI:-}}" ]; then $STRANDCLI "$@"; else {command} "$@"; fi
 }}
 threads="${{SLURM_CPUS_PER_TASK:-{threads}}}"
+cores="$(OMP_NUM_THREADS= OMP_THREAD_LIMIT= nproc 2>/dev/null || getconf _NPROCESSORS_ONLN || echo "$threads")"
+if [ "$threads" -gt "$cores" ]; then threads="$cores"; fi
 case "$1" in
   warmup) strandcli {warmup} --threads "$threads" ;;
   simulate) {simulate} ;;

@@ -197,10 +197,16 @@ def refusal(error: OSError, path: Path) -> RefusedError:
     return RefusedError(f"{path}: cannot be written: {reason}")
 
 
-def with_whole(error: RefusedError, count: int) -> RefusedError:
-    """The same of a run that can be resumed, after so many frames."""
+def with_whole(error: RefusedError, finished: Iterable[Path]) -> RefusedError:
+    """The same of a run that can be resumed, with how many of its finished files are there."""
+    count = count_there(finished)
     whole = f"{count} finished {'frame is' if count == 1 else 'frames are'} whole, --resume keeps"
     return RefusedError(f"{error}; {whole} {'it' if count == 1 else 'them'}") if count else error
+
+
+def count_there(files: Iterable[Path]) -> int:
+    """How many of some files are there: a folder may be removed while a run writes into it."""
+    return sum(map(os.path.exists, files))
 
 
 def remove_strays(directory: Path) -> list[Path]:

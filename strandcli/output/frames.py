@@ -27,6 +27,8 @@ _TOGETHER = 8
 """Pictures that wait for the disk together, which takes 8 in two and a half times as long as one."""
 _DISK_SECONDS = 0.25
 """How long the last of them waits for the next one."""
+_PATIENCE = 0.1
+"""Seconds that the thread that draws waits for room in the queue before it writes a picture itself."""
 SCENE_KEYWORD = "strandcli scene"
 
 
@@ -84,6 +86,9 @@ class FrameWriter:
         self.written: dict[int, Written] = {}
         self._failure: BaseException | None = None
         self._begun: list[Callable[[], None]] = []
+        self._finishing = False
+        """Whether the disk is waited for, which the thread that draws has to do, too."""
+        self._lock = threading.Lock()  # of the list above, to which the thread that draws adds, too
         self._queue: queue.Queue[tuple[int, png.Pixels, Layers] | None] = queue.Queue(maxsize=2)
         self._thread: threading.Thread | None = None
         width, height = size
@@ -139,16 +144,19 @@ class FrameWriter:
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._thread is not None:
+            while self._help():
+                pass
             self._put(None)
             self._thread.join()
             self._thread = None
+            self._finish()
         self._claim.release()
         if kind is None:
             self._raise()
 
     def submit(self, frame: int, image: png.Pixels, layers: Layers | None = None) -> None:
         """Hand in a picture: uint8, (height, width, 3), or 4 with alpha, which the caller may reuse at once, and its
-        layers, which the caller may not. Waits while two are queued.
+        layers, which the caller may not. Waits while two are queued, and writes one itself where that takes long.
 
         Raises what went wrong with an earlier frame.
         """
@@ -161,19 +169,35 @@ class FrameWriter:
         """Queue an item, but never wait for a thread that has died."""
         while self._thread is not None and self._thread.is_alive():
             with suppress(queue.Full):
-                self._queue.put(item, timeout=0.2)
+                self._queue.put(item, timeout=_PATIENCE)
                 return
+            if not self._finishing:
+                self._help()
+
+    def _help(self) -> bool:
+        """Write the picture that waits longest on the thread that calls, for the writer's own gets little time where
+        other programs are busy; returns whether one waited."""
+        with suppress(queue.Empty):
+            item = self._queue.get_nowait()
+            if item is not None and self._failure is None:
+                try:
+                    self._write(*item)
+                except BaseException as error:
+                    self._finish(error)
+            return True
+        return False
 
     def _raise(self) -> None:
         if self._failure is None:
             return
         if isinstance(self._failure, RefusedError):
-            raise with_whole(self._failure, sum(one.seconds is not None for one in self.written.values()))
+            drawn = [self.directory / one.file for one in self.written.values() if one.seconds is not None]
+            raise with_whole(self._failure, drawn)
         raise self._failure
 
     def _work(self) -> None:
         # Kernels run on every core and wait for their slowest thread: this one takes what they leave. Linux keeps a
-        # priority for each thread.
+        # priority for each thread. What it does not come to, the thread that draws does.
         with suppress(OSError, AttributeError):
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 10)
         try:
@@ -195,12 +219,15 @@ class FrameWriter:
     def _finish(self, failure: BaseException | None = None) -> None:
         """Give written pictures their names, and then tell of a failure. The others stay where the disk refuses
         one, which is a failure too."""
-        for finish in self._begun:
+        with self._lock:
+            begun, self._begun = self._begun, []
+        self._finishing = True
+        for finish in begun:
             try:
                 finish()
             except BaseException as error:
                 failure = failure or error
-        self._begun.clear()
+        self._finishing = False
         self._failure = self._failure or failure  # last: whoever sees it counts the frames that are whole
 
     def _write(self, frame: int, image: png.Pixels, layers: Layers) -> None:
@@ -219,4 +246,5 @@ class FrameWriter:
             name_it()
             self.written[frame] = Written(frame, path.name, digest, seconds + time.perf_counter() - begun)
 
-        self._begun.append(finish)
+        with self._lock:
+            self._begun.append(finish)

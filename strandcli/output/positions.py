@@ -71,7 +71,7 @@ class PositionsWriter:
             with atomic(self.directory / positions_file(frame)) as file:
                 np.savez(file, positions=np.ascontiguousarray(positions, dtype=np.float32))
         except RefusedError as error:
-            raise with_whole(error, len(self.done)) from error
+            raise with_whole(error, (self.directory / positions_file(one) for one in self.done)) from error
         self.done.append(frame)
         if error is not None:
             self.errors[frame] = finite(error)

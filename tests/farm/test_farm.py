@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 
 from cli_runs import TINY, Runner, environment
 from strandcli.cli.frame_range import FrameRange
+from strandcli.cli.options import available_cores
 from strandcli.farm import job as jobs
 from strandcli.farm import openjd, scripts
 from strandcli.output import png
@@ -206,3 +207,17 @@ def test_too_many_tasks_are_refused_with_what_fits() -> None:
 def test_scripts_are_run_by_the_python_that_wrote_them() -> None:
     job: Any = jobs.Job("x", "1", ("1",), "1", 1)
     assert f"{sys.executable} -m strandcli" in scripts.files(job, "slurm", 1)["job.sh"].replace("'", "")
+
+
+@pytest.mark.skipif(shutil.which("sh") is None, reason="no POSIX shell")
+def test_no_task_asks_for_more_threads_than_there_are(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    cores = available_cores()
+    monkeypatch.setenv("STRANDCLI", "echo")
+    monkeypatch.setenv("OMP_NUM_THREADS", "500")
+    for threads, most in (([], min(4, cores)), (["--threads", "999"], cores)):
+        more = [*threads, "--target", "parallel", "-o", "job", "--overwrite"]
+        assert run("farm", "tiny.yaml", "-f", "1-2", "-q", *more).code == 0
+        for stage in ("warmup", "simulate", "draw 1", "join"):
+            words = ["sh", "job/job.sh", *stage.split()]
+            done = subprocess.run(words, capture_output=True, text=True, check=True)
+            assert done.stdout.split()[-2:] == ["--threads", str(most)]

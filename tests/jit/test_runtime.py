@@ -10,11 +10,19 @@ from pathlib import Path
 
 import numba
 import pytest
+from numba.np.ufunc import parallel
 
-from cli_runs import TINY, environment
+from cli_runs import TINY, Runner, environment
 from strandcli import __version__, runtime
+from strandcli.doctor import software
+from strandcli.doctor.finding import BROKEN
 from strandcli.draw.zbuffer.kernels import lines, raster
 from strandcli.errors import UsageError
+
+try:
+    import resource
+except ImportError:  # no POSIX
+    resource = None  # type: ignore[assignment]
 
 RUN = """
 import sys
@@ -124,3 +132,30 @@ def test_kernels_are_compiled_without_shortcuts_in_arithmetic() -> None:
         assert options["error_model"] == "numpy"
         assert options["nogil"]
     assert raster.draw_strands.targetoptions["parallel"]
+
+
+def test_a_threading_layer_that_is_not_there_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba.config, "THREADING_LAYER", "nowhere")
+    monkeypatch.setattr(parallel, "_is_initialized", False)
+    with pytest.raises(UsageError, match=r"NUMBA_THREADING_LAYER=nowhere: .*; unset it"):
+        runtime.checked_threads(None)
+    monkeypatch.setattr(numba.config, "THREADING_LAYER", "default")
+    assert runtime.checked_threads(None) >= 1
+
+
+@pytest.mark.skipif(resource is None, reason="no limits of addresses here")
+def test_too_few_addresses_for_the_libraries_are_refused(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = Runner(tmp_path, capsys)
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (409_600_000, resource.RLIM_INFINITY))
+    done = run("render", "minimal", "-o", str(tmp_path / "out"))
+    assert done.code == 4
+    assert "this process may use 410 MB of addresses, and the libraries take 800; raise the limit" in done.error()
+    assert not (tmp_path / "out").exists()
+    assert run("presets").code == 0
+    assert run("render", "--help").code == 0
+    (found,) = software.numba_settings()
+    assert (found.state, found.advice) == (BROKEN, "ulimit -v unlimited")
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (900_000_000, resource.RLIM_INFINITY))
+    runtime.require_addresses()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from strandcli.cli.render_words import interrupted
 from strandcli.errors import RefusedError, UsageError
 from strandcli.output import frames as module
 from strandcli.output import png
@@ -139,6 +141,7 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatc
         return begin_pieces(path, until_full() if path.name == frame_file(3) else pieces)
 
     monkeypatch.setattr(module, "begin_pieces", fill)
+    monkeypatch.setattr(FrameWriter, "_help", lambda _: False)  # so that the order is known
     monkeypatch.setattr("os.fsync", lambda file: time.sleep(0.05))
     words = "frame_0003.png: .*disk is full.*; 2 finished frames are whole, --resume keeps them"
 
@@ -173,6 +176,7 @@ def test_a_disk_that_fails_after_other_frames_have_been_written_loses_that_one_a
         if len(synced) == 3:
             raise OSError(errno.EIO, os.strerror(errno.EIO))
 
+    monkeypatch.setattr(FrameWriter, "_help", lambda _: False)  # so that the order is known
     monkeypatch.setattr("os.fsync", refuse)
     words = r"frame_0003.png: [^;]*; choose another place; [0-9]+ finished frames are whole, --resume keeps them$"
     with pytest.raises(RefusedError, match=words):
@@ -204,3 +208,44 @@ def test_a_run_too_big_for_the_disk_is_refused_before_it_starts(
 def test_frames_of_another_size_are_a_fault_of_the_caller(tmp_path: Path) -> None:
     with FrameWriter(tmp_path, [1], SIZE) as writer, pytest.raises(ValueError, match="is 4x2, not 12x8"):
         writer.submit(1, np.zeros((2, 4, 3), np.uint8))
+
+
+def test_a_writer_that_gets_no_time_holds_nothing_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a machine whose cores other programs have, its thread of low priority hardly runs."""
+    go = threading.Event()
+    monkeypatch.setattr(os, "setpriority", lambda *_: go.wait(20))
+    writer, done = FrameWriter(tmp_path, range(1, 8), SIZE), threading.Event()
+
+    def draw() -> None:
+        for frame in writer.wanted:
+            writer.submit(frame, picture(frame))
+        done.set()
+
+    with writer:
+        threading.Thread(target=draw, daemon=True).start()
+        assert done.wait(5)
+        go.set()
+    assert sorted(writer.written) == list(range(1, 8))
+    for frame, one in writer.written.items():
+        np.testing.assert_array_equal(png.read(tmp_path / one.file), picture(frame))
+
+
+def test_frames_of_a_folder_that_is_gone_are_not_counted_as_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "out"
+    monkeypatch.setattr(module, "_TOGETHER", 1)
+    writer = FrameWriter(folder, [1, 2], SIZE)
+    with writer:
+        writer.submit(1, picture(1))
+        while 1 not in writer.written:
+            time.sleep(0.01)
+        shutil.rmtree(folder)
+        writer.submit(2, picture(2))
+        while writer._failure is None:
+            time.sleep(0.01)
+        with pytest.raises(RefusedError) as told:
+            writer.submit(2, picture(2))
+        writer._failure = None
+    assert "whole" not in str(told.value)
+    assert interrupted(writer).endswith("interrupted; 0 finished frames stay, --resume goes on")
