@@ -143,18 +143,18 @@ def test_what_moves_is_read_at_all_its_times(tmp_path: Path) -> None:
 def test_what_is_not_for_pictures_is_left_out_and_told() -> None:
     body = usd_kit.prim(STRANDS[:1], "a") + usd_kit.prim(STRANDS[1:2], "b", more='    token visibility = "invisible"\n')
     body += usd_kit.prim(STRANDS[2:], "c", more='    uniform token purpose = "guide"\n')
-    body += 'def NurbsCurves "d"\n{\n}\ndef PointInstancer "e"\n{\n' + usd_kit.prim(STRANDS[:1], "f") + "}\n"
+    body += 'def PointInstancer "e"\n{\n' + usd_kit.prim(STRANDS[:1], "f") + "}\n"
     body += 'def Xform "g" (\n    payload = @./missing.usd@\n)\n{\n}\n'
     found = read_text(usd_kit.HEAD + body)
     assert found.points.tobytes() == STRANDS[0].tobytes()
     facts = found.source.facts
     assert found.objects == ("/a",)
-    assert facts["not_read"] == {"invisible": 1, "NurbsCurves": 1, "PointInstancer": 1, "of purpose guide": 1}
+    assert facts["not_read"] == {"invisible": 1, "PointInstancer": 1, "of purpose guide": 1}
     assert facts["files_not_found"] == 1
     guides = read_text(usd_kit.HEAD + usd_kit.prim(STRANDS, more='    uniform token purpose = "guide"\n'))
     assert guides.source.facts["purpose"] == "guide"
-    with pytest.raises(UsageError, match="holds no BasisCurves that can be read; there are 1 NurbsCurves"):
-        read_text(usd_kit.HEAD + 'def NurbsCurves "d"\n{\n}\n')
+    with pytest.raises(UsageError, match="holds no curves that can be read; there are 1 PointInstancer"):
+        read_text(usd_kit.HEAD + 'def PointInstancer "d"\n{\n}\n')
 
 
 def test_instances_are_read_where_they_stand() -> None:
@@ -186,7 +186,7 @@ def test_widths_and_normals_go_with_transforms() -> None:
         (usd_kit.prim([POINTS[:5]], basis="bezier"), "5 points, which make no whole pieces of cubic bezier"),
         (usd_kit.prim(STRANDS, basis="power"), "basis power"),
         (usd_kit.prim(STRANDS).replace("(0, 1, 4)", "(0, nan, 4)"), "points: number 0 is not finite"),
-        ('def Xform "a"\n{\n}\n', "holds no BasisCurves"),
+        ('def Xform "a"\n{\n}\n', "holds no curves"),
         ("def garbage", "damaged or no .usd file"),
     ],
 )  # fmt: skip

@@ -164,3 +164,44 @@ def test_values_of_cubic_curves_follow_them() -> None:
     np.testing.assert_allclose(found.attributes["a"].values, want, rtol=1e-6)
     assert found.attributes["b"].values.tobytes() == found.points.tobytes()
     assert found.source.facts["attributes_not_read"] == ["c"]
+
+
+def test_hermite_curves_have_their_points_and_tangents() -> None:
+    """On each piece the cubic with these ends and slopes; a transform does not shift tangents."""
+    generator = np.random.default_rng(7)
+    points, tangents = generator.normal(size=(2, 4, 3)).astype(np.float32)
+    body = (
+        'def Xform "x"\n{\n    double3 xformOp:translate = (1, 2, 3)\n'
+        '    uniform token[] xformOpOrder = ["xformOp:translate"]\n    def HermiteCurves "h"\n    {\n'
+        f"        int[] curveVertexCounts = [4]\n        point3f[] points = {usd_kit.tuples(points)}\n"
+        f"        vector3f[] tangents = {usd_kit.tuples(tangents)}\n        float[] widths = [1, 2, 4, 8] (\n"
+        '            interpolation = "vertex"\n        )\n    }\n}\n'
+    )
+    found = read_text(usd_kit.HEAD + body)
+    assert found.source.facts["basis"] == ["cubic hermite"]
+    each = found.source.facts["points_a_piece"][0]
+    assert found.points.shape[0] == 3 * each + 1
+    for place, point in enumerate(found.points):
+        piece = min(place // each, 2)
+        t = (place - piece * each) / each
+        (p, q), (u, v) = points[piece : piece + 2], tangents[piece : piece + 2]
+        want = (1 + 2 * t) * (1 - t) ** 2 * p + t * t * (3 - 2 * t) * q + t * (1 - t) * ((1 - t) * u - t * v)
+        np.testing.assert_allclose(point, want + np.array([1, 2, 3]), rtol=1e-5, atol=1e-5)
+    assert found.attributes["width"].values[::each].tolist() == [1, 2, 4, 8]
+
+
+def test_nurbs_curves_reach_ends_that_their_knots_clamp() -> None:
+    """Between, those of one span are Bezier curves of their order."""
+    curve = np.random.default_rng(8).normal(size=(7, 3)).astype(np.float32)
+    body = (
+        'def NurbsCurves "n"\n{\n    int[] curveVertexCounts = [4, 3]\n    int[] order = [4, 3]\n'
+        "    double[] knots = [0, 0, 0, 0, 2, 2, 2, 2, 1, 1, 1, 5, 5, 5]\n"
+        f"    point3f[] points = {usd_kit.tuples(curve)}\n    double[] pointWeights = WEIGHTS\n}}\n"
+    )
+    found = read_text(usd_kit.HEAD + body.replace("WEIGHTS", "[1, 1, 1, 1, 1, 1, 1]"))
+    assert found.source.facts["basis"] == ["NURBS"]
+    each = found.source.facts["points_a_piece"][0]
+    want = [bernstein(part, t / each) for part in (curve[:4], curve[4:]) for t in range(each + 1)]
+    np.testing.assert_allclose(found.points, want, rtol=1e-5, atol=1e-6)
+    with pytest.raises(UsageError, match="/n: NURBS with weights that differ are not read"):
+        read_text(usd_kit.HEAD + body.replace("WEIGHTS", "[1, 1, 1, 1, 1, 1, 2]"))

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ...errors import UsageError, one_line
 from .. import splines
 from ..bounded import rows_not_finite
-from ..control import ControlCurves, Fitter
+from ..control import ControlCurves, Fitter, Knots
 from ..parts import Part
 from ..placing import Matrix, moved, moved_attribute
 from ..splines import Basis
@@ -80,7 +80,11 @@ class Reader:
     def _add(self, stage: Stage, message: Message) -> None:
         told, (counts, points, *values) = message
         prim = told["prim"]
-        one = self.fitter.fitted(prim, counts.astype(np.int64), points, self._basis(prim, told["basis"]), self.fault)
+        basis, knots = self._basis(prim, told["basis"]), None
+        if basis.label:
+            orders, of_curves, *values = values
+            knots = Knots(orders, of_curves)
+        one = self.fitter.fitted(prim, counts.astype(np.int64), points, basis, self.fault, knots)
         self._check_finite(f"{prim}: points", points)
         matrix = _matrix(told["matrix"])
         attributes: dict[str, Attribute] = {}
@@ -101,6 +105,8 @@ class Reader:
 
     def _basis(self, prim: str, named: list[str]) -> Basis:
         """What control points of a prim mean."""
+        if named[0] == "nurbs":
+            return Basis(splines.CUBIC, label="NURBS")
         basis = Basis(*named)
         known = basis.linear or (basis.type == splines.CUBIC and basis.name in splines.MATRICES)
         if not known or basis.wrap not in splines.WRAPS:

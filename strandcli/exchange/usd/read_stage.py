@@ -16,7 +16,7 @@ from .messages import Fill, Message, RefusedFileError
 
 PURPOSES = (("default", "render"), ("proxy",), ("guide",))
 """What is for pictures goes before stand-ins, and these before guides."""
-OTHER_CURVES = ("HermiteCurves", "NurbsCurves", "PointInstancer")
+OTHER_CURVES = ("PointInstancer",)
 """Types of which curves are told but not read."""
 OWN = ("widths", "normals")
 """Attributes that curves have themselves."""
@@ -91,7 +91,7 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
     moment = Usd.TimeCode(times[0]) if times else Usd.TimeCode.Default()
     places = UsdGeom.XformCache(moment)
     for prim in prims:
-        yield _curves(UsdGeom.BasisCurves(prim), moment, places)
+        yield _curves(UsdGeom.Curves(prim), moment, places)
 
 
 def moments(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
@@ -105,7 +105,7 @@ def moments(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
         places = UsdGeom.XformCache(moment)
         points = []
         for prim, counts in zip(prims, first, strict=True):
-            told = UsdGeom.BasisCurves(prim).GetCurveVertexCountsAttr()
+            told = UsdGeom.Curves(prim).GetCurveVertexCountsAttr()
             now = _counts(prim, moment) if told.GetNumTimeSamples() > 1 else counts
             if not np.array_equal(now, counts):
                 raise RefusedFileError(f"{prim.GetPath()}: at time code {moment} it has other curves than at first")
@@ -130,8 +130,8 @@ def curves_of(stage: Usd.Stage) -> tuple[list[Usd.Prim], dict[str, Any]]:
         if name in OTHER_CURVES:
             others[name] += 1
             prims.PruneChildren()
-        elif prim.IsA(UsdGeom.BasisCurves):
-            curves = UsdGeom.BasisCurves(prim)
+        elif prim.IsA(UsdGeom.Curves):
+            curves = UsdGeom.Curves(prim)
             if curves.ComputeVisibility() == UsdGeom.Tokens.invisible:
                 others["invisible"] += 1
             else:
@@ -148,14 +148,17 @@ def curves_of(stage: Usd.Stage) -> tuple[list[Usd.Prim], dict[str, Any]]:
     there = ", ".join(f"{count} {name}" for name, count in others.items() if count)
     missing = len(stage.GetCompositionErrors())
     there += f"{'; ' if there else ''}{missing} of the files that it names cannot be read" if missing else ""
-    raise RefusedFileError("holds no BasisCurves" + (f" that can be read; there are {there}" if there else ""))
+    raise RefusedFileError("holds no curves" + (f" that can be read; there are {there}" if there else ""))
 
 
 def times_of(prims: list[Usd.Prim]) -> list[float]:
     """Time codes at which points change, or where they are put, rising."""
     found: set[float] = set()
     for prim in prims:
-        found.update(times_along(prim, [UsdGeom.BasisCurves(prim).GetPointsAttr()]))
+        moving = [UsdGeom.Curves(prim).GetPointsAttr()]
+        if prim.IsA(UsdGeom.HermiteCurves):
+            moving.append(UsdGeom.HermiteCurves(prim).GetTangentsAttr())
+        found.update(times_along(prim, moving))
     return sorted(found)
 
 
@@ -179,12 +182,44 @@ def _matrix(prim: Usd.Prim, places: UsdGeom.XformCache) -> list[float]:
 
 
 def _counts(prim: Usd.Prim, moment: Usd.TimeCode) -> Any:
-    values = UsdGeom.BasisCurves(prim).GetCurveVertexCountsAttr().Get(moment)
-    return _array(prim, "curveVertexCounts", values, "iu", 1)
+    """Control points of each curve (S,); of Hermite curves a tangent follows each point."""
+    values = UsdGeom.Curves(prim).GetCurveVertexCountsAttr().Get(moment)
+    found = _array(prim, "curveVertexCounts", values, "iu", 1)
+    return 2 * found if prim.IsA(UsdGeom.HermiteCurves) else found
 
 
 def _points(prim: Usd.Prim, moment: Usd.TimeCode) -> Any:
-    return _array(prim, "points", UsdGeom.BasisCurves(prim).GetPointsAttr().Get(moment), "f", 2)
+    """Control points (P, 3), as `_counts` has them."""
+    points = _array(prim, "points", UsdGeom.Curves(prim).GetPointsAttr().Get(moment), "f", 2)
+    if not prim.IsA(UsdGeom.HermiteCurves):
+        return points
+    tangents = _array(prim, "tangents", UsdGeom.HermiteCurves(prim).GetTangentsAttr().Get(moment), "f", 2)
+    if points.shape != tangents.shape:
+        raise RefusedFileError(f"{prim.GetPath()}: {len(points):,} points have {len(tangents):,} tangents")
+    return np.stack([points, tangents], axis=1).reshape(-1, 3)
+
+
+def _basis(prim: Usd.Prim, moment: Usd.TimeCode) -> list[str]:
+    """Type, basis and wrap of curves."""
+    if prim.IsA(UsdGeom.NurbsCurves):
+        return ["nurbs", "", ""]
+    if prim.IsA(UsdGeom.HermiteCurves):
+        return ["cubic", "hermite", "nonperiodic"]
+    curves = UsdGeom.BasisCurves(prim)
+    told = [curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()]
+    return [str(one.Get(moment)) for one in told]
+
+
+def _knots(prim: Usd.Prim, moment: Usd.TimeCode) -> list[Any]:
+    """Orders and knots of NURBS; nothing of other curves."""
+    if not prim.IsA(UsdGeom.NurbsCurves):
+        return []
+    curves = UsdGeom.NurbsCurves(prim)
+    weights = np.asarray(curves.GetPointWeightsAttr().Get(moment) or [])
+    if weights.size and (weights != weights[0]).any():
+        raise RefusedFileError(f"{prim.GetPath()}: NURBS with weights that differ are not read")
+    orders, knots = curves.GetOrderAttr().Get(moment), curves.GetKnotsAttr().Get(moment)
+    return [np.asarray([] if orders is None else orders, "i4"), np.asarray([] if knots is None else knots, "f8")]
 
 
 def _array(prim: Usd.Prim, name: str, values: Any, kinds: str, dimensions: int) -> Any:
@@ -196,10 +231,10 @@ def _array(prim: Usd.Prim, name: str, values: Any, kinds: str, dimensions: int) 
     return found.astype(np.float32, copy=False) if "f" in kinds else found
 
 
-def _curves(curves: UsdGeom.BasisCurves, moment: Usd.TimeCode, places: UsdGeom.XformCache) -> Message:
-    """Of a prim what its control points mean, those, and its attributes."""
+def _curves(curves: UsdGeom.Curves, moment: Usd.TimeCode, places: UsdGeom.XformCache) -> Message:
+    """Of a prim what its control points mean, those, the knots of NURBS, and its attributes."""
     prim = curves.GetPrim()
-    arrays = [_counts(prim, moment), _points(prim, moment)]
+    arrays = [_counts(prim, moment), _points(prim, moment), *_knots(prim, moment)]
     listed, unread = [], []
     for name, interpolation, values in _attributes(curves, moment):
         if values is None:
@@ -208,14 +243,13 @@ def _curves(curves: UsdGeom.BasisCurves, moment: Usd.TimeCode, places: UsdGeom.X
             listed.append([name, interpolation])
             arrays.append(values)
     unread += [name for name in UNREAD if prim.GetAttribute(name).HasAuthoredValue()]
-    told = [curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()]
     return {
-        "prim": str(prim.GetPath()), "basis": [str(one.Get(moment)) for one in told],
+        "prim": str(prim.GetPath()), "basis": _basis(prim, moment),
         "matrix": _matrix(prim, places), "attributes": listed, "unread": unread,
     }, arrays  # fmt: skip
 
 
-def _attributes(curves: UsdGeom.BasisCurves, moment: Usd.TimeCode) -> Iterator[tuple[str, str, Any]]:
+def _attributes(curves: UsdGeom.Curves, moment: Usd.TimeCode) -> Iterator[tuple[str, str, Any]]:
     """Name, interpolation and values of each attribute; None for values that are no numbers."""
     primvars = UsdGeom.PrimvarsAPI(curves.GetPrim()).FindPrimvarsWithInheritance()
     there = {str(one.GetPrimvarName()) for one in primvars}
