@@ -95,8 +95,7 @@ class _Exporter:
         lines = polylines(self.scene, found, self.curves, self.scratch)
         order = slice(None) if found.ids is None else np.argsort(found.ids, kind="stable")
         world: NDArray[np.float32] = lines.world.reshape(found.count, lines.per, 3)[order].copy()
-        scale = None if found.level is None else found.level.scale
-        widths = widths_along(self.scene.material, lines.per, found.count, scale)
+        widths = widths_along(self.scene.material, found, lines)
         attributes = {} if widths is None else {"width": Attribute("point", widths[order].reshape(-1))}
         first = even_offsets(found.count, lines.per)
         return Strands(first, world.reshape(-1, 3), attributes, Source(unit=1.0, up="y"))

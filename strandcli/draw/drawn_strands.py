@@ -84,7 +84,10 @@ class DrawnStrands:
             drawing.lap("combed")
         if whole is None:
             level = with_widths(level_of(scene, at, positions, count, places, self.thins), widths)
-        return Strands(positions, None if self._uneven else lengths, count, level, tones, ids, whole)
+        shares = None if widths is None else widths.shares
+        if shares is not None and scene.material.taper > 0:
+            shares = shares * np.linspace(1, 1 - scene.material.taper, shares.shape[1], dtype=np.float32)
+        return Strands(positions, None if self._uneven else lengths, count, level, tones, ids, whole, shares)
 
     def _choose(
         self, scene: Scene, at: float, leading: Leading, ids: NDArray[np.int32]

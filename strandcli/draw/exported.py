@@ -12,6 +12,7 @@ from ..scene.model import Curves, Material, Scene
 from .common.scratch import Scratch
 from .geometry.curves import Polylines, flatten
 from .geometry.extent import bounds_of
+from .geometry.kernels import vertex_shares
 from .strand_batches import Strands
 from .view.camera import camera_view
 
@@ -33,14 +34,15 @@ def polylines(scene: Scene, strands: Strands, curves: Curves, scratch: Scratch) 
     return flatten(strands.positions, strands.lengths, strands.count, curves, view, True, scratch)
 
 
-def widths_along(
-    material: Material, per: int, count: int, scale: NDArray[np.float32] | None
-) -> NDArray[np.float32] | None:
-    """Return the widths (count, per) of strands at their vertices, root to tip, metres; None of lines one pixel wide.
-    scale (count,): factor of each strand's width, or None."""
+def widths_along(material: Material, strands: Strands, lines: Polylines) -> NDArray[np.float32] | None:
+    """Return the widths (count, vertices) of strands at their vertices, root to tip, metres; None of lines one pixel
+    wide."""
     if material.width == 0:
         return None
-    thinner = np.float32(material.taper) / np.float32(max(per - 1, 1))
-    along = np.float32(material.width) * (np.float32(1) - thinner * np.arange(per, dtype=np.float32))
-    own = np.ones(count, np.float32) if scale is None else scale
-    return np.asarray(own[:, None] * along)
+    own = np.float32(material.width) * (np.ones(1, np.float32) if strands.level is None else strands.level.scale)
+    shares = np.empty((strands.count, lines.per), np.float32)
+    if strands.shares is not None:
+        vertex_shares.find(lines.first, lines.along, strands.shares, shares.reshape(-1))
+    else:
+        shares[:] = 1 - np.float32(material.taper) * np.linspace(0, 1, lines.per, dtype=np.float32)
+    return np.multiply(shares, own[:, None], out=shares)

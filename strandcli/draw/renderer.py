@@ -152,7 +152,7 @@ class Renderer:
         boxes = None if extents is not None else boxes_of(strands.positions, strands.count)
         bounds = bounds_of(strands.positions, strands.count, strands.fade, extents, boxes)
         view = self._view(shot, bounds, pinhole)
-        solids, thickness = self.solids(at), thickness_of(scene.material, view, bounds)
+        solids, thickness = self.solids(at), thickness_of(scene.material, view, bounds, strands.shares)
         if made is None:
             maps, hidden = self._plan_shadows(strands, bounds, thickness, solids, self._spacing(strands, boxes))
         else:
@@ -196,7 +196,7 @@ class Renderer:
             return maps, None
         return maps, occlusion.build(
             scene.ambient_occlusion, strands.positions, strands.total, bounds, thickness, strands.level, solids,
-            self.scratch, strands.numbers,
+            self.scratch, strands.numbers, strands.shares,
         )  # fmt: skip
 
     def _batches(self, strands: Strands, view: View, mapped: bool) -> StrandBatches:

@@ -16,7 +16,7 @@ from .coverage.kernels.width_profiles import Profiles
 from .coverage.width_profiles import profiles_of
 from .geometry.curves import Polylines, flatten, greatest_pieces
 from .geometry.detail import Level
-from .geometry.extent import widths_of
+from .geometry.extent import lost_of, widths_of
 from .geometry.kernels import detail, silhouette
 from .view.camera import View
 from .zbuffer import raster
@@ -53,6 +53,8 @@ class Strands:
     """(count,) number of each in the order of emission; None: 0, 1, …"""
     whole: Whole | None = None
     """None: strands that level of detail does not draw are among them."""
+    shares: NDArray[np.float32] | None = None
+    """(count, n) of each strand's width at its points, root to tip, in [0, 1]; None: 1."""
 
     @property
     def total(self) -> int:
@@ -125,7 +127,7 @@ class StrandBatches:
             if self.traced:
                 silhouette.move_ends(
                     here.first, here.world, self.view.pack(), np.float32(scene.material.width),
-                    np.float32(scene.material.taper), here.scale, screen,
+                    np.float32(scene.material.taper), here.scale, here.lost, screen,
                 )  # fmt: skip
             widths = widths_of(here, screen, self.view, scene.material, least, self.thins, scratch)
             profiles = None
@@ -142,10 +144,16 @@ class StrandBatches:
         curves = self.scene.curves
         if self.traced and curves.mode == "thinned":  # exact shadows take vertices to be evenly spaced
             curves = replace(curves, mode="off")
+        shares = None if strands.shares is None else strands.shares[begin:end]
+        radii = None
+        if shares is not None and level is not None and curves.mode == "thinned":
+            radii = shares * (np.float32(0.5 * self.scene.material.width) * level.scale[begin:end, None])
         lines = flatten(
             strands.positions[blocks], None if strands.lengths is None else strands.lengths[blocks], end - begin,
-            curves, self.view, self.off_screen, self.scratch, fade,
+            curves, self.view, self.off_screen, self.scratch, fade, radii,
         )  # fmt: skip
+        if shares is not None:
+            lines = replace(lines, lost=lost_of(lines, shares, self.scratch))
         if level is not None:
             lines = replace(lines, scale=level.scale[begin:end])
             if not self.thins:

@@ -51,7 +51,7 @@ def read(path: Path, options: ReadOptions | None = None) -> Strands:
     options = options or ReadOptions()
     with reading(path):
         strands: Strands = format_of(path).read(path, options)
-    return only(strands, options.objects, path)
+    return only(strands, options.objects, path).with_width()
 
 
 def times_in(strands: Strands) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from .strands import CHUNK, Attribute
+from .strands import CHUNK, WIDTHS, Attribute
 
 Matrix = npt.NDArray[np.float64]
 """(4, 4), of rows: a point (x, y, z, 1) is multiplied from the left."""
@@ -33,7 +33,7 @@ def turned(normals: npt.NDArray[np.float32], matrix: Matrix) -> npt.NDArray[np.f
 
 def moved_attribute(name: str, one: Attribute, matrix: Matrix) -> Attribute:
     """An attribute as a transform leaves it: widths are scaled, normals turned."""
-    if name == "width" and one.values.dtype == np.float32:
+    if name in WIDTHS and one.values.dtype == np.float32:
         with np.errstate(over="ignore", invalid="ignore"):
             scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1 / 3)
             return Attribute(one.domain, (one.values * scale).astype(np.float32))

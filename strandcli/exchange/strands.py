@@ -18,6 +18,9 @@ Layer = Callable[[float], str]
 """Makes a layer in USD's own text, whose time codes are so many a second."""
 OBJECT = "object"
 """Attribute of strands that come from several objects of a file: the number of each one's, of `Strands.objects`."""
+WIDTHS = {"width": 1.0, "widths": 1.0, "groom_width": 1.0, "thickness": 1.0, "pscale": 2.0}
+"""Names of widths, the one that counts first, and diameters a unit: Houdini's ``pscale`` is a radius, of which its
+translation to USD writes twice as much."""
 SHORTEST = 2
 """Points of a strand, at least; readers skip and count those that have fewer."""
 SHORT = "fewer than two points"
@@ -72,6 +75,19 @@ class Strands:
     def counts(self) -> Offsets:
         """Points of each strand."""
         return np.diff(self.first)
+
+    def with_width(self) -> Strands:
+        """The strands with an attribute ``width``, where they have one by another name."""
+        for name, diameters in WIDTHS.items():
+            one = self.attributes.get(name)
+            if one is None or one.values.dtype.kind not in "fiu" or one.values.size != one.values.shape[0]:
+                continue
+            if name == "width" and one.values.ndim == 1 and one.values.dtype.kind == "f":
+                return self
+            values = np.multiply(one.values.reshape(-1), diameters, dtype=np.float32)
+            rest = {other: found for other, found in self.attributes.items() if other not in (name, "width")}
+            return replace(self, attributes={"width": Attribute(one.domain, values), **rest})
+        return self
 
     def equal(self) -> int:
         """Points of every strand where all have as many, else 0; 0 of no strands."""

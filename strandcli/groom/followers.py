@@ -20,7 +20,7 @@ from ..errors import SimulationError
 from ..scene.motion import Pose, emitter_pose
 from ..scene.touched import touched
 from .deforming import deforming
-from .record import Groom
+from .record import Groom, Widths
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -114,16 +114,14 @@ class Followers:
         shift = wanted - unpack(out[:, 1:2], len(roots))[:, 0]
         out += lanes(shift)[:, None]
 
-    def standing_of(
-        self, ids: NDArray[np.int32] | None
-    ) -> tuple[NDArray[np.int32], NDArray[np.float32] | None]:  # fmt: skip
+    def standing_of(self, ids: NDArray[np.int32] | None) -> tuple[NDArray[np.int32], Widths | None]:
         """Of the strands with places ``ids`` in the file, or of all, their places in the order of level of detail, and
-        the factors of their widths; None: 1."""
+        their widths; None: they are as wide as the material's."""
         ranks, widths = self.following.ranks, self.groom.widths
         if ids is None or len(ids) == self.groom.strands:
             return ranks, widths
         rows = self.standing(ids)
-        return ranks[rows], None if widths is None else widths[rows]
+        return ranks[rows], None if widths is None else widths.of(rows)
 
     def standing(self, ids: NDArray[np.int32]) -> NDArray[np.int64]:
         """Where the strands with these places in the file stand here."""

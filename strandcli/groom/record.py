@@ -33,6 +33,19 @@ class Bend(NamedTuple):
     """(n, 3) unit vectors perpendicular to the strands' directions, to which they turn."""
 
 
+class Widths(NamedTuple):
+    """Widths of strands from a file, as factors of the material's. n: strands."""
+
+    scale: NDArray[np.float32]
+    """(n,) of the greatest width of each."""
+    shares: NDArray[np.float32] | None = None
+    """(n, points) of that at each point that is drawn, root to tip, in [0, 1]; None: 1."""
+
+    def of(self, order: Any) -> Widths:
+        """Return some of them, or all in another order."""
+        return Widths(self.scale[order], None if self.shares is None else self.shares[order])
+
+
 class Coat(NamedTuple):
     """Colours of strands. n: strands."""
 
@@ -66,8 +79,8 @@ class Groom:
     points: NDArray[np.float32] | None = None
     """(blocks, n + 1, 3 W) metres: the points of strands from a file, in the layout of `strandcli.blocks`; else
     None."""
-    widths: NDArray[np.float32] | None = None
-    """(strands,) factor of each strand's width; None: 1."""
+    widths: Widths | None = None
+    """Of strands from a file that has any; None: all are as wide as the material's."""
     colours: NDArray[np.float32] | None = None
     """(k, 3) linear colours that stand evenly at tones −1 to 1, in place of the material's, or (A, k, 3) where they
     change from root to tip; else None."""

@@ -14,7 +14,7 @@ from ..exchange.kernels.simplify import simplify
 from ..exchange.strands import even_offsets
 from ..groom.arrange import spatial_order
 from ..groom.followers import Following
-from ..groom.record import Groom
+from ..groom.record import Groom, Widths
 from ..inputs import cached
 from ..scene.detail import most_needed
 from ..scene.model import Followers
@@ -31,6 +31,8 @@ DENSE = 64
 """Points of a strand from which on it is as smooth as it is meant: adaptive curves would find one piece a segment."""
 LOOKED_AT = 2000
 """Points, evenly chosen, of which the one nearest to the camera tells how fine strands have to be."""
+UNEVEN = 0.01
+"""Share of a strand's greatest width by which it may be wider or narrower where points are left out."""
 TIMES = 240
 """Frames at most, evenly chosen, at which it is asked for."""
 
@@ -52,7 +54,8 @@ def guided(scene: Scene) -> Guided:
     given, followers = scene.emitter.groom, scene.emitter.followers
     assert given is not None
     assert followers is not None
-    key = (scene.seed, scene.emitter.particles, followers.tolerance, followers.kept)
+    width = scene.material.width
+    key = (scene.seed, scene.emitter.particles, followers.tolerance, followers.kept, width)
     return _guided(replace(given, cover=None), *key, head_of(scene))
 
 
@@ -106,7 +109,7 @@ def metres_a_pixel(scene: Scene, found: FromFile) -> float:
 
 @cached(1)
 def _guided(
-    given: GroomFile, seed: int, particles: int, tolerance: float, kept: int, head: Head | None
+    given: GroomFile, seed: int, particles: int, tolerance: float, kept: int, width: float, head: Head | None
 ) -> Guided:  # fmt: skip
     groom = from_file(given, seed, head).groom
     features = features_of(groom)
@@ -126,34 +129,47 @@ def _guided(
     parents, weights = parents_of(features[some], features[own])
     whole = groom.lengths[some].astype(np.float64)[:, None]
     reaches = np.minimum(whole / groom.lengths[own].astype(np.float64)[parents], 1.0).astype(np.float32)
+    points, widths = _drawn(groom, some, tolerance, width)
     drawn = Groom(
         groom.roots[some], groom.directions[some], groom.lengths[some], groom.tones[some], places=groom.places[some],
-        widths=None if groom.widths is None else groom.widths[some], colours=groom.colours,
-        anchors=None if groom.anchors is None else groom.anchors.of(some),
+        widths=widths, colours=groom.colours, anchors=None if groom.anchors is None else groom.anchors.of(some),
     )  # fmt: skip
-    following = Following(drawn, _drawn(groom, some, tolerance), ranks[some], parents, weights, reaches, guides)
+    following = Following(drawn, points, ranks[some], parents, weights, reaches, guides)
     share = deviation / groom.lengths[own]
     return Guided(guides, following, float(deviation.max()), float(share.max()))
 
 
-def _drawn(groom: Groom, some: NDArray[np.int64], tolerance: float) -> NDArray[np.float32]:
+def _drawn(
+    groom: Groom, some: NDArray[np.int64], tolerance: float, width: float
+) -> tuple[NDArray[np.float32], Widths | None]:
     """(k, m, 4) as many points of the strands ``some`` (k,) as have all others within a tolerance in metres, and how
-    far along its strand each is."""
+    far along its strand each is; and widths at these. ``width``: metres of a strand whose factor is 1."""
     assert groom.points is not None
     n = groom.points.shape[1] - 1
+    widths = None if groom.widths is None else groom.widths.of(some)
+    shares = None if widths is None else widths.shares
     keep = np.ones((len(some), n), np.bool_)
     if tolerance > 0:
         keep[:] = False
         for begin in range(0, len(some), BATCH):
-            points = picked_points(groom, some[begin : begin + BATCH])
-            marked = keep[begin : begin + len(points)].reshape(-1)
-            simplify(even_offsets(len(points), n), points.reshape(-1, 3), tolerance, marked, np.empty(len(points)))
+            part = slice(begin, begin + BATCH)
+            points = picked_points(groom, some[part])
+            wide = None
+            if widths is not None and shares is not None:
+                greatest = np.maximum(width * widths.scale[part, None], 2 * tolerance / UNEVEN).astype(np.float32)
+                wide = (shares[part] * greatest).reshape(-1)
+            marked = keep[part].reshape(-1)
+            first = even_offsets(len(points), n)
+            simplify(first, points.reshape(-1, 3), wide, tolerance, marked, np.empty(len(points)))
     counts = keep.sum(axis=1)
     out = np.empty((len(some), int(counts.max()), 4), np.float32)
+    fewer = None if shares is None else np.empty(out.shape[:2], np.float32)
     for begin in range(0, len(some), BATCH):
         part = slice(begin, begin + BATCH)
         points = picked_points(groom, some[part])
         rows = np.empty((len(points), out.shape[1]), np.int32)
         kernel.choose(keep[part], counts[part], rows)
         kernel.write(points, rows, out[part])
-    return out
+        if fewer is not None and shares is not None:
+            fewer[part] = np.take_along_axis(shares[part], rows, axis=1)
+    return out, None if widths is None else widths._replace(shares=fewer)

@@ -107,7 +107,7 @@ def _made(
         strands = put_on(strands, head, given.file, notes, up, given)
     roots, lengths = strands.roots(), strands.lengths()
     share = counts.size / strands.count
-    widths = widths_of(strands, factor, share * lengths, notes)
+    widths = widths_of(strands, factor, lengths, share * float(lengths.sum()), notes)
     colours = colours_of(strands) if given.colours == "file" else None
     tones = (2.0 * stream(seed, TONES, strands.count) - 1.0).astype(np.float32)
     if colours is not None:
@@ -138,7 +138,7 @@ def _made(
         tones[order],
         places=order,
         points=points,
-        widths=None if widths is None else widths.scale[order],
+        widths=None if widths is None or points is None else widths.packed(strands, factor, order, most),
         colours=None if colours is None else colours.palette,
         anchors=anchors_on(head, roots[order]),
     )

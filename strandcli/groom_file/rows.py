@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..blocks import aligned
 from ..constants import W
 from ..exchange.edit.resample import resampled
-from ..exchange.strands import Offsets, Points, Strands, offsets
+from ..exchange.strands import Attribute, Offsets, Points, Strands, offsets
 from .kernels import rows as kernel
 
 PADDED = 4
@@ -26,8 +26,8 @@ def most_points(counts: Offsets) -> int:
 
 
 def with_at_most(strands: Strands, most: int) -> tuple[Strands, int, float]:
-    """Strands of at most so many points each: those with more get that many at equal distances along them. Returns how
-    many these are, and how far they are off at most, too."""
+    """Strands of at most so many points each, and their widths: those with more get that many at equal distances along
+    them. Returns how many these are, and how far they are off at most, too."""
     counts = strands.counts()
     over = counts > most
     if not over.any():
@@ -39,6 +39,12 @@ def with_at_most(strands: Strands, most: int) -> tuple[Strands, int, float]:
     points[of_points] = fewer.points
     points[~of_points] = strands.points[np.repeat(~over, counts)]
     kept = {name: one for name, one in strands.attributes.items() if one.domain != "point"}
+    width = strands.attributes.get("width")
+    if width is not None and width.domain == "point":
+        values = np.empty(of_points.shape[0], width.values.dtype)
+        values[of_points] = fewer.attributes["width"].values
+        values[~of_points] = width.values[np.repeat(~over, counts)]
+        kept["width"] = Attribute("point", values)
     found = replace(strands, first=after, points=points, attributes=kept)
     return found, int(over.sum()), float(change.facts["deviation_max"])
 
@@ -81,8 +87,26 @@ def filled(first: Offsets, points: Points, some: NDArray[np.int32], most: int) -
     return out
 
 
-def lengthened(points: Points, most: int) -> Points:
-    """Strands (k, n, 3) with ``most`` points each, those that they have among them in every bit.
+def rows_of(
+    first: Offsets, points: Points, values: NDArray[np.float32], order: NDArray[np.int32], most: int
+) -> NDArray[np.float32]:
+    """(S, most): values (P,) of the points of strands in an ``order`` (S,), at the points that `packed` gives them."""
+    if (np.diff(first) == most).all():
+        return values.reshape(-1, most)[order].astype(np.float32, copy=False)
+    out = np.empty((order.shape[0], most), np.float32)
+    for begin in range(0, order.shape[0], W):
+        some = order[begin : begin + W]
+        counts = first[some + 1] - first[some]
+        for count in np.unique(counts):
+            here = np.flatnonzero(counts == count)
+            rows = first[some[here]][:, None] + np.arange(count)
+            own = np.concatenate([points[rows], values[rows][..., None]], axis=2, dtype=np.float32)
+            out[begin + here] = lengthened(own, most)[..., 3]
+    return out
+
+
+def lengthened(points: NDArray[np.float32], most: int) -> NDArray[np.float32]:
+    """Strands (k, n, 3) with ``most`` points each, those that they have among them in every bit; further columns, too.
 
     After point j of n the share of its arc length of the points that are added has been placed, rounded.
     """
@@ -106,10 +130,10 @@ def lengthened(points: Points, most: int) -> Points:
 
 
 def _shares(points: Points) -> NDArray[np.float64]:
-    """(k, n): the share of its strand's length before each point of strands (k, n, 3); by number where they have no
-    length."""
+    """(k, n): the share of its strand's length before each point of strands (k, n, 3 or more); by number where they
+    have no length."""
     n = points.shape[1]
-    steps = np.linalg.norm(np.diff(points.astype(np.float64), axis=1), axis=2)
+    steps = np.linalg.norm(np.diff(points[..., :3].astype(np.float64), axis=1), axis=2)
     along = np.concatenate([np.zeros((points.shape[0], 1)), np.cumsum(steps, axis=1)], axis=1)
     whole = along[:, -1:]
     return np.asarray(np.where(whole > 0, along / np.where(whole > 0, whole, 1.0), np.arange(n) / (n - 1)))

@@ -17,7 +17,7 @@ IN_LIGHT = (
     "map_simple_world", "map_simple_along",
 )  # fmt: skip
 """until shadow maps are drawn,"""
-IN_PICTURE = ("world", "along", "screen", "widths", "slots", "colours")
+IN_PICTURE = ("world", "along", "lost", "screen", "widths", "slots", "colours")
 """and until the exposure ends: see `Scratch.release`."""
 LINE = 64
 """Bytes of a line of the processor's cache, at which memory begins, as vectors do: one that lies across two lines takes

@@ -36,8 +36,16 @@ class Polylines:
     """(strands,) factor of each strand's width; None: 1."""
     along: NDArray[np.float32] | None = None
     """(V,) how far along its strand each vertex stands, 0 at the root to 1 at the tip; None: evenly."""
+    lost: NDArray[np.float32] | None = None
+    """(V,) share of its strand's width that is lost at each vertex; None: what the material's taper takes up to
+    there."""
     ways: NDArray[np.float32] | None = None
     """(V, 3) along the strand at each vertex, root to tip, of any length; None: from the vertex before to the next."""
+
+    def tapered(self, taper: float) -> tuple[np.float32, NDArray[np.float32] | None]:
+        """Return what share of its width a strand of a material of this taper loses where a number (V,) of a vertex is
+        1, less in proportion to it; and these numbers, None: from 0 at the root evenly to 1 at the tip."""
+        return (np.float32(taper), self.along) if self.lost is None else (np.float32(1.0), self.lost)
 
     @property
     def segments(self) -> int:
@@ -77,6 +85,7 @@ def flatten(
     keep_off_screen: bool,
     scratch: Scratch,
     fade: NDArray[np.float32] | None = None,
+    radii: NDArray[np.float32] | None = None,
 ) -> Polylines:
     """Return the polylines of the first ``strands`` strands, in arrays borrowed from ``scratch``.
 
@@ -84,10 +93,11 @@ def flatten(
     within a strand: then each segment has the length of its chord, and tangents are those of the circle through three
     particles. ``keep_off_screen``: keep strands off the screen, coarsely, because a shadow map needs them, and those
     off a crop window as the whole picture has them, so that their shadows are the same; otherwise adaptive curves
-    leave them out. ``fade`` (strands,): strands with 0 are always left out.
+    leave them out. ``fade`` (strands,): strands with 0 are always left out. ``radii`` (strands, n), metres: at the
+    points, where widths too decide which of them are left out.
     """
     if curves.mode == "thinned":
-        return _thinned(positions, strands, curves, view, scratch, fade)
+        return _thinned(positions, strands, curves, view, scratch, fade, radii)
     n = positions.shape[1] - 1
     first = scratch.borrow("first", strands + 1, np.int64)
     first[0] = 0
@@ -124,13 +134,13 @@ def flatten(
 
 def _thinned(
     positions: NDArray[np.float32], strands: int, curves: Curves, view: View, scratch: Scratch,
-    fade: NDArray[np.float32] | None,
+    fade: NDArray[np.float32] | None, radii: NDArray[np.float32] | None,
 ) -> Polylines:  # fmt: skip
     """Return polylines of those particles alone that others are within the tolerance of; arguments as in `flatten`."""
     rows = scratch.borrow("chosen_rows", (strands, positions.shape[1] - 1), np.uint16)
     sizes, off = scratch.borrow("sizes", strands, np.int64), scratch.borrow("curve_error", strands, np.float32)
     left = ALL_DRAWN if fade is None else fade
-    thinning.choose(positions, strands, view.whole.pack(), np.float32(curves.tolerance), left, rows, sizes, off)
+    thinning.choose(positions, strands, view.whole.pack(), np.float32(curves.tolerance), left, radii, rows, sizes, off)
     first = scratch.borrow("first", strands + 1, np.int64)
     first[0] = 0
     np.cumsum(sizes, out=first[1:])

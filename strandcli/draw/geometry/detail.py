@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from ...groom.record import Widths
     from ...scene.model import Scene
 
 
@@ -37,16 +38,16 @@ class Level:
     """Sum of `fade` over the number of all strands."""
 
 
-def with_widths(level: Level | None, widths: NDArray[np.float32] | None) -> Level | None:
-    """Return the level of strands whose widths have these factors (strands,) besides; None where all are drawn whole
-    and as wide as each other."""
+def with_widths(level: Level | None, widths: Widths | None) -> Level | None:
+    """Return the level of strands that have widths of their own besides; None where all are drawn whole and as wide as
+    each other."""
     import numpy as np
 
     if widths is None:
         return level
     if level is None:
-        return Level(np.ones(len(widths), np.float32), widths, 1.0)
-    return replace(level, scale=level.scale * widths)
+        return Level(np.ones(len(widths.scale), np.float32), widths.scale, 1.0)
+    return replace(level, scale=level.scale * widths.scale)
 
 
 def level_of(

@@ -15,7 +15,7 @@ from ..common.scratch import Scratch
 from ..view.camera import View
 from ..view.kernels import project
 from .curves import Polylines
-from .kernels import bounds
+from .kernels import bounds, vertex_shares
 from .kernels import boxes as block_boxes
 
 
@@ -26,7 +26,8 @@ class Thickness:
     width: float = 0.0
     """At the root, metres."""
     taper: float = 0.0
-    """Share by which the width is smaller at the tip."""
+    """Share by which the width is smaller at the tip; of strands whose widths vary from point to point, that of such
+    with as great a mean."""
 
     @property
     def mean(self) -> float:
@@ -86,11 +87,14 @@ def _over_lanes(box: NDArray[Any]) -> NDArray[Any]:
     return np.stack([low.min(1), high.max(1)])
 
 
-def thickness_of(material: Material, view: View, bounds: NDArray[np.float64]) -> Thickness:
+def thickness_of(
+    material: Material, view: View, bounds: NDArray[np.float64], shares: NDArray[np.float32] | None = None
+) -> Thickness:
     """Return the width with which strands shade others. Lines one pixel wide have the width of a pixel at the depth of
-    the groom's centre; bounds (2, 3): bounding box, metres."""
+    the groom's centre; bounds (2, 3): bounding box, metres; shares (strands, n): of each strand's width, at its
+    points, None: as the material tapers."""
     if material.width > 0:
-        return Thickness(material.width, material.taper)
+        return Thickness(material.width, material.taper if shares is None else 2 * (1 - float(shares.mean())))
     depth = max(float((bounds.mean(0) - view.eye) @ view.forward), view.near) if view.perspective else 1.0
     return Thickness(depth / view.focal)
 
@@ -114,8 +118,16 @@ def widths_of(
         if material.width * widest * view.focal * nearest <= least:
             return None
     widths = scratch.borrow("widths", len(screen), np.float32)
+    taper, along = lines.tapered(material.taper)
     project.widths(
-        lines.first, screen, packed, np.float32(material.width), np.float32(material.taper), scale, np.float32(1.0),
-        np.float32(least), lines.along, widths,
+        lines.first, screen, packed, np.float32(material.width), taper, scale, np.float32(1.0), np.float32(least),
+        along, widths,
     )  # fmt: skip
     return widths
+
+
+def lost_of(lines: Polylines, shares: NDArray[np.float32], scratch: Scratch) -> NDArray[np.float32]:
+    """Return `Polylines.lost` of strands that have ``shares`` (strands, n) of their widths at their points."""
+    out = scratch.borrow("lost", len(lines.world), np.float32)
+    vertex_shares.find(lines.first, lines.along, shares, out)
+    return np.subtract(np.float32(1.0), out, out=out)

@@ -57,13 +57,14 @@ class Occlusion:
 def build(
     settings: AmbientOcclusion, positions: NDArray[np.float32], strands: int, bounds: NDArray[np.float64],
     thickness: Thickness, level: Level | None, packed: Solids | None, scratch: Scratch,
-    numbers: NDArray[np.int64] | None = None,
+    numbers: NDArray[np.int64] | None = None, shares: NDArray[np.float32] | None = None,
 ) -> Occlusion:  # fmt: skip
     """Return the occlusion by strands and solids.
 
     positions (blocks, n + 1, 3 W), of which the first ``strands`` count; bounds (2, 3): their bounding box, metres;
     packed: solids from `strandcli.solids.pack`; numbers: where the strands of positions are among the ``strands``,
-    of which the others have no width, None: 0, 1, …"""
+    of which the others have no width, None: 0, 1, …; shares (strands, n): of each strand's width, at its points, None:
+    as the thickness tapers"""
     low, high = _box(bounds, packed)
     counts, sides, box = _grid(low, high, settings.cells)
     total = int(np.prod(counts))
@@ -74,7 +75,7 @@ def build(
     chosen = np.arange(0, strands, step) if numbers is None else np.flatnonzero(numbers % step == 0)
     occlusion_cells.count_strands(
         positions, chosen, np.float32(thickness.width), np.float32(thickness.taper),
-        None if level is None else level.scale, np.float32(weight), box, cells,
+        None if level is None else level.scale, shares, np.float32(weight), box, cells,
     )  # fmt: skip
     ways = directions(settings.directions)
     left = scratch.borrow("occlusion_left", (len(ways), total), np.uint8)

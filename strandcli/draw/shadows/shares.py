@@ -58,9 +58,11 @@ def share_of(drawn: Drawn, share: float, scratch: Scratch) -> Drawn:
     first = np.zeros(len(numbers) + 1, np.int64)
     np.cumsum(np.diff(lines.first)[numbers], out=first[1:])
     world = scratch.borrow("chosen_world", (int(first[-1]), 3), np.float32)
-    along = None if lines.along is None else scratch.borrow("chosen_along", int(first[-1]), np.float32)
-    chosen_strands.copy(lines.first, lines.world, lines.along, numbers, first, world, along)
+    _, every = lines.tapered(0.0)
+    along = None if every is None else scratch.borrow("chosen_along", int(first[-1]), np.float32)
+    chosen_strands.copy(lines.first, lines.world, every, numbers, first, world, along)
     scale = None if lines.scale is None else lines.scale[numbers]
-    some = replace(lines, first=first, world=world, along=along, scale=scale, ways=None)
+    lost = None if lines.lost is None else along  # a map takes `along` for widths alone
+    some = replace(lines, first=first, world=world, along=along, lost=lost, scale=scale, ways=None)
     thicker = replace(drawn.thickness, width=drawn.thickness.width / share)
     return Drawn(some, thicker, chances[numbers], len(chances))

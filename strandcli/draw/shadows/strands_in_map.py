@@ -36,6 +36,8 @@ BENT = 0.1
 """Texels that a line on an opacity map may be beside the vertices that it passes."""
 LONGEST = 16.0
 """Texels that such a line may be long."""
+UNEVEN = np.float32(0.03)
+"""Share of a strand's width by which such a line may be wider or narrower than the strand."""
 
 
 def simplified(lines: Polylines, views: Sequence[View], scratch: Scratch) -> Polylines:
@@ -48,13 +50,16 @@ def simplified(lines: Polylines, views: Sequence[View], scratch: Scratch) -> Pol
     bent, longest = np.float32((BENT * texel) ** 2), np.float32((LONGEST * texel) ** 2)
     words = scratch.borrow("map_simple_words", -(-count // simplify.WORD), np.uint32)
     simplify.find(lines.world, bent, longest, words)
+    if lines.lost is not None:
+        simplify.keep_widths(lines.world, lines.lost, UNEVEN, words)
     first = np.zeros(len(lines.first), np.int64)
     simplify.count(lines.first, words, first[1:])
     np.cumsum(first, out=first)
     world = scratch.borrow("map_simple_world", (int(first[-1]), 3), np.float32)
     along = scratch.borrow("map_simple_along", int(first[-1]), np.float32)
-    simplify.write(lines.first, lines.world, lines.along, words, first, world, along)
-    return replace(lines, first=first, world=world, along=along, per=0)
+    simplify.write(lines.first, lines.world, lines.tapered(0.0)[1], words, first, world, along)
+    lost = None if lines.lost is None else along  # a map takes `along` for widths alone
+    return replace(lines, first=first, world=world, along=along, lost=lost, per=0)
 
 
 class Drawn(NamedTuple):
@@ -78,15 +83,26 @@ def parts_in_map(
     ``over``: 1 / h of `kernels.opacity`, 1/m; ``extents``: of the map's cells, to be widened."""
     lines, chances = drawn.lines, drawn.chances
     first, screen = project(lines, view, scratch)
-    width, taper = np.float32(drawn.thickness.width), np.float32(drawn.thickness.taper)
-    seen = view_numbers(view)
-    strands = StrandsInMap(first, screen, width, taper, lines.scale, lines.along)
+    width, seen = np.float32(drawn.thickness.width), view_numbers(view)
+    taper, along = lines.tapered(drawn.thickness.taper)
+    if along is not None and len(along) > len(screen):
+        along = np.ascontiguousarray(along.reshape(-1, lines.per)[:, :: coarseness(lines, view)]).reshape(-1)
+    strands = StrandsInMap(first, screen, width, taper, lines.scale, along)
     sketch = NO_SKETCH
     if chances is not None:
         among = max(drawn.among, len(chances))
         if among >= FEWEST:
-            sketch = sketch_of(strands, seen, side, chances, sketched_share(among), over, scratch)
+            drafted = strands if lines.lost is None else evened(strands, lines.lost, lines.first)
+            sketch = sketch_of(drafted, seen, side, chances, sketched_share(among), over, scratch)
     return parts_of(strands, seen, side, workers, scratch, sketch, extents)
+
+
+def evened(strands: StrandsInMap, lost: NDArray[np.float32], first: NDArray[np.int64]) -> StrandsInMap:
+    """Return strands that are as wide everywhere as these are on average; lost, first: of `Polylines`."""
+    sums = np.concatenate([np.zeros(1), np.cumsum(lost, dtype=np.float64)])
+    mean = (sums[first[1:]] - sums[first[:-1]]) / np.maximum(np.diff(first), 1)
+    scale = np.float32(1.0) if strands.scale is None else strands.scale
+    return strands._replace(scale=(scale * (1 - mean)).astype(np.float32), taper=np.float32(0.0))
 
 
 def chances_of(ids: NDArray[np.int32] | None, strands: int) -> NDArray[np.float32]:

@@ -87,13 +87,14 @@ class Grid(VertexShadows):
         `kernels.traced.WideStrands`."""
         longest = int(np.diff(lines.first).max(initial=1))
         width = np.float32(self.thickness.width)
+        taper, along = lines.tapered(self.thickness.taper)
         shaded = kernel.ShadedLines(
-            lines.first, lines.world, NOT_ALONG if lines.along is None else lines.along, lines.scale, marks, screen,
+            lines.first, lines.world, NOT_ALONG if along is None else along, lines.scale, marks, screen,
             lines.stride, longest, self.words,
             np.float32(APART * self.thickness.width),
         )  # fmt: skip
         wide = kernel.WideStrands(
-            None if eye is None else eye.pack(), width, np.float32(self.thickness.taper), slots,
+            None if eye is None else eye.pack(), width, taper, slots,
             ALL_SHOWN if shown is None else shown, shades, self.together,
         )  # fmt: skip
         kernel.visibility(shaded, self.lists, wide, out)
@@ -178,11 +179,12 @@ def _cell(lines: Polylines, views: list[View], texel: float, piece: float) -> fl
 def _bands_of(lines: Polylines, view: View, thickness: Thickness, scratch: Scratch) -> NDArray[np.float32]:
     """Return bands (V, 4), as in `kernels.grid.list_bands`."""
     screen = to_screen(lines, view, scratch, "light_screen")
-    packed, width, taper = view.pack(), np.float32(thickness.width), np.float32(thickness.taper)
-    silhouette.move_ends(lines.first, lines.world, packed, width, taper, lines.scale, screen)
+    packed, width = view.pack(), np.float32(thickness.width)
+    taper, along = lines.tapered(thickness.taper)
+    silhouette.move_ends(lines.first, lines.world, packed, width, taper, lines.scale, lines.lost, screen)
     widths = scratch.borrow("light_widths", len(screen), np.float32)
     project.widths(
-        lines.first, screen, packed, width, taper, lines.scale, np.float32(0.0), np.float32(0.0), lines.along, widths
+        lines.first, screen, packed, width, taper, lines.scale, np.float32(0.0), np.float32(0.0), along, widths
     )  # fmt: skip
     out = np.empty((len(screen), 4), np.float32)
     out[:, :3] = screen

@@ -32,9 +32,12 @@ def resampled(strands: Strands, count: int) -> tuple[Strands, Change]:
 
 
 def simplified(strands: Strands, tolerance: float) -> tuple[Strands, Change]:
-    """Strands without the points that lie within ``tolerance`` of the segment between those about them."""
+    """Strands without the points that lie within ``tolerance`` of the segment between those about them, as do the
+    strand's edges there."""
+    width = strands.attributes.get("width")
+    widths = None if width is None or width.domain != "point" else width.values.astype(np.float32, copy=False)
     keep, deviation = np.zeros(strands.points.shape[0], np.bool_), np.zeros(strands.count)
-    thinning.simplify(strands.first, strands.points, tolerance, keep, deviation)
+    thinning.simplify(strands.first, strands.points, widths, tolerance, keep, deviation)
     counts = np.add.reduceat(keep.astype(np.int64), strands.first[:-1]) if strands.count else strands.counts()
     attributes = {
         name: Attribute(one.domain, one.values[keep]) if one.domain == "point" else one

@@ -23,14 +23,16 @@ from ..bounded import SLICE, Bounded, opened
 from ..files import ReadOptions
 from ..objects import renamed, written_names
 from ..ply_header import Element, object_comment, object_names, read_header
-from ..strands import OBJECT, Attribute, Offsets, Source, Strands, TimeSample, even_offsets, offsets, without_short
+from ..strands import (
+    OBJECT, WIDTHS, Attribute, Offsets, Source, Strands, TimeSample, even_offsets, offsets, without_short,
+)  # fmt: skip
 from ..stride import divisors, guess
 from ..written import left_out, raw
 
 name = ".ply"
 suffixes = (".ply",)
 
-NUMBERS = {"thickness": "width", "width": "width", "alpha": "transparency"}
+NUMBERS = {"alpha": "transparency", **{name: name for name in WIDTHS}, "thickness": "width"}
 """Properties of a vertex that become attributes of one number."""
 MOST_OBJECTS = 500
 """Objects that a header names; it has a line for each."""

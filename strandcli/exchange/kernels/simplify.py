@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...jit import device, parallel, prange
-from .along import apart
+from .along import apart, distance
 
 PIECE = 1024
 """Every so many points one stays: what the method costs grows with the square of a piece."""
@@ -16,9 +16,10 @@ BEGIN, END = 0, 1
 
 
 @parallel
-def simplify(first, points, tolerance, keep, deviation):
-    """Which points stay, so that every other one is within ``tolerance`` of the segment between those about it:
-    first (S + 1,) int64 of points (P, 3); keep (P,) bool, all false, and deviation (S,) float64 are written."""
+def simplify(first, points, widths, tolerance, keep, deviation):
+    """Which points stay, so that every other one is within ``tolerance`` of the segment between those about it, and
+    the strand's edge of where it would be: first (S + 1,) int64 of points (P, 3) with widths (P,), or None where they
+    do not matter; keep (P,) bool, all false, and deviation (S,) float64 are written."""
     for s in prange(deviation.shape[0]):
         waiting = np.empty((PIECE, 2), np.int64)
         worst = 0.0
@@ -28,7 +29,7 @@ def simplify(first, points, tolerance, keep, deviation):
         while begin < end:
             stop = min(begin + PIECE, end)
             mark(keep, stop)
-            worst = max(worst, thin(points, begin, stop, tolerance * tolerance, keep, waiting))
+            worst = max(worst, thin(points, widths, begin, stop, tolerance * tolerance, keep, waiting))
             begin = stop
         deviation[s] = math.sqrt(worst)
 
@@ -40,7 +41,7 @@ def mark(keep, i):
 
 
 @device
-def thin(points, begin, stop, square, keep, waiting):
+def thin(points, widths, begin, stop, square, keep, waiting):
     """Mark the points between two that must stay; returns the largest squared distance of one that goes. ``waiting``
     (n, 2) int64: scratch for the spans that are not looked at yet, at most as many as points."""
     worst = 0.0
@@ -56,6 +57,8 @@ def thin(points, begin, stop, square, keep, waiting):
         place = low
         for i in range(low + 1, high):
             d = apart(points, i, points, low, high)
+            if widths is not None:
+                d += narrower(points, widths, i, low, high)
             if d > far:
                 far = d
                 place = i
@@ -69,3 +72,13 @@ def thin(points, begin, stop, square, keep, waiting):
         else:
             worst = max(worst, far)
     return worst
+
+
+@device
+def narrower(points, widths, i, low, high):
+    """Square of the distance between the edges of a strand at point i and of one whose width changes evenly from point
+    ``low`` to ``high``."""
+    before, after = distance(points, low, i), distance(points, i, high)
+    t = before / (before + after) if before + after > 0.0 else 0.0
+    off = 0.5 * (widths[i] - (widths[low] + t * (widths[high] - widths[low])))
+    return off * off

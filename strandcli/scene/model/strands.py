@@ -16,6 +16,10 @@ PIGMENTS = (
 )  # fmt: skip
 
 
+TAPER = 0.7
+"""Part of the width that strands lose from root to tip where neither a preset nor a file says so."""
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Material:
     """How strands take light: Marschner et al. 2003 (R, TT and TRT lobes) or Chiang et al. 2016 (those and the rest,
@@ -63,10 +67,20 @@ class Material:
     rounded: bool = boolean(
         True, doc="light across a strand where it is wider than two pixels; false: its average everywhere"
     )
-    taper: float = number(0.7, low=0, high=1, doc="part of the width that is lost from root to tip")
+    taper_: float | None = number(
+        None,
+        low=0,
+        high=1,
+        doc="part of the width that is lost from root to tip; absent: 0.7, or 0 where the widths are those of a file",
+    )
     opacity: float = number(
         1.0, low=0, high=1, doc="share of the light from behind that a strand stops where it covers (sorted)"
     )
+
+    @property
+    def taper(self) -> float:
+        """Part of the width that is lost from root to tip."""
+        return TAPER if self.taper_ is None else self.taper_
 
 
 @dataclass(frozen=True, slots=True, repr=False)

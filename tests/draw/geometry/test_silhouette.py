@@ -69,7 +69,7 @@ def moved(view: View, lines: np.ndarray, width: float = 2 * RADIUS, taper: float
     count, n, _ = lines.shape
     flat = Polylines(np.arange(count + 1) * n, lines.reshape(-1, 3).astype(np.float32))
     screen = to_screen(flat, view, Scratch())
-    silhouette.move_ends(flat.first, flat.world, view.pack(), np.float32(width), np.float32(taper), None, screen)
+    silhouette.move_ends(flat.first, flat.world, view.pack(), np.float32(width), np.float32(taper), None, None, screen)
     return np.asarray(screen.reshape(count, n, 3), np.float64)
 
 
@@ -125,7 +125,7 @@ def test_strands_of_one_vertex_or_none_have_no_ends_to_move() -> None:
     flat = Polylines(np.array([0, 0, 5, 5, 10, 11, 11]), world)
     screen = to_screen(flat, view, Scratch())
     plain = screen.copy()
-    silhouette.move_ends(flat.first, flat.world, view.pack(), np.float32(2 * RADIUS), np.float32(0), None, screen)
+    silhouette.move_ends(flat.first, flat.world, view.pack(), np.float32(2 * RADIUS), np.float32(0), None, None, screen)
     np.testing.assert_array_equal(screen[:10], moved(view, lines).reshape(-1, 3).astype(np.float32))
     np.testing.assert_array_equal(screen[10], plain[10])
 

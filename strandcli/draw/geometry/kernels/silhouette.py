@@ -41,12 +41,13 @@ STRANDS = 256
 
 
 @parallel
-def move_ends(first, world, view, width, taper, scale, screen):
+def move_ends(first, world, view, width, taper, scale, lost, screen):
     """Move both ends of polylines on the screen along their axes, by the mean displacement of the visible rim over the
     width: (π / 4) r tan ψ in the world, ψ the slant, but at most half a segment.
 
     first, world, view: as in `project.points`; screen (V, 3): from it, changed; width: metres at the root; taper: share
-    by which it is smaller at the tip; scale (S,): factor of each strand's width, or None.
+    by which it is smaller at the tip; scale (S,): factor of each strand's width, or None; lost (V,): share by which it
+    is smaller at each vertex, or None: as the taper has it.
     """
     strands = first.shape[0] - 1
     for task in prange((strands + STRANDS - 1) // STRANDS):
@@ -56,8 +57,9 @@ def move_ends(first, world, view, width, taper, scale, screen):
             if tip <= root:
                 continue
             radius = MEAN * HALF * width * (ONE if scale is None else scale[s])
-            move_end(world, root, root, root + 1, view, radius, screen)
-            move_end(world, tip, tip - 1, tip, view, radius * (ONE - taper), screen)
+            wide = radius if lost is None else radius * (ONE - lost[root])
+            move_end(world, root, root, root + 1, view, wide, screen)
+            move_end(world, tip, tip - 1, tip, view, radius * (ONE - (taper if lost is None else lost[tip])), screen)
 
 
 @device

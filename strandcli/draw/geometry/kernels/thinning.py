@@ -2,7 +2,8 @@
 
 A segment begins at the point where the last one ended and reaches as far as all points under it allow: its number of
 points is doubled as long as that holds, and then found by halving the interval. Both test every point under the
-segment, so the tolerance is held, whatever the strand looks like.
+segment, so the tolerance is held, whatever the strand looks like. Where its width varies from point to point, the
+distance between its edge and that of the segment counts as well.
 """
 
 from __future__ import annotations
@@ -19,23 +20,27 @@ from ...view.kernels.project import to_view
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
+UNEVEN = np.float32(0.01)
+"""Share of a strand's greatest width by which segments may be wider or narrower than it."""
 TOGETHER = 16
 """Strands a task: the numbers of a cache line."""
 
 
 @parallel
-def choose(positions, strands, view, tolerance, fade, rows, sizes, error):
+def choose(positions, strands, view, tolerance, fade, radii, rows, sizes, error):
     """Choose the points of strands that are drawn.
 
     positions (blocks, n + 1, 3 W), metres; view: `view_columns`; tolerance: pixels; fade (strands,): 0 for strands that
-    are left out, (0,): none is; rows (strands, n) uint16 out: numbers of the chosen points, ascending; sizes (strands,)
-    int64 out: how many there are; error (strands,) float32 out: greatest distance of another one from the segment
-    before which it was left out, pixels at the strand's nearest depth.
+    are left out, (0,): none is; radii (strands, n): half of the width at each point, metres, or None; rows (strands, n)
+    uint16 out: numbers of the chosen points, ascending; sizes (strands,) int64 out: how many there are; error
+    (strands,) float32 out: greatest distance of another one from the segment before which it was left out, pixels at
+    the strand's nearest depth.
     """
     n = np.int64(positions.shape[1] - 1)
     for task in prange((strands + TOGETHER - 1) // TOGETHER):
         low = np.int64(task) * TOGETHER
         points = np.empty((TOGETHER, n, 3), np.float32)
+        own = np.empty(n if radii is not None else 0, np.float32)
         load_points(positions[low // W], low % W, points)
         for k in range(min(TOGETHER, strands - low)):
             s = low + k
@@ -45,8 +50,22 @@ def choose(positions, strands, view, tolerance, fade, rows, sizes, error):
                 continue
             scale = pixels_a_metre(points[k], view)
             reach = tolerance / scale
-            sizes[s], worst = thin(points[k], reach * reach, rows[s])
+            if radii is not None:
+                emphasise(radii[s], reach, own)
+            sizes[s], worst = thin(points[k], None if radii is None else own, reach * reach, rows[s])
             error[s] = math.sqrt(worst) * scale
+
+
+@device
+def emphasise(radii, reach, out):
+    """Write radii (n,), times what makes `UNEVEN` of the greatest count as much as the tolerance `reach`, metres, where
+    that is more: thin strands show their widths by how much they cover."""
+    widest = TINY
+    for i in range(radii.shape[0]):
+        widest = max(widest, radii[i])
+    times = max(reach / (UNEVEN * widest), ONE)
+    for i in range(radii.shape[0]):
+        out[i] = times * radii[i]
 
 
 @device
@@ -71,9 +90,9 @@ def pixels_a_metre(points, view):
 
 
 @device
-def thin(points, square, rows):
-    """Write the numbers of the points (n, 3) of a strand that stay; return how many they are, and the greatest squared
-    distance of another one. square: greatest squared distance that is allowed, metres²."""
+def thin(points, radii, square, rows):
+    """Write the numbers of the points (n, 3) of a strand that stay, with radii (n,) or None; return how many they are,
+    and the greatest squared distance of another one. square: greatest squared distance that is allowed, metres²."""
     last = points.shape[0] - 1
     rows[0] = 0
     count = 1
@@ -85,7 +104,7 @@ def thin(points, square, rows):
         off = ZERO
         trial = begin + 2
         while trial < beyond:
-            found = farthest(points, begin, trial, square)
+            found = farthest(points, radii, begin, trial, square)
             if found <= square:
                 end = trial
                 off = found
@@ -102,7 +121,7 @@ def thin(points, square, rows):
 
 
 @device
-def farthest(points, begin, end, square):
+def farthest(points, radii, begin, end, square):
     """Return the greatest squared distance of the points between two from the segment between these, or that of the
     first one that is greater than ``square``."""
     ax = points[begin, 0]
@@ -121,7 +140,11 @@ def farthest(points, begin, end, square):
         x -= t * ex
         y -= t * ey
         z -= t * ez
-        most = max(most, x * x + y * y + z * z)
+        away = x * x + y * y + z * z
+        if radii is not None:
+            off = radii[i] - (radii[begin] + t * (radii[end] - radii[begin]))
+            away += off * off
+        most = max(most, away)
         if most > square:
             return most
     return most

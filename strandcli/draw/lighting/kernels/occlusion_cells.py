@@ -32,11 +32,12 @@ ONE = np.float32(1.0)
 
 
 @function
-def count_strands(positions, chosen, width, taper, scale, weight, box, cells):
+def count_strands(positions, chosen, width, taper, scale, shares, weight, box, cells):
     """Add the strands chosen (N,) int64 of positions (blocks, n + 1, 3 W) to the cells (V, CHANNELS), times ``weight``.
 
     width: metres at the root, smaller by the share `taper` at the tip; scale (strands,): factor of each strand's width,
-    or None; box (`BOX_SIZE`,), cells: columns of `occlusion_columns`.
+    or None; shares (strands, n): of that at each point, in place of the taper, or None; box (`BOX_SIZE`,), cells:
+    columns of `occlusion_columns`.
     """
     n = positions.shape[1] - 1
     for s in chosen:
@@ -52,7 +53,10 @@ def count_strands(positions, chosen, width, taper, scale, weight, box, cells):
             dz = positions[block, j, 2 * W + lane] - z
             length = math.sqrt(dx * dx + dy * dy + dz * dz)
             if length > ZERO:
-                w = own * (ONE - taper * (np.float32(j) - np.float32(1.5)) / np.float32(n - 1))
+                if shares is None:
+                    w = own * (ONE - taper * (np.float32(j) - np.float32(1.5)) / np.float32(n - 1))
+                else:
+                    w = own * (HALF * (shares[s, j - 2] + shares[s, j - 1]))
                 piece(x, y, z, dx, dy, dz, length, w, box, cells)
             x += dx
             y += dy

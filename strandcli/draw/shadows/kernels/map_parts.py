@@ -52,7 +52,7 @@ class StrandsInMap(NamedTuple):
     scale: NDArray[np.float32] | None
     """(S,) factor of each strand's width; None stands for 1."""
     along: NDArray[np.float32] | None = None
-    """(V,) how far along its strand each vertex stands, 0 to 1; None: evenly."""
+    """(V,) of which each vertex's width is smaller by the share `taper`; None: evenly from 0 at the root to 1."""
 
 
 class MapView(NamedTuple):

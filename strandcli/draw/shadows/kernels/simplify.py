@@ -7,6 +7,8 @@ where both of its neighbours are and the line between those two before and two b
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ....jit import device, inlined, parallel, prange
@@ -14,6 +16,7 @@ from ....simd import deinterleave, half_width_pointer, lane_count, load3, movema
 from ...common.kernels.bits import popcount
 
 ZERO = np.float32(0.0)
+TINY = np.float32(1e-30)
 FLAT = np.float32(0.1**2)
 """Most that a vertex may be beside the line, as a share of its length, squared: segments are at most 2 % longer than
 the line that stands for them."""
@@ -73,6 +76,39 @@ def pass_near(rows, place, reach, bent, longest):
     beside = (x * x + y * y + z * z) * length - along * along  # the distance's square, times that of the length
     near = (beside <= bent * length) & (beside <= FLAT * length * length)
     return movemask(near & (along >= ZERO) & (along <= length) & (length <= longest))
+
+
+@parallel
+def keep_widths(world, lost, uneven, words):
+    """Clear the bits of vertices where lines near them would be wider or narrower than the strand is.
+
+    world, words: as in `find`, which has been called; lost (V,): share of its strand's width that each vertex is
+    narrower; uneven: greatest difference."""
+    count = np.int64(world.shape[0])
+    for word in prange(words.shape[0]):
+        bits = np.uint64(words[word])
+        for k in range(WORD):
+            v = np.int64(word) * WORD + k
+            for reach in range(1, BESIDE + 1):
+                if v >= reach and v + reach < count and off_line(world, lost, v, np.int64(reach)) > uneven:
+                    bits &= ~(ONE << np.uint64((reach - 1) * WORD + k))
+        words[word] = np.uint32(bits)
+
+
+@device
+def off_line(world, lost, v, reach):
+    """Return by how much `lost` at vertex v differs from what it is on the line between those `reach` before and
+    behind it."""
+    before, after = distance(world, v - reach, v), distance(world, v, v + reach)
+    t = before / max(before + after, TINY)
+    return abs(lost[v] - (lost[v - reach] + t * (lost[v + reach] - lost[v - reach])))
+
+
+@device
+def distance(world, u, v):
+    """Return the distance between two vertices, metres."""
+    x, y, z = world[v, 0] - world[u, 0], world[v, 1] - world[u, 1], world[v, 2] - world[u, 2]
+    return np.float32(math.sqrt(x * x + y * y + z * z))
 
 
 @inlined

@@ -52,7 +52,7 @@ class ShadedLines(NamedTuple):
     world: NDArray[np.float32]
     """(V, 3) metres."""
     along: NDArray[np.float32]
-    """(V,) how far along its strand each vertex stands, 0 to 1; (0,): evenly."""
+    """(V,) of which each vertex's width is smaller by the share `WideStrands.taper`; (0,): evenly from 0 to 1."""
     scale: NDArray[np.float32] | None
     """(S,) factor of each strand's width; None stands for 1."""
     marks: NDArray[np.uint8]

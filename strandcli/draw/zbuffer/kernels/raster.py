@@ -7,6 +7,7 @@ nor the number of threads can change a picture. Colours are computed afterwards,
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,8 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-6)
 """Pixels. A shorter segment draws nothing."""
+CLOSE = np.float32(1e-6)
+"""Cosine of 1 less so much: directions that are the same but for rounding."""
 
 
 class Sides(NamedTuple):
@@ -101,9 +104,11 @@ def draw_ribbon(screen, v, begin, end, w0, w1, depth_slope, window, identity, ke
     dx, dy, _ = direction(screen, v)
     flat = abs(dx) >= abs(dy)
     ribbon = measure_ribbon(screen, v, begin, end, w0, w1, flat)
-    # a cap is round where there is a neighbour without a mitre
+    # a cap is round where there is a neighbour without a mitre, but not one straight on
     round0 = v - 2 >= begin and screen[v - 2, 2] > ZERO and ribbon.ma0 == ribbon.da and ribbon.mb0 == ribbon.db
     round1 = v + 1 < end and screen[v + 1, 2] > ZERO and ribbon.ma1 == ribbon.da and ribbon.mb1 == ribbon.db
+    round0 = round0 and turns(screen, v - 1, dx, dy)
+    round1 = round1 and turns(screen, v + 1, dx, dy)
     reach0 = reach(w0, ribbon.ma0, ribbon.mb0, ribbon.da, ribbon.db, round0)
     reach1 = reach(w1, ribbon.ma1, ribbon.mb1, ribbon.da, ribbon.db, round1)
     low = np.ceil(min(ribbon.a0 - reach0, ribbon.a1 - reach1) - HALF)
@@ -113,6 +118,13 @@ def draw_ribbon(screen, v, begin, end, w0, w1, depth_slope, window, identity, ke
     sides = Sides(round0, round1, w0, w1, np.float32(b_low), np.float32(b_high), along, across)
     for c in range(np.int64(max(low, np.float32(a_low))), np.int64(min(high, np.float32(a_high)))):
         draw_across(ribbon, sides, c, depth_slope, identity, keys)
+
+
+@device
+def turns(screen, v, dx, dy):
+    """Return whether the segment from vertex v − 1 to v has another direction than the unit vector (dx, dy)."""
+    ex, ey = screen[v, 0] - screen[v - 1, 0], screen[v, 1] - screen[v - 1, 1]
+    return ex * dx + ey * dy <= (ONE - CLOSE) * math.sqrt(ex * ex + ey * ey)
 
 
 @inlined

@@ -1,4 +1,4 @@
-"""Widths and colours of a file's strands, in records and in pictures."""
+"""Colours of a file's strands, in records and in pictures."""
 
 from __future__ import annotations
 
@@ -10,34 +10,8 @@ import numpy.typing as npt
 import pytest
 
 import exchange_kit
-from groom_file_kit import SMALL, Strand, drawn, hanging, image, scene, write
+from groom_file_kit import SMALL, Strand, drawn, hanging, image, scene
 from strandcli.groom_file import from_file
-
-
-def test_strands_have_the_widths_of_the_file(tmp_path: Path) -> None:
-    strands = hanging([8] * 60)
-    each = np.repeat(np.where(np.arange(60) < 30, 0.04, 0.01).astype("<f4"), 8)
-    path = tmp_path / "a.hair"
-    path.write_bytes(exchange_kit.hair(strands, more=each.tobytes(), flags=4))
-    given = scene(path, emitter__groom__scale=2.0)
-    assert given.material.width == pytest.approx(0.05)
-    groom = from_file(given.emitter.groom, given.seed).groom  # type: ignore[arg-type]
-    assert groom.widths is not None
-    assert groom.emitted(groom.widths) == pytest.approx([1.6] * 30 + [0.4] * 30)
-    alike = tmp_path / "b.hair"
-    alike.write_bytes(exchange_kit.hair(strands, more=np.full(480, 0.025, "<f4").tobytes(), flags=4))
-    uneven, even = (image(scene(one, emitter__groom__scale=2.0)) for one in (path, alike))
-    assert np.abs(uneven.astype(int) - even).max() > 20
-    bare = write(tmp_path / "c.data", strands)
-    assert (image(scene(bare, emitter__groom__scale=2.0, material__width=0.05)) == even).all()
-
-
-def test_widths_that_cannot_be_meant_are_left_out(tmp_path: Path) -> None:
-    path = tmp_path / "a.hair"
-    path.write_bytes(exchange_kit.hair(hanging([8] * 60), more=np.full(480, 1e3, "<f4").tobytes(), flags=4))
-    found = from_file(scene(path).emitter.groom, 0)  # type: ignore[arg-type]
-    assert found.groom.widths is None
-    assert any("widths of the file are left out" in words for words in found.notes)
 
 
 def coloured(path: Path, strands: list[Strand], colours: npt.NDArray[np.floating]) -> Path:
