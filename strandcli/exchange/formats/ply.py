@@ -24,8 +24,17 @@ from ..files import ReadOptions
 from ..objects import renamed, written_names
 from ..ply_header import Element, object_comment, object_names, read_header
 from ..strands import (
-    OBJECT, WIDTHS, Attribute, Offsets, Source, Strands, TimeSample, even_offsets, offsets, without_short,
-)  # fmt: skip
+    OBJECT,
+    WIDTHS,
+    Attribute,
+    Offsets,
+    Source,
+    Strands,
+    TimeSample,
+    even_offsets,
+    offsets,
+    without_short,
+)
 from ..stride import divisors, guess
 from ..written import left_out, raw
 
