@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 import exchange_kit
-from grown_kit import DOWN, Floats, Random, cap, grow, jitter, number, outside, plane, trimmed, unit
+from grown_kit import DOWN, Floats, Random, cap, grow, jitter, number, plane, trimmed, unit
+from hair_kit import HAIR
 from strandcli.exchange.edit.transform import AXES, turning
 from strandcli.exchange.strands import Strands
 
@@ -24,9 +25,6 @@ class Made(NamedTuple):
     strands: Strands
     up: str
     unit: float
-
-
-# --- grass, fur and things: of any size, turned in any way ---
 
 
 def grass(g: Random) -> Floats:
@@ -170,89 +168,36 @@ def combed(g: Random) -> Floats:
     return unit((1 - t) * begin[:, None] + t * end[:, None]) * (1 + g.uniform(0.005, 0.15) * np.sin(np.pi * t))
 
 
-# --- hair of a head of radius 1, upright ---
+def arm(g: Random) -> Floats:
+    """Fur of a round bar, combed along it."""
+    turn, along = g.uniform(0, 2 * np.pi, number(g)), np.array([0, 0, 1.0])
+    out = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    roots = out + g.uniform(-3, 3, (turn.size, 1)) * along
+    return grow(g, roots, out, g.uniform(0.1, 3) * jitter(g, turn.size), sag=g.uniform(0, 0.9), down=along)
 
 
-def scalp(g: Random) -> tuple[Floats, Floats, Floats]:
-    """Roots on a ball or an oval, normals, and its radii; no roots in the face."""
-    radii = np.array([1, *g.choice([[1, 1], [1.1, 1.25], [1.05, 1.15]])])
-    out = cap(g, number(g) + 60, g.uniform(75, 110))
-    out = out[(out[:, 2] < 0.5) | (out[:, 1] > 0.6)]
-    return out * radii, unit(out / radii), radii
+def body(g: Random) -> Floats:
+    """Fur of an animal, whose body, neck and head are balls, combed back."""
+    centres, radii = np.array([[0, 0, 0], [0, 0.2, 1], [0, 0.5, 2], [0, 0.9, 2.8]]), np.array([1, 0.9, 0.7, 0.6])
+    i = g.integers(4, size=number(g))
+    out = cap(g, len(i), 180)
+    roots = centres[i] + radii[i, None] * out
+    seen = (np.linalg.norm(roots[:, None] - centres, axis=2) >= radii - 1e-9).all(axis=1)
+    back, length = np.array([0, -0.3, -1.0]), g.uniform(0.05, 1) * jitter(g, int(seen.sum()))
+    return grow(g, roots[seen], out[seen], length, sag=g.uniform(0.2, 0.8), down=back)
 
 
-def long_hair(g: Random) -> Floats:
-    roots, normals, radii = scalp(g)
-    length = g.uniform(1, 6) * jitter(g, len(roots))
-    return outside(grow(g, roots, normals, length, sag=g.uniform(0.85, 1), frizz=0.01), radii)
-
-
-def curls(g: Random) -> Floats:
-    roots, normals, radii = scalp(g)
-    length = g.uniform(1, 4) * jitter(g, len(roots))
-    return outside(grow(g, roots, normals, length, sag=0.9, curl=g.uniform(0.02, 0.12), frizz=0.02), radii)
-
-
-def bob(g: Random) -> Floats:
-    """Cut at a height, or to a slope."""
-    strands, slope = long_hair(g), g.choice([0.0, 0.4])
-    low = g.uniform(-1.2, 0)
-    return trimmed(strands, lambda p: low + slope * p[:, 2] - p[:, 1])
-
-
-def ponytail(g: Random) -> Floats:
-    roots, normals, radii = scalp(g)
-    tie, count = np.array([0, g.uniform(-0.2, 0.6), -1.25]), len(roots)
-    along = np.linspace(0, 1, 10)[None, :, None]
-    first = outside((1 - along) * roots[:, None] + along * tie + 0.3 * np.sin(np.pi * along) * normals[:, None], radii)
-    spread = tie + 0.06 * g.normal(size=(count, 3))
-    rest = grow(g, spread, np.array([[0, 0.3, -1.0]]), g.uniform(1, 4) * jitter(g, count), sag=0.95, frizz=0.02)
-    return np.concatenate([first, rest[:, 1:]], axis=1)
-
-
-def gathered(g: Random) -> Floats:
-    """Drawn to a knot from all sides, where it ends: at its surface, inside, or all in one place."""
-    roots, normals, radii = scalp(g)
-    size, out = g.uniform(0.1, 0.3), cap(g, len(roots), 180)
-    knot = np.array([0, g.uniform(-0.3, 1), -1]) * 1.3
-    ends = unit(roots + 0.3 * normals - knot) if g.random() < 0.6 else out
-    ends = knot + size * ends * (1 if g.random() < 0.6 else g.uniform(0, 1, (len(roots), 1)))
-    t = np.linspace(0, 1, int(g.integers(6, 24)))[None, :, None]
-    lift = np.sin(np.pi * t) * (g.uniform(0.1, 0.6) * normals[:, None] + 0.02 * g.normal(size=(len(roots), 1, 3)))
-    return outside((1 - t) * roots[:, None] + t * ends[:, None] + lift, radii)
-
-
-def buzz(g: Random) -> Floats:
-    roots, normals, _ = scalp(g)
-    return grow(g, roots, normals, g.uniform(0.02, 0.3) * (1 - g.choice([0, 0.02]) * g.uniform(size=len(roots))))
-
-
-def spiky(g: Random) -> Floats:
-    roots, normals, _ = scalp(g)
-    return grow(g, roots, normals, g.uniform(0.2, 1.5) * jitter(g, len(roots)), frizz=0.02)
-
-
-def beard(g: Random) -> Floats:
-    """About the chin, hanging, cut to a curve or not."""
-    out = cap(g, number(g), 75) * [1, -1, 1]
-    out = out[out[:, 2] > -0.2] * [0.8, 1, 0.9]
-    strands = grow(g, out, out, g.uniform(0.1, 3) * jitter(g, len(out)), sag=g.uniform(0.3, 0.9), frizz=0.02)
-    return trimmed(strands, lambda p: np.linalg.norm(p, axis=1) - 1.4) if g.random() < 0.5 else strands
-
-
-def forward(g: Random) -> Floats:
-    """Blown or combed to one side, forward or back, level."""
-    roots, normals, radii = scalp(g)
-    level = unit(np.array([[1, 0.1, 0], [0, 0.1, 1], [0, 0.1, -1]])[int(g.integers(3))])
-    return outside(grow(g, roots, normals, g.uniform(1, 4) * jitter(g, len(roots)), sag=0.9, down=level), radii)
+def hood(g: Random) -> Floats:
+    """Lining of an oval, trimmed to a ball inside."""
+    out = cap(g, number(g), g.uniform(60, 120))
+    strands = grow(g, out * [1.3, 1.4, 1.6], -out, 3.0)
+    return trimmed(strands, lambda p: 0.8 - np.linalg.norm(p, axis=1))
 
 
 THINGS = (
-    grass, rough_grass, hill, plane_fur, mohawk, line, afro, fur,
-    box_fur, brush, rope, lashes, star, lining, soup, draped,
-    combed,
+    grass, rough_grass, hill, plane_fur, mohawk, line, afro, fur, box_fur, brush, rope,
+    lashes, star, lining, hood, soup, draped, combed, arm, body,
 )  # fmt: skip
-HAIR = (long_hair, curls, bob, ponytail, gathered, buzz, spiky, beard, forward)
 KINDS = {one.__name__: one for one in (*THINGS, *HAIR)}
 
 

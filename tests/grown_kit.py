@@ -37,7 +37,8 @@ def grow(
     t = np.linspace(0, 1, points)[:, None]
     length = np.broadcast_to(length, count)[:, None, None]
     bent = sag * np.minimum(2.5 * t, 1)
-    steps = unit((1 - bent) * unit(way)[:, None] + bent * down)
+    way = np.broadcast_to(unit(way), (count, 3))
+    steps = unit((1 - bent) * way[:, None] + bent * down)
     steps[:, 0] = 0
     found = np.cumsum(steps, axis=1) / (points - 1)
     if curl:

@@ -30,9 +30,9 @@ FITS = 0.08
 THICK = 0.18
 """Extent (root mean square) of a scalp across itself, at least, over the sphere's radius: half a ball has .29, a
 straight or flat set none."""
-FANS, FANS_LESS = 0.75, 0.2
-"""Length of the mean direction in which strands leave a scalp, at most: 1 where all are parallel; and by how much it is
-more at their other end, at least."""
+FANS = 0.2
+"""By how much the mean of the directions in which strands leave a scalp is shorter than at their other end, at least:
+its length is 1 where all are parallel."""
 LEAVES = 0.6
 """Median cosine between that direction and the sphere's normal, at least."""
 OUTSIDE = 0.85
@@ -91,14 +91,14 @@ class End:
         """Whether strands that reach so far leave it as they do a scalp."""
         return (
             self.sphere.misfit <= FITS * min(self.sphere.radius, reach) and self.thin >= THICK * self.sphere.radius
-            and self.fan <= FANS and self.leaves >= LEAVES and self.outside >= OUTSIDE
+            and self.leaves >= LEAVES and self.outside >= OUTSIDE
         )  # fmt: skip
 
     def clearer(self, other: End) -> bool:
         """Whether it is a scalp sooner than another end, by a margin."""
         return (
             self.sphere.misfit <= CLEARER * other.sphere.misfit and self.spread >= LARGER * other.spread
-            and self.fan <= other.fan - FANS_LESS
+            and self.fan <= other.fan - FANS
         )  # fmt: skip
 
 
