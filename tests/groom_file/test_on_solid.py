@@ -21,7 +21,7 @@ from strandcli.scene.motion import Pose, rotation_matrix
 
 RADIUS = 0.1
 STILL = Pose(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0))
-BALL = Head(SphereSolid(name="head", radius=RADIUS), STILL, "head", None)
+BALL = Head(SphereSolid(name="head", radius=RADIUS), STILL, "head")
 CLEAR = CLEARANCE * 2 * RADIUS
 
 
@@ -107,7 +107,7 @@ def test_a_head_that_stands_elsewhere_is_the_same() -> None:
     before = hair(0.003)
     turn, shift = np.array(pose.rotation), np.array(pose.translation)
     there = exchange_kit.of(list((before.points @ turn.T + shift).astype(np.float32).reshape(before.count, -1, 3)))
-    here, moved = put_on(before, BALL, "a", []), put_on(there, Head(BALL.solid, pose, "head", None), "a", [])
+    here, moved = put_on(before, BALL, "a", []), put_on(there, Head(BALL.solid, pose, "head"), "a", [])
     np.testing.assert_allclose(moved.points, here.points @ turn.T + shift, atol=2e-6)
 
 
@@ -140,7 +140,7 @@ def solid(file: Path, **settings: Any) -> dict[str, Any]:
     ],
 )  # fmt: skip
 def test_all_shapes_have_roots_and_keep_points_out(shape: Any) -> None:
-    after = put_on(hair(0.001), Head(shape, STILL, "head", None), "a", [])
+    after = put_on(hair(0.001), Head(shape, STILL, "head"), "a", [])
     x, y, z = after.points.astype(np.float64).reshape(300, -1, 3).transpose(2, 0, 1)
     if isinstance(shape, CapsuleSolid):
         away = np.hypot(np.hypot(x, z), y - np.clip(y, -0.03, 0.03)) - 0.07
