@@ -65,7 +65,7 @@ def say_facts(found: Facts) -> None:
         say(f"  root       {data['root']}, as the file says")
     for text in _guesses(data["guess"]):
         say(f"  guess      {text}")
-    if _as_it_is(data):
+    if data["strands"] and _as_it_is(data):
         say(f"  as it is   {_as_it_is(data)}")
     for fault in found.faults:
         say(f"  fault      {fault.text}" + (f"; convert {fault.mend}" if fault.mend else ""))

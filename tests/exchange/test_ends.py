@@ -12,6 +12,7 @@ import pytest
 import ends_kit
 import exchange_kit as kit
 import groom_file_kit
+from cli_runs import Runner
 from exchange.test_edits import head
 from guesses import tally
 from strandcli.exchange.edit import fix
@@ -71,3 +72,14 @@ def test_what_turns_all_strands_says_why_and_how_to_have_them_otherwise(tmp_path
         notes = [one for one in from_scene(given).notes if "turned around" in one]
         assert len(notes) == turned
         assert all("emitter.groom.root: first has none turned" in one for one in notes)
+
+
+def test_info_says_what_is_not_guessed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = Runner(tmp_path, capsys)
+    groom_file_kit.write(tmp_path / "grass.data", list(ends_kit.made("grass", 4).strands.points.reshape(-1, 2, 3)))
+    (tmp_path / "hair.data").write_bytes(kit.data(list(head() * np.float32(0.01))))
+    (tmp_path / "none.data").write_bytes(kit.data([]))
+    line = "as it is   roots are first, up is y, units are metres: nothing tells otherwise, and nothing is guessed"
+    assert line in run("info", tmp_path / "grass.data").out
+    assert "roots are" not in run("info", tmp_path / "none.data").out
+    assert "as it is" not in run("info", tmp_path / "hair.data").out
