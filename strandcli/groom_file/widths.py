@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exchange.strands import Strands
+from ..exchange.strands import WIDTHS, Strands
 from ..groom.record import Widths
 from .measure import box_of
 from .rows import rows_of
@@ -53,6 +53,8 @@ def widths_of(
     which is noted."""
     found = strands.attributes.get("width")
     if found is None:
+        if not WIDTHS.keys().isdisjoint(strands.source.facts.get("attributes_not_read", ())):
+            notes.append("widths of the file are left out: not all of its curves have them, or not a number each")
         return None
     values, vary = found.values, False
     if found.domain == "point":

@@ -60,7 +60,8 @@ def pixel(given: Scene) -> float:
 
 
 def test_the_picture_is_the_same_on_any_number_of_threads(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.data", hanging([14] * 500))
+    path, widths = tmp_path / "a.npz", np.random.default_rng(2).uniform(0.005, 0.02, (500, 14))
+    np.savez(path, positions=np.stack(hanging([14] * 500)), width=widths)
     own = {"emitter.groom.file": str(path), "rules": [FALL, WIND], "emitter.groom.guides": 60, "time.preroll": 0.2}
     settings = {**SMALL, **ROD, "emitter.groom.size": None, **own}
     with Drawer() as drawer:

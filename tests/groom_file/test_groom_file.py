@@ -70,7 +70,8 @@ def test_strands_that_repeat_a_point_are_drawn(tmp_path: Path) -> None:
 
 
 def test_the_picture_is_the_same_on_any_number_of_threads(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.data", hanging(UNEQUAL))
+    path, widths = tmp_path / "a.hair", np.random.default_rng(2).uniform(0.005, 0.02, sum(UNEQUAL)).astype("<f4")
+    path.write_bytes(exchange_kit.hair(hanging(UNEQUAL), more=widths.tobytes(), flags=4))
     settings = {**SMALL, "emitter.groom.file": str(path), "image.aovs": ["strand_id", "depth"]}
     with Drawer() as drawer:
         hashes = drawer.hashes(preset="groom", overrides=[], settings=settings, shadow_size=64)

@@ -83,6 +83,26 @@ def test_a_width_of_all_is_that_of_every_point(tmp_path: Path) -> None:
     assert (bare.material.taper, scene(path).material.taper) == (0.7, 0.0)
 
 
+def test_widths_of_knots_are_linear_between_them(tmp_path: Path) -> None:
+    """Varying widths of a cubic curve, of which there is one for each knot."""
+    path, knots = tmp_path / "a.usda", waves([5] * 30).reshape(30, 5)
+    told = f'    float[] widths = {usd_kit.tuples(knots.reshape(-1))} (\n        interpolation = "varying"\n    )\n'
+    head = usd_kit.HEAD.replace("0.01", "1").replace('"Z"', '"Y"')
+    path.write_text(head + usd_kit.prim(hanging([7] * 30), basis="bspline", more=told))
+    found = own_width(scene(path)).reshape(30, -1)
+    places = np.linspace(0, 4, found.shape[1])
+    want = np.stack([np.interp(places, np.arange(5), own) for own in knots])
+    np.testing.assert_allclose(found, want, rtol=1e-5)
+
+
+def test_widths_that_some_curves_of_a_file_lack_are_told(tmp_path: Path) -> None:
+    path, widths = tmp_path / "a.usda", '    float[] widths = [0.01] (\n        interpolation = "constant"\n    )\n'
+    prims = usd_kit.prim(hanging([7] * 30), more=widths) + usd_kit.prim(hanging([7] * 5, seed=2), name="bare")
+    path.write_text(usd_kit.HEAD + prims)
+    notes = from_file(scene(path).emitter.groom, 0).notes  # type: ignore[arg-type]
+    assert any("not all of its curves have them" in words for words in notes)
+
+
 @pytest.mark.parametrize("name", [".npz", ".hair", ".ply", ".usdc", ".abc"])
 def test_widths_come_back_from_a_file_that_was_exported(tmp_path: Path, name: str) -> None:
     strands, widths = hanging([9] * 20), waves([9] * 20)
