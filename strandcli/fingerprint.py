@@ -68,9 +68,10 @@ def _content(path: str, kind: str) -> dict[str, str]:
 
 
 def _strands(path: str) -> object:
-    from .exchange.files import ReadOptions, read
+    from .exchange.files import ReadOptions
+    from .exchange.moments import read_first
 
-    return read(Path(path), ReadOptions(lenient=True))
+    return read_first(Path(path), ReadOptions(lenient=True))
 
 
 def _mesh(path: str) -> object:

@@ -9,11 +9,12 @@ from . import compile_ahead, runtime
 from .compiling.folder import cache
 from .errors import UsageError
 from .frame import Frame
+from .frame_renderer import FrameRenderer
 from .ordered_map import ordered_map, worker_count
 from .plan import pictures_that_fit
 from .scene.model import Scene
 from .scene.named_files import naming_files
-from .stages import FrameRenderer, MovedStrands, Notify, Positions, RunOptions, SimulationStage
+from .stages import MovedStrands, Notify, Positions, RunOptions, SimulationStage
 
 if TYPE_CHECKING:
     from .checkpoints import Checkpoints

@@ -1,4 +1,4 @@
-"""The two stages of a frame: strands are moved to where they belong, in the frames' order; then they are drawn."""
+"""The first stage of a frame: strands are moved to where they belong, in the order of the frames."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .blocks import lanes, pack, unpack
-from .errors import SimulationError
+from .errors import SimulationError, UsageError
 from .frame import Frame
 from .groom.arrange import arranged
 from .groom.children import Children
@@ -25,7 +25,6 @@ from .scene.model import MeshShape, Scene
 
 if TYPE_CHECKING:
     from .checkpoints import Checkpoints
-    from .draw.renderer import Renderer
     from .first_frame import FirstFrame
     from .remembered import Remembered
 
@@ -67,6 +66,8 @@ class MovedStrands:
     """The strands a frame earlier, where the shutter is open."""
     ids: NDArray[np.int32] | None = None
     """Of each strand its place in the order of emission, where they do not stand in it."""
+    groom: Groom | None = None
+    """Strands that are others than those at first; else None."""
 
 
 class SimulationStage:
@@ -124,10 +125,10 @@ class SimulationStage:
             needed = self.options.draw and (kept is None or not kept.of_all_strands)
             strands = needed_strands(scene, frames) if needed else None
             return at_start(scene, arranged(emit(scene.emitter, scene.seed, strands)))
-        from .groom_file import from_scene, guided
+        from .groom_file import from_scene, guided, notes_of
 
         found = from_scene(scene)
-        for words in found.notes:
+        for words in (*found.notes, *notes_of(scene, found.moments)):
             self._warn(words)
         return found.groom if scene.emitter.followers is None else guided(scene).guides
 
@@ -135,14 +136,14 @@ class SimulationStage:
         """Move on to a frame. Raises `SimulationError` where it has gone wrong."""
         solver, draw = self.solver, self.options.draw
         given = self._given
-        before = self._went_on = None
+        before = of_before = self._went_on = None
         seconds: dict[str, float | None] = {"simulate": None if given is not None else 0.0}
         # frames that are not drawn are looked at too: a run that has gone wrong stops there
         for passed in [number] if given is not None else self._to_simulate(number):
             began = time.perf_counter()
             if draw and self.scene.camera.shutter > 0 and passed == number > 1:
                 self._move(number - 1)
-                before = solver.positions.copy()
+                before, of_before = solver.positions.copy(), solver.groom
             self._move(passed)
             if given is None:
                 seconds["simulate"] = (seconds["simulate"] or 0.0) + time.perf_counter() - began
@@ -151,7 +152,12 @@ class SimulationStage:
             if self.options.checkpoints is not None and given is None and not self._wrong:
                 self.options.checkpoints.keep(solver, passed)
         self._done = number
-        counts = {"strands": self.groom.strands, "particles": self.groom.strands * self.scene.emitter.particles}
+        groom = solver.groom
+        if groom is not self.groom:
+            self._tell_others()
+        if of_before is not groom:
+            before = None
+        counts = {"strands": groom.strands, "particles": groom.strands * self.scene.emitter.particles}
         kept = solver.particles() if self.options.keep_positions else None
         frame = Frame(number, None, kept, {"frame": number, "seconds": seconds, "counts": counts, "error": error})
         if self._went_on is not None:
@@ -159,10 +165,22 @@ class SimulationStage:
         if self._wrong and draw:
             return self._drop_nonfinite(frame, before)
         positions = solver.positions.copy() if self.snapshots else solver.positions
-        return MovedStrands(frame, positions, solver.lengths, self.groom.tones, before, self.groom.places)
+        others = None if groom is self.groom else groom
+        return MovedStrands(frame, positions, solver.lengths, groom.tones, before, groom.places, others)
+
+    def _tell_others(self) -> None:
+        """Say once that strands come and go."""
+        if self.options.keep_positions and not self.options.draw:
+            raise UsageError("emitter.groom.file: strands come and go with time; their positions cannot be kept")
+        if "others" not in self._told:
+            blur = ", and without motion blur" if self.scene.camera.shutter > 0 else ""
+            self._warn(f"strands of the file come and go with time: each frame has those of the moment before it{blur}")
+        self._told.add("others")
 
     def _to_simulate(self, number: int) -> range:
         """Return the frames to simulate up to one that is asked for, after the last that is known."""
+        if self.solver.independent:
+            return range(number, number + 1)
         kept = self.options.checkpoints
         if kept is not None and not self._wrong:
             before = 1 if self.options.draw and self.scene.camera.shutter > 0 and number > 1 else 0
@@ -218,7 +236,9 @@ class SimulationStage:
         from .scene.detail import strands_needed
         from .simulate.health import drawable
 
-        solver, groom, strands = self.solver, self.groom, self.groom.strands
+        solver, groom = self.solver, self.solver.groom
+        strands = groom.strands
+        others = None if groom is self.groom else groom
         guiding = self.children is not None
         seconds = (frame.number - 1) / self.scene.time.fps
         first = strands if guiding else min(strands_needed(self.scene, seconds), strands)
@@ -238,38 +258,4 @@ class SimulationStage:
             before = pack(unpack(before, strands)[kept])
             before = before if np.isfinite(before).all() else None
         ids = kept.astype(np.int32) if groom.places is None else groom.places[kept]
-        return MovedStrands(frame, positions, lengths, groom.tones[kept], before, ids)
-
-
-class FrameRenderer:
-    """Draws frames, with memory of its own."""
-
-    def __init__(self, moved: SimulationStage, kind: type[Renderer] | None = None) -> None:
-        """``kind``: of the renderer, if not `Renderer` itself."""
-        from .draw.renderer import Renderer
-
-        self._scene, self._fps = moved.scene, moved.scene.time.fps
-        self._renderer = (kind or Renderer)(moved.scene, moved.groom, moved.children, moved.combed)
-
-    def __call__(self, moved: MovedStrands) -> Frame:
-        """The frame with its picture."""
-        import numba
-
-        frame = moved.frame
-        at = (frame.number - 1) / self._fps
-        if self._scene.camera.views:
-            from .cameras.of_scene import at_frame
-
-            self._renderer.scene = at_frame(self._scene, frame.number)
-        self._renderer.tones = moved.tones
-        self._renderer.ids = moved.ids
-        drawing = self._renderer.draw(moved.positions, moved.lengths, at, numba.get_num_threads(), moved.before)
-        frame.image = drawing.image
-        frame.aovs = drawing.aovs
-        frame.report["threads"] = numba.get_num_threads()
-        frame.report["seconds"] |= drawing.seconds
-        frame.report["counts"] |= drawing.counts
-        frame.report["error"]["curve_px_max"] = drawing.curve_px_max
-        if drawing.follow_stretch_max is not None:
-            frame.report["error"]["follow_stretch_max"] = drawing.follow_stretch_max
-        return frame
+        return MovedStrands(frame, positions, lengths, groom.tones[kept], before, ids, others)

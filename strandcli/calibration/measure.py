@@ -23,7 +23,8 @@ def measure(notify: Callable[[str], None] | None = None) -> Profile:
     from .. import load, runtime
     from ..draw.common.drawing import ProcessorDrawing
     from ..draw.renderer import Renderer
-    from ..stages import FrameRenderer, RunOptions, SimulationStage
+    from ..frame_renderer import FrameRenderer
+    from ..stages import RunOptions, SimulationStage
 
     class Timed(Renderer):
         clocked = ProcessorDrawing

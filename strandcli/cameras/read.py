@@ -10,7 +10,7 @@ from ..errors import UsageError, one_line
 from ..inputs import reading
 from . import colmap, neus, own, transforms, usd
 from .lens import MissingSize
-from .pinhole import FARTHEST, Pinhole
+from .pinhole import Pinhole
 from .upright import UP, above
 
 KINDS = "transforms.json, a folder of COLMAP text files, cameras.npz of NeuS, dataset.json of strandcli, or USD"
@@ -75,7 +75,7 @@ def views_of(
     if wrong is not None:
         raise UsageError(
             f"{path}: view {one_line(wrong)[:80]}: its picture has no size or too large a one, or its focal length, "
-            f"principal point or place is no finite number, or beyond {FARTHEST:.0e}; write the cameras anew"
+            "principal point or place is no finite number; write the cameras anew"
         )
     return replace(found, notes=tuple(dict.fromkeys(notes)))
 

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UsageError, one_line
-from ..exchange.edit.transform import size_of, turning
+from ..exchange.edit.transform import turning
 from ..exchange.usd.process import ask
 from ..inputs import opened
 from .lens import picture_size, square_focal
@@ -121,7 +121,7 @@ def _view(
     told = f"focalLength {focal_length:g}, aperture {across:g} by {tall:g}, offsets {off_x:g} and {off_y:g}"
     if not np.isfinite(lens).all() or min(across, tall) <= 0 or (perspective and focal_length <= 0):
         raise UsageError(f"{where}: {told}: the first three must be above 0, all finite")
-    scale = size_of(matrix[:3, :3]) if np.isfinite(matrix).all() else 0.0
+    scale = float(np.cbrt(abs(np.linalg.det(matrix[:3, :3])))) if np.isfinite(matrix).all() else 0.0
     try:
         if not scale > 0 or not math.isfinite(scale):
             raise ValueError("is no rotation")

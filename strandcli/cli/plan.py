@@ -106,9 +106,10 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
     found = []
     for one in scene.panels or (scene,):
         if one.emitter.groom is not None:
-            from ..groom_file import from_scene  # Numba comes with it
+            from ..groom_file import from_scene, notes_of  # Numba comes with it
 
-            lines = list(from_scene(one, roughly=True).notes)
+            read = from_scene(one, roughly=True)
+            lines = [*read.notes, *notes_of(one, read.moments)]
         else:
             groom = emit(one.emitter, one.seed, min(needed_strands(one, numbers), LOOKED_AT))
             lines = []

@@ -35,8 +35,9 @@ class _Drawn:
         from .. import runtime
         from ..compiling.folder import cache
         from ..fingerprint import fingerprint
+        from ..frame_renderer import FrameRenderer
         from ..scene.named_files import naming_files
-        from ..stages import FrameRenderer, RunOptions, SimulationStage
+        from ..stages import RunOptions, SimulationStage
 
         scene = job.scene
         if fingerprint(scene) != job.fingerprint:

@@ -88,8 +88,9 @@ class ControlCurves:
 class Fitter:
     """Says how finely curves of a file are followed, within the memory that a file of its size may take."""
 
-    def __init__(self, size: int) -> None:
-        """``size``: bytes of the file."""
+    def __init__(self, size: int, pieces: Sequence[int] = ()) -> None:
+        """``size``: bytes of the file; ``pieces``: points a piece of its objects, one after the other, if known."""
+        self._known = list(pieces)
         self.room = 2 * size + SPARE
         """Bytes that points on curves may take."""
 
@@ -110,6 +111,7 @@ class Fitter:
             worst = int(np.argmin(pieces))
             raise fault(f"{path}: curve {worst:,} has {counts[worst]:,} points, which make no whole pieces of "
                         f"{basis.text}; is damaged")  # fmt: skip
+        known = self._known.pop(0) if self._known else None
         if basis.plain:
             return ControlCurves(path, counts, basis)
         needs = 12 * max(int(pieces.sum()), 1)
@@ -118,6 +120,7 @@ class Fitter:
             raise fault(f"{path}: holds more curves than is believed of a file of its size; is damaged")
         bezier = control if spans is None else spans.bezier(control)
         each, off = splines.points_a_piece(in_basis, bezier, basis, int(most))
+        each = each if known is None else min(known, int(most))
         self.room -= each * needs
         return ControlCurves(path, counts, basis, each, off, spans)
 

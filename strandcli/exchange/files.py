@@ -8,7 +8,8 @@ A format is a module in `formats/`, or an entry point of another package (group 
 - ``write(path, strands, samples) -> lines``, where it can be written: the file whole or not at all, and a line for what
   it cannot hold. ``moving``: whether it takes ``samples``, the points at several times. ``staged``: whether it takes
   ``beside`` and ``basis`` of `write` below, and ``bases``, which those are;
-- ``moments(path, options) -> samples``, where it tells several times: at each the points of what ``read`` finds.
+- ``moments(path, options) -> samples``, where it tells several times: at each the points of what ``read`` finds;
+  `read` then obeys ``options.at``. ``interpolates``: whether it does so between these times.
 """
 
 from __future__ import annotations
@@ -38,12 +39,16 @@ HEAD = 64
 @dataclass(frozen=True, slots=True)
 class ReadOptions:
     """How a file is read: points a strand, and name of the array, where it does not say them; ``lenient`` lets in
-    numbers that are not finite; ``objects``: names of those whose strands are wanted, () of all."""
+    numbers that are not finite; ``objects``: names of those whose strands are wanted, () of all; ``at``: the last
+    moment that is not after so many seconds, None for the first one; ``pieces``: as `Source.pieces` was at another
+    moment, so that curves have as many points."""
 
     stride: int | None = None
     array: str | None = None
     lenient: bool = False
     objects: tuple[str, ...] = ()
+    at: float | None = None
+    pieces: tuple[int, ...] = ()
 
 
 def read(path: Path, options: ReadOptions | None = None) -> Strands:

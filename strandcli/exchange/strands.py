@@ -42,7 +42,11 @@ class Attribute:
 @dataclass(frozen=True, slots=True)
 class Source:
     """Where strands come from: the format's name and version, what its header says worth telling, metres a unit and the
-    up axis where the format says them, and how many strands were skipped, by reason."""
+    up axis where the format says them, and how many strands were skipped, by reason.
+
+    times: seconds at which strands of a file that moves are known, rising; rate: frames a second, where the file says
+    so; steady: whether the file says that all moments have the same strands; pieces: points that each object of cubic
+    curves has a piece."""
 
     format: str = ""
     version: str = ""
@@ -50,6 +54,10 @@ class Source:
     unit: float | None = None
     up: str | None = None
     skipped: Mapping[str, int] = field(default_factory=dict)
+    times: tuple[float, ...] = ()
+    rate: float | None = None
+    steady: bool = True
+    pieces: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -27,6 +27,7 @@ from . import fringe
 from .deforming import Deforming, deforming
 from .emit import emit
 from .family import Family, family_of
+from .file_roots import FileRoots
 from .record import Groom
 
 if TYPE_CHECKING:
@@ -233,7 +234,7 @@ class Children:
         return np.minimum.reduceat(roots, begins, axis=0), np.maximum.reduceat(roots, begins, axis=0)
 
     @cached_property
-    def _deforming(self) -> Deforming | None:
+    def _deforming(self) -> Deforming | FileRoots | None:
         """The roots, where they move in the emitter's frame."""
         return deforming(self.scene, self.every)
 

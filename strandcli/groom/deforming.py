@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.motion import deforming_ground, pose_in_emitter
+from .file_roots import FileRoots
 from .record import Groom
 
 if TYPE_CHECKING:
@@ -81,9 +82,11 @@ def frames(corners: Floats) -> Floats:
     return np.stack([edge, np.cross(normal, edge), normal], axis=2)
 
 
-def deforming(scene: Scene, groom: Groom) -> Deforming | None:
+def deforming(scene: Scene, groom: Groom) -> Deforming | FileRoots | None:
     """Return the moving roots of a groom, None where they do not move in the emitter's frame."""
     carried = any(use.name == "emitter_motion" for use in scene.rules)
+    if carried and scene.emitter.followers is not None and groom.film is not None:
+        return FileRoots(scene, groom)
     return Deforming(scene, groom) if carried and deforming_ground(scene) is not None else None
 
 

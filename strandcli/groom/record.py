@@ -95,6 +95,9 @@ class Groom:
     own; else None."""
     anchors: Anchors | None = None
     """Where roots stand on the emitter's mesh; None: it is none."""
+    film: Any = None
+    """`strandcli.groom_file.film.Film` of strands of a file that move, of simulated ones with their rows (n,) in it;
+    None: they do not."""
 
     def edge(self, j: int, edges: int) -> NDArray[np.float64]:
         """Return (strands, 3) unit directions of edge j of ``edges``, root to tip, at its middle. Curled strands are

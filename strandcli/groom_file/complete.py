@@ -5,13 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ..exchange.moments import USUAL
 from .following import DENSE, with_followers
 from .measure import fitted, width_for
 from .read import from_scene
 
 if TYPE_CHECKING:
+    from ..exchange.moments import Moments
     from ..scene.model import Scene
+    from ..scene.model.scene import Time
 
+MOST_FRAMES = 1_000_000
 SHARE = 0.4
 """Of the tolerance of curves, how far a point may be off that a dense strand is drawn without. A tenth of a pixel, of a
 quarter, changes a picture of 100,000 strands by .6 of 255 (root mean square), twice as much of 20,000."""
@@ -23,12 +27,13 @@ def completed(scene: Scene, roughly: bool = False) -> Scene:
     drawn."""
     panels = tuple(completed(panel, roughly) for panel in scene.panels)
     if panels != scene.panels:
-        scene = replace(scene, panels=panels)
+        scene = replace(scene, panels=panels, time=max((panel.time for panel in panels), key=lambda one: one.frames))
     given = scene.emitter.groom
     if given is None or scene.panels or scene.emitter.followers is not None:
         return scene
     found = from_scene(scene, roughly)
     mean = found.seen.length / found.strands
+    scene = replace(scene, time=_clock(scene.time, found.moments, given.start))
     scene = replace(scene, emitter=replace(scene.emitter, strands=found.strands, length=mean))
     if not scene.guided:
         scene = replace(scene, emitter=replace(scene.emitter, particles=found.points), detail=None)
@@ -51,3 +56,10 @@ def completed(scene: Scene, roughly: bool = False) -> Scene:
         mode, tolerance = ("off", 1.0) if scene.guided else ("thinned", SHARE)
         scene = replace(scene, curves=replace(scene.curves, mode=mode, tolerance=tolerance * scene.curves.tolerance))
     return scene
+
+
+def _clock(time: Time, moments: Moments | None, start: float | None) -> Time:
+    """A scene's clock, with what the file says where it has 0."""
+    fps = time.fps or (moments.rate if moments is not None else USUAL)
+    frames = time.frames or (min(moments.frames(fps, start), MOST_FRAMES) if moments is not None else 1)
+    return replace(time, fps=fps, frames=frames)

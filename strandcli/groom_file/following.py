@@ -71,9 +71,12 @@ def with_followers(scene: Scene) -> Scene:
     pixels = scene.curves.tolerance if thinned else 0.0
     metres = pixels * metres_a_pixel(scene, found)
     strands = found.groom.strands
+    moving = found.moments is not None and any(use.name == "emitter_motion" for use in scene.rules)
+    if moving and scene.solver == "rod" and scene.rod.end != "free":
+        raise UsageError(f"{given.file}: moves; tips cannot be {scene.rod.end} where roots move so; use rod.end: free")
     first = Followers(
         strands, strands, found.points, found.points, metres, pixels, 0.0, 0.0, (middle[0], middle[1], middle[2]),
-        float(np.sqrt(((roots - middle) ** 2).sum(1).max())),
+        float(np.sqrt(((roots - middle) ** 2).sum(1).max())), moving,
     )  # fmt: skip
     scene = replace(scene, emitter=replace(emitter, strands=min(given.guides, strands), followers=first))
     frames = range(1, 2 if scene.detail is None else 1 + scene.time.frames)
@@ -130,9 +133,12 @@ def _guided(
     whole = groom.lengths[some].astype(np.float64)[:, None]
     reaches = np.minimum(whole / groom.lengths[own].astype(np.float64)[parents], 1.0).astype(np.float32)
     points, widths = _drawn(groom, some, tolerance, width)
+    if groom.film is not None:
+        guides = replace(guides, film=(groom.film, groom.places[own]))
     drawn = Groom(
         groom.roots[some], groom.directions[some], groom.lengths[some], groom.tones[some], places=groom.places[some],
         widths=widths, colours=groom.colours, anchors=None if groom.anchors is None else groom.anchors.of(some),
+        film=None if groom.film is None else (groom.film, groom.places[some]),
     )  # fmt: skip
     following = Following(drawn, points, ranks[some], parents, weights, reaches, guides)
     share = deviation / groom.lengths[own]

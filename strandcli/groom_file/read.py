@@ -14,30 +14,32 @@ from ..exchange import faults
 from ..exchange.change import strands_of
 from ..exchange.control import note_of
 from ..exchange.edit.fix import fixed, reversed_all
+from ..exchange.edit.moving import ROW
 from ..exchange.edit.subsample import some
-from ..exchange.edit.transform import turned
-from ..exchange.files import ReadOptions, read
-from ..exchange.strands import CACHED, Offsets, Strands
+from ..exchange.files import ReadOptions
+from ..exchange.moments import Moments, read_first
+from ..exchange.strands import Attribute, Offsets, Points, Strands, even_offsets
 from ..groom.arrange import spatial_order
 from ..groom.emit import stream
+from ..groom.file_roots import units
 from ..groom.record import Groom
 from ..inputs import cached
 from .colours import colours_of
-from .fits import hangs_from
-from .measure import Seen, box_of, seen_of
+from .film import Edits, Film
+from .measure import Seen, seen_of
 from .on_solid import Head, anchors_on, head_of, put_on
+from .placing import Placement, placed, put
 from .rows import most_points, packed, with_at_most
 from .widths import widths_of
 
 if TYPE_CHECKING:
     from ..scene.model import GroomFile, Scene
 
-UP = "y"
-"""The up axis of scenes."""
 TONES = 5
 """Number of the random stream of tones, as `strandcli.groom.emit` has it."""
 
 
+NO_POINTS = np.zeros((0, 3), np.float32)
 ROUGHLY = 10_000
 """Strands, evenly chosen, that tell what all are like where that is enough."""
 
@@ -58,6 +60,9 @@ class FromFile:
     """Linear, the mean of the file's own; None where it has none that is used."""
     notes: tuple[str, ...]
     """What a person should know of the file, a line each."""
+    placement: Placement
+    moments: Moments | None = None
+    """Of a file that moves."""
 
 
 def from_scene(scene: Scene, roughly: bool = False) -> FromFile:
@@ -79,14 +84,56 @@ def from_file(given: GroomFile, seed: int, head: Head | None = None, roughly: bo
 @cached(1)
 def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) -> FromFile:
     notes: list[str] = []
-    strands = _read(given, seed, notes)
+    options = ReadOptions(given.stride, given.array or None, given.fix, given.object)
+    strands, moments = read_first(Path(given.file), options, given.start)
+    in_file = strands.counts()
+    if moments is not None and head is not None:
+        raise UsageError(
+            f"{given.file}: strands that move by themselves are put on no solid: take out emitter.groom.on, or take "
+            "one moment of them ('strandcli convert IN OUT --frames 1')"
+        )
+    strands, rows = _chosen(strands, given, seed, notes, moments is not None)
     counts = strands.counts()
     step = strands.count // ROUGHLY if roughly else 1
     if step > 1 and most_points(counts) == counts.max():
         found = _made(strands.select(np.arange(strands.count) % step == 0), counts, given, seed, None, list(notes))
         if _tells_all(found, strands, given):
-            return found
-    return _made(strands, counts, given, seed, head, notes)
+            return replace(found, moments=moments)
+    found = _made(strands, counts, given, seed, head, notes)
+    if moments is None or rows is None:
+        return found
+    film = _film(moments, in_file, rows, strands, given, seed, found)
+    return replace(found, moments=moments, groom=replace(found.groom, film=film))
+
+
+def _film(
+    moments: Moments, in_file: Offsets, rows: Offsets, strands: Strands, given: GroomFile, seed: int, found: FromFile
+) -> Film:  # fmt: skip
+    """The moments of a file of which ``found`` is the first: all are edited and placed as this one. ``in_file``: points
+    of each strand of the file; ``rows``: which of them are those of the ``strands`` that are drawn."""
+    assert found.groom.places is not None
+    bare, order = Strands(strands.first, NO_POINTS), found.groom.places
+    pairs = Strands(even_offsets(strands.count, 2), NO_POINTS)
+    ends = rows[np.stack([strands.first[:-1], strands.first[:-1] + 1], axis=1).reshape(-1)]
+
+    def again(points: Points) -> NDArray[np.float32]:
+        moved = put(replace(bare, points=points[rows]), given, found.placement)
+        moved, _, _ = with_at_most(moved, found.points)
+        return packed(moved.first, moved.points, order, found.points)
+
+    def ends_again(points: Points) -> NDArray[np.float64]:
+        moved = put(replace(pairs, points=points[ends]), given, found.placement)
+        return moved.points.reshape(-1, 2, 3).astype(np.float64)
+
+    def anew(others: Strands) -> Groom:
+        chosen, _ = _chosen(others, given, seed, [])
+        made = _made(chosen, chosen.counts(), given, seed, None, [], found.placement)
+        widths = made.groom.widths
+        if widths is not None and made.width and found.width:
+            widths = widths._replace(scale=widths.scale * np.float32(made.width / found.width))
+        return replace(made.groom, widths=widths)
+
+    return Film(moments, given.start, in_file, Edits(again, ends_again, anew))
 
 
 def _tells_all(found: FromFile, strands: Strands, given: GroomFile) -> bool:
@@ -98,16 +145,17 @@ def _tells_all(found: FromFile, strands: Strands, given: GroomFile) -> bool:
 
 
 def _made(
-    strands: Strands, counts: Offsets, given: GroomFile, seed: int, head: Head | None, notes: list[str]
+    strands: Strands, counts: Offsets, given: GroomFile, seed: int, head: Head | None, notes: list[str],
+    placement: Placement | None = None,
 ) -> FromFile:  # fmt: skip
-    """Strands of a file, placed and packed; ``counts``: points of all strands (S,), of which these are some."""
-    strands, up = _upright(strands, given, notes)
-    strands, factor = _placed(strands, given)
+    """Strands of a file, placed and packed; ``counts``: points of all strands (S,), of which these are some;
+    ``placement``: where strands of this file are put, if that is known."""
+    strands, placement = placed(strands, given, notes, placement)
     if head is not None:
-        strands = put_on(strands, head, given.file, notes, up, given)
+        strands = put_on(strands, head, given.file, notes, placement.up, given)
     roots, lengths = strands.roots(), strands.lengths()
     share = counts.size / strands.count
-    widths = widths_of(strands, factor, lengths, share * float(lengths.sum()), notes)
+    widths = widths_of(strands, placement.factor, lengths, share * float(lengths.sum()), notes)
     colours = colours_of(strands) if given.colours == "file" else None
     tones = (2.0 * stream(seed, TONES, strands.count) - 1.0).astype(np.float32)
     if colours is not None:
@@ -133,26 +181,32 @@ def _made(
     way = strands.points[strands.first[:-1] + 1].astype(np.float64) - roots
     groom = Groom(
         roots[order],
-        _units(way)[order].astype(np.float32),
+        units(way)[order].astype(np.float32),
         lengths[order].astype(np.float32),
         tones[order],
         places=order,
         points=points,
-        widths=None if widths is None or points is None else widths.packed(strands, factor, order, most),
+        widths=None if widths is None or points is None else widths.packed(strands, placement.factor, order, most),
         colours=None if colours is None else colours.palette,
         anchors=anchors_on(head, roots[order]),
     )
     width = None if widths is None else widths.mean
-    return FromFile(counts.size, groom, most, seen, width, None if colours is None else colours.mean, tuple(notes))
+    colour = None if colours is None else colours.mean
+    return FromFile(counts.size, groom, most, seen, width, colour, tuple(notes), placement)
 
 
-def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:
-    """The file's strands in its own frame, root to tip, without those that cannot be drawn."""
+def _chosen(
+    strands: Strands, given: GroomFile, seed: int, notes: list[str], moving: bool = False
+) -> tuple[Strands, Offsets | None]:  # fmt: skip
+    """The file's strands in its own frame, root to tip, without those that cannot be drawn; and where they are
+    ``moving`` which points of the file (P,) they have."""
     path = Path(given.file)
-    strands = read(path, ReadOptions(given.stride, given.array or None, given.fix, given.object))
     notes += [f"{path}: {strands_of(count)} of {why}, skipped" for why, count in strands.source.skipped.items()]
     curves = note_of(strands.source.facts)
     notes += [f"{path}: {curves}"] if curves else []
+    if moving:
+        rows = Attribute("point", np.arange(strands.points.shape[0]))
+        strands = replace(strands, attributes={**strands.attributes, ROW: rows})
     if given.fix:
         before = strands
         strands, change = fixed(strands, given.root == "auto", "emitter.groom.root: first has none turned")
@@ -164,57 +218,13 @@ def _read(given: GroomFile, seed: int, notes: list[str]) -> Strands:
         strands, _ = some(strands, given.strands, seed)
     if not strands.count:
         raise UsageError(f"{path}: holds no strand that could be drawn")
-    if given.fix:
-        return strands
-    bare = faults.without_length(strands)
-    if bare.any():
+    bare = None if given.fix else faults.without_length(strands)
+    if bare is not None and bare.any():
         raise UsageError(
             f"{path}: {strands_of(int(bare.sum()))} without length (strand {int(np.argmax(bare)):,} for one); set "
             "emitter.groom.fix: true, which leaves them out"
         )
-    return strands
-
-
-def _upright(strands: Strands, given: GroomFile, notes: list[str]) -> tuple[Strands, str]:
-    """Strands whose up axis is y, and the file's."""
-    up = given.up
-    if up == "auto":
-        up = strands.source.up or UP
-        guess = None if strands.source.up else hangs_from(strands)
-        if guess is not None and guess != up:
-            up = guess
-            notes.append(f"{given.file}: up is taken to be {up}, which becomes y; emitter.groom.up says otherwise")
-    return strands if up == UP else turned(strands, up, UP)[0], up
-
-
-def _placed(strands: Strands, given: GroomFile) -> tuple[Strands, float]:
-    """Strands in metres, where the scene wants them, and the metres of a unit of the file. Raises `UsageError` where
-    single precision ends before that."""
-    factor, middle = strands.source.unit or 1.0 if given.scale is None else given.scale, np.zeros(3)
-    if given.size is not None or given.place != "file":
-        low, high = box_of(strands.points)
-        if given.size is not None:
-            factor = given.size / float((high - low).max())
-        if given.place != "file":
-            middle = 0.5 * factor * (low + high)
-            if given.place == "ground":
-                middle[1] = factor * low[1]
-    if factor == 1 and not middle.any():
-        return strands, factor
-    moved = np.empty_like(strands.points)
-    wide = np.empty((CACHED, 3))
-    with np.errstate(over="ignore"):
-        for begin in range(0, moved.shape[0], CACHED):
-            held = strands.points[begin : begin + CACHED]
-            part = np.multiply(held, factor, out=wide[: held.shape[0]], dtype=np.float64)
-            part -= middle
-            moved[begin : begin + CACHED] = part
-    if not np.isfinite(box_of(moved)).all():
-        raise UsageError(f"{given.file}: points are too far out for single precision; set emitter.groom.scale or size")
-    return replace(strands, points=moved), factor
-
-
-def _units(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors (k, 3); +y where there is no direction."""
-    sizes = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.where(sizes > 0, vectors / np.where(sizes > 0, sizes, 1.0), np.array([0.0, 1.0, 0.0]))
+    if not moving:
+        return strands, None
+    attributes = dict(strands.attributes)
+    return replace(strands, attributes=attributes), attributes.pop(ROW).values

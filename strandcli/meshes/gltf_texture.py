@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from ..picture_samples import MOST
 from .files import picture
 from .gltf_file import Gltf
 from .make import RawMesh
@@ -52,9 +51,7 @@ def with_texture(file: Gltf, part: RawMesh, primitives: list[dict[str, Any]]) ->
             content = file.content(image["uri"], where) if "uri" in image else file.view(image.get("bufferView"), where)
             found = picture(bytes(content))
             if found is None:
-                raise file.fault(
-                    where, f"is no picture that can be read, such as PNG or JPEG, of up to {MOST:,} pixels"
-                )
+                raise file.fault(where, "is no picture that can be read, such as PNG or JPEG")
     if len(set(images)) > 1:
         notes.append(f"{len(set(images))} textures: the first is taken for all of it")
     return replace(part, texture=found, notes=(*part.notes, *notes))

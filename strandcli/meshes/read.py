@@ -14,7 +14,6 @@ import numpy as np
 
 from ..errors import StrandError, UsageError, one_line
 from ..inputs import reading
-from ..picture_samples import MOST
 from .files import Beside
 from .gltf import read_gltf
 from .make import RawMesh, mesh_of
@@ -76,7 +75,7 @@ def _raw(path: Path) -> RawMesh:
     notes = list(found.notes)
     for names, what in (
         (beside.missing, "not found, or not in its folder"),
-        (beside.unread, f"no pictures that can be read, such as PNG or JPEG, of up to {MOST:,} pixels"),
+        (beside.unread, "no pictures that can be read, such as PNG or JPEG"),
     ):
         if names:
             notes.append(f"{what}: {', '.join(map(one_line, names[:3]))}")

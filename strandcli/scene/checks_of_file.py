@@ -24,6 +24,9 @@ def clashes(scene: Scene) -> Iterator[Clash]:
     if scene.camera.name and not scene.camera.file:
         yield ("camera.name", "camera.file"), "names a camera of camera.file; there is none: take it out"
     if given is None:
+        for key in ("frames", "fps"):
+            if getattr(scene.time, key) == 0:
+                yield (f"time.{key}", PLACE), f"0 is as a file of strands says; there is no {PLACE}: write a number"
         if fit is not None:
             yield ("camera.fit", PLACE), f"fits strands of a file into the picture; there is no {PLACE}: take it out"
         return

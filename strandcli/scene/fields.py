@@ -116,9 +116,10 @@ def text(default: str, *, doc: str = "") -> Any:
     return _field(TextSpec(default, doc=doc))
 
 
-def file(kind: str, default: str | None = "", *, doc: str = "") -> Any:
-    """A field that is the path of a file of a kind; it has to be given, or with a default of None may be absent."""
-    return _field(FileSpec(default, kind=kind, doc=doc))
+def file(kind: str, default: str | None = "", *, doc: str = "", numbered: bool = False) -> Any:
+    """A field that is the path of a file of a kind, or may be that of ``numbered`` ones; it has to be given, or with a
+    default of None may be absent."""
+    return _field(FileSpec(default, kind=kind, doc=doc, numbered=numbered))
 
 
 def surface_map(*, doc: str = "") -> Any:

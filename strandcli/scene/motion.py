@@ -62,6 +62,13 @@ def deforming_ground(scene: Scene) -> Any:
     return ground if len(getattr(ground, "deform", ())) > 0 else None
 
 
+def roots_move(scene: Scene) -> bool:
+    """Whether roots move in the emitter's frame where the rule emitter_motion is listed: with a mesh that deforms, or
+    as a file of strands says."""
+    followers = scene.emitter.followers
+    return (followers is not None and followers.moving) or deforming_ground(scene) is not None
+
+
 def pose_in_emitter(solid: Solid, emitter: Emitter) -> Pose:
     """A solid's pose in the emitter's frame, at the start."""
     if solid.follow == "emitter":

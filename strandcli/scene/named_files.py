@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import RefusedError, UsageError
+from ..numbered import is_numbered, numbered
 from .specs import FileSpec, MapSpec
 
 
@@ -21,12 +22,14 @@ def named_file(field: dataclasses.Field[Any], value: Any) -> str | None:
 
 
 def files_of(thing: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[str, str]]:
-    """Yield the key and the path of every file that a scene, or a part of it at a place, names."""
+    """Yield the key and the path of every file that a scene, or a part of it at a place, names; of numbered files the
+    path of each."""
     if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
         for field in dataclasses.fields(thing):
             value = getattr(thing, field.name)
             if named_file(field, value) is not None:
-                yield ".".join((*place, field.name)), value
+                for path in numbered(Path(value)).values() if is_numbered(value) else (value,):
+                    yield ".".join((*place, field.name)), str(path)
             else:
                 yield from files_of(value, (*place, field.name))
     elif isinstance(thing, tuple | list):

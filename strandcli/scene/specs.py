@@ -138,12 +138,12 @@ class TextSpec(Spec):
 
 
 class FileSpec(TextSpec):
-    """The path of a file that is there, beside the preset that names it; ``kind``: who reads it, as
-    `strandcli.fingerprint.READERS` has it."""
+    """The path of a file that is there, beside the preset that names it, or of ``numbered`` ones; ``kind``: who reads
+    it, as `strandcli.fingerprint.READERS` has it."""
 
-    def __init__(self, default: Any = None, *, kind: str, doc: str = "") -> None:
+    def __init__(self, default: Any = None, *, kind: str, doc: str = "", numbered: bool = False) -> None:
         super().__init__(default, doc=doc)
-        self.kind = kind
+        self.kind, self.numbered = kind, numbered
 
 
 class MapSpec(TextSpec):

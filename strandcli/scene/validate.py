@@ -147,7 +147,7 @@ class Reader:
                 case ChoiceSpec():
                     return option(node, spec)
                 case FileSpec():
-                    return file_path(node)
+                    return file_path(node, spec.numbered)
                 case MapSpec():
                     return name_or_file(node)
                 case TextSpec():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from .. import numbered as numbered_files
 from .faults import hint, one_line, shown
 from .nodes import ListNode, Node, Scalar, kind_of
 from .scalars import Refusal, as_number, as_window
@@ -52,12 +53,15 @@ def window(spec: WindowSpec, node: Node) -> tuple[int, int, int, int]:
     return found
 
 
-def file_path(node: Scalar) -> str:
-    """A path as it is from here: one in a preset is meant from the preset's folder."""
+def file_path(node: Scalar, numbered: bool = False) -> str:
+    """A path as it is from here: one in a preset is meant from the preset's folder. ``numbered``: it may stand for
+    files that are numbered."""
     path = Path(node.text)
     if node.mark.line > 0:
         path = Path(node.mark.file).parent / path
     if not os.path.isfile(path):  # Path.is_file raises where a name is too long
+        if numbered and numbered_files.is_numbered(path) and numbered_files.numbered(path):
+            return str(path.absolute())
         shown_path = one_line(str(path)[-LONGEST_PATH:])
         if os.path.exists(path):
             kind = "a folder" if os.path.isdir(path) else "no file but a device or a pipe"

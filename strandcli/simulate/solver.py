@@ -35,6 +35,9 @@ class Solver(ABC):
     results of methods are in the order of emission. Raises `UsageError` for a groom that `check` refuses.
     """
 
+    independent = False
+    """Whether a frame does not depend on those before it."""
+
     def __init__(self, scene: Scene, groom: Groom) -> None:
         check(groom)
         self.scene = scene

@@ -87,9 +87,10 @@ def time_frames(
     """Seconds a stage and the counts of frames 2 to ``frames`` + 1, and the last picture."""
     from .. import compile_ahead
     from ..draw.counting import CountingRenderer, ProcessorRenderer
+    from ..frame_renderer import FrameRenderer
     from ..output import png
     from ..output.files import write_pieces
-    from ..stages import FrameRenderer, RunOptions, SimulationStage
+    from ..stages import RunOptions, SimulationStage
 
     numbers = range(1, frames + 2)
     timed = []

@@ -17,8 +17,9 @@ from strandcli.draw.renderer import Renderer
 from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
 from strandcli.draw.shadows.strands_in_map import coarseness, parts_of, view_numbers
 from strandcli.draw.view.camera import View
+from strandcli.frame_renderer import FrameRenderer
 from strandcli.scene import Scene
-from strandcli.stages import FrameRenderer, RunOptions, SimulationStage
+from strandcli.stages import RunOptions, SimulationStage
 
 HAIRY = """
 emitter: {strands: 40, particles: 5, length: 0.5}

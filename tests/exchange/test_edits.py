@@ -240,13 +240,3 @@ def test_no_strands_are_no_fault() -> None:
         lambda one: resample.resampled(one, 5), lambda one: resample.simplified(one, 1.0),
     ):  # fmt: skip
         assert edit(none)[0].count == 0
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("factor", [1e300, 1e150, 1e-300])
-def test_sizes_of_matrices_are_told_without_overflow(factor: float) -> None:
-    turned = factor * transform.turning("y", "z") @ np.diag([1.0, 8.0, 1.0])
-    assert transform.size_of(turned) == pytest.approx(2 * factor)
-    assert transform.size_of(np.zeros((3, 3))) == 0
-    strands = kit.of([np.zeros((2, 3), np.float32)])
-    assert transform.moved(strands, np.pad(-turned, ((0, 0), (0, 1))))[1].facts["mirrors"]

@@ -27,7 +27,8 @@ def test_each_key_of_the_schema_stands_in_a_table() -> None:
 
 def test_a_row_has_type_range_unit_default_and_meaning() -> None:
     fps = rows("`time`")["fps"]
-    assert fps == ["`fps`", "number", "> 0, ≤ 100,000", "1/s", "`24.0`", "Frames a second."]
+    meaning = "Frames a second; 0: those that the file of strands says, else 24."
+    assert fps == ["`fps`", "number", "≥ 0, ≤ 100,000", "1/s", "`24.0`", meaning]
     assert rows("`camera`")["focus"][4] == "absent"
     assert rows("`lights[]` of kind `directional`")["kind"][2] == "`directional`"
     assert rows("`lights[].shadow`")["model"][4] == "`minmax`"

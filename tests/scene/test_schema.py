@@ -180,7 +180,7 @@ BAD: list[tuple[str, Any]] = [
     ("seed", True),
     ("title", [1]),
     ("solver", "thesys"),
-    ("time", {"fps": 0}),
+    ("time", {"fps": -1}),
     ("time", {"fsp": 1}),
     ("time", []),
     ("camera", {"up": [0, 0, 0]}),

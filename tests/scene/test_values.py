@@ -58,7 +58,7 @@ def test_an_empty_mapping_is_its_defaults_and_an_empty_value_a_fault() -> None:
         ("emitter: {length: 1e-300}", "not '1e-300'"),
         ("emitter: {length: 1e10}", "not '1e10'; single precision ends before that"),
         ("emitter: {length_variation: 1.1}", "must be a number of at least 0 and of at most 1, not '1.1'"),
-        ("time: {fps: 0}", "time.fps: must be a number above 0"),
+        ("time: {fps: -1}", "time.fps: must be a number of at least 0"),
         ("time: {frames: 0}", "time.frames"),
         ("camera: {fov: 180}", "camera.fov: must be a number above 0 and below 180 (deg), not '180'"),
         ("image: {haze: 0}", "image.haze: must be a number above 0 (m), not '0'"),

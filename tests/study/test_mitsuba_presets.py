@@ -21,8 +21,9 @@ pytest.importorskip("mitsuba", reason="Mitsuba is not installed: make check-agai
 import strandcli
 from path_tracer import Figures, Traced, figures, seconds_to, trace
 from strandcli.export import drawn_strands
+from strandcli.frame_renderer import FrameRenderer
 from strandcli.scene.motion import camera_at
-from strandcli.stages import FrameRenderer, RunOptions, SimulationStage
+from strandcli.stages import RunOptions, SimulationStage
 from strandcli.study.pictures.settings import changed, knows
 from strandcli.study.pictures.subject import LinearRenderer
 

@@ -221,6 +221,10 @@ class Archive:
         found = bisect_right(range(last + 1), seconds + CLOSE, key=lambda index: self._time(one, index)) - 1
         return max(0, found)
 
+    def index_at(self, one: Property, seconds: float | None) -> int:
+        """The sample of a property at a time, or the first."""
+        return 0 if seconds is None else self.index(one, seconds)
+
     def _time(self, one: Property, index: int) -> float:
         sampling = one.sampling
         if sampling.cycle >= layout.ACYCLIC and index >= len(sampling.times):

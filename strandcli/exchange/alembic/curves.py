@@ -70,21 +70,24 @@ def _curves(archive: Archive, one: Object) -> Curves:
 def counts_of(archive: Archive, one: Curves, seconds: float | None = None) -> Offsets:
     """Points of each curve (S,), at a time or in the first sample."""
     told = one.counts
-    found = archive.values(told, 0 if seconds is None else archive.index(told, seconds)).reshape(-1)
+    found = archive.values(told, archive.index_at(told, seconds)).reshape(-1)
     if found.size and (int(found.min()) < 0 or int(found.max()) > np.iinfo(np.int32).max):
         worst = int(np.argmin(found) if int(found.min()) < 0 else np.argmax(found))
         raise archive.file.damaged(f"{told.path}: curve {worst:,} has {found[worst]:,} points", told.child.at)
     return found.astype(np.int64)
 
 
-def _control(archive: Archive, one: Curves, index: int) -> Points:
-    """The control points (P, 3) of curves in a sample, where no transform puts them."""
-    return archive.values(one.points, index).astype(np.float32, copy=False)
+def _control(archive: Archive, one: Curves, seconds: float | None) -> Points:
+    """The control points (P, 3) of curves, where no transform puts them, at a time or in the first sample."""
+    return archive.values(one.points, archive.index_at(one.points, seconds)).astype(np.float32, copy=False)
 
 
-def control_of(archive: Archive, one: Curves, fitter: Fitter) -> tuple[ControlCurves, Points]:
-    """What curves are in the first sample, and their control points. Raises `UsageError` where these make no curves."""
-    counts, control = counts_of(archive, one), _control(archive, one, 0)
+def control_of(
+    archive: Archive, one: Curves, fitter: Fitter, seconds: float | None = None
+) -> tuple[ControlCurves, Points]:
+    """What curves are at a time or in the first sample, and their control points. Raises `UsageError` where these make
+    no curves."""
+    counts, control = counts_of(archive, one, seconds), _control(archive, one, seconds)
     basis, knots = basis_of(archive, one.path, one.geometry, counts.size)
     at = one.points.child.at
     return fitter.fitted(
@@ -92,14 +95,16 @@ def control_of(archive: Archive, one: Curves, fitter: Fitter) -> tuple[ControlCu
     ), control  # fmt: skip
 
 
-def part_of(archive: Archive, one: Curves, fitter: Fitter) -> tuple[ControlCurves, Part]:
-    """What curves are in the first sample, and the points on them with their attributes."""
-    curves, control = control_of(archive, one, fitter)
-    matrix = world(archive, one.transforms, None)
+def part_of(
+    archive: Archive, one: Curves, fitter: Fitter, seconds: float | None = None
+) -> tuple[ControlCurves, Part]:  # fmt: skip
+    """What curves are at a time or in the first sample, and the points on them with their attributes."""
+    curves, control = control_of(archive, one, fitter, seconds)
+    matrix = world(archive, one.transforms, seconds)
     attributes: dict[str, Attribute] = {}
     unread = []
     for name, told in _attributes(archive, one).items():
-        found = None if name in attributes else _attribute(archive, told, name, curves)
+        found = None if name in attributes else _attribute(archive, told, name, curves, seconds)
         if found is None:
             unread.append(name)
         else:
@@ -117,8 +122,10 @@ def _attributes(archive: Archive, one: Curves) -> dict[str, Property]:
     return found
 
 
-def _attribute(archive: Archive, told: Property, name: str, curves: ControlCurves) -> Attribute | None:
-    """A property's first sample, None where it has no row for each point or strand or for all."""
+def _attribute(
+    archive: Archive, told: Property, name: str, curves: ControlCurves, seconds: float | None
+) -> Attribute | None:  # fmt: skip
+    """A property's sample at a time, or its first; None where it has no row for each point or strand or for all."""
     indices = None
     if told.kind == layout.COMPOUND:
         both = archive.compound(told)
@@ -129,20 +136,20 @@ def _attribute(archive: Archive, told: Property, name: str, curves: ControlCurve
         values_of = told
     if not values_of.dtype or not values_of.samples or values_of.kind == layout.COMPOUND:
         return None
-    values: Any = archive.values(values_of)
+    values: Any = archive.values(values_of, archive.index_at(values_of, seconds))
     if indices is not None:
-        values = _expanded(archive, indices, values)
+        values = _expanded(archive, indices, values, seconds)
     scope = told.metadata.get("geoScope", values_of.metadata.get("geoScope", ""))
     if values_of.dtype == "?":
         values = (values != 0).astype(np.int8)
     return curves.attribute(name, layout.SCOPES.get(scope, ""), values)
 
 
-def _expanded(archive: Archive, indices: Property, values: Any) -> Any:
+def _expanded(archive: Archive, indices: Property, values: Any, seconds: float | None) -> Any:
     """Values by index: a row for each."""
     if not indices.dtype or indices.extent != 1 or np.dtype(indices.dtype).kind not in "iu":
         raise archive.file.damaged(f"{indices.path}: are no indices", indices.child.at)
-    rows = archive.values(indices).reshape(-1)
+    rows = archive.values(indices, archive.index_at(indices, seconds)).reshape(-1)
     if rows.size and not 0 <= int(rows.min()) <= int(rows.max()) < values.shape[0]:
         raise archive.file.damaged(f"{indices.path}: not all are below {values.shape[0]:,}", indices.child.at)
     archive.container.spend(indices.path, rows.size * values.itemsize * values.shape[1], indices.child.at)
@@ -158,6 +165,14 @@ def times_of(archive: Archive, all_of: list[Curves]) -> list[float]:
     return [time for place, time in enumerate(found) if not place or time - found[place - 1] > CLOSE]
 
 
+def rate_of(all_of: list[Curves]) -> float | None:
+    """Frames a second of samples that are taken at equal distances or in cycles; None where none are."""
+    change = [one.points for one in all_of]
+    change += [move.values for one in all_of for move in one.transforms if move.values]
+    cycles = [one.sampling.cycle for one in change if one.last and 0 < one.sampling.cycle < layout.ACYCLIC]
+    return 1 / min(cycles) if cycles else None
+
+
 def at_times(
     archive: Archive, all_of: list[Curves], first: list[ControlCurves], times: list[float]
 ) -> Iterator[tuple[float, list[Points]]]:
@@ -167,7 +182,7 @@ def at_times(
         archive.container.renew()
         found = []
         for one, curves in zip(all_of, first, strict=True):
-            control = _control(archive, one, archive.index(one.points, seconds))
+            control = _control(archive, one, seconds)
             if one.counts.last and not np.array_equal(counts_of(archive, one, seconds), curves.counts):
                 raise archive.file.fault(
                     f"{one.path}: at {seconds:g} s it has other curves than at first", one.counts.child.at

@@ -44,14 +44,10 @@ def world(archive: Archive, transforms: list[Transform], seconds: float | None) 
     for one in transforms:
         found = found @ _matrix(archive, one, seconds)
         if one.inherits is not None and one.inherits.samples:
-            inherits = archive.values(one.inherits, _index(archive, one.inherits, seconds))
+            inherits = archive.values(one.inherits, archive.index_at(one.inherits, seconds))
             if not inherits.any():
                 break
     return None if np.array_equal(found, np.eye(4)) else found
-
-
-def _index(archive: Archive, one: Property, seconds: float | None) -> int:
-    return 0 if seconds is None else archive.index(one, seconds)
 
 
 def _matrix(archive: Archive, one: Transform, seconds: float | None) -> Matrix:
@@ -60,7 +56,7 @@ def _matrix(archive: Archive, one: Transform, seconds: float | None) -> Matrix:
     if one.operations is None or one.values is None or not one.operations.samples:
         return found
     codes = [int(code) >> 4 for code in archive.values(one.operations).reshape(-1)]
-    values = archive.values(one.values, _index(archive, one.values, seconds)).reshape(-1).astype(np.float64)
+    values = archive.values(one.values, archive.index_at(one.values, seconds)).reshape(-1).astype(np.float64)
     if set(codes) - set(layout.CHANNELS) or sum(layout.CHANNELS[code] for code in codes) != values.size:
         raise archive.file.damaged(
             f"{one.values.path}: {values.size:,} numbers of operations {codes}", one.values.child.at

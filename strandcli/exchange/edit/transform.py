@@ -55,24 +55,17 @@ def scaled(strands: Strands, factor: float) -> tuple[Strands, Change]:
 def moved(strands: Strands, matrix: Matrix) -> tuple[Strands, Change]:
     """Strands under a matrix (3, 4): p ↦ A p + b. Raises `UsageError` where A is flat."""
     linear = matrix[:, :3]
-    unit = linear / max(np.abs(linear).max(), np.finfo(float).tiny)
-    if not abs(np.linalg.det(unit)) > SINGULAR:
+    if not abs(np.linalg.det(linear)) > SINGULAR * np.abs(linear).max() ** 3:
         raise UsageError("--matrix: makes all points lie in one plane")
-    mirrored = bool(np.linalg.det(unit) < 0)
+    mirrored = bool(np.linalg.det(linear) < 0)
     changed = _apply(strands, linear, matrix[:, 3])
     changed = replace(changed, source=replace(strands.source, unit=None, up=None))
     text = "transformed by a matrix" + (" that mirrors" if mirrored else "")
     return changed, Change("matrix", text, {"matrix": matrix.tolist(), "mirrors": mirrored})
 
 
-def size_of(linear: Matrix) -> float:
-    """How many times as long a matrix (3, 3) makes lengths, in the mean: the cube root of its determinant."""
-    most = float(np.abs(linear).max())
-    return most * float(np.cbrt(abs(np.linalg.det(linear / most)))) if most > 0 else 0.0
-
-
 def _apply(strands: Strands, linear: Matrix, shift: Matrix) -> Strands:
-    size = size_of(linear)
+    size = float(np.cbrt(abs(np.linalg.det(linear))))
     found = {}
     for name, one in strands.attributes.items():
         values: npt.NDArray[Any] = one.values

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..alembic import layout
 from ..alembic.archive import Archive
-from ..alembic.curves import all_curves, at_times, control_of, part_of, times_of
+from ..alembic.curves import all_curves, at_times, control_of, part_of, rate_of, times_of
 from ..alembic.export import write_curves
 from ..bounded import opened
 from ..control import Fitter, facts_of
@@ -31,12 +31,13 @@ def sniff(head: bytes, size: int) -> bool:
 
 
 def read(path: Path, options: ReadOptions) -> Strands:
-    """The strands of a file, of all its objects of curves in their first sample. Cubic curves become points on them."""
+    """The strands of a file, of all its objects of curves in their first sample or at a time. Cubic curves become
+    points on them."""
     with opened(path, WHAT, options.lenient) as file:
         archive = Archive(file)
         curves = all_curves(archive)
-        fitter = Fitter(file.size)
-        fitted = [part_of(archive, one, fitter) for one in curves]
+        fitter = Fitter(file.size, options.pieces)
+        fitted = [part_of(archive, one, fitter, options.at) for one in curves]
         times = times_of(archive, curves)
         facts: dict[str, Any] = {
             **facts_of([one for one, _ in fitted]),
@@ -44,7 +45,11 @@ def read(path: Path, options: ReadOptions) -> Strands:
         }  # fmt: skip
         if archive.metadata.get("_ai_Application"):
             facts["application"] = archive.metadata["_ai_Application"]
-        strands, lost = joined([part for _, part in fitted], Source(name, archive.version, facts))
+        source = Source(
+            name, archive.version, facts, times=tuple(times), rate=rate_of(curves),
+            steady=not any(one.counts.last for one in curves), pieces=tuple(one.each for one, _ in fitted),
+        )  # fmt: skip
+        strands, lost = joined([part for _, part in fitted], source)
     if lost:
         facts["attributes_not_read"] = lost
     return without_short(strands)

@@ -17,7 +17,7 @@ from ..usd.export import write_stage
 
 name = ".usd"
 suffixes = (".usd", ".usda", ".usdc")
-moving = staged = True
+moving = staged = interpolates = True
 bases = (LINEAR, CATMULL_ROM)
 
 MAGIC = {b"PXR-USDC": "binary", b"#usda ": "text", b"#sdf ": "text"}
@@ -32,12 +32,16 @@ def sniff(head: bytes, size: int) -> bool:
 
 def read(path: Path, options: ReadOptions) -> Strands:
     """The strands of a file, of all prims of BasisCurves that are visible, where their transforms put them at the first
-    time. Cubic curves become points on them."""
+    time, or another. Cubic curves become points on them."""
     encoding = _encoding(path)
-    stage = Reader(path, options.lenient, encoding == "text").stage()
+    stage = Reader(path, options.lenient, encoding == "text", options.pieces).stage(options.at)
     told = stage.told
     facts = _facts(stage, encoding)
-    strands, lost = joined(stage.parts, Source(name, "", facts, told["unit"] or None, told["up"]))
+    source = Source(
+        name, "", facts, told["unit"] or None, told["up"], times=tuple(told["times"]), rate=told["rate"],
+        steady=told["steady"], pieces=tuple(one.each for one in stage.curves),
+    )  # fmt: skip
+    strands, lost = joined(stage.parts, source)
     if lost:
         facts["attributes_not_read"] = lost
     return without_short(strands)

@@ -40,14 +40,15 @@ class Stage:
 class Reader:
     """Reads a file, and checks what the worker says of it."""
 
-    def __init__(self, path: Path, lenient: bool, text: bool) -> None:
-        """``lenient``: NaN and infinity are let in; ``text``: it is a file of text."""
+    def __init__(self, path: Path, lenient: bool, text: bool, pieces: tuple[int, ...] = ()) -> None:
+        """``lenient``: NaN and infinity are let in; ``text``: it is a file of text; ``pieces``: as of `ReadOptions`."""
         self.path, self.lenient, self.text = path, lenient, text
-        self.fitter = Fitter(path.stat().st_size)
+        self.fitter = Fitter(path.stat().st_size, pieces)
 
-    def stage(self) -> Stage:
-        """All that is read. Raises `UsageError` for a file that is damaged."""
-        messages = self._ask("read")
+    def stage(self, at: float | None = None) -> Stage:
+        """All that is read, at the first time or ``at`` so many seconds. Raises `UsageError` for a file that is
+        damaged."""
+        messages = self._ask("read", at=at)
         found = Stage(next(messages)[0])
         for message in messages:
             self._add(found, message)
@@ -74,8 +75,8 @@ class Reader:
         """An error about the file."""
         return UsageError(f"{self.path}: {one_line(words)}")
 
-    def _ask(self, what: str) -> Iterator[Message]:
-        return ask(self.path, {"do": what, "path": str(self.path.absolute()), "text": self.text})
+    def _ask(self, what: str, **more: Any) -> Iterator[Message]:
+        return ask(self.path, {"do": what, "path": str(self.path.absolute()), "text": self.text, **more})
 
     def _add(self, stage: Stage, message: Message) -> None:
         told, (counts, points, *values) = message

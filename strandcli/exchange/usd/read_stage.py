@@ -21,6 +21,8 @@ OTHER_CURVES = ("PointInstancer",)
 OWN = ("widths", "normals")
 """Attributes that curves have themselves."""
 UNREAD = ("velocities", "accelerations")
+CLOSE = 1e-6
+"""Time codes by which times may differ that mean the same."""
 MOST_FINDINGS = 5
 """Places that are told by name."""
 
@@ -74,7 +76,8 @@ def layers_of(stage: Usd.Stage) -> list[str]:
 
 
 def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
-    """What a stage says of all curves, then of each prim of curves its points and attributes at the first time."""
+    """What a stage says of all curves, then of each prim of curves its points and attributes at the first time, or
+    "at" so many seconds."""
     stage = opened(request["path"])
     prims, told = curves_of(stage)
     times = times_of(prims)
@@ -83,12 +86,16 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
         **told,
         "up": str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else None,
         "unit": UsdGeom.GetStageMetersPerUnit(stage) if UsdGeom.StageHasAuthoredMetersPerUnit(stage) else None,
-        "times": [time / rate for time in times],
+        "times": [time / rate for time in times], "rate": frame_rate_of(stage),
+        "steady": not any(UsdGeom.BasisCurves(prim).GetCurveVertexCountsAttr().GetNumTimeSamples() > 1
+                          for prim in prims),
         "application": str((stage.GetRootLayer().customLayerData or {}).get("creator", "")),
         "not_found": len(stage.GetCompositionErrors()),
         "layers": layers_of(stage),
     }, []  # fmt: skip
-    moment = Usd.TimeCode(times[0]) if times else Usd.TimeCode.Default()
+    moment = Usd.TimeCode.Default()
+    if times:
+        moment = Usd.TimeCode(times[0] if request["at"] is None else _code(times, request["at"] * rate))
     places = UsdGeom.XformCache(moment)
     for prim in prims:
         yield _curves(UsdGeom.Curves(prim), moment, places)
@@ -118,6 +125,18 @@ def rate_of(stage: Usd.Stage) -> float:
     """Time codes a second."""
     found = float(stage.GetTimeCodesPerSecond())
     return found if found > 0 else 24.0
+
+
+def frame_rate_of(stage: Usd.Stage) -> float:
+    """Frames a second: those that the stage says, else its time codes."""
+    told = float(stage.GetFramesPerSecond()) if stage.HasAuthoredMetadata("framesPerSecond") else 0.0
+    return told if told > 0 else rate_of(stage)
+
+
+def _code(times: list[float], code: float) -> float:
+    """A time code; the sample's own where there is one, so that it is found whatever was rounded."""
+    near = min(times, key=lambda time: abs(time - code))
+    return near if abs(near - code) < CLOSE else code
 
 
 def curves_of(stage: Usd.Stage) -> tuple[list[Usd.Prim], dict[str, Any]]:

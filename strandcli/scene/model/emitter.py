@@ -77,7 +77,17 @@ class GroomFile:
     position, rotation and keys carry them. Their number, points and lengths are those of the file. Where rules move
     strands, some of the file's are simulated as guides, and all follow these."""
 
-    file: str = file("strands", doc="file of strands: .hair, .data, .bin, .tfx, .ply, .npz, .abc or .usd")
+    file: str = file(
+        "strands",
+        doc="file of strands: .hair, .data, .bin, .tfx, .ply, .npz, .abc or .usd; of files that are numbered by the "
+        "frame the name with # or %04d for the number, as strands.####.ply",
+        numbered=True,
+    )
+    start: float | None = number(
+        None, low=-1e6, high=1e9,
+        doc="what frame 1 shows of strands that move: seconds in the file, of numbered files the number; absent: the "
+        "first moment",
+    )  # fmt: skip
     up: str = placed_file.up(auto="as the file says, or a clear guess, else y")
     root: str = choice(
         "auto",
@@ -150,6 +160,8 @@ class Followers:
     """Middle of the box about all roots, in the emitter's frame."""
     radius: float
     """Metres from there to the farthest root."""
+    moving: bool
+    """Whether the file moves, and roots with it."""
 
 
 LEAST_LENGTH = 1e-6

@@ -21,8 +21,15 @@ from .style import Children
 class Time:
     """The clock. Frame 1 is at time 0; frame f is at (f - 1) / fps."""
 
-    frames: int = integer(48, low=1, high=1_000_000, doc="frames in the whole animation")
-    fps: float = number(24.0, above=0, high=100_000, unit="1/s", doc="frames a second")
+    frames: int = integer(
+        48,
+        low=0,
+        high=1_000_000,
+        doc="frames in the whole animation; 0: all that the file of strands has, 1 if it is still",
+    )
+    fps: float = number(
+        24.0, low=0, high=100_000, unit="1/s", doc="frames a second; 0: those that the file of strands says, else 24"
+    )
     substeps: int = integer(
         1, low=1, high=1000,
         doc="solver steps a frame; the step is 1 / (fps * substeps), which rods cut where coils or swings ask for it",

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...constants import W
-from ...scene.motion import deforming_ground, emitter_pose
+from ...scene.motion import emitter_pose, roots_move
 from .rule import Moment, Pass
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def apply(clamp: Any, root: Any, rest_clamp: Any, rest_root: Any, p: Any) -> Non
 
 def idle(parameters: Parameters, scene: Scene) -> str:
     """Why this rule has nothing to do, or nothing."""
-    if len(scene.emitter.keys) > 1 or deforming_ground(scene) is not None:
+    if len(scene.emitter.keys) > 1 or roots_move(scene):
         return ""
     return "the emitter has fewer than two keys: it never moves"
 

@@ -10,7 +10,8 @@ from strandcli.draw import canvas
 from strandcli.draw.common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from strandcli.draw.lighting.kernels import lattice
 from strandcli.draw.solids.solids import NONE
-from strandcli.stages import FrameRenderer, RunOptions, SimulationStage
+from strandcli.frame_renderer import FrameRenderer
+from strandcli.stages import RunOptions, SimulationStage
 
 WIDTH, HEIGHT = 23, 17
 ALL, LIT, COATED = int(lattice.ALL), int(lattice.LIT), int(lattice.COATED)

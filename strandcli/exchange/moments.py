@@ -1,0 +1,112 @@
+"""Strands that move: the moments of a file, or of numbered files, each a moment of its own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import UsageError
+from ..inputs import note
+from ..numbered import file_of, is_numbered, numbered
+from .files import ReadOptions, format_of, read
+from .strands import Strands
+
+NEAR = 1e-5
+"""Seconds, or numbers of files, by which times may differ that mean the same."""
+USUAL = 24.0
+"""Frames a second of files that say none."""
+SPREAD = 0.01
+"""Share by which the distances of times may differ that are meant to be equal."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """When strands are known, and how they are read then. ``clock`` (M,), rising: seconds, or numbers of files."""
+
+    path: Path
+    options: ReadOptions
+    clock: npt.NDArray[np.float64]
+    rate: float
+    """Frames a second."""
+    steady: bool
+    """Whether the file says that all moments have the same strands."""
+    interpolates: bool
+    """Whether the file itself tells what is between moments."""
+    files: Mapping[int, Path]
+    """Numbered files; none of a single file."""
+
+    def at(self, seconds: float, fps: float, start: float | None = None) -> float:
+        """The clock, within its range, so many seconds after frame 1 of a film of a rate, where it shows ``start``."""
+        value = (self.clock[0] if start is None else start) + seconds * (fps if self.files else 1.0)
+        return float(min(max(value, self.clock[0]), self.clock[-1]))
+
+    def around(self, value: float) -> tuple[int, float]:
+        """The last moment that is not after a value of the clock, and how far that is to the next one, in [0, 1)."""
+        index = max(int(np.searchsorted(self.clock, value + NEAR, side="right")) - 1, 0)
+        past = value - self.clock[index]
+        if past <= NEAR or index + 1 == self.clock.size:
+            return index, 0.0
+        share = past / (self.clock[index + 1] - self.clock[index])
+        return index, float(share)
+
+    def read(self, value: float) -> Strands:
+        """The strands at a value of the clock."""
+        if self.files:
+            return read(self.files[round(value)], self.options)
+        return read(self.path, replace(self.options, at=value))
+
+    def frames(self, fps: float, start: float | None = None) -> int:
+        """How many frames a film of a rate has that shows all."""
+        span = self.clock[-1] - (self.clock[0] if start is None else start)
+        return max(round(span * (1.0 if self.files else fps)), 0) + 1
+
+    def require(self, value: float) -> None:
+        """Raise `UsageError` where a numbered file is missing that is shown at a value of the clock."""
+        for number in (math.floor(value + NEAR), math.ceil(value - NEAR)) if self.files else ():
+            if number not in self.files:
+                raise UsageError(f"{file_of(self.path, number)}: there is no such file, which a frame is to show")
+
+
+def first_of(path: Path) -> Path:
+    """The file that a path names, of numbered ones the first. Raises `UsageError` where there is none of these."""
+    if not is_numbered(path):
+        return path
+    found = numbered(path)
+    if not found:
+        raise UsageError(f"{path}: there is no file with a number in place of # or %04d")
+    return next(iter(found.values()))
+
+
+def read_first(path: Path, options: ReadOptions, start: float | None = None) -> tuple[Strands, Moments | None]:
+    """The strands of a file, or of numbered ones, at their first moment or at a value of their clock; and the moments
+    of those that have several."""
+    files = numbered(path) if is_numbered(path) else {}
+    for one in files.values():
+        note(one)
+    strands = read(first_of(path), options)
+    times = tuple(map(float, files)) if files else strands.source.times
+    if len(times) < 2:
+        return strands, None
+    clock = np.array(times)
+    pieces = replace(options, pieces=strands.source.pieces)
+    moments = Moments(
+        path, pieces, clock, strands.source.rate or (USUAL if files else _rate(clock)),
+        not files and strands.source.steady,
+        not files and getattr(format_of(path), "interpolates", False), files,
+    )  # fmt: skip
+    if start is None:
+        return strands, moments
+    index, _ = moments.around(moments.at(0.0, 1.0, start))
+    return moments.read(clock[index]), moments
+
+
+def _rate(seconds: npt.NDArray[np.float64]) -> float:
+    """Moments a second where they are at equal distances."""
+    steps = np.diff(seconds)
+    mean = float(steps.mean())
+    return 1 / mean if np.abs(steps - mean).max() < SPREAD * mean else USUAL

@@ -1,0 +1,166 @@
+"""Strands of files that move: frame N draws moment N."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import exchange_kit as kit
+import groom_file_kit as groom_kit
+import strandcli
+from strandcli.blocks import unpack
+from strandcli.errors import UsageError
+from strandcli.exchange.files import write
+from strandcli.exchange.strands import TimeSample
+from strandcli.scene.model import Scene
+from strandcli.stages import RunOptions, SimulationStage
+
+Floats = npt.NDArray[np.float64]
+Motion = Callable[[Floats, float], Floats]
+COUNTS = (3, 9, 4, 12, 7)
+STRANDS = groom_kit.hanging(COUNTS)
+FPS = 24.0
+
+
+def turned(points: Floats, time: float) -> Floats:
+    """A turn about y."""
+    s, c = np.sin(2 * time), np.cos(2 * time)
+    return points @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
+
+
+def shifted(points: Floats, time: float) -> Floats:
+    return points + time * np.array([0.4, -0.1, 0.2])
+
+
+def grown(points: Floats, time: float) -> Floats:
+    """Growth of whole strands from the first point of each file, (1 + t) times as long."""
+    first = np.repeat(points[np.cumsum([0, *COUNTS[:-1]])], COUNTS, axis=0)
+    return first + (1 + time) * (points - first)
+
+
+def file_of(folder: Path, form: str, motion: Motion, times: Sequence[float]) -> Path:
+    """Strands at so many times, seconds after the first one of the file, 2 s."""
+    held = kit.of(STRANDS)
+    samples = [TimeSample(2.0 + t, motion(held.points.astype(np.float64), t).astype(np.float32)) for t in times]
+    if form != "ply":
+        path = folder / f"moving.{form}"
+        write(path, held, samples)
+        return path
+    for number, sample in enumerate(samples, 7):
+        parts = np.split(sample.points, np.cumsum(COUNTS)[:-1])
+        (folder / f"moving.{number:04d}.ply").write_bytes(kit.ply(parts))
+    return folder / "moving.####.ply"
+
+
+def shown(given: Scene, frames: Sequence[int]) -> list[list[Any]]:
+    """What is drawn of each strand of the file at frames, without points that shorter ones get."""
+    stage = SimulationStage(given, frames, None, RunOptions())
+    found = []
+    for number in frames:
+        moved = stage.begin(number)
+        groom = moved.groom or stage.groom
+        found.append(list(groom.emitted(unpack(moved.positions, groom.strands)[:, 1:]).copy()))
+    return found
+
+
+def off(strand: Any, points: Floats) -> float:
+    """How far any of the points of a strand of a file is from the nearest point of the drawn one."""
+    away = np.linalg.norm(strand.astype(np.float64)[:, None] - points[None], axis=2)
+    return float(away.min(axis=0).max())
+
+
+def at(motion: Motion, time: float) -> list[Floats]:
+    held = kit.of(STRANDS).points.astype(np.float64)
+    return np.split(motion(held, time), np.cumsum(COUNTS)[:-1])
+
+
+def require(form: str) -> None:
+    if form.startswith("usd"):
+        pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
+
+
+@pytest.mark.parametrize("form", ["abc", "usda", "ply"])
+@pytest.mark.parametrize("motion", [turned, shifted, grown])
+def test_frame_n_draws_moment_n(tmp_path: Path, form: str, motion: Motion) -> None:
+    """A file that is drawn by itself has as many frames as moments, and each draws its own."""
+    require(form)
+    path = file_of(tmp_path, form, motion, [i / FPS for i in range(5)])
+    given = groom_kit.scene(path)
+    assert (given.time.frames, given.time.fps) == (5, pytest.approx(FPS))
+    for number, strands in enumerate(shown(given, range(1, 6))):
+        assert max(map(off, strands, at(motion, number / FPS))) < 1e-6
+
+
+@pytest.mark.parametrize("form", ["abc", "usda"])
+def test_between_moments_points_move_in_straight_lines(tmp_path: Path, form: str) -> None:
+    require(form)
+    path = file_of(tmp_path, form, turned, [0.0, 0.1, 0.5])
+    given = groom_kit.scene(path, time__fps=40, time__frames=30)
+    for number, strands in zip((3, 5, 6, 17, 21, 25), shown(given, (3, 5, 6, 17, 21, 25)), strict=True):
+        time = min((number - 1) / 40, 0.5)
+        a, b = (0.0, 0.1) if time < 0.1 else (0.1, 0.5)
+        share = (time - a) / (b - a)
+        wanted = [p + share * (q - p) for p, q in zip(at(turned, a), at(turned, b), strict=True)]
+        assert max(map(off, strands, wanted)) < 1e-6
+
+
+@pytest.mark.parametrize("form", ["abc", "ply"])
+def test_frames_do_not_depend_on_those_drawn_before(tmp_path: Path, form: str) -> None:
+    path = file_of(tmp_path, form, turned, [i / FPS for i in range(6)])
+    given = groom_kit.scene(path)
+    whole = shown(given, range(1, 7))
+    for some in ((4,), (2, 5), (1, 3, 6)):
+        for number, strands in zip(some, shown(given, some), strict=True):
+            assert all((a == b).all() for a, b in zip(strands, whole[number - 1], strict=True))
+
+
+def test_a_moment_in_the_middle_may_be_the_first(tmp_path: Path) -> None:
+    """`start` is a number of numbered files, and seconds of others."""
+    for form, start in (("abc", 2.0 + 2 / FPS), ("ply", 9)):
+        given = groom_kit.scene(
+            file_of(tmp_path, form, turned, [i / FPS for i in range(5)]), emitter__groom__start=start
+        )
+        assert given.time.frames == 3
+        for number, strands in zip((1, 3), shown(given, (1, 3)), strict=True):
+            assert max(map(off, strands, at(turned, (number + 1) / FPS))) < 1e-6
+
+
+def test_the_ends_hold(tmp_path: Path) -> None:
+    given = groom_kit.scene(file_of(tmp_path, "abc", turned, [0.0, 1 / FPS]), time__frames=9)
+    (last,) = shown(given, (9,))
+    assert max(map(off, last, at(turned, 1 / FPS))) < 1e-6
+
+
+def test_a_missing_numbered_file_is_named(tmp_path: Path) -> None:
+    path = file_of(tmp_path, "ply", turned, [i / FPS for i in range(5)])
+    (tmp_path / "moving.0009.ply").unlink()
+    given = groom_kit.scene(path)
+    assert given.time.frames == 5
+    shown(given, (1, 2, 5))
+    with pytest.raises(UsageError, match=r"moving\.0009\.ply: there is no such file"):
+        shown(given, (1, 3))
+
+
+def test_strands_that_come_and_go(tmp_path: Path) -> None:
+    """Each frame has the strands of its own moment, and at frames between those of the one before."""
+    for number, some in enumerate((STRANDS, STRANDS[:2], [*STRANDS, STRANDS[0] + 1]), 1):
+        (tmp_path / f"a.{number}.ply").write_bytes(kit.ply(some))
+    given = groom_kit.scene(tmp_path / "a.%d.ply")
+    for strands, wanted in zip(
+        shown(given, (1, 2, 3)), (STRANDS, STRANDS[:2], [*STRANDS, STRANDS[0] + 1]), strict=True
+    ):
+        assert len(strands) == len(wanted)
+        assert max(map(off, strands, wanted)) < 1e-6
+
+
+def test_files_of_other_names_are_not_numbered_ones(tmp_path: Path) -> None:
+    """A name with # of a file that is there is that file; where no number fits, the setting is refused."""
+    path = groom_kit.write(tmp_path / "a#.data", STRANDS)
+    assert groom_kit.scene(path).emitter.strands == len(STRANDS)
+    with pytest.raises(strandcli.scene.SceneError, match="no file"):
+        groom_kit.scene(tmp_path / "b.####.data")
