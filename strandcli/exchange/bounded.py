@@ -16,6 +16,8 @@ from .. import inputs
 from ..errors import UsageError, one_line
 from .strands import CHUNK, Offsets
 
+TIMES, SPARE = 3, 90_000_000
+"""Memory that what is read may take: so many times the file, and so many bytes."""
 SLICE = 1 << 22
 """Bytes that are converted at once."""
 
@@ -56,6 +58,13 @@ class Bounded:
         if count * each > self.left:
             needs, left = amount(count * each), amount(self.left)
             raise self.damaged(f"{field}: {count:,} need {needs}, the file holds {left} there", at)
+
+    def room(self, field: str, count: int, each: int) -> None:
+        """Raise where ``count`` items of ``each`` bytes in memory take far more than the file: few bytes may name the
+        same things again and again."""
+        if count * each > TIMES * self.size + SPARE:
+            takes, size = amount(count * each), amount(self.size)
+            raise self.damaged(f"{field}: {count:,} take {takes} of memory, of a file of {size}", 0)
 
     def seek(self, field: str, position: int, at: int | None = None) -> None:
         """Go on reading at a byte that the file itself names."""

@@ -32,6 +32,8 @@ CORNERS = (
 """How corners are written, and the tables that they name."""
 CORNER = re.compile(rb"[-+]?\d{1,18}(?:/(?:[-+]?\d{1,18})?){0,2}")
 """A corner that is written in any of these ways, also with slashes that nothing follows."""
+OF_CORNER = 30
+"""Bytes that a corner of a polygon takes."""
 MENDS = "write it anew from its program, with triangles"
 
 
@@ -56,6 +58,7 @@ def read_obj(path: Path, beside: Beside) -> list[RawMesh]:
         line = 1
         for lines in _blocks(file):
             _block(found, [one.split() for one in lines], line)
+            file.room("corners", sum(map(len, found.corners)), OF_CORNER)
             line += len(lines)
     return [_mesh(found, beside)] if found.corners else []
 

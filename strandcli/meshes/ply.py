@@ -25,6 +25,8 @@ XYZ, NORMAL, RGB = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")
 TEXTURE = "texturefile"
 LONGEST_ROW = 4096
 """Bytes of a row of lists, at most, to be read with others at once."""
+OF_NUMBER = 14
+"""Bytes that a number of a text takes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +86,7 @@ def _lists(file: Bounded, element: Element, order: str) -> Rows:
             file.seek(element.name, begin + element.count * size)
             whole = {name: rows[str(k)].reshape(-1) for k, (name, _, _) in enumerate(element.columns)}
             return _rows(element, whole, np.broadcast_to(lengths, (element.count, len(layout))))
+    file.room(f"element {element.name}: lengths of its lists", element.count * len(layout), 16)
     begins, lengths = (np.empty((element.count, len(layout)), np.int64) for _ in range(2))
     size = int(walk(data, layout, big, begins, lengths))
     if size < 0:
@@ -128,7 +131,9 @@ def _text(file: Bounded, elements: dict[str, Element]) -> dict[str, Rows]:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            numbers = np.fromstring(file.take("content", file.left), np.float64, sep=" ")
+            content = file.take("content", file.left)
+            file.room("numbers", content.count(b" ") + content.count(b"\n"), OF_NUMBER)
+            numbers = np.fromstring(content, np.float64, sep=" ")
         except (ValueError, DeprecationWarning):
             raise file.damaged("is not numbers alone, as its header tells", begin) from None
     found: dict[str, Rows] = {}

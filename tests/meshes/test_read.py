@@ -12,6 +12,7 @@ from PIL import Image
 
 import mesh_kit as kit
 from strandcli.errors import StrandError, UsageError
+from strandcli.exchange import bounded
 from strandcli.meshes.make import RawMesh, mesh_of
 from strandcli.meshes.mesh import TriangleMesh
 from strandcli.meshes.read import read_mesh
@@ -246,3 +247,30 @@ def test_real_files() -> None:
     assert spot.uv is not None
     head = read_mesh(SHARED / "wig_head.obj")
     assert (head.vertices.shape[0], head.closed, head.facts.parts) == (964, True, 2)
+
+
+def test_small_words_that_name_much_are_refused_and_ordinary_meshes_are_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bounded, "SPARE", 0)
+    vertices, triangles = kit.head(128)
+    head = TriangleMesh(vertices.round(6), triangles.astype(np.int32), vertices)
+    faces = [*([0, 1, 2, 3] for _ in range(2)), *triangles.tolist()]
+    for name, content in {
+        "a.obj": kit.obj(head), "a.ply": kit.ply(head), "b.ply": kit.ply(head, faces=faces), "c.ply": kit.ply(head, ""),
+    }.items():  # fmt: skip
+        assert read_mesh(written(tmp_path, name, content)).triangles.shape[0] >= len(triangles)
+    points = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    header = (
+        "ply\nformat {}\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 999\n"
+    )
+    text = header.format("ascii 1.0") + "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+    lists = "".join(f"property list uchar uchar {name}\n" for name in ("vertex_indices", *"abcdefghij"))
+    binary = (header.format("binary_little_endian 1.0") + lists + "end_header\n").encode() + bytes(36)
+    for name, content in {
+        "fan.obj": points + b"f" + b" 1 2 3 4" * 9999 + b"\n", "many.obj": points + b"f 1 2 3\n" * 9999,
+        "text.ply": text.encode() + b"3 0 1 2\n" * 999, "lists.ply": binary + (b"\3\0\1\2" + bytes(10)) * 998 +
+        b"\3\0\1\2\1\0" + bytes(9),
+    }.items():  # fmt: skip
+        with pytest.raises(UsageError, match=r"[\d,]+ take [\d.]+ .?B of memory, of a file of"):
+            read_mesh(written(tmp_path, name, content))
