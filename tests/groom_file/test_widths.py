@@ -15,6 +15,7 @@ from hypothesis import strategies as some
 import exchange_kit
 import usd_kit
 from groom_file_kit import Strand, hanging, image, scene, write
+from strandcli import pipeline
 from strandcli.exchange import files
 from strandcli.exchange.edit.resample import resampled, simplified
 from strandcli.exchange.strands import Attribute, Strands
@@ -212,6 +213,25 @@ def test_strands_that_follow_have_the_widths_of_their_points(tmp_path: Path) -> 
         at = np.append(0, np.cumsum(np.linalg.norm(np.diff(strands[s].astype(float), axis=0), axis=1)))
         off = np.interp(at, at[places], own) - widths[200 * s : 200 * (s + 1)]
         assert np.abs(off).max() / 2 < 1.2 * known.tolerance
+
+
+@pytest.mark.parametrize(("resolver", "width"), [("sorted", 0.3), ("sorted", 12.0), ("zbuffer", 3.0)])
+def test_the_mask_is_the_area_of_a_strand(tmp_path: Path, resolver: str, width: float) -> None:
+    """Of one that is straight, its length times its mean width, pixels."""
+    t, metre = np.linspace(0, 1, 40), 50.0
+    line = np.stack([0.3 * t, t, 0 * t], 1).astype(np.float32)
+    widths = (width / metre * (0.55 + 0.4 * np.cos(5 * t))).astype(np.float32)
+    files.write(tmp_path / "a.npz", with_widths([line], widths))
+    camera = {"kind": "orthographic", "height": 72 / metre, "fit": None, "position": [0, 0, 3], "target": [0, 0, 0]}
+    picture = {"size": (72, 72), "resolver": resolver, "supersample": 4 if resolver == "zbuffer" else 1}
+    given = scene(
+        tmp_path / "a.npz", emitter__groom__place="origin", image__aovs=("mask",),
+        **{f"camera__{key}": value for key, value in camera.items()},
+        **{f"image__{key}": value for key, value in picture.items()},
+    )  # fmt: skip
+    (frame,) = pipeline.render(given, [1])
+    want = float(np.hypot(0.3, 1) * metre * metre * np.trapezoid(widths.astype(float), t))
+    assert frame.aovs["mask"].sum(dtype=float) == pytest.approx(want, rel=0.003)
 
 
 @pytest.mark.parametrize("turn", [np.eye(3), np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]])
