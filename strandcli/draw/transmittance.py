@@ -14,10 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .common.kernels.keys import EMPTY, FIRST, LOW
 from .common.scratch import Scratch
 from .coverage.coverage import Layer
 from .film import haze
 from .film.kernels import film
+from .lighting.kernels.lattice import DRAWN
 from .lighting.lighting import NO_SPOTS, NOT_HIDDEN, Lighting
 from .lighting.sparse_light import is_costly, shade_surfaces
 from .solids.edges import Edges
@@ -32,13 +34,27 @@ def draw_solids(
     thick = lighting.scene.image.haze
     top, bottom = rows or (0, len(image))
     behind = None if thick is None else image[top:bottom].copy()
-    if rows is not None and is_costly(lighting):
+    if lighting.like is not None and not lighting.fades:
+        blacken(keys, image, hidden, (top, bottom))
+    elif rows is not None and is_costly(lighting):
         shade_surfaces(lighting, keys, image, hidden, rows, scratch)
     else:
         lighting.shade_surfaces(keys, image, spots, hidden, rows)
     if thick is not None and behind is not None:
         here = slice(top * image.shape[1], bottom * image.shape[1])
         haze.veil_solids(thick, lighting.view, behind, keys[here], image[top:bottom], hidden[here])
+
+
+def blacken(
+    keys: NDArray[np.uint64], image: NDArray[np.float32], hidden: NDArray[np.uint8], rows: tuple[int, int]
+) -> None:
+    """Blacken the pixels that show a solid: what `shade_surfaces` does without light where none fades."""
+    width = image.shape[1]
+    here = slice(rows[0] * width, rows[1] * width)
+    there = (keys[here] != EMPTY) & ((keys[here] & LOW) >= FIRST)
+    if len(hidden):
+        there &= hidden[here] == DRAWN
+    image.reshape(-1, 3)[here][there] = 0
 
 
 class Transmittance:
@@ -51,7 +67,7 @@ class Transmittance:
         """(height, width, 3), alike in the channels."""
         self.image.fill(1)
         self._white = np.broadcast_to(np.float32(1), self.image.shape)
-        self._edge_light = np.zeros((0, 3), np.float32)
+        self._edge_light = self._veils = np.zeros((0, 3), np.float32)
 
     def solids(self, keys: NDArray[np.uint64], **where: Any) -> None:
         """Draw the solids of a z-buffer; where: as in `draw_solids`."""
@@ -76,12 +92,11 @@ class Transmittance:
 
     def _veil(self, batch: StrandBatch, marks: NDArray[np.uint8]) -> NDArray[np.float32]:
         """Return what haze lets through (V, 3) of the background before the vertices with marks."""
-        veil: NDArray[np.float32] = self._scratch.borrow("veil", (len(batch.lines.world), 3), np.float32)
+        if len(self._veils) != len(batch.lines.world):
+            self._veils = np.zeros((len(batch.lines.world), 3), np.float32)  # pages that nothing reads take no memory
         thick = self.lighting.scene.image.haze
-        if thick is None:
-            veil.fill(0)
-        else:
-            veil[marks != 0] = 0
+        if thick is not None:
+            self._veils[marks != 0] = 0
             white = np.ones((1, 1, 3), np.float32)
-            haze.veil_strands(thick, self.lighting.view, white, batch.screen, marks, veil, None)
-        return veil
+            haze.veil_strands(thick, self.lighting.view, white, batch.screen, marks, self._veils, None)
+        return self._veils

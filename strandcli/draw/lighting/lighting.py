@@ -110,6 +110,11 @@ class Lighting:
         )  # fmt: skip
 
     @property
+    def fades(self) -> bool:
+        """Whether some visible solid becomes transparent with distance."""
+        return any(solid.visible and getattr(solid, "fade", 0) > 0 for solid in self.scene.solids)
+
+    @property
     def skin(self) -> np.float32:
         """Depth below a solid's surface that counts as on it, metres: a hundredth of a strand's length."""
         return np.float32(0.01 * self.scene.emitter.length)
