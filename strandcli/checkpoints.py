@@ -17,21 +17,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import __version__
-from .fingerprint import scene_values
+from .fingerprint import motion_values
 from .output.files import prepare_folder, remove_strays
 from .output.state_file import DamagedError, ForeignError, read_state, write_state
-from .scene.rule_type import MUTUAL
 
 if TYPE_CHECKING:
     from .groom.children import Children
     from .scene.model import Scene
 
 FOLDER = "checkpoints"
-ONLY_DRAWN = frozenset(
-    ("camera", "image", "lights", "ambient", "environment", "ambient_occlusion", "material", "curves", "detail",
-     "children", "look", "quality", "label", "panels")
-)  # fmt: skip
-"""Settings of a scene that no strand's motion depends on."""
 CODE = ("strandcli.stages", "strandcli.simulate.thesis", "strandcli.simulate.rod", "strandcli.groom.emit")
 """Modules that simulate, with all that they import."""
 
@@ -153,14 +147,11 @@ def key_of(scene: Scene) -> str:
     from .jit import sources
     from .simulate.rules import registry
 
-    values = {name: value for name, value in scene_values(scene).items() if name not in ONLY_DRAWN}
-    if any(use.name in MUTUAL for use in scene.rules):  # strands stand for their children
-        values["children"] = scene.children.count if scene.children else 1
     rules = sorted(
         {getattr(registry()[use.name], "__name__", type(registry()[use.name]).__module__) for use in scene.rules}
     )
     parts = [
-        __version__, values, [sources.digest(one) for one in (*CODE, *rules)],
+        __version__, motion_values(scene), [sources.digest(one) for one in (*CODE, *rules)],
         platform.machine(), llvm.get_host_cpu_name(), platform.libc_ver(),
         numba.__version__, llvm.llvm_version_info, np.__version__,
     ]  # fmt: skip

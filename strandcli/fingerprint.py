@@ -16,6 +16,7 @@ from .errors import StrandError
 from .inputs import digest_of, inputs_of, note
 from .scene.model import Time
 from .scene.named_files import named_file
+from .scene.rule_type import MUTUAL
 
 if TYPE_CHECKING:
     from .scene.model import Scene
@@ -38,6 +39,59 @@ def scene_values(scene: Scene) -> dict[str, Any]:
     JSON."""
     found: dict[str, Any] = _values(scene)
     return found
+
+
+ONLY_DRAWN = frozenset(
+    ("camera", "image", "lights", "ambient", "environment", "ambient_occlusion", "material", "curves", "detail",
+     "children", "look", "quality", "label", "panels")
+)  # fmt: skip
+"""Settings of a scene that no strand's motion depends on: any other one counts."""
+_ONLY_DRAWN = {
+    "emitter": {"followers"}, "groom": {"colours", "cover"}, "shape": {"colours"},
+    "solids": {"colour", "coat", "roughness", "mottle", "grain", "subsurface", "visible", "colour_from", "texture",
+               "crease", "fade"},
+}  # fmt: skip
+"""Settings within others, by the name of these."""
+
+
+def motion_values(scene: Scene) -> dict[str, Any]:
+    """Every setting of a scene that the motion of its strands depends on, as JSON has `scene_values`."""
+    found = {name: _moving(name, one) for name, one in scene_values(scene).items() if name not in ONLY_DRAWN}
+    if any(use.name in MUTUAL for use in scene.rules):  # strands stand for their children
+        found["children"] = scene.children.count if scene.children else 1
+    return dict(json.loads(json.dumps(found, default=repr)))
+
+
+def motion_fingerprint(values: dict[str, Any]) -> str:
+    """Hash of `motion_values` and of this version of strandcli."""
+    return hashlib.sha256(json.dumps([__version__, values], sort_keys=True, default=repr).encode()).hexdigest()[:32]
+
+
+def difference(one: Any, other: Any) -> str:
+    """The key of the first setting that two sets of values, as JSON has them, do not share; "" where they are the
+    same, "." for the whole."""
+    if one == other:
+        return ""
+    if isinstance(one, dict) and isinstance(other, dict) and one.get("") == other.get(""):
+        for key in sorted(one.keys() | other.keys()):
+            if found := difference(one.get(key, ...), other.get(key, ...)):
+                if key == "parameters" and one.get("") == "RuleUse":
+                    key = one["name"]
+                rule = key == "rules" and found != "."  # whose name is a key by itself
+                return found if rule else key if found == "." else f"{key}.{found}"
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        for number, (mine, theirs) in enumerate(zip(one, other, strict=True)):
+            if (found := difference(mine, theirs)) not in ("", "."):
+                return found if mine[""] == "RuleUse" else f"{number}.{found}"
+    return "."
+
+
+def _moving(name: str, values: Any) -> Any:
+    if isinstance(values, list):
+        return [_moving(name, one) for one in values]
+    if not isinstance(values, dict):
+        return values
+    return {key: _moving(key, one) for key, one in values.items() if key not in _ONLY_DRAWN.get(name, ())}
 
 
 def _values(thing: Any) -> Any:

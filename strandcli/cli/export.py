@@ -11,6 +11,7 @@ import click
 
 from . import options, signals
 from .frame_range import FrameRange
+from .positions import open_cache
 from .progress import Progress, warner
 from .say import say
 
@@ -71,7 +72,7 @@ def command(
     from ..plan import checked_plan
 
     checked_plan(scene, numbers)
-    positions = options.open_cache(from_cache, numbers, scene, keep_going)
+    positions = open_cache(from_cache, numbers, scene, keep_going)
     lost: dict[str, None] = {}
     with Progress(len(numbers), options.preset_name(preset), hidden=no_progress or quiet, verbose=verbose) as progress:
         from .. import runtime

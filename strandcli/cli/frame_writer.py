@@ -5,14 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from . import positions
+
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
+    from ..output.positions import PositionCache
     from ..scene.model import Scene
 
 
 def frame_writer(
-    folder: Path, numbers: tuple[int, ...], scene: Scene, cache: Path | None, animate: tuple[str, ...], overwrite: bool,
-    resume: bool, exr: bool,
+    folder: Path, numbers: tuple[int, ...], scene: Scene, cache: PositionCache | None, animate: tuple[str, ...],
+    overwrite: bool, resume: bool, exr: bool,
 ) -> FrameWriter:  # fmt: skip
     """What takes the frames; refuses up front what would be refused later."""
     from ..fingerprint import fingerprint
@@ -29,7 +32,7 @@ def frame_writer(
         picture_size(scene),
         overwrite=overwrite,
         resume=resume,
-        scene=fingerprint(scene, *([] if cache is None else [str(cache.resolve())])),
+        scene=fingerprint(scene, *([] if cache is None else positions.other_motion(cache, scene))),
         also=[f"animation.{kind}" for kind in animate],
         own=[FILE],
         layers=scene.image.aovs,

@@ -19,7 +19,6 @@ from .say import json_text, say
 from .values import SizeType
 
 if TYPE_CHECKING:
-    from ..output.positions import PositionCache
     from ..scene.model import Scene
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -252,21 +251,6 @@ def default_folder(preset: str) -> Path:
     """Where a command writes when -o is not given: out/PRESET."""
     parts = [part for part in Path(_stem(preset)).parts if part not in ("/", "..")]
     return Path("out", *parts)
-
-
-def open_cache(
-    directory: Path | None, frames: tuple[int, ...], scene: Scene, keep_going: bool = False
-) -> PositionCache | None:
-    """The checked folder of --from-cache; with ``keep_going`` its positions need not be finite."""
-    if directory is None:
-        return None
-    from ..output.positions import PositionCache
-
-    if scene.panels:
-        raise UsageError("--from-cache: a preset of several panels has several sets of positions; draw it without")
-    if scene.camera.shutter > 0:  # what moves is drawn between two frames
-        frames = tuple(sorted({*frames, *(frame - 1 for frame in frames if frame > 1)}))
-    return PositionCache(directory, frames, scene.emitter.strands, scene.emitter.particles, finite=not keep_going)
 
 
 def print_json(data: Any) -> None:

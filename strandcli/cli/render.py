@@ -17,6 +17,7 @@ from .frame_range import FrameRange
 from .frame_writer import frame_writer
 from .look import Look
 from .memory_check import option as memory_check_option
+from .positions import open_cache
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
 from .render_frames import Motion, Watch, frames_of, learn_speed
@@ -128,9 +129,9 @@ def command(
     plan = checked_plan(scene, numbers, check=memory_check)
     from ..output.report import RunReport  # NumPy, once memory suffices
 
-    positions = options.open_cache(from_cache, numbers, scene, keep_going)
+    positions = open_cache(from_cache, numbers, scene, keep_going)
     folder = output or options.default_folder(preset)
-    writer = frame_writer(folder, numbers, scene, from_cache, animate or (), overwrite, resume, exr)
+    writer = frame_writer(folder, numbers, scene, positions, animate or (), overwrite, resume, exr)
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
     page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)

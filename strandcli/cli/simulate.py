@@ -12,6 +12,7 @@ from . import checkpoint as checkpoints
 from . import options, signals
 from .frame_range import FrameRange
 from .memory_check import option as memory_check_option
+from .positions import motion_of
 from .progress import Progress, warner
 from .say import say
 
@@ -59,7 +60,9 @@ def command(
     from ..output.positions import PositionsWriter
 
     emitter = scene.emitter
-    writer = PositionsWriter(output, numbers, emitter.strands, emitter.particles, overwrite=overwrite, resume=resume)
+    writer = PositionsWriter(
+        output, numbers, emitter.strands, emitter.particles, overwrite=overwrite, resume=resume, motion=motion_of(scene)
+    )
     label = options.preset_name(preset)
     status = "failed"
     with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:

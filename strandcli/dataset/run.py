@@ -157,6 +157,7 @@ def _write(order: Order, labels: Labels, entry: dict[str, Any]) -> str:
     """Write the files of a view, and its entry last; returns a line about it."""
     began = time.perf_counter()
     paths = [path.format(labels.view.name) for path in order.layout.paths]
+    entry_file(order.folder, entry["view"]).unlink(missing_ok=True)  # of a set that this one replaces
     for path, pieces in zip(paths, order.layout.encode(labels), strict=True):
         write_pieces(order.folder / path, pieces)
     share = float(labels.hair.mean())

@@ -19,7 +19,7 @@ from ..errors import RefusedError, UsageError
 from . import png
 from .claim import Claim
 from .files import begin_pieces, prepare_folder, require_own, with_whole
-from .layers import Layers, layer_bytes, layer_files, write_layers
+from .layers import Layers, is_of, layer_bytes, layer_files, write_layers
 
 # Bytes a pixel in a frame full of strands, measured as 0.4 to 1.6 (see png.py); the estimate for a whole run.
 BYTES_PER_PIXEL = 1.5
@@ -29,7 +29,6 @@ _DISK_SECONDS = 0.25
 """How long the last of them waits for the next one."""
 _PATIENCE = 0.1
 """Seconds that the thread that draws waits for room in the queue before it writes a picture itself."""
-SCENE_KEYWORD = "strandcli scene"
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +118,8 @@ class FrameWriter:
     def _keep(self, frame: int) -> None:
         """Keep a frame that is whole and of the right size; one that is neither will be drawn again."""
         path = self.directory / frame_file(frame)
-        if not all((self.directory / name).exists() for name in layer_files(frame, self.layers, self.exr)):
+        files = [self.directory / name for name in layer_files(frame, self.layers, self.exr)]
+        if not all(one.exists() for one in files):
             return
         try:
             image = png.load_frame(path, self.size)
@@ -127,10 +127,11 @@ class FrameWriter:
             return
         if image is None or image.mode not in ("RGB", "RGBA"):
             return
-        made_from = image.info.get(SCENE_KEYWORD, "")
-        if made_from and self.scene and made_from != self.scene:
+        others = [] if image.info.get(png.SCENE, "") == self.scene else [path]
+        others += [one for one in files if not is_of(one, self.scene)]
+        if others and self.scene:
             raise UsageError(
-                f"{path}: was made from another scene or with other settings, so --resume would mix two films; "
+                f"{others[0]}: was made from another scene or with other settings, so --resume would mix two films; "
                 "add --overwrite instead, or choose another folder with -o"
             )
         self.written[frame] = Written(frame, path.name, png.pixels_sha256(np.asarray(image)), None)
@@ -235,9 +236,10 @@ class FrameWriter:
         path = self.directory / frame_file(frame)
         text = {"Software": "strandcli"}
         if self.scene:
-            text[SCENE_KEYWORD] = self.scene
+            text[png.SCENE] = self.scene
         digest = png.pixels_sha256(image)
-        write_layers(self.directory, frame, layers, self.exr)  # before the picture, which is the sign that all is there
+        # before the picture, which is the sign that all is there
+        write_layers(self.directory, frame, layers, self.exr, self.scene)
         name_it = begin_pieces(path, png.encode(image, text))
         seconds = time.perf_counter() - start
 

@@ -31,12 +31,15 @@ from numpy.typing import NDArray
 
 from ..errors import RefusedError, UsageError
 from . import png
-from .files import atomic, placed, write_pieces
+from .files import placed, write_pieces
+from .npz import made_of, write_array
 
 Layers = Mapping[str, NDArray[Any]]
 
 EXR_INTEGERS = 1 << 24
 """Strands that an EXR file can number: its floats hold whole numbers up to here."""
+EXR_SCENE, EXR_HEAD = "strandcliScene", 1 << 16
+"""The attribute with the fingerprint of the scene, and bytes that a header has at most."""
 _CHANNELS = {"tangent": 3, "linear": 4}
 _EXR_NAMES = {
     "depth": ("Z",),
@@ -71,20 +74,31 @@ def require_exr(strands: int) -> None:
         raise UsageError(f"--exr: its floats number at most {EXR_INTEGERS:,} strands; leave out --exr or use fewer")
 
 
-def write_layers(directory: Path, frame: int, layers: Layers, exr: bool = False) -> None:
-    """Write a frame's layers, each file whole or not at all. Raises ``RefusedError`` where that fails."""
+def write_layers(directory: Path, frame: int, layers: Layers, exr: bool = False, scene: str = "") -> None:
+    """Write a frame's layers, each file whole or not at all, with the fingerprint of their scene. Raises
+    ``RefusedError`` where that fails."""
     for name, data in layers.items():
-        with (
-            atomic(directory / f"{name}_{frame:04d}.npz") as file,
-            zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
-            archive.open(f"{name}.npy", "w", force_zip64=True) as member,
-        ):
-            np.lib.format.write_array(member, np.ascontiguousarray(data), allow_pickle=False)
+        write_array(directory / f"{name}_{frame:04d}.npz", name, data, scene, packed=True)
         if name != "linear":
             image, text = viewable(name, data)
+            text |= {png.SCENE: scene} if scene else {}
             write_pieces(directory / f"{name}_{frame:04d}.png", png.encode(image, text))
     if exr:
-        _write_exr(directory / f"frame_{frame:04d}.exr", layers)
+        _write_exr(directory / f"frame_{frame:04d}.exr", layers, scene)
+
+
+def is_of(path: Path, scene: str) -> bool:
+    """Whether a picture or a layer's file is of the scene with this fingerprint."""
+    if path.suffix == ".png":
+        return png.keyword(path, png.SCENE) == scene
+    try:
+        if path.suffix == ".npz":
+            with zipfile.ZipFile(path) as archive:
+                return made_of(archive) == scene
+        with path.open("rb") as file:
+            return scene.encode() in file.read(EXR_HEAD)
+    except (OSError, zipfile.BadZipFile):
+        return False
 
 
 def read_layer(path: Path) -> NDArray[Any]:
@@ -143,10 +157,10 @@ def exr_channels(layers: Layers) -> Iterator[tuple[str, NDArray[np.float32]]]:
             yield channel, np.ascontiguousarray(plane, np.float32)
 
 
-def _write_exr(path: Path, layers: Layers) -> None:
+def _write_exr(path: Path, layers: Layers, scene: str) -> None:
     import OpenEXR
 
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, EXR_SCENE: scene}
     try:
         with placed(path) as temporary:
             OpenEXR.File(header, dict(exr_channels(layers))).write(str(temporary))

@@ -38,6 +38,8 @@ Pixels = npt.NDArray[np.uint8]
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 LEVEL = 1
+SCENE = "strandcli scene"
+"""The keyword of the fingerprint of what a picture shows."""
 SUB = 1  # filter type: each byte less that of the pixel to the left
 COLOUR_TYPES = {1: 0, 3: 2, 4: 6}
 """By the number of channels."""

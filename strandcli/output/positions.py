@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import warnings
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,12 +17,23 @@ import numpy.typing as npt
 from .. import __version__
 from ..errors import RefusedError, UsageError, one_line
 from .claim import Claim
-from .files import ARCHIVE_ERRORS, atomic, prepare_folder, read_json, require_own, with_whole, write_json
+from .files import ARCHIVE_ERRORS, prepare_folder, read_json, require_own, with_whole, write_json
+from .npz import made_of, write_array
 from .report import finite
 
 Positions = npt.NDArray[np.float32]
 
-MANIFEST = "manifest.json"
+
+class Motion(NamedTuple):
+    """What positions follow from."""
+
+    fingerprint: str
+    """Hash of that, and of the version of strandcli; empty where nobody says."""
+    settings: dict[str, Any]
+    """All settings that move strands, as `strandcli.fingerprint.motion_values` has them."""
+
+
+MANIFEST, ARRAY = "manifest.json", "positions"
 SCHEMA_VERSION = 1
 AGAIN = "run 'strandcli simulate' again with --overwrite"
 
@@ -34,13 +47,22 @@ class PositionsWriter:
     """Writes one compressionless .npz a frame, and at the end the manifest of all of them."""
 
     def __init__(
-        self, directory: Path, frames: Sequence[int], strands: int, particles: int, *, overwrite: bool, resume: bool
+        self,
+        directory: Path,
+        frames: Sequence[int],
+        strands: int,
+        particles: int,
+        *,
+        overwrite: bool,
+        resume: bool,
+        motion: Motion | None = None,
     ) -> None:
-        """Refuses up front as `FrameWriter` does. With ``resume``, files that are whole and of the right shape stay."""
+        """Refuses up front as `FrameWriter` does. With ``resume``, files that are whole and of this ``motion`` stay."""
         if overwrite and resume:
             raise UsageError("--overwrite and --resume exclude each other: replace the files, or keep them")
         self.directory = directory
         self.shape = (strands, particles, 3)
+        self.motion = motion or Motion("", {})
         self.kept = [f for f in frames if resume and self._whole(directory / positions_file(f))]
         there = [positions_file(f) for f in frames if (directory / positions_file(f)).exists()]
         if there and not overwrite and not resume:
@@ -58,6 +80,17 @@ class PositionsWriter:
         self._claim = Claim(directory, "positions")
 
     def _whole(self, path: Path) -> bool:
+        """Whether a file is whole; raises ``UsageError`` for one of another motion."""
+        try:
+            with zipfile.ZipFile(path) as archive:
+                of = made_of(archive)
+        except ARCHIVE_ERRORS:
+            return False
+        if of != self.motion.fingerprint:
+            raise UsageError(
+                f"{path}: was simulated from another scene or with other settings, so --resume would mix two motions; "
+                "add --overwrite instead, or choose another folder with -o"
+            )
         try:
             read_positions(path, self.shape)
         except UsageError:
@@ -68,8 +101,8 @@ class PositionsWriter:
         """Write one frame's positions, whole or not at all. ``error``: the frame's errors, as in report.json, for the
         manifest."""
         try:
-            with atomic(self.directory / positions_file(frame)) as file:
-                np.savez(file, positions=np.ascontiguousarray(positions, dtype=np.float32))
+            array = np.asarray(positions, np.float32)
+            write_array(self.directory / positions_file(frame), ARRAY, array, self.motion.fingerprint)
         except RefusedError as error:
             raise with_whole(error, (self.directory / positions_file(one) for one in self.done)) from error
         self.done.append(frame)
@@ -88,6 +121,7 @@ class PositionsWriter:
             "dtype": "float32",
             "unit": "m",
             "fps": fps,
+            **({"motion": self.motion._asdict()} if self.motion.fingerprint else {}),
             "frames": [self._entry(frame) for frame in sorted(self.done)],
         }
         try:
@@ -141,8 +175,11 @@ class PositionCache:
                 "simulate them first, or ask for other frames with -f"
             )
         self.files = {f: directory / files[f] for f in frames}
+        self.motion = _motion_of(manifest)
+        """That the manifest tells of; None where it is of an earlier version, or of another program."""
+        self.digest = hashlib.sha256(json.dumps(manifest, sort_keys=True).encode()).hexdigest()
         for path in self.files.values():
-            _check_header(path, self.shape)
+            _check_header(path, self.shape, self.motion and self.motion.fingerprint)
 
     def __call__(self, frame: int) -> Positions:
         return read_positions(self.files[frame], self.shape, self.finite)
@@ -167,10 +204,19 @@ def read_positions(path: Path, shape: tuple[int, int, int], finite: bool = True)
     return positions
 
 
-def _check_header(path: Path, shape: tuple[int, int, int]) -> None:
-    """Look at shape and type before any memory is taken on the file's word."""
+def _motion_of(manifest: Mapping[str, Any]) -> Motion | None:
+    found = manifest.get("motion")
+    if not isinstance(found, dict) or not isinstance(found.get("settings"), dict):
+        return None
+    return Motion(str(found.get("fingerprint", "")), found["settings"])
+
+
+def _check_header(path: Path, shape: tuple[int, int, int], motion: str | None = None) -> None:
+    """Look at shape, type, and fingerprint of the motion, before any memory is taken on the file's word."""
     try:
-        with zipfile.ZipFile(path) as archive, archive.open("positions.npy") as member:
+        with zipfile.ZipFile(path) as archive, archive.open(f"{ARRAY}.npy") as member:
+            if motion and made_of(archive) != motion:
+                raise UsageError(f"{path}: is of another motion than {MANIFEST} tells of; {AGAIN}")
             version = np.lib.format.read_magic(member)
             header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
             with warnings.catch_warnings(action="error"):  # a header of another program

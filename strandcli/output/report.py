@@ -18,7 +18,7 @@ from . import png
 from .claim import Claim
 from .earlier import sound_report
 from .files import read_json, write_json
-from .frames import SCENE_KEYWORD, Written, frame_file
+from .frames import Written, frame_file
 
 SCHEMA_VERSION = 1
 FILE = "report.json"
@@ -182,7 +182,7 @@ def of_others(
         number = entry.get("frame") if isinstance(entry, dict) else None
         if not isinstance(number, int) or number in own:
             continue
-        if png.keyword(directory / frame_file(number), SCENE_KEYWORD) == scene:
+        if png.keyword(directory / frame_file(number), png.SCENE) == scene:
             found[number] = {**entry, "kept": True}
     return found
 
@@ -196,7 +196,7 @@ def of_another_film(
         return []
     numbers = [entry.get("frame") for entry in previous.get("frames", []) if isinstance(entry, dict)]
     files = [frame_file(number) for number in numbers if isinstance(number, int) and number not in frames]
-    return [file for file in files if png.keyword(directory / file, SCENE_KEYWORD) not in (None, scene)]
+    return [file for file in files if png.keyword(directory / file, png.SCENE) not in (None, scene)]
 
 
 def claim_report(directory: Path) -> Claim:

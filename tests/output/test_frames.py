@@ -18,7 +18,7 @@ from strandcli.cli.render_words import interrupted
 from strandcli.errors import RefusedError, UsageError
 from strandcli.output import frames as module
 from strandcli.output import png
-from strandcli.output.frames import SCENE_KEYWORD, FrameWriter, frame_file
+from strandcli.output.frames import FrameWriter, frame_file
 
 SIZE = (12, 8)
 
@@ -105,7 +105,7 @@ def test_resume_keeps_frames_of_more_pixels_than_pillow_opens(tmp_path: Path, mo
     writer = FrameWriter(tmp_path, [1, 2, 3], SIZE, resume=True, scene="one")
     assert writer.wanted == (2, 3)
     assert writer.written[1].pixels_sha256 == png.pixels_sha256(picture(1))
-    assert png.keyword(tmp_path / frame_file(1), SCENE_KEYWORD) == "one"
+    assert png.keyword(tmp_path / frame_file(1), png.SCENE) == "one"
 
 
 def test_resume_does_not_mix_two_scenes(tmp_path: Path) -> None:

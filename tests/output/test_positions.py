@@ -130,7 +130,7 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(cache: Path, monkeypatch: 
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     writer = PositionsWriter(cache, [1, 2, 3], 5, 4, overwrite=False, resume=True)
-    monkeypatch.setattr(np, "savez", fail)
+    monkeypatch.setattr(np.lib.format, "write_array", fail)
     with pytest.raises(RefusedError, match=r"disk is full.*; 2 finished frames are whole, --resume keeps them"):
         writer.write(3, np.zeros((5, 4, 3), np.float32))
 
