@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .blocks import lanes, pack, unpack
+from .constants import W
 from .errors import SimulationError, UsageError
 from .frame import Frame
 from .groom.arrange import arranged
@@ -20,7 +21,7 @@ from .groom.deforming import at_start
 from .groom.emit import emit
 from .groom.followers import Followers
 from .groom.record import Groom
-from .plan import needed_strands
+from .scene.detail import needed_strands, tiers_of
 from .scene.model import MeshShape, Scene
 
 if TYPE_CHECKING:
@@ -124,7 +125,7 @@ class SimulationStage:
             kept = self.options.checkpoints
             needed = self.options.draw and (kept is None or not kept.of_all_strands)
             strands = needed_strands(scene, frames) if needed else None
-            return at_start(scene, arranged(emit(scene.emitter, scene.seed, strands)))
+            return at_start(scene, arranged(emit(scene.emitter, scene.seed, strands), tiers_of(scene)))
         from .groom_file import from_scene, guided, notes_of
 
         found = from_scene(scene)
@@ -166,7 +167,20 @@ class SimulationStage:
             return self._drop_nonfinite(frame, before)
         positions = solver.positions.copy() if self.snapshots else solver.positions
         others = None if groom is self.groom else groom
-        return MovedStrands(frame, positions, solver.lengths, groom.tones, before, groom.places, others)
+        moved = MovedStrands(frame, positions, solver.lengths, groom.tones, before, groom.places, others)
+        return self._of_frame(moved) if draw else moved
+
+    def _of_frame(self, moved: MovedStrands) -> MovedStrands:
+        """The strands of the tiers that a frame is drawn from, whichever are simulated for others."""
+        count = needed_strands(self.scene, [moved.frame.number])
+        if count >= min(self.groom.strands, self.scene.emitter.strands):
+            return moved
+        blocks = count // W
+        return replace(
+            moved, positions=moved.positions[:blocks], lengths=moved.lengths[:blocks], tones=moved.tones[:count],
+            before=None if moved.before is None else moved.before[:blocks],
+            ids=None if moved.ids is None else moved.ids[:count],
+        )  # fmt: skip
 
     def _tell_others(self) -> None:
         """Say once that strands come and go."""

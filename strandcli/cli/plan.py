@@ -98,7 +98,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
     """What `render` would warn of before it simulates, of `LOOKED_AT` strands; of panels with their labels. Raises
     `UsageError` for what it would refuse of what strands do to each other."""
     from ..groom.emit import emit
-    from ..plan import needed_strands
+    from ..scene.detail import needed_strands
     from ..scene.model import MeshShape
     from ..simulate.advice import warnings
     from ..simulate.material import require_between

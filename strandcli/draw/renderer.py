@@ -66,7 +66,7 @@ class Renderer:
         self.children = children
         if combed is None and scene.emitter.tie is not None:
             combed = Combed(scene, children.every if isinstance(children, Children) else groom)
-        self._deep, self._most = deep, groom.strands if children is None else children.count
+        self._deep, self._most = deep, scene.drawn_strands if children is None else children.count
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep, groom.colours, groom.shades)
         self.ids = groom.places

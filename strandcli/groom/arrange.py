@@ -7,7 +7,9 @@ require the same, and affect the same pixels and texels.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +20,12 @@ LEAF = 16
 """Strands of a leaf of the tree: those of a vector."""
 
 
-def arranged(groom: Groom) -> Groom:
-    """Return the same strands in an order by position; ``places`` are their numbers in the old order."""
-    order = spatial_order(groom.roots)
+def arranged(groom: Groom, ends: Sequence[int] = ()) -> Groom:
+    """Return the same strands in an order by position; ``places`` are their numbers in the old order. ``ends``: of
+    tiers in that, whose strands stay apart, so that the first of them are the same without the others."""
+    cuts = sorted({0, *(end for end in ends if end < groom.strands), groom.strands})
+    parts = [begin + spatial_order(groom.roots[begin:end]) for begin, end in pairwise(cuts)]
+    order = np.concatenate(parts).astype(np.int32)
     return replace(
         groom,
         roots=groom.roots[order],

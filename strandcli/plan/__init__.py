@@ -5,7 +5,7 @@ The decisions are those of the drivers, which use the same conditions.
 
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps
 from .free import SHARE, available_memory
-from .make import Plan, Stage, make_plan, needed_strands, pictures_that_fit
+from .make import Plan, Stage, make_plan, pictures_that_fit
 from .require import checked_plan, require_memory
 
 __all__ = [
@@ -15,7 +15,6 @@ __all__ = [
     "available_memory",
     "checked_plan",
     "make_plan",
-    "needed_strands",
     "needs_counts",
     "needs_shadow_maps",
     "pictures_that_fit",

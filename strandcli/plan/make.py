@@ -6,9 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ..scene.detail import most_needed
+from ..scene.detail import needed_strands
 from ..scene.named_files import naming_files
-from ..scene.rule_type import MUTUAL
 from .drawing import drawing_decisions
 from .free import SHARE, available_memory
 from .memory import memory_of, picture_bytes, program_bytes, shared_bytes
@@ -120,17 +119,6 @@ def _measure(plan: Plan, scene: Scene) -> None:
     width, height = scene.image.drawn
     plan.pixels = width * height
     plan.samples = plan.pixels * scene.image.supersample**2
-
-
-def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
-    """Return the number of strands that any of the frames draws. Strands that level of detail leaves out of all frames
-    are not emitted, unless they are guides, or act on the others."""
-    mutual = any(use.name in MUTUAL for use in scene.rules)
-    if mutual or scene.children is not None or scene.emitter.followers is not None:
-        return scene.emitter.strands
-    if scene.detail is None:
-        return scene.emitter.strands
-    return most_needed(scene, frames) if frames else scene.emitter.strands
 
 
 def pictures_that_fit(scene: Scene, frames: Sequence[int]) -> int:

@@ -7,8 +7,10 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ..constants import W
 from .model import MeshShape, PlaneShape
 from .motion import apply, camera_at, emitter_pose
+from .rule_type import MUTUAL
 
 if TYPE_CHECKING:
     from .model import DiscShape, Scene, SphereShape
@@ -20,6 +22,8 @@ MOST_FRAMES = 10_000
 """That are looked at one by one, a tenth of a second."""
 SPREAD = 32
 """Distances that a mean is taken over."""
+GROWTH = 1.5
+"""Of a tier's end to that of the one before."""
 UNKNOWN = 1e15
 """Metres that a mesh may reach to, where that is not known: larger than any."""
 
@@ -99,6 +103,38 @@ def most_needed(scene: Scene, frames: Sequence[int]) -> int:
     if not some or len(some) > MOST_FRAMES:
         return scene.drawn_strands
     return max(strands_needed(scene, time) for time in some)
+
+
+def tiers(total: int) -> list[int]:
+    """Return the ends of tiers, counted from the first strand: whole blocks, each up to half as many again as all
+    before it, and all of so many strands."""
+    ends, size = [], float(W)
+    while size < total:
+        ends.append(W * math.ceil(size / W))
+        size *= GROWTH
+    return [*dict.fromkeys(end for end in ends if end < total), total]
+
+
+def tiers_of(scene: Scene) -> list[int]:
+    """Return the tiers of a scene's strands, of which a frame takes the first few; all in one where strands are needed
+    though they are not drawn: as guides, for a tie, or because they act on the others."""
+    apart = scene.detail is None or scene.children is not None or scene.emitter.followers is not None
+    if apart or scene.emitter.tie is not None or any(use.name in MUTUAL for use in scene.rules):
+        return [scene.emitter.strands]
+    return tiers(scene.emitter.strands)
+
+
+def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
+    """Return the number of strands of the tiers from which any of the frames is drawn; all strands of no frames. Others
+    need not be emitted: how a strand moves does not depend on further tiers, and no picture on more than its own."""
+    total = scene.emitter.strands
+    ends = tiers_of(scene)
+    if len(ends) == 1 or not frames:
+        return total
+    blurred = scene.camera.shutter > 0
+    shown = {*frames, *(frame - 1 for frame in frames if blurred and frame > 1)}
+    least = most_needed(scene, sorted(shown))
+    return next(end for end in ends if end >= least)
 
 
 def times_of(scene: Scene, frames: Sequence[int]) -> list[float]:

@@ -15,10 +15,11 @@ from plan_figures import measured
 from strand_kit import scene_of
 from strandcli.errors import RefusedError
 from strandcli.groom.emit import emit
-from strandcli.plan import available_memory, checked_plan, libraries, limits, make_plan, needed_strands
+from strandcli.plan import available_memory, checked_plan, libraries, limits, make_plan
 from strandcli.plan import make as making
 from strandcli.plan import require as planning
 from strandcli.plan.memory import motion_bytes
+from strandcli.scene.detail import needed_strands
 from strandcli.scene.model import Rod
 from strandcli.simulate.material import matter_along
 from strandcli.simulate.precision import contrast, needs_double, shortest_segment

@@ -16,8 +16,8 @@ from strandcli.draw.drawn_strands import DrawnStrands
 from strandcli.draw.geometry.detail import level_of
 from strandcli.draw.geometry.spacing import first_emitted
 from strandcli.groom.children import Children
-from strandcli.plan import make_plan, needed_strands
-from strandcli.scene.detail import BAND, near_of, share_at, share_bounds, strands_needed
+from strandcli.plan import make_plan
+from strandcli.scene.detail import BAND, near_of, needed_strands, share_at, share_bounds, strands_needed, tiers
 from strandcli.scene.model import Scene
 from strandcli.study.pictures.settings import changed
 from strandcli.study.pictures.subject import LinearRenderer
@@ -212,13 +212,15 @@ def test_an_eighth_of_the_strands_covers_what_all_do() -> None:
 
 def test_only_strands_that_some_frame_draws_are_simulated() -> None:
     scene = scene_of(SCENE % (0, 20, 0.01, "true"))
-    most = [int(np.ceil(1000 * 1.1 * 20 / (far - 0.5) - 0.5)) for far in (80, 320)]
+    drawn = [int(np.ceil(1000 * 1.1 * 20 / (far - 0.5) - 0.5)) for far in (80, 320)]
+    most = [next(end for end in (128, 256, 384, 512, 768, 1000) if end >= count) for count in drawn]
+    assert tiers(1000) == [128, 256, 384, 512, 768, 1000]
     assert needed_strands(scene, [1]) == 1000
     assert needed_strands(scene, [11]) == most[1]
     assert needed_strands(scene, [3, 11, 7]) == most[0]
     assert needed_strands(scene, []) == 1000
     tiny = scene_of((SCENE % (0, 20, 0.01, "true")).replace("strands: 1000", "strands: 3"))
-    assert needed_strands(tiny, [11]) == 1
+    assert needed_strands(tiny, [11]) == 3
     assert make_plan(scene, [11]).strands == most[1]
 
 
