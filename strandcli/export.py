@@ -82,14 +82,17 @@ class _Exporter:
     def strands(self, moved: MovedStrands) -> Strands:
         """The strands of a frame."""
         from .draw.common.drawing import Drawing
+        from .draw.drawn_strands import DrawnStrands
         from .draw.exported import polylines, widths_along
         from .exchange.strands import Attribute, Source, Strands, even_offsets
 
-        tones, ids = moved.tones, moved.ids
+        drawn, tones, ids = self.drawn, moved.tones, moved.ids
+        if moved.groom is not None:
+            drawn = DrawnStrands(moved.groom, None, None, True, self.scratch, every=True)
         if self.children is not None:
             tones, ids = self.children.select(moved.positions)
         at = (moved.frame.number - 1) / self.scene.time.fps
-        found = self.drawn.at(
+        found = drawn.at(
             self.scene, at, moved.positions, moved.lengths, tones, ids, Drawing(np.zeros((1, 1, 3), np.uint8))
         )
         lines = polylines(self.scene, found, self.curves, self.scratch)

@@ -129,7 +129,7 @@ class SimulationStage:
         from .groom_file import from_scene, guided, notes_of
 
         found = from_scene(scene)
-        for words in (*found.notes, *notes_of(scene, found.moments)):
+        for words in (*found.notes, *notes_of(scene, found.moments, frames)):
             self._warn(words)
         return found.groom if scene.emitter.followers is None else guided(scene).guides
 
@@ -221,7 +221,7 @@ class SimulationStage:
             if name not in self._told and (words := line_of(self.solver, number, error)):
                 self._told.add(name)
                 self._warn(words)
-        trouble = examine(self.solver, number, error, simulated=self._given is None)
+        trouble = examine(self.solver, number, error, simulated=self._given is None and not self.solver.independent)
         if trouble is None:
             return
         if not self.options.keep_going:

@@ -60,10 +60,11 @@ def command(
     found = facts_of_file(file, how)
     fit = None
     if on is not None:
+        from ..exchange.moments import files_of
         from ..groom_file import fits  # Numba comes with it
         from ..solid_shapes.mesh import Settings
 
-        fit = fits.facts_on(file, replace(how, lenient=True), Settings(file=str(on)))
+        fit = fits.facts_on(files_of(file)[0], replace(how, lenient=True), Settings(file=str(on)))
     if as_json:
         options.print_json(found.as_dict() if fit is None else {**found.as_dict(), "on": fit})
     else:
@@ -89,9 +90,10 @@ def _mesh(file: Path) -> bool:
     """Whether a file is one of a mesh, by its name or, of .ply, its header; meshes take Numba."""
     if file.suffix.lower() not in MESHES:
         return False
+    from ..exchange.moments import files_of
     from ..meshes.facts import is_mesh
 
-    return is_mesh(file)
+    return is_mesh(files_of(file)[0])
 
 
 def _tell_mesh(file: Path, picture: Path | None, as_json: bool) -> None:

@@ -58,6 +58,8 @@ def say_facts(found: Facts) -> None:
     for one in data["attributes"]:
         bounds = "" if one["min"] is None else f", {one['min']:.4g} to {one['max']:.4g}"
         say(f"  attribute  {one['name']}: {one['type']} for each {one['domain']}{bounds}")
+    if data["moments"] is not None:
+        say(f"  moments    {_moments(data['moments'])}")
     for name, value in data["header"].items():
         if value not in ("", None):
             say(f"  header     {name.replace('_', ' ')}: {value}")
@@ -69,6 +71,17 @@ def say_facts(found: Facts) -> None:
         say(f"  as it is   {_as_it_is(data)}")
     for fault in found.faults:
         say(f"  fault      {fault.text}" + (f"; convert {fault.mend}" if fault.mend else ""))
+
+
+def _moments(found: Mapping[str, Any]) -> str:
+    """When strands are known."""
+    each = "of the same strands" if found["same_strands"] else "of strands that come and go"
+    if found["unit"] == "s":
+        span = f"{found['first']:.4g} to {found['last']:.4g} s, {found['frames_a_second']:.4g} a second"
+    else:
+        span = f"files {found['first']:.0f} to {found['last']:.0f}"
+        span += f", {found['missing']:,} of them missing" if found["missing"] else ""
+    return f"{found['count']:,} {each}, {span}"
 
 
 def _guesses(guess: Mapping[str, Any]) -> list[str]:

@@ -75,7 +75,8 @@ class Studio:
         if last is not None and replace(scene, camera=last.scene.camera) == last.scene:
             last.scene = scene
             return last
-        renderer = Renderer(scene, stage.groom, stage.children, stage.combed)
+        groom = stage.groom if moved.groom is None else moved.groom
+        renderer = Renderer(scene, groom, stage.children, stage.combed)
         renderer.tones, renderer.ids = moved.tones, moved.ids
         renderer.keeps_light = shadows_of_any_view(scene)
         if self._scratch is not None:

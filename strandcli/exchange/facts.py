@@ -14,7 +14,8 @@ from . import faults
 from .bounded import rows_not_finite
 from .change import strands_of
 from .ends import Ends, ends, head, up_axis
-from .files import ReadOptions, read
+from .files import ReadOptions
+from .moments import files_of, read_first
 from .objects import table
 from .strands import CHUNK, Strands
 
@@ -49,10 +50,13 @@ class Facts:
 
 
 def facts_of_file(path: Path, options: ReadOptions) -> Facts:
-    """What is in a file. Numbers that are not finite are told as a fault."""
-    strands = read(path, replace(options, lenient=True))
+    """What is in a file, or in numbered files, at the first moment, and which moments there are. Numbers that are not
+    finite are told as a fault."""
+    strands, moments = read_first(path, replace(options, lenient=True))
     found = facts(strands)
-    return Facts({"file": str(path), "bytes": path.stat().st_size, **found.data}, found.faults)
+    size = sum(one.stat().st_size for one in files_of(path))
+    told = None if moments is None else moments.facts(strands)
+    return Facts({"file": str(path), "bytes": size, **found.data, "moments": told}, found.faults)
 
 
 def facts(strands: Strands) -> Facts:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -65,6 +66,20 @@ class Moments:
         span = self.clock[-1] - (self.clock[0] if start is None else start)
         return max(round(span * (1.0 if self.files else fps)), 0) + 1
 
+    def facts(self, first: Strands) -> dict[str, Any]:
+        """What there is to know, for programs; reads all moments where the file does not say that all have the strands
+        of the ``first``."""
+        begin, end = self.clock[[0, -1]].tolist()
+        counts = first.counts()
+        same = self.steady or all(
+            np.array_equal(self.read(value).counts(), counts) for value in self.clock[1:].tolist()
+        )
+        missing = round(end - begin) + 1 - len(self.files) if self.files else 0
+        return {
+            "count": self.clock.size, "first": begin, "last": end, "unit": "file" if self.files else "s",
+            "frames_a_second": self.rate, "same_strands": same, "missing": missing,
+        }  # fmt: skip
+
     def require(self, value: float) -> None:
         """Raise `UsageError` where a numbered file is missing that is shown at a value of the clock."""
         for number in (math.floor(value + NEAR), math.ceil(value - NEAR)) if self.files else ():
@@ -72,14 +87,12 @@ class Moments:
                 raise UsageError(f"{file_of(self.path, number)}: there is no such file, which a frame is to show")
 
 
-def first_of(path: Path) -> Path:
-    """The file that a path names, of numbered ones the first. Raises `UsageError` where there is none of these."""
-    if not is_numbered(path):
-        return path
-    found = numbered(path)
+def files_of(path: Path) -> list[Path]:
+    """The file that a path names, or all numbered ones. Raises `UsageError` where there is none of these."""
+    found = list(numbered(path).values()) if is_numbered(path) else [path]
     if not found:
         raise UsageError(f"{path}: there is no file with a number in place of # or %04d")
-    return next(iter(found.values()))
+    return found
 
 
 def read_first(path: Path, options: ReadOptions, start: float | None = None) -> tuple[Strands, Moments | None]:
@@ -88,7 +101,7 @@ def read_first(path: Path, options: ReadOptions, start: float | None = None) -> 
     files = numbered(path) if is_numbered(path) else {}
     for one in files.values():
         note(one)
-    strands = read(first_of(path), options)
+    strands = read(files_of(path)[0], options)
     times = tuple(map(float, files)) if files else strands.source.times
     if len(times) < 2:
         return strands, None

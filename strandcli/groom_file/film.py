@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -125,12 +125,18 @@ def _mixed(first: Strands, second: Strands, share: float) -> Strands:
     return replace(first, points=points)
 
 
-def notes_of(scene: Scene, moments: Moments | None) -> list[str]:
-    """What is shown of a file that moves, where that is not all of it, a line each."""
+def notes_of(scene: Scene, moments: Moments | None, frames: Sequence[int] = ()) -> list[str]:
+    """What is shown of a file that moves, where that is not all of it, a line each. Raises `UsageError` where a
+    numbered file is missing that one of the ``frames`` shows."""
     if moments is None:
         return []
     given, time = scene.emitter.groom, scene.time
     assert given is not None
+    needed = set(range(1, max(frames, default=0) + 1) if scene.guided else frames)
+    if scene.camera.shutter > 0:
+        needed |= {max(number - 1, 1) for number in frames}
+    for number in sorted(needed):
+        moments.require(moments.at(time.pose_time((number - 1) / time.fps), time.fps, given.start))
     path, has, found = given.file, moments.frames(time.fps, given.start), []
     if moments.files and given.start is None and min(moments.files) != 1:
         name = moments.files[min(moments.files)].name

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,8 +15,9 @@ import pytest
 import exchange_kit as kit
 import groom_file_kit as groom_kit
 import strandcli
+from cli_runs import Runner
 from strandcli.blocks import unpack
-from strandcli.errors import UsageError
+from strandcli.errors import SimulationError, UsageError
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import TimeSample
 from strandcli.scene.model import Scene
@@ -164,3 +167,86 @@ def test_files_of_other_names_are_not_numbered_ones(tmp_path: Path) -> None:
     assert groom_kit.scene(path).emitter.strands == len(STRANDS)
     with pytest.raises(strandcli.scene.SceneError, match="no file"):
         groom_kit.scene(tmp_path / "b.####.data")
+
+
+def test_pictures_do_not_depend_on_frames_drawn_before(tmp_path: Path) -> None:
+    """Nor do those of strands that come and go, through an open shutter too."""
+    for number, some in enumerate((STRANDS, STRANDS[:2], STRANDS, [*STRANDS, STRANDS[0] + 1]), 1):
+        (tmp_path / f"a.{number}.ply").write_bytes(kit.ply([one + np.float32(0.1 * number) for one in some]))
+    given = groom_kit.scene(tmp_path / "a.%d.ply", camera__shutter=0.5, camera__samples=4)
+    whole = [frame.image for frame in strandcli.render(given)]
+    assert len(whole) == 4
+    assert all((a != b).any() for a, b in itertools.pairwise(whole))  # type: ignore[operator]
+    for number in (2, 4):
+        np.testing.assert_array_equal(groom_kit.image(given, number), whole[number - 1])
+
+
+def test_an_open_shutter_sees_the_way_from_the_frame_before(tmp_path: Path) -> None:
+    path = file_of(tmp_path, "abc", shifted, [i / FPS for i in range(4)])
+    stage = SimulationStage(groom_kit.scene(path, camera__shutter=0.5), [3], None, RunOptions())
+    moved = stage.begin(3)
+    assert moved.before is not None
+    step = (unpack(moved.positions, 5) - unpack(moved.before, 5))[:, 1:]
+    np.testing.assert_allclose(step, np.broadcast_to(np.array([0.4, -0.1, 0.2]) / FPS, step.shape), atol=1e-6)
+
+
+@pytest.mark.parametrize("change", ["emitter.groom.strands=3", "emitter.groom.root=last", "emitter.groom.up=z"])
+def test_edits_are_those_of_the_first_moment(tmp_path: Path, change: str) -> None:
+    """A moment drawn as the fourth of a file is what a file of it alone would be."""
+    key, value = change.split("=")
+    setting = {key: int(value) if value.isdigit() else value}
+    path = file_of(tmp_path, "abc", turned, [i / FPS for i in range(4)])
+    (fourth,) = shown(groom_kit.scene(path, **setting), (4,))
+    alone = groom_kit.scene(path, emitter__groom__start=2 + 3 / FPS, **setting)
+    (wanted,) = shown(alone, (1,))
+    assert len(fourth) == len(wanted)
+    for strand, other in zip(fourth, wanted, strict=True):
+        np.testing.assert_allclose(strand, other, atol=1e-6)
+
+
+def test_numbers_that_are_not_finite_at_a_later_moment_end_the_run(tmp_path: Path) -> None:
+    bad = [one.copy() for one in STRANDS]
+    bad[1][2] = np.nan
+    for number, some in enumerate((STRANDS, bad), 1):
+        (tmp_path / f"a.{number}.ply").write_bytes(kit.ply(some))
+    given = groom_kit.scene(tmp_path / "a.#.ply")
+    shown(given, (1,))
+    with pytest.raises(SimulationError, match="frame 2"):
+        shown(given, (2,))
+    stage = SimulationStage(given, [2], None, RunOptions(keep_going=True))
+    assert stage.begin(2).frame.report["counts"]["left_out"] == 1
+
+
+def test_what_is_not_shown_is_told(tmp_path: Path) -> None:
+    path = file_of(tmp_path, "ply", turned, [i / FPS for i in range(5)])
+    for frames, words in ((0, []), (9, ["frames from 6 on show its last moment"]), (2, ["2 are in the film"])):
+        told: list[str] = []
+        SimulationStage(groom_kit.scene(path, time__frames=frames), [1], None, RunOptions(warn=told.append))
+        found = [one for one in told if "film" in one or "moment" in one]
+        assert len(found) == len(words)
+        assert all(a in b for a, b in zip(words, found, strict=True))
+        assert any("frame 1 shows moving.0007.ply" in one for one in told)
+
+
+def test_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`render` and `dataset` draw moments; `info` tells which there are."""
+    run = Runner(tmp_path, capsys)
+    path = file_of(tmp_path, "ply", turned, [i / FPS for i in range(3)])
+    told = json.loads(run("info", str(path), "--json").out)["moments"]
+    assert (told["count"], told["first"], told["last"], told["unit"]) == (3, 7, 9, "file")
+    assert told["same_strands"]
+    assert "3 of the same strands, files 7 to 9" in run("info", str(path)).out
+    small = ["--size", "48x36", "--set", "ambient_occlusion=null"]
+    assert run("render", str(path), "-o", str(tmp_path / "film"), *small).code == 0
+    pictures = {one.read_bytes() for one in (tmp_path / "film").glob("frame_*.png")}
+    assert len(pictures) == 3
+    for frame in (1, 3):
+        options = ["--layout", "nerfstudio", "--views", "1", "--frame", str(frame), "-o", str(tmp_path / f"set{frame}")]
+        assert run("dataset", str(path), *options, *small).code == 0
+    first, third = (sorted((tmp_path / f"set{frame}").glob("images/*"))[0].read_bytes() for frame in (1, 3))
+    assert first != third
+    (tmp_path / "moving.0008.ply").unlink()
+    done = run("render", str(path), "-o", str(tmp_path / "gap"), *small)
+    assert done.code == 2
+    assert "moving.0008.ply: there is no such file" in done.err
+    assert not list((tmp_path / "gap").glob("frame_*"))
