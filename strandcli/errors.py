@@ -6,6 +6,9 @@ one line and never shows a traceback for these.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 DONE = 0
@@ -22,6 +25,8 @@ class StrandError(Exception):
     """Base of all errors that strandcli raises on purpose; ``exit_code`` is what the command line ends with."""
 
     exit_code = FAILED
+    file: tuple[str, str] | None = None
+    """Kind and path of the file that it is about, as `about` has them."""
 
 
 class UsageError(StrandError):
@@ -51,6 +56,17 @@ class SimulationError(StrandError):
     def __init__(self, message: str, trouble: Any = None) -> None:
         super().__init__(message)
         self.trouble = trouble
+
+
+@contextmanager
+def about(kind: str, path: Any) -> Iterator[None]:
+    """Mark errors as those of a file, unless they are those of another that is read meanwhile. ``kind``: what it is
+    read as, as `strandcli.scene.specs.FileSpec` has it; ``path`` as the setting has it that names it."""
+    try:
+        yield
+    except StrandError as error:
+        error.file = error.file or (kind, str(Path(path)))
+        raise
 
 
 def one_line(text: str) -> str:

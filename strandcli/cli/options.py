@@ -197,8 +197,6 @@ def load_scene(
             "emitter.shape of a preset has strands grow on it, and solids have it drawn"
         )
     if is_groom(preset):
-        if strands is not None:
-            settings["emitter.groom.strands"] = settings.pop("emitter.strands")
         settings["emitter.groom.file"] = preset
         preset = GROOM
     return strandcli.load(preset, overrides=overrides, settings=settings, roughly=roughly, option="--set")

@@ -27,7 +27,7 @@ def belonging(preset: Path) -> list[Path]:
 
     text = preset.read_text(encoding="utf-8")
     found = {path for path in preset.parent.glob(f"{preset.stem}-*") if path.suffix not in (".yaml", ".yml")}
-    for _, name in files_of(strandcli.load(str(preset))):
+    for _, name, _ in files_of(strandcli.load(str(preset))):
         path = Path(name)
         inside = path.is_relative_to(preset.parent)
         if inside and path.relative_to(preset.parent).as_posix() in text:  # else what it extends names it

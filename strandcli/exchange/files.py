@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, about
 from ..inputs import reading
 from ..registry import Registry
 from .bounded import opened
@@ -54,9 +54,9 @@ class ReadOptions:
 def read(path: Path, options: ReadOptions | None = None) -> Strands:
     """The strands of a file. Raises `UsageError` for what is no such file, in one line."""
     options = options or ReadOptions()
-    with reading(path):
+    with about("strands", path), reading(path):
         strands: Strands = format_of(path).read(path, options)
-    return only(strands, options.objects, path).with_width()
+        return only(strands, options.objects, path).with_width()
 
 
 def times_in(strands: Strands) -> int:

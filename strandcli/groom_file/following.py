@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import UsageError
+from ..errors import UsageError, about
 from ..exchange.kernels.simplify import simplify
 from ..exchange.strands import even_offsets
 from ..groom.arrange import spatial_order
@@ -56,7 +56,8 @@ def guided(scene: Scene) -> Guided:
     assert followers is not None
     width = scene.material.width
     key = (scene.seed, scene.emitter.particles, followers.tolerance, followers.kept, width)
-    return _guided(replace(given, cover=None), *key, head_of(scene))
+    with about("strands", given.file):
+        return _guided(replace(given, cover=None), *key, head_of(scene))
 
 
 def with_followers(scene: Scene) -> Scene:

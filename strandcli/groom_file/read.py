@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import UsageError
+from ..errors import UsageError, about
 from ..exchange import faults
 from ..exchange.change import strands_of
 from ..exchange.control import note_of
@@ -78,7 +78,8 @@ def from_file(given: GroomFile, seed: int, head: Head | None = None, roughly: bo
     ``roughly``: all are read, counted and looked through for faults, but some of them tell what they look like. The
     notes are the same.
     """
-    return _from_file(replace(given, cover=None), seed, head, roughly and head is None)  # which changes no strand
+    with about("strands", given.file):
+        return _from_file(replace(given, cover=None), seed, head, roughly and head is None)  # which changes no strand
 
 
 @cached(1)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, about
 from ..exchange.edit.transform import turning
 from ..inputs import cached
 from ..meshes.make import LARGEST
@@ -64,7 +64,8 @@ def placed(file: str, how: Placing) -> TriangleMesh:
         return mesh
     moved = mesh.transformed(linear, shift)
     if not np.abs(np.array(moved.box())).max() < LARGEST:
-        raise UsageError(f"{file}: is too far out for single precision; set the solid's scale or size")
+        with about("mesh", file):
+            raise UsageError(f"{file}: is too far out for single precision; set the solid's scale or size")
     return moved
 
 

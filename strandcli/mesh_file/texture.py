@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import UsageError
+from ..errors import UsageError, about
 from ..inputs import content
 from ..picture_samples import MOST, pixels
 
@@ -28,15 +28,16 @@ class Pyramid(NamedTuple):
 
 def picture(path: str) -> NDArray[np.uint8]:
     """(h, w, 3) sRGB, the first row at the top. Raises `UsageError` for what is no picture."""
-    data = content(path)
-    try:
-        return pixels(data)
-    except MemoryError:
-        raise
-    except Exception:  # whatever a damaged picture raises
-        raise UsageError(
-            f"{path}: is no picture that can be read, of up to {MOST:,} pixels; take a PNG or a JPEG"
-        ) from None
+    with about("picture", path):
+        data = content(path)
+        try:
+            return pixels(data)
+        except MemoryError:
+            raise
+        except Exception:  # whatever a damaged picture raises
+            raise UsageError(
+                f"{path}: is no picture that can be read, of up to {MOST:,} pixels; take a PNG or a JPEG"
+            ) from None
 
 
 def pyramid(image: NDArray[np.uint8]) -> Pyramid:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import StrandError, UsageError, one_line
+from ..errors import StrandError, UsageError, about, one_line
 from ..inputs import reading
 from .files import Beside
 from .gltf import read_gltf
@@ -32,7 +32,7 @@ def read_mesh(path: Path, like: TriangleMesh | None = None) -> TriangleMesh:
     ``like``: an earlier mesh of a sequence, whose triangles, uv and attributes are kept; only the places of the
     vertices are read, which have to be as many in the file, in the same order.
     """
-    with reading(path):
+    with about("mesh", path), reading(path):
         if like is None:
             return mesh_of(_raw(Path(path)), str(path))  # which alone has it, and lets go what it is done with
         return _moved(_raw(Path(path)), like, path)

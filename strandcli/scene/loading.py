@@ -93,12 +93,20 @@ def _override(
     changes.sort(key=lambda change: _turn(change[0]))
     for path, node in changes:
         try:
-            root = place(root, path, node, rules)
+            root = place(root, _meant(path, node, root), node, rules)
             if path == "quality":
                 root = with_quality(root, rules)
         except Unreachable as problem:
             faults.append(fault_at(node.mark, path, str(problem)))
     return root
+
+
+def _meant(path: str, node: Node, root: MapNode) -> str:
+    """The path of a setting: a number of strands that no text asks for is that of the file's, where they are these."""
+    emitter = root.get("emitter")
+    groom = emitter.get("groom") if isinstance(emitter, MapNode) else None
+    file = isinstance(groom, MapNode) and path == "emitter.strands" and not node.mark.file
+    return "emitter.groom.strands" if file else path
 
 
 def _whole(root: MapNode, rules: Rules, faults: list[Fault]) -> Scene:

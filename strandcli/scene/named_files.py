@@ -21,15 +21,15 @@ def named_file(field: dataclasses.Field[Any], value: Any) -> str | None:
     return spec.kind
 
 
-def files_of(thing: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[str, str]]:
-    """Yield the key and the path of every file that a scene, or a part of it at a place, names; of numbered files the
-    path of each."""
+def files_of(thing: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[str, str, str]]:
+    """Yield the key, the path and the kind of every file that a scene, or a part of it at a place, names; of numbered
+    files the path of each."""
     if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
         for field in dataclasses.fields(thing):
             value = getattr(thing, field.name)
-            if named_file(field, value) is not None:
+            if (kind := named_file(field, value)) is not None:
                 for path in numbered(Path(value)).values() if is_numbered(value) else (value,):
-                    yield ".".join((*place, field.name)), str(path)
+                    yield ".".join((*place, field.name)), str(path), kind
             else:
                 yield from files_of(value, (*place, field.name))
     elif isinstance(thing, tuple | list):
@@ -39,17 +39,11 @@ def files_of(thing: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[str, str
 
 @contextmanager
 def naming_files(scene: Any) -> Iterator[None]:
-    """Put the key of a file before the message of an error that begins with the file's path; a message that names a
-    key itself stays. A file that is wanted as several things, a mesh and a texture, has a key for each."""
+    """Put the key that names a file before the message of an error that `errors.about` marks as that file's."""
     try:
         yield
     except (UsageError, RefusedError) as error:
-        text = str(error)
-        keys: dict[str, str] = {}
-        for key, path in files_of(scene):
-            start = next((one for one in (f"{path}: ", f"{Path(path)}: ") if text.startswith(one)), None)
-            if start is not None and not text[len(start) :].startswith(("emitter.", "solids.")):
-                keys.setdefault(key.rpartition(".")[2], key)
-        if keys:
-            raise type(error)(f"{' or '.join(keys.values())}: {text}") from None
+        keys = (key for key, path, kind in files_of(scene) if (kind, str(Path(path))) == error.file)
+        if (key := next(keys, None)) is not None:
+            raise type(error)(f"{key}: {error}") from None
         raise

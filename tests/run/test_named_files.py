@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import exchange_kit
 import mesh_kit as kit
 import strandcli
 from strandcli.errors import UsageError
@@ -62,7 +63,7 @@ def test_the_key_of_a_file_stands_before_what_is_wrong_with_it(key: str, folder:
 
 def test_every_file_of_a_scene_has_its_key() -> None:
     scene = strandcli.load("fox")
-    keys = dict(files_of(scene))
+    keys = {key: path for key, path, _ in files_of(scene)}
     assert {"emitter.shape.file", "solids.0.file"} <= keys.keys()
     assert all("fox" in path or "." not in path for path in keys.values())
 
@@ -76,9 +77,22 @@ def test_messages_that_name_a_key_stay() -> None:
         assert str(told.value) == text
 
 
-def test_a_file_that_is_wanted_as_two_things_has_both_keys(folder: Path) -> None:
-    path = folder / "ball.obj"
-    solids = [{"kind": "mesh", "file": str(path), "texture": str(path)}, {"kind": "mesh", "file": str(path)}]
-    with pytest.raises(UsageError) as told, naming_files(strandcli.load("minimal", settings={"solids": solids})):
-        raise UsageError(f"{path}: is no picture")
-    assert str(told.value) == f"solids.0.file or solids.0.texture: {path}: is no picture"
+@pytest.mark.parametrize("bad", ["mesh", "strands", "picture"])
+def test_a_file_that_several_keys_name_has_the_key_of_what_it_is_wanted_as(bad: str, folder: Path) -> None:
+    """A mesh is no strands and no picture, and strands are no mesh."""
+    mesh, strands, with_uv = folder / "ball.ply", folder / "strands.ply", folder / "ball.obj"
+    mesh.write_bytes(kit.ply(kit.mesh("ball")))
+    strands.write_bytes(exchange_kit.ply([np.linspace((0, k, 0), (1, k, 0), 5, dtype=np.float32) for k in range(4)]))
+    key, hair, solid, texture, one = {
+        "mesh": ("solids.0.file", strands, strands, "", strands),
+        "strands": ("emitter.groom.file", mesh, mesh, "", mesh),
+        "picture": ("solids.0.texture", strands, with_uv, f", texture: {with_uv}", with_uv),
+    }[bad]
+    text = (
+        f"emitter: {{groom: {{file: {hair}, on: head}}}}\nsolids: [{{kind: mesh, name: head, file: {solid}{texture}}}]"
+    )
+    preset = folder / "several.yaml"
+    preset.write_text(f"quality: draft\nimage: {{size: 16x16}}\n{text}\n")
+    with pytest.raises(UsageError) as told:
+        draw(preset, {})
+    assert str(told.value).startswith(f"{key}: {one}: "), told.value

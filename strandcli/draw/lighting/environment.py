@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import UsageError
+from ...errors import UsageError, about
 from ...inputs import content
 from ...picture_samples import MOST, opened, samples
 
@@ -49,7 +49,8 @@ def read(image: str) -> NDArray[np.floating]:
     """Return the linear picture (height, width, 3) of a file. Raises `UsageError` if it cannot be read."""
     path = Path(image)
     try:
-        return read_hdr(path) if path.suffix.lower() == ".hdr" else _read_picture(path)
+        with about("picture", image):
+            return read_hdr(path) if path.suffix.lower() == ".hdr" else _read_picture(path)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         remedy = "give a lat-long picture, PNG, JPEG or Radiance .hdr"
