@@ -41,6 +41,12 @@ def npz(packed: bool, **arrays: object) -> bytes:
     return file.getvalue()
 
 
+def npy(values: object) -> bytes:
+    file = io.BytesIO()
+    np.save(file, values)
+    return file.getvalue()
+
+
 @cache
 def seeds() -> dict[str, list[bytes]]:
     """Whole files of each format."""
@@ -68,6 +74,9 @@ def seeds() -> dict[str, list[bytes]]:
             npz(True, points=kit.of(uneven).points, first=kit.of(uneven).first, words=np.array(["a"])),
         ],
         ".abc": [abc_kit.rich(even), abc_kit.archive(uneven), abc_kit.rich(uneven), abc_kit.FROM_BLENDER.read_bytes()],
+        ".npy": [npy(positions), npy(np.asfortranarray(positions.astype(">f8"))), npy(np.ones((4, 3, 4), "<f2"))],
+        ".obj": [kit.obj(even), kit.obj(uneven), kit.obj(even, segments=True), kit.obj(uneven, back=True)],
+        ".glb": [mesh_kit.glb(*kit.gltf(some, mode)) for some in (even, uneven[2:3]) for mode in (1, 2, 3)],
         **mesh_seeds(),
         **camera_seeds(),
     }  # fmt: skip

@@ -14,8 +14,7 @@ from click.shell_completion import CompletionItem
 
 Json = Mapping[str, Any]
 
-FILES = (".yaml", ".yml", ".hair", ".data", ".bin", ".tfx", ".ply", ".npz", ".abc", ".usd", ".usda", ".usdc")
-"""Ends of names of what can be drawn."""
+PRESETS = (".yaml", ".yml")
 
 
 def presets(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -47,11 +46,14 @@ def files(incomplete: str) -> list[str]:
             found = [(one.name, one.is_dir()) for one in entries]
     except OSError:
         return []
+    from ..exchange.formats import suffixes
+
+    ends = (*PRESETS, *suffixes())
     shown = sorted(one for one in found if one[0].startswith(begin) and (begin or not one[0].startswith(".")))
     return [
         os.path.join(folder, name) + ("/" if is_folder else "")
         for name, is_folder in shown
-        if is_folder or name.lower().endswith(FILES)
+        if is_folder or name.lower().endswith(ends)
     ]
 
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from ..exchange.files import ReadOptions
     from ..scene.model import Scene
 
-MESHES = (".obj", ".ply", ".stl", ".glb", ".gltf")
-
 
 @click.command()
 @click.argument("file", type=options.PathType(), metavar="FILE")
@@ -43,7 +41,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Tell what is in a FILE of strands: counts, lengths, box, curvature, guesses of roots, up axis and unit; faults,
-    with the option of 'convert' that mends each. Of a mesh (.obj, .ply with faces, .stl, .glb, .gltf): counts, box,
+    with the option of 'convert' that mends each. Of a mesh (.obj, .ply, .stl, .glb or .gltf with faces): counts, box,
     area, volume, attributes, faults."""
     from ..exchange.facts import facts_of_file
     from ..exchange.files import ReadOptions
@@ -87,8 +85,8 @@ def _draw(file: Path, how: ReadOptions, picture: Path) -> None:
 
 
 def _mesh(file: Path) -> bool:
-    """Whether a file is one of a mesh, by its name or, of .ply, its header; meshes take Numba."""
-    if file.suffix.lower() not in MESHES:
+    """Whether a file is one of a mesh; meshes take Numba."""
+    if file.suffix.lower() not in options.MESHES:
         return False
     from ..exchange.moments import files_of
     from ..meshes.facts import is_mesh

@@ -191,21 +191,20 @@ def load_scene(
         "emitter.groom.object": list(objects) or None,
     }
     settings = {path: value for path, value in chosen.items() if value is not None}
-    if Path(preset).suffix.lower() in MESHES:
-        raise UsageError(
-            f"{preset}: is a mesh, neither a preset nor strands; 'strandcli info' draws it with --picture, "
-            "emitter.shape of a preset has strands grow on it, and solids have it drawn"
-        )
     if is_groom(preset):
         settings["emitter.groom.file"] = preset
         preset = GROOM
+    elif Path(preset).suffix.lower() in MESHES:
+        from ..exchange.polylines import IS_MESH
+
+        raise UsageError(f"{preset}: {IS_MESH}")
     return strandcli.load(preset, overrides=overrides, settings=settings, roughly=roughly, option="--set")
 
 
 GROOM = "groom"
 """The preset that files of strands are drawn with."""
-MESHES = (".obj", ".stl", ".glb", ".gltf")
-"""Ends of names of files that hold meshes alone."""
+MESHES = (".obj", ".ply", ".stl", ".glb", ".gltf")
+"""Ends of names of files that hold meshes, or strands as lines but for .stl."""
 
 
 def is_groom(given: str) -> bool:

@@ -92,7 +92,7 @@ def command(
     **scene_settings: Any,
 ) -> None:
     """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them), or draw a FILE of
-    strands (.hair, .data, .bin, .tfx, .ply, .npz, .abc, .usd) as it is.
+    strands as it is.
 
     Writes frame_0001.png …, report.json and report.html. However the run ends, finished frames stay and are whole. A
     run that goes wrong stops at once: where a coordinate is not finite, a segment is stretched beyond 1 % (rod) or 100

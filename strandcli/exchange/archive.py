@@ -6,7 +6,7 @@ import math
 import re
 import sys
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,6 +18,7 @@ from ..errors import UsageError
 from ..output.files import ARCHIVE_ERRORS
 from .bounded import SLICE, Bounded, amount
 
+MAGIC = b"\x93NUMPY"
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 LARGEST_DIRECTORY = 1 << 20
 """Bytes of an archive's list of members: one of a thousand arrays has a twentieth of it."""
@@ -49,6 +50,21 @@ class Member:
         return math.prod(self.shape)
 
 
+def array_header(take: Callable[[int], bytes]) -> tuple[np.dtype[Any], tuple[int, ...], bool, int] | None:
+    """Type and shape of an array of numbers as numpy writes it, whether it is in Fortran's order, and bytes before its
+    numbers; None for any other content. ``take`` reads so many bytes."""
+    begin = take(8)
+    if begin[:6] != MAGIC or begin[6] not in (1, 2, 3):
+        return None
+    width = 2 if begin[6] == 1 else 4
+    length = int.from_bytes(take(width), "little")
+    match = None if length > LONGEST_HEADER else HEADER.fullmatch(take(length).decode("latin-1"))
+    if match is None:
+        return None
+    shape = tuple(int(one) for one in match["shape"].replace(" ", "").split(",") if one.strip())
+    return np.dtype(match["kind"]), shape, match["fortran"] == "True", 8 + width + length
+
+
 class Archive:
     """The arrays of a file by name, and how many bytes may still be taken for them."""
 
@@ -74,20 +90,10 @@ class Archive:
         if info.compress_type not in METHODS:
             raise self.fault(info, f"is packed by method {info.compress_type}; pack it with numpy.savez_compressed")
         with self.opened(info) as member:
-            begin = _exactly(member, 8)
-            if begin[:6] != b"\x93NUMPY" or begin[6] not in (1, 2, 3):
-                return None
-            width = 2 if begin[6] == 1 else 4
-            length = int.from_bytes(_exactly(member, width), "little")
-            if length > LONGEST_HEADER:
-                return None
-            text = _exactly(member, length).decode("latin-1")
-        match = HEADER.fullmatch(text)
-        if match is None:
+            header = array_header(lambda count: _exactly(member, count))
+        if header is None:
             return None
-        shape = tuple(int(one) for one in match["shape"].replace(" ", "").split(",") if one.strip())
-        kind = np.dtype(match["kind"])
-        skip = 8 + width + length
+        kind, shape, fortran, skip = header
         needs = math.prod(shape) * kind.itemsize
         if skip + needs != info.file_size:
             raise self.fault(
@@ -96,7 +102,7 @@ class Archive:
             )  # fmt: skip
         if info.compress_type == zipfile.ZIP_STORED and info.file_size > self.file.size:
             raise self.fault(info, f"{amount(info.file_size)} unpacked, the file holds {amount(self.file.size)}")
-        return Member(info.filename.removesuffix(".npy"), info, kind, shape, match["fortran"] == "True", skip)
+        return Member(info.filename.removesuffix(".npy"), info, kind, shape, fortran, skip)
 
     def read(self, member: Member, double: bool = False) -> npt.NDArray[Any]:
         """An array: single precision, or ``double``, of all floating-point types, integers as they are."""

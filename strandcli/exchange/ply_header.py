@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 from contextlib import suppress
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .bounded import Bounded
+from .bounded import Bounded, opened
 from .strands import OBJECT
 
 TYPES = {
@@ -95,3 +96,10 @@ def object_comment(name: str) -> str:
     """The line of a header that names an object: text of JSON, of ASCII and without spaces, which are not kept."""
     text = json.dumps(name).replace(" ", "\\u0020")
     return f"comment {OBJECT} {text}"
+
+
+def is_mesh(path: Path) -> bool:
+    """Whether a file has polygons."""
+    with opened(path, ".ply file") as file:
+        _, elements, _ = read_header(file)
+    return "face" in elements and elements["face"].count > 0

@@ -203,6 +203,10 @@ def _chosen(
     ``moving`` which points of the file (P,) they have."""
     path = Path(given.file)
     notes += [f"{path}: {strands_of(count)} of {why}, skipped" for why, count in strands.source.skipped.items()]
+    beside = strands.source.facts.get("not_read")
+    if beside:
+        there = ", ".join(f"{count:,} {what}" for what, count in beside.items())
+        notes.append(f"{path}: not read, beside its strands: {there}")
     curves = note_of(strands.source.facts)
     notes += [f"{path}: {curves}"] if curves else []
     if moving:

@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import StrandError
-from ..exchange.bounded import opened
-from ..exchange.ply_header import read_header
+from ..exchange.files import drivers
 from .make import sentences
 from .mesh import TriangleMesh, Vectors, face_vectors, slices
 from .read import SUFFIXES, read_mesh
@@ -29,16 +28,16 @@ UP = ("x", "y", "z", "-x", "-y", "-z")
 
 
 def is_mesh(path: Path) -> bool:
-    """Whether a file is read as a mesh: by the end of its name, and of `.ply` by whether there are faces."""
+    """Whether a file is read as a mesh: by the end of its name, and by whether there are polygons where strands may
+    have that name, too."""
     suffix = path.suffix.lower()
-    if suffix != ".ply":
+    both = [one for one in drivers() if suffix in one.suffixes and hasattr(one, "is_mesh")]
+    if suffix not in SUFFIXES or not both:
         return suffix in SUFFIXES
     try:
-        with opened(path, ".ply file") as file:
-            _, elements, _ = read_header(file)
+        return any(one.is_mesh(path) for one in both)
     except StrandError:
         return False
-    return "face" in elements and elements["face"].count > 0
 
 
 def facts_of_file(path: Path) -> tuple[dict[str, Any], TriangleMesh]:

@@ -10,14 +10,16 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
-from .files import Beside
-from .gltf_file import Gltf
-from .gltf_nodes import placed_meshes
+from ..exchange.beside import Beside
+from ..exchange.gltf_file import Gltf
+from ..exchange.gltf_nodes import placed_meshes
 from .gltf_texture import texture_of, with_texture
-from .make import RawMesh
+from .make import RawMesh, lines_beside
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
 """Modes of primitives that are read."""
+LINES = (1, 2, 3)
+"""Modes of strands."""
 TIMES, ROOM = 3, 30e6
 """Bytes that the arrays of all placed meshes may take: so many times the file, and so many beside."""
 OF_PART = 1000
@@ -42,7 +44,7 @@ def read_gltf(path: Path, beside: Beside) -> list[RawMesh]:
     sizes = [OF_PART + sum(_bytes(file, group) for group in mesh) for mesh in groups]
     placed: list[tuple[int, npt.NDArray[np.float64]]] = []
     total, most = 0, TIMES * file.size + ROOM
-    for mesh, matrix in placed_meshes(file, len(groups)):
+    for mesh, matrix, _ in placed_meshes(file, len(groups)):
         total += sizes[mesh]
         if total > most:
             raise UsageError(
@@ -59,6 +61,9 @@ def read_gltf(path: Path, beside: Beside) -> list[RawMesh]:
     if found:
         primitives = [one for mesh in parts for group in groups[mesh] for one in group.primitives]
         found[0] = with_texture(file, found[0], primitives)
+        modes = [one.get("mode") for mesh in file.objects(file.header, "meshes") for one in mesh.get("primitives", [])]
+        notes = found[0].notes + lines_beside(sum(one in LINES for one in modes))
+        found[0] = replace(found[0], notes=notes)
     return found
 
 

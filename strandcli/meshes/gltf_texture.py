@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from .files import picture
-from .gltf_file import Gltf
+from ..exchange.beside import picture
+from ..exchange.gltf_file import Gltf
 from .make import RawMesh
 
 COLOURS = (

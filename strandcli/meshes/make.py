@@ -46,6 +46,11 @@ class RawMesh:
     normal_rows: npt.NDArray[Any] | None = None
 
 
+def lines_beside(count: int) -> tuple[str, ...]:
+    """A note where a file has lines besides."""
+    return (f"{count:,} lines, which 'render' and 'convert' read as strands",) if count else ()
+
+
 def make_mesh(vertices: npt.NDArray[Any], triangles: npt.NDArray[Any], where: str = "mesh") -> TriangleMesh:
     """The mesh of triangles (T, 3) of vertices (V, 3). Raises `UsageError`, which begins with ``where``."""
     return mesh_of(RawMesh(np.asarray(vertices), np.asarray(triangles)), where)

@@ -6,8 +6,6 @@ It is read by blocks of lines, so that words of all of it never are in memory.
 from __future__ import annotations
 
 import re
-import warnings
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,14 +13,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import UsageError, one_line
-from ..exchange.bounded import Bounded, opened
-from .files import Beside
-from .make import RawMesh
+from ..errors import UsageError
+from ..exchange.beside import Beside
+from ..exchange.bounded import opened
+from ..exchange.obj_lines import MENDS as ANEW
+from ..exchange.obj_lines import blocks, line_of, no_numbers, numbers, shown
+from .make import RawMesh, lines_beside
 from .polygons import fans_of_lists, linear
 
-BLOCK, LONGEST = 1 << 20, 1 << 22
-"""Bytes that are read at once, and of a line."""
 TABLES = {b"v": 3, b"vt": 2, b"vn": 3}
 """Statements with numbers, in the order in which corners name their rows, and how many numbers they have at least."""
 CORNERS = (
@@ -34,7 +32,7 @@ CORNER = re.compile(rb"[-+]?\d{1,18}(?:/(?:[-+]?\d{1,18})?){0,2}")
 """A corner that is written in any of these ways, also with slashes that nothing follows."""
 OF_CORNER = 30
 """Bytes that a corner of a polygon takes."""
-MENDS = "write it anew from its program, with triangles"
+MENDS = f"{ANEW}, with triangles"
 
 
 @dataclass(slots=True)
@@ -47,6 +45,8 @@ class _Found:
     rows: dict[bytes, int] = field(default_factory=lambda: dict.fromkeys(TABLES, 0))
     corners: list[npt.NDArray[np.int32]] = field(default_factory=list)
     lengths: list[npt.NDArray[np.int32]] = field(default_factory=list)
+    lines: int = 0
+    """Statements of lines, which are strands."""
     libraries: list[bytes] = field(default_factory=list)
     materials: dict[bytes, None] = field(default_factory=dict)
 
@@ -56,26 +56,11 @@ def read_obj(path: Path, beside: Beside) -> list[RawMesh]:
     found = _Found(path)
     with opened(path, ".obj file") as file:
         line = 1
-        for lines in _blocks(file):
+        for lines in blocks(file):
             _block(found, [one.split() for one in lines], line)
             file.room("corners", sum(map(len, found.corners)), OF_CORNER)
             line += len(lines)
     return [_mesh(found, beside)] if found.corners else []
-
-
-def _blocks(file: Bounded) -> Iterator[list[bytes]]:
-    """Lines, some at once; those that end in a backslash go on in the next one."""
-    rest = b""
-    while file.left:
-        content = rest + file.take("lines", min(BLOCK, file.left))
-        end = content.rfind(b"\n") + 1
-        while end and (content[end - 2 : end - 1] == b"\\" or content[end - 3 : end - 1] == b"\\\r"):
-            end = content.rfind(b"\n", 0, end - 1) + 1
-        end = end if file.left else len(content)
-        whole, rest = content[:end], content[end:]
-        if len(rest) > LONGEST:
-            raise file.damaged(f"lines: no end of line within {LONGEST:,} bytes")
-        yield whole.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
 
 
 def _block(found: _Found, lines: list[list[bytes]], line: int) -> None:
@@ -93,53 +78,23 @@ def _block(found: _Found, lines: list[list[bytes]], line: int) -> None:
             first = int(wrong[0]) if bad is None else bad
             face = faces[int(np.searchsorted(np.cumsum(lengths), first, side="right"))]
             why = "indices count from 1" if bad is None else "is no corner, such as 1, 1/1, 1//1 or 1/1/1"
-            raise UsageError(f"{found.path}: line {line + face:,}: '{_shown(words[first])}': {why}: {MENDS}")
+            raise UsageError(f"{found.path}: line {line + face:,}: '{shown(words[first])}': {why}: {MENDS}")
         found.corners.append(corners)
         found.lengths.append(lengths)
     for name in TABLES:
         rows = [words[1:] for words in lines if words and words[0] == name]
         if rows:
-            numbers = _numbers(name, rows)
-            if numbers is None:
-                raise _no_numbers(found.path, name, lines, line)
-            found.tables[name].append(numbers)
+            values = numbers(rows, TABLES[name])
+            if values is None:
+                raise no_numbers(found.path, name, TABLES[name], lines, line)
+            found.tables[name].append(values)
             found.rows[name] += len(rows)
     for words in lines:
+        found.lines += bool(words) and words[0] == b"l"
         if words and words[0] == b"mtllib":
             found.libraries.append(b" ".join(words[1:]))
         elif words and words[0] == b"usemtl":
             found.materials[b" ".join(words[1:])] = None
-
-
-def _numbers(name: bytes, rows: list[list[bytes]]) -> npt.NDArray[np.float64] | None:
-    """Rows of numbers (n, k), as many of each as the shortest has; None where those are too few, or no numbers."""
-    width = min(map(len, rows))
-    if width < TABLES[name]:
-        return None
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")  # of text that is no number
-        try:
-            found = np.fromstring(b" ".join([b" ".join(row[:width]) for row in rows]), np.float64, sep=" ")
-            return found.reshape(len(rows), width)
-        except (ValueError, DeprecationWarning):
-            return None
-
-
-def _no_numbers(path: Path, name: bytes, lines: list[list[bytes]], line: int) -> UsageError:
-    """The error of the first statement of a name among lines that has not the numbers it needs."""
-    those = [(line + k, words[1:]) for k, words in enumerate(lines) if words and words[0] == name]
-    at, words = next((one for one in those if _numbers(name, [one[1]]) is None), those[0])
-    letters = name.decode()
-    if len(words) < TABLES[name]:
-        return UsageError(
-            f"{path}: line {at:,}: '{letters}' of {len(words)} numbers, {TABLES[name]} are needed: {MENDS}"
-        )
-    return UsageError(f"{path}: line {at:,}: '{letters}' with what is no number: '{_shown(b' '.join(words))}': {MENDS}")
-
-
-def _shown(words: bytes) -> str:
-    """Words of a file for a message."""
-    return one_line(words[:40].decode("utf-8", "replace"))
 
 
 def _corners(words: list[bytes]) -> tuple[npt.NDArray[np.int32], int | None]:
@@ -181,7 +136,7 @@ def _mesh(found: _Found, beside: Beside) -> RawMesh:
         if most > found.rows[name]:
             face = np.searchsorted(np.cumsum(lengths), corners[:, column].argmax(), side="right")
             raise UsageError(
-                f"{found.path}: line {_line_of(found.path, b'f', int(face)):,}: a corner wants '{name.decode()}' "
+                f"{found.path}: line {line_of(found.path, b'f', int(face)):,}: a corner wants '{name.decode()}' "
                 f"{most:,} of {found.rows[name]:,}: {MENDS}"
             )
     table = {name: _table(parts, TABLES[name]) for name, parts in found.tables.items()}
@@ -192,7 +147,7 @@ def _mesh(found: _Found, beside: Beside) -> RawMesh:
     wrong = np.flatnonzero(~np.isfinite(table[b"v"]).all(axis=1))
     used = wrong[np.isin(wrong, corners[:, 0])]
     if used.size:
-        line, first = _line_of(found.path, b"v", int(used[0]) - 1), ", ".join(f"{x:g}" for x in table[b"v"][used[0]])
+        line, first = line_of(found.path, b"v", int(used[0]) - 1), ", ".join(f"{x:g}" for x in table[b"v"][used[0]])
         raise UsageError(f"{found.path}: line {line:,}: vertex ({first}) of a polygon is not finite: {MENDS}")
     uv = fans_of_lists(lengths, table[b"vt"][corners[:, 1]].astype(np.float32)) if corners[:, 1].any() else None
     normals, rows = None, None
@@ -200,22 +155,10 @@ def _mesh(found: _Found, beside: Beside) -> RawMesh:
         normals, rows = table[b"vn"], fans_of_lists(lengths, corners[:, 2].copy())
     triangles = fans_of_lists(lengths, corners[:, 0] - np.int32(1))
     texture, notes = _texture(found, beside)
+    notes += lines_beside(found.lines)
     return RawMesh(
         table[b"v"][1:], triangles, normals, uv, colours, texture=texture, notes=notes, normal_rows=rows
     )  # fmt: skip
-
-
-def _line_of(path: Path, name: bytes, number: int) -> int:
-    """The line of a statement, of which there are so many of that name before it; 0 of none."""
-    line = 1
-    with opened(path, ".obj file") as file:
-        for lines in _blocks(file):
-            places = [k for k, words in enumerate(lines) if words.split(None, 1)[:1] == [name]]
-            if number < len(places):
-                return line + places[number]
-            number -= len(places)
-            line += len(lines)
-    return 0
 
 
 def _table(parts: list[npt.NDArray[np.float64]], width: int) -> npt.NDArray[np.float64]:

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..exchange.beside import Beside
 from ..exchange.bounded import Bounded, opened
 from ..exchange.ply_header import Element, read_header
-from .files import Beside
 from .kernels.lists import gather, walk, walk_text
 from .make import RawMesh
 from .polygons import fans_of_lists, linear

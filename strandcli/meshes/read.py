@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import StrandError, UsageError, about, one_line
+from ..exchange.beside import Beside
 from ..inputs import reading
-from .files import Beside
 from .gltf import read_gltf
 from .make import RawMesh, mesh_of
 from .mesh import TriangleMesh, smooth_normals

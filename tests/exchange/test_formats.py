@@ -8,6 +8,7 @@ import tempfile
 import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from hypothesis import strategies as st
 
 import abc_kit
 import exchange_kit as kit
+import mesh_kit
 from strandcli.errors import UsageError
 from strandcli.exchange.files import FORMATS, ReadOptions, read, write
 from strandcli.exchange.strands import Attribute, Strands
@@ -44,6 +46,12 @@ def npz(**arrays: object) -> bytes:
     return file.getvalue()
 
 
+def npy(strands: Sequence[kit.Strand], kind: str = "<f4", order: Literal["C", "F"] = "C") -> bytes:
+    file = io.BytesIO()
+    np.save(file, np.stack(strands).astype(kind, order))
+    return file.getvalue()
+
+
 WRITERS: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "hair": (".hair", kit.hair),
     "data": (".data", kit.data),
@@ -55,6 +63,11 @@ WRITERS: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "ply of edges as text": (".ply", lambda strands: kit.ply(strands, "", told="edge")),
     "npz": (".npz", lambda strands: npz(points=kit.of(strands).points, first=kit.of(strands).first)),
     "abc": (".abc", abc_kit.archive),
+    "obj": (".obj", kit.obj),
+    "obj of segments": (".obj", lambda strands: kit.obj(strands, segments=True)),
+    "obj that counts back": (".obj", lambda strands: kit.obj(strands, back=True)),
+    "glb of strips": (".glb", lambda strands: mesh_kit.glb(*kit.gltf(strands))),
+    "glb of pairs": (".glb", lambda strands: mesh_kit.glb(*kit.gltf(strands, 1, "<u4"))),
 }
 EVEN: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "hair": (".hair", lambda strands: kit.hair(strands, segments=False)),
@@ -62,6 +75,8 @@ EVEN: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "tfx 4": (".tfx", kit.tfx4),
     "npz": (".npz", lambda strands: npz(positions=np.stack(strands))),
     "npz of big-endian doubles": (".npz", lambda strands: npz(anything=np.stack(strands).astype(">f8"))),
+    "npy": (".npy", npy),
+    "npy of doubles in Fortran's order": (".npy", lambda strands: npy(strands, ">f8", "F")),
     "npz in Fortran's order": (".npz", lambda strands: npz(positions=np.asfortranarray(np.stack(strands)))),
 }
 
@@ -83,7 +98,7 @@ def test_strands_of_equal_lengths_are_read(kind: str, count: int, points: int, s
     check(read_bytes(written(strands), suffix), strands)
 
 
-@pytest.mark.parametrize("suffix", [".hair", ".data", ".bin", ".ply", ".npz", ".abc"])
+@pytest.mark.parametrize("suffix", [".hair", ".data", ".bin", ".ply", ".npz", ".abc", ".obj"])
 @settings(max_examples=40, deadline=None)
 @given(strands=kit.lists_of_strands)
 def test_what_is_written_is_read_again(suffix: str, strands: list[kit.Strand]) -> None:

@@ -10,11 +10,13 @@ import numpy.typing as npt
 import pytest
 
 import exchange_kit
+import strandcli
 from cli_runs import Runner
 from groom_file_kit import SMALL, Strand, drawn, hanging, image, scene, write
 from strandcli import pipeline
 from strandcli.errors import UsageError
 from strandcli.groom_file import from_file, rows
+from strandcli.scene import SceneError
 from thread_runs import Drawer
 
 UNEQUAL = [2, 3, 17, 9, 9, 5, 17, 2] * 20
@@ -262,3 +264,14 @@ def test_one_long_strand_does_not_make_all_of_them_long(tmp_path: Path, monkeypa
     told = float(words.split("at most ")[1].split(" m off")[0])
     assert off(strands[-1], lines[-1]) <= 1.01 * told + 1e-6
     assert all(off(own, line) < 1e-5 for own, line in zip(strands[:50], lines, strict=False))
+
+
+def test_a_number_of_strands_is_one_of_the_file_in_every_preset_that_has_one(tmp_path: Path) -> None:
+    """A text that names the key of strands that grow is still refused."""
+    write(tmp_path / "a.data", hanging([5] * 40))
+    preset = tmp_path / "own.yaml"
+    preset.write_text("extends: groom\nemitter: {groom: {file: a.data}}\n")
+    assert strandcli.load(str(preset), settings={"emitter.strands": 7}).emitter.strands == 7
+    assert strandcli.load("groom", settings={"emitter.strands": 9}, roughly=True).emitter.strands == 9
+    with pytest.raises(SceneError, match=r"emitter\.groom\.strands draws fewer"):
+        strandcli.load(str(preset), overrides=["emitter.strands=7"])

@@ -19,7 +19,7 @@ from PIL import Image
 import mesh_kit as kit
 from strandcli import picture_samples
 from strandcli.errors import UsageError
-from strandcli.meshes.files import Beside
+from strandcli.exchange.beside import Beside
 from strandcli.meshes.gltf import read_gltf
 from strandcli.meshes.read import read_mesh
 

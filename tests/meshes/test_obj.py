@@ -10,7 +10,7 @@ from PIL import Image
 
 import mesh_kit as kit
 from strandcli.errors import UsageError
-from strandcli.meshes import obj
+from strandcli.exchange import obj_lines
 from strandcli.meshes.make import RawMesh, mesh_of
 from strandcli.meshes.read import read_mesh
 
@@ -50,7 +50,7 @@ def expected(ways: list[str]) -> RawMesh:
 def test_corners_in_every_way(
     ways: list[str], back: bool, block: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(obj, "BLOCK", block)
+    monkeypatch.setattr(obj_lines, "BLOCK", block)
     path = tmp_path / "a.obj"
     path.write_bytes(text(ways, back, "\r\n" if block == 1000 else "\n"))
     found, wanted = read_mesh(path), mesh_of(expected(ways), "a")

@@ -14,8 +14,8 @@ from trimesh.exchange.stl import load_stl_ascii
 
 import mesh_kit as kit
 from strandcli.errors import UsageError
+from strandcli.exchange.beside import Beside
 from strandcli.meshes import stl
-from strandcli.meshes.files import Beside
 
 BALL = kit.mesh("ball")
 CORNERS = BALL.vertices[BALL.triangles]

@@ -23,6 +23,7 @@ from ..bounded import SLICE, Bounded, opened
 from ..files import ReadOptions
 from ..objects import renamed, written_names
 from ..ply_header import Element, object_comment, object_names, read_header
+from ..ply_header import is_mesh as is_mesh
 from ..strands import (
     OBJECT,
     WIDTHS,

@@ -155,6 +155,8 @@ def curves_of(stage: Usd.Stage) -> tuple[list[Usd.Prim], dict[str, Any]]:
                 others["invisible"] += 1
             else:
                 found.setdefault(str(curves.ComputePurpose()), []).append(prim)
+        elif name == "Mesh":
+            others[name] += 1
         elif not prim.IsA(UsdGeom.Imageable) or not prim.IsLoaded():
             others["not loaded"] += not prim.IsLoaded()
     for purposes in PURPOSES:
@@ -165,6 +167,8 @@ def curves_of(stage: Usd.Stage) -> tuple[list[Usd.Prim], dict[str, Any]]:
             purpose = "" if purposes == PURPOSES[0] else purposes[0]
             return chosen, {"not_read": {**{k: v for k, v in others.items() if v}, **told}, "purpose": purpose}
     there = ", ".join(f"{count} {name}" for name, count in others.items() if count)
+    if others["PointInstancer"]:
+        there += ", whose instances are curves once its program makes them real"
     missing = len(stage.GetCompositionErrors())
     there += f"{'; ' if there else ''}{missing} of the files that it names cannot be read" if missing else ""
     raise RefusedFileError("holds no curves" + (f" that can be read; there are {there}" if there else ""))

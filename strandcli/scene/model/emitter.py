@@ -79,8 +79,8 @@ class GroomFile:
 
     file: str = file(
         "strands",
-        doc="file of strands: .hair, .data, .bin, .tfx, .ply, .npz, .abc or .usd; of files that are numbered by the "
-        "frame the name with # or %04d for the number, as strands.####.ply",
+        doc="file of strands, of a format that `convert` reads; of files that are numbered by the frame "
+        "the name with # or %04d for the number, as strands.####.ply",
         numbered=True,
     )
     start: float | None = number(

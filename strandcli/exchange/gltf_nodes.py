@@ -11,11 +11,13 @@ import numpy.typing as npt
 from .gltf_file import Gltf
 
 
-def placed_meshes(file: Gltf, meshes: int) -> Iterator[tuple[int, npt.NDArray[np.float64]]]:
-    """The meshes of the scene and the matrices (4, 4) that place them; each once where there are no nodes."""
+def placed_meshes(file: Gltf, meshes: int) -> Iterator[tuple[int, npt.NDArray[np.float64], str]]:
+    """The meshes of the scene, the matrices (4, 4) that place them, and names of nodes or meshes; each once where there
+    are no nodes."""
+    names = [_name(one) or f"mesh{k}" for k, one in enumerate(file.objects(file.header, "meshes"))]
     nodes = file.objects(file.header, "nodes")
     if not nodes:
-        yield from ((k, np.eye(4)) for k in range(meshes))
+        yield from ((k, np.eye(4), names[k]) for k in range(meshes))
     parents = [0] * len(nodes)
     for k, node in enumerate(nodes):
         children = node.get("children", [])
@@ -39,8 +41,14 @@ def placed_meshes(file: Gltf, meshes: int) -> Iterator[tuple[int, npt.NDArray[np
         matrix = above @ _matrix(file, node, f"nodes[{k}]")
         if "mesh" in node:
             file.named("meshes", node["mesh"], f"nodes[{k}]")
-            yield node["mesh"], matrix
+            yield node["mesh"], matrix, _name(node) or names[node["mesh"]]
         waiting += [(child, matrix) for child in reversed(node.get("children", []))]
+
+
+def _name(one: dict[str, Any]) -> str:
+    """The name of a node or a mesh, empty where it has none."""
+    found = one.get("name")
+    return found if isinstance(found, str) else ""
 
 
 def _reached(nodes: list[dict[str, Any]], roots: list[int]) -> int:

@@ -1,4 +1,4 @@
-"""What a mesh file may name beside itself: files of its own folder, whose size is known before they are read."""
+"""What a file may name beside itself: files of its own folder, whose size is known before they are read."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import StrandError
-from ..exchange.bounded import opened
 from ..picture_samples import pixels
+from .bounded import opened
 
 LARGEST = 1 << 31
 """Bytes of a file that another one names, at most."""
 
 
 class Beside:
-    """Files beside a mesh file, each read once; nothing from elsewhere and nothing from the net."""
+    """Files beside a file, each read once; nothing from elsewhere and nothing from the net."""
 
     def __init__(self, path: Path) -> None:
         self.folder = path.parent.resolve()

@@ -1,0 +1,125 @@
+"""Lines of `.gltf` and `.glb`: primitives of the modes LINES, LINE_LOOP and LINE_STRIP, where nodes put them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...errors import UsageError
+from ..beside import Beside
+from ..files import ReadOptions
+from ..gltf_file import MAGIC, Gltf
+from ..gltf_nodes import placed_meshes
+from ..parts import Part, joined
+from ..polylines import IS_MESH, Lines, joined_lines, too_many
+from ..strands import Offsets, Points, Source, Strands, without_short
+
+name = ".gltf"
+suffixes = (".gltf", ".glb")
+
+LINES, LOOP, STRIP, TRIANGLES = 1, 2, 3, 4
+"""Modes of primitives; those from the last one on are meshes."""
+
+
+def sniff(head: bytes, size: int) -> bool:
+    """Whether it is a `.glb`; a `.gltf` begins as any JSON."""
+    return head.startswith(MAGIC)
+
+
+def is_mesh(path: Path) -> bool:
+    """Whether a file has triangles, and is no strands, or not alone."""
+    return any(_mode(one) >= TRIANGLES for mesh in _meshes(Gltf(path, Beside(path))) for one in mesh)
+
+
+def read(path: Path, options: ReadOptions) -> Strands:
+    """The strands of all lines of the scene. Of pairs one that begins where the one before it ends goes on with it."""
+    file = Gltf(path, Beside(path))
+    meshes = _meshes(file)
+    lines = [[one for one in mesh if LINES <= _mode(one) <= STRIP] for mesh in meshes]
+    placed = [one for one in placed_meshes(file, len(meshes)) if lines[one[0]]]
+    others = sum(_mode(one) >= TRIANGLES for mesh in meshes for one in mesh)
+    if not placed:
+        raise UsageError(f"{path}: {IS_MESH}") if others else file.fault("scene", "has no lines")
+    counts = [sum(_count(file, one) for one in mesh) for mesh in lines]
+    why = too_many(sum(counts[mesh] for mesh, _, _ in placed), file.size)
+    if why:
+        raise UsageError(f"{path}: {why}")
+    known: dict[int, Part] = {}
+    parts = []
+    for mesh, matrix, label in placed:
+        if mesh not in known:
+            known[mesh] = _part(file, lines[mesh], f"meshes[{mesh}]")
+        one = known[mesh]
+        parts.append(Part(label, one.counts, _moved(one.points, matrix), unread=one.unread))
+    facts: dict[str, Any] = {"not_read": {"primitives of a mesh": others}} if others else {}
+    strands, lost = joined(parts, Source(name, "2.0", facts, 1.0, "y"))
+    if lost:
+        facts["attributes_not_read"] = lost
+    wrong = np.flatnonzero(~np.isfinite(strands.points).all(axis=1))
+    if wrong.size and not options.lenient:
+        raise UsageError(f"{path}: point {wrong[0]:,} of its lines is not finite; 'convert --fix' mends it")
+    return without_short(strands)
+
+
+def _meshes(file: Gltf) -> list[list[dict[str, Any]]]:
+    """The primitives of each mesh."""
+    return [
+        file.objects(mesh, "primitives", f"meshes[{k}]") for k, mesh in enumerate(file.objects(file.header, "meshes"))
+    ]
+
+
+def _mode(primitive: dict[str, Any]) -> int:
+    """The mode of a primitive; that of points where it has none that is known."""
+    found = primitive.get("mode", TRIANGLES)
+    return found if isinstance(found, int) else 0
+
+
+def _count(file: Gltf, primitive: dict[str, Any]) -> int:
+    """Points that the lines of a primitive take, or its positions where these are more."""
+    attributes = primitive.get("attributes")
+    if not isinstance(attributes, dict) or "POSITION" not in attributes:
+        raise file.fault("meshes", "a primitive has no positions")
+    there, _, _ = file.shape(attributes["POSITION"], "meshes")
+    count = file.shape(primitive["indices"], "meshes")[0] if "indices" in primitive else there
+    return max(count, there) + (_mode(primitive) == LOOP)
+
+
+def _part(file: Gltf, primitives: list[dict[str, Any]], where: str) -> Part:
+    """The strands of the primitives of a mesh."""
+    counts, points = [], []
+    unread: dict[str, None] = {}
+    for one in primitives:
+        table, first, rows = _lines(file, one, where)
+        counts.append(np.diff(first))
+        points.append(table[rows])
+        unread |= dict.fromkeys(name for name in one["attributes"] if name != "POSITION")
+    return Part("", np.concatenate(counts), np.concatenate(points), unread=list(unread))
+
+
+def _lines(file: Gltf, primitive: dict[str, Any], where: str) -> tuple[Points, Offsets, npt.NDArray[np.int32]]:
+    """The positions of a primitive, offsets of its strands, and the rows of their points."""
+    table = file.numbers(primitive["attributes"]["POSITION"], 3, where).astype(np.float32)
+    rows = np.arange(len(table), dtype=np.int32)
+    if "indices" in primitive:
+        wide = file.numbers(primitive["indices"], 1, where)[:, 0]
+        if wide.dtype.kind not in "iu" or (wide.size and not 0 <= int(wide.min()) <= int(wide.max()) < len(table)):
+            raise file.fault(where, f"indices are none of its {len(table):,} positions")
+        rows = wide.astype(np.int32)
+    mode = _mode(primitive)
+    if mode == LINES:
+        pairs = rows.size // 2
+        lines = Lines(np.full(pairs, 2, np.int32), rows[: 2 * pairs], np.zeros(pairs, np.int32))
+        return table, *joined_lines(lines)[:2]
+    rows = np.append(rows, rows[:1]) if mode == LOOP else rows
+    return table, np.array([0, rows.size]), rows
+
+
+def _moved(points: Points, matrix: npt.NDArray[np.float64]) -> Points:
+    """Points where a node puts them."""
+    if np.array_equal(matrix, np.eye(4)):
+        return points
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3], np.float32)

@@ -1,0 +1,149 @@
+"""Strands as lines of .obj and glTF, and as one array of numpy."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import exchange_kit as kit
+import mesh_kit
+from cli_runs import Runner
+from strandcli.cli.complete import files
+from strandcli.errors import UsageError
+from strandcli.exchange import polylines
+from strandcli.exchange.files import drivers, read, write
+from strandcli.exchange.formats import suffixes
+from strandcli.exchange.strands import Attribute, Strands, even_offsets
+
+TWO = [np.float32([[0, 0, 0], [0, 1, 0], [0, 2, 1]]), np.float32([[1, 0, 0], [1, 1, 0]])]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+
+
+def file(tmp_path: Path, name: str, content: bytes) -> Path:
+    path = tmp_path / name
+    path.write_bytes(content)
+    return path
+
+
+def test_loops_end_where_they_begin_and_nodes_place_lines(tmp_path: Path) -> None:
+    path = file(tmp_path, "a.glb", mesh_kit.glb(*kit.gltf(TWO[:1], 2, translation=[0, 0, 5], scale=[2, 1, 1])))
+    found = read(path)
+    wanted = np.concatenate([TWO[0], TWO[0][:1]]) * np.float32([2, 1, 1]) + np.float32([0, 0, 5])
+    assert found.points == pytest.approx(wanted)
+    assert (found.source.unit, found.source.up) == (1.0, "y")
+
+
+def test_lines_of_obj_may_name_textures_and_go_on_in_the_next_line(tmp_path: Path) -> None:
+    content = b"v 0 0 0 1 1 1\nv 0 1 0 1 1 1\nv 0 2 1 1 1 1\nvt 0 0\nl 1/1 2/1 \\\n 3/\nl 3\n"
+    found = read(file(tmp_path, "a.obj", content))
+    assert (found.points == TWO[0]).all()
+    assert found.source.skipped == {"fewer than two points": 1}
+
+
+@pytest.mark.parametrize(("content", "words"), [
+    (b"v 0 0 0\nv 1 1 1\nl 1 3\n", "line 3: 'l' wants 'v' 3 of 2"),
+    (b"v 0 0 0\nl -1 -2\n", "line 2: 'l' wants a 'v' before the first"),
+    (b"v 0 0 0\nl 0 1\n", "line 2: 'l' wants a 'v' before the first"),
+    (b"v 0 0 0\nl 1 x\n", "line 2: 'l' of '1 x'"),
+    (b"v 0 0\nl 1 1\n", "line 1: 'v' of 2 numbers, 3 are needed"),
+    (b"v 0 0 0\n#\nv 0 nan 0\nl 1 2\n", "line 3: vertex of a strand is not finite"),
+    (b"v 0 0 0\n", "byte 0: holds no lines"),
+    (TRIANGLE, "is a mesh, neither a preset nor strands: it has no lines"),
+])  # fmt: skip
+def test_what_is_wrong_with_an_obj_has_its_line(content: bytes, words: str, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=words):
+        read(file(tmp_path, "a.obj", content))
+
+
+def test_lines_that_name_a_vertex_often_take_no_memory_for_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(polylines, "SPARE", 0)
+    path = file(tmp_path, "a.obj", b"v 0 0 0\nl" + 5000 * b" 1" + b"\n")
+    with pytest.raises(UsageError, match=r"its lines have 5,000 points, which take 80 kB, in a file of 10 kB"):
+        read(path)
+
+
+def saved(values: object) -> bytes:
+    out = io.BytesIO()
+    np.save(out, values)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize(("content", "words"), [
+    (saved(np.zeros((4, 3))), r"byte 0: header: an array of float64 of shape \(4, 3\)"),
+    (saved(np.zeros((4, 3, 3), int)), "an array of int64"),
+    (saved(np.zeros((4, 3, 5))), "or 4 with widths"),
+    (saved(np.zeros((4, 3, 3)))[:-8], r"needs 288 bytes, the\s+file holds 280 bytes"),
+    (saved(np.zeros((4, 3, 3))) + b"\0", "needs 288 bytes, the file holds 289 bytes"),
+    (saved(np.array([[[print]]])), "tells of no array of numbers"),
+    (saved(np.zeros((4, 3, 3))).replace(b"(4, 3, 3)", b"(4000000000, 3, 3)")[:-11], "needs 288 GB"),
+    (saved(np.full((2, 3, 3), np.nan, "<f4")), "byte 128: points: number 0 is not finite, and 5 more"),
+])  # fmt: skip
+def test_what_is_wrong_with_a_npy_has_its_byte(content: bytes, words: str, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=words):
+        read(file(tmp_path, "a.npy", content))
+
+
+def test_the_fourth_number_of_a_npy_is_the_width(tmp_path: Path) -> None:
+    points, width = np.arange(18, dtype=np.float32).reshape(6, 3), np.linspace(0.1, 0.2, 6, dtype=np.float32)
+    strands = Strands(even_offsets(2, 3), points, {"width": Attribute("point", width)})
+    assert write(tmp_path / "a.npy", strands) == []
+    assert np.load(tmp_path / "a.npy").shape == (2, 3, 4)
+    found = read(tmp_path / "a.npy")
+    assert (found.points == points).all()
+    assert (found.attributes["width"].values == width).all()
+    with pytest.raises(UsageError, match="equally many points; make them so with --resample N"):
+        write(tmp_path / "b.npy", kit.of(TWO))
+
+
+def test_info_convert_and_render_take_lines(run: Runner, tmp_path: Path) -> None:
+    strands = [np.float32([[k, 0, 0], [k, 1, 0], [k, 2, 1]]) for k in range(3)]
+    both = kit.obj(strands) + b"f 1 2 3\n"
+    file(tmp_path, "a.obj", kit.obj(strands))
+    file(tmp_path, "b.obj", both)
+    assert "strands    3" in run("info", "a.obj").out
+    assert "3 lines, which 'render' and 'convert' read as strands" in run("info", "b.obj").out
+    assert run("convert", "b.obj", "b.npy").code == 0
+    assert np.load(tmp_path / "b.npy").shape == (3, 3, 3)
+    found = run("render", "b.obj", "--size", "32x24", "--quality", "draft", "-o", "o")
+    assert found.code == 0
+    assert "b.obj: not read, beside its strands: 1 polygons" in found.err
+    assert (tmp_path / "o" / "frame_0001.png").is_file()
+
+
+def test_the_ends_of_names_stand_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = {suffix for one in drivers() for suffix in one.suffixes}
+    assert set(suffixes()) == known
+    monkeypatch.chdir(tmp_path)
+    for suffix in (*known, ".yaml", ".txt"):
+        file(tmp_path, f"a{suffix}", b"")
+    assert files("") == sorted(f"a{suffix}" for suffix in (*known, ".yaml"))
+
+
+def test_objects_of_obj_and_gltf_keep_their_names(tmp_path: Path) -> None:
+    first = read(
+        file(tmp_path, "a.obj", b"g cap\n" + kit.obj(TWO).replace(b"strand1", b"two words") + b"g none\nl 1 2\n")
+    )
+    assert first.objects == ("strand0", "two words")
+    assert first.attributes["object"].values.tolist() == [0, 1, 1]
+    assert write(tmp_path / "b.obj", first) == []
+    again = read(tmp_path / "b.obj")
+    assert again.objects == first.objects
+    assert (again.points == first.points).all()
+    assert read(file(tmp_path, "c.obj", b"v 0 0 0\nv 1 1 1\nl 1 2\n")).objects == ()
+    tree, buffer = kit.gltf(TWO)
+    tree["nodes"] = [{"mesh": 0, "name": "brows"}, {"mesh": 0, "translation": [1, 0, 0]}]
+    tree["scenes"] = [{"nodes": [0, 1]}]
+    found = read(file(tmp_path, "d.glb", mesh_kit.glb(tree, buffer)))
+    assert found.objects == ("brows", "mesh0")
+    assert found.attributes["object"].values.tolist() == [0, 0, 1, 1]
