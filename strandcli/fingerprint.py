@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from . import __version__
 from .errors import StrandError
 from .inputs import digest_of, inputs_of, note
+from .numbered import is_numbered, numbered
 from .scene.model import Time
 from .scene.named_files import named_file
 from .scene.rule_type import MUTUAL
@@ -122,10 +123,13 @@ def _content(path: str, kind: str) -> dict[str, str]:
 
 
 def _strands(path: str) -> object:
-    from .exchange.files import ReadOptions
-    from .exchange.moments import read_first
+    from .exchange.files import ReadOptions, read
+    from .exchange.moments import first_of
 
-    return read_first(Path(path), ReadOptions(lenient=True))
+    first = first_of(Path(path))
+    for one in numbered(Path(path)).values() if is_numbered(path) else ():
+        note(one)
+    return inputs_of(first, lambda: read(first, ReadOptions(lenient=True)))
 
 
 def _mesh(path: str) -> object:
