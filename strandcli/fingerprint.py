@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 from . import __version__
 from .errors import StrandError
 from .inputs import digest_of, inputs_of, note
-from .numbered import is_numbered, numbered
 from .scene.model import Time
 from .scene.named_files import named_file
 from .scene.rule_type import MUTUAL
@@ -124,10 +123,10 @@ def _content(path: str, kind: str) -> dict[str, str]:
 
 def _strands(path: str) -> object:
     from .exchange.files import ReadOptions, read
-    from .exchange.moments import first_of
+    from .exchange.moments import files_of
 
-    first = first_of(Path(path))
-    for one in numbered(Path(path)).values() if is_numbered(path) else ():
+    first, *others = files_of(Path(path))
+    for one in others:
         note(one)
     return inputs_of(first, lambda: read(first, ReadOptions(lenient=True)))
 
