@@ -34,7 +34,9 @@ def completed(scene: Scene, roughly: bool = False) -> Scene:
     found = from_scene(scene, roughly)
     mean = found.seen.length / found.strands
     scene = replace(scene, time=_clock(scene.time, found.moments, given.start))
-    scene = replace(scene, emitter=replace(scene.emitter, strands=found.strands, length=mean))
+    scene = replace(
+        scene, emitter=replace(scene.emitter, strands=found.strands, length=mean, moving=found.moments is not None)
+    )
     if not scene.guided:
         scene = replace(scene, emitter=replace(scene.emitter, particles=found.points), detail=None)
     if scene.material.width == 0:

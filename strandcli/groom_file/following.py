@@ -72,12 +72,12 @@ def with_followers(scene: Scene) -> Scene:
     pixels = scene.curves.tolerance if thinned else 0.0
     metres = pixels * metres_a_pixel(scene, found)
     strands = found.groom.strands
-    moving = found.moments is not None and any(use.name == "emitter_motion" for use in scene.rules)
+    moving = emitter.moving and any(use.name == "emitter_motion" for use in scene.rules)
     if moving and scene.solver == "rod" and scene.rod.end != "free":
         raise UsageError(f"{given.file}: moves; tips cannot be {scene.rod.end} where roots move so; use rod.end: free")
     first = Followers(
         strands, strands, found.points, found.points, metres, pixels, 0.0, 0.0, (middle[0], middle[1], middle[2]),
-        float(np.sqrt(((roots - middle) ** 2).sum(1).max())), moving,
+        float(np.sqrt(((roots - middle) ** 2).sum(1).max())),
     )  # fmt: skip
     scene = replace(scene, emitter=replace(emitter, strands=min(given.guides, strands), followers=first))
     frames = range(1, 2 if scene.detail is None else 1 + scene.time.frames)

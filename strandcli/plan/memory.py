@@ -29,6 +29,8 @@ SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 5_000_000, 25_000_000
 
 KEPT = 0.85
 """Of vertices, those that opacity maps have where they leave some out, about (`draw.shadows.strands_in_map`)."""
+MOMENTS = 4
+"""Of a file that moves, what is in memory beside the first moment."""
 PARTS, PART = 4, 48
 """Of a strand in an opacity map, as in `draw.shadows.kernels.map_parts`."""
 WAITING = 24
@@ -77,7 +79,15 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     crowding = crowding_of(scene, plan.strands)
     touching = blocks * n * TOUCHING + CELL * crowding.cells + PAIR * crowding.pairs if contact else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
-    return blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + round(touching) + grid_bytes(scene, plan.strands)
+    own = blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + round(touching) + grid_bytes(scene, plan.strands)
+    return own + (_moments_bytes(scene) if scene.emitter.moving else 0)
+
+
+def _moments_bytes(scene: Scene) -> int:
+    """Bytes of a file that moves: two moments, one between them, and that packed."""
+    emitter, followers = scene.emitter, scene.emitter.followers
+    points = emitter.strands * emitter.particles if followers is None else followers.strands * followers.file_points
+    return MOMENTS * 12 * points
 
 
 def _rod_bytes(scene: Scene) -> int:

@@ -65,8 +65,8 @@ def deforming_ground(scene: Scene) -> Any:
 def roots_move(scene: Scene) -> bool:
     """Whether roots move in the emitter's frame where the rule emitter_motion is listed: with a mesh that deforms, or
     as a file of strands says."""
-    followers = scene.emitter.followers
-    return (followers is not None and followers.moving) or deforming_ground(scene) is not None
+    emitter = scene.emitter
+    return (emitter.moving and emitter.followers is not None) or deforming_ground(scene) is not None
 
 
 def pose_in_emitter(solid: Solid, emitter: Emitter) -> Pose:

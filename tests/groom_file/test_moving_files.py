@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,6 @@ import pytest
 import exchange_kit as kit
 import groom_file_kit as groom_kit
 import strandcli
-from cli_runs import Runner
 from strandcli.blocks import unpack
 from strandcli.errors import SimulationError, UsageError
 from strandcli.exchange.files import write
@@ -228,25 +226,32 @@ def test_what_is_not_shown_is_told(tmp_path: Path) -> None:
         assert any("frame 1 shows moving.0007.ply" in one for one in told)
 
 
-def test_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """`render` and `dataset` draw moments; `info` tells which there are."""
-    run = Runner(tmp_path, capsys)
-    path = file_of(tmp_path, "ply", turned, [i / FPS for i in range(3)])
-    told = json.loads(run("info", str(path), "--json").out)["moments"]
-    assert (told["count"], told["first"], told["last"], told["unit"]) == (3, 7, 9, "file")
-    assert told["same_strands"]
-    assert "3 of the same strands, files 7 to 9" in run("info", str(path)).out
-    small = ["--size", "48x36", "--set", "ambient_occlusion=null"]
-    assert run("render", str(path), "-o", str(tmp_path / "film"), *small).code == 0
-    pictures = {one.read_bytes() for one in (tmp_path / "film").glob("frame_*.png")}
-    assert len(pictures) == 3
-    for frame in (1, 3):
-        options = ["--layout", "nerfstudio", "--views", "1", "--frame", str(frame), "-o", str(tmp_path / f"set{frame}")]
-        assert run("dataset", str(path), *options, *small).code == 0
-    first, third = (sorted((tmp_path / f"set{frame}").glob("images/*"))[0].read_bytes() for frame in (1, 3))
-    assert first != third
-    (tmp_path / "moving.0008.ply").unlink()
-    done = run("render", str(path), "-o", str(tmp_path / "gap"), *small)
-    assert done.code == 2
-    assert "moving.0008.ply: there is no such file" in done.err
-    assert not list((tmp_path / "gap").glob("frame_*"))
+def test_usd_says_itself_what_is_between_its_samples(tmp_path: Path) -> None:
+    """A turn about an axis by two samples of its angle is a turn at every frame."""
+    require("usda")
+    path = tmp_path / "a.usda"
+    path.write_text(
+        """#usda 1.0
+(
+    timeCodesPerSecond = 30
+    framesPerSecond = 30
+)
+def Xform "a" {
+    double xformOp:rotateY.timeSamples = { 10: 0, 40: 90 }
+    uniform token[] xformOpOrder = ["xformOp:rotateY"]
+    def BasisCurves "b" {
+        uniform token type = "linear"
+        int[] curveVertexCounts = [3]
+        point3f[] points = [(0.3, 0, 0.1), (1, 1, 0), (2, 1, 1)]
+    }
+}
+""",
+        "utf-8",
+    )
+    given = groom_kit.scene(path)
+    assert (given.time.frames, given.time.fps) == (31, 30)
+    points = np.array([[0.3, 0, 0.1], [1, 1, 0], [2, 1, 1]])
+    for number, (strand,) in zip((1, 11, 16, 31), shown(given, (1, 11, 16, 31)), strict=True):
+        angle = np.radians((number - 1) * 3)
+        s, c = np.sin(angle), np.cos(angle)
+        np.testing.assert_allclose(strand, points @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]]), atol=1e-6)

@@ -160,8 +160,6 @@ class Followers:
     """Middle of the box about all roots, in the emitter's frame."""
     radius: float
     """Metres from there to the farthest root."""
-    moving: bool
-    """Whether the file moves, and roots with it."""
 
 
 LEAST_LENGTH = 1e-6
@@ -221,6 +219,8 @@ class Emitter:
     keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; roots and directions turn with it")
     followers: Followers | None = None
     """What follows the simulated strands of a file; None where there is no file, or nothing of it is simulated."""
+    moving: bool = False
+    """Whether there is a file whose strands move, as it is found when the file is read."""
 
     @property
     def segment(self) -> float:

@@ -1,0 +1,63 @@
+"""Commands that draw files of strands that move, and what their frames are known by."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import groom_file_kit as groom_kit
+from cli_runs import Runner
+from strandcli.fingerprint import fingerprint
+from tests.groom_file.test_moving_files import FPS, file_of, turned
+
+
+def test_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`render` and `dataset` draw moments; `info` tells which there are."""
+    run = Runner(tmp_path, capsys)
+    path = file_of(tmp_path, "ply", turned, [i / FPS for i in range(3)])
+    told = json.loads(run("info", str(path), "--json").out)["moments"]
+    assert (told["count"], told["first"], told["last"], told["unit"]) == (3, 7, 9, "file")
+    assert told["same_strands"]
+    assert "3 of the same strands, files 7 to 9" in run("info", str(path)).out
+    small = ["--size", "48x36", "--set", "ambient_occlusion=null"]
+    assert run("render", str(path), "-o", str(tmp_path / "film"), *small).code == 0
+    pictures = {one.read_bytes() for one in (tmp_path / "film").glob("frame_*.png")}
+    assert len(pictures) == 3
+    for frame in (1, 3):
+        options = ["--layout", "nerfstudio", "--views", "1", "--frame", str(frame), "-o", str(tmp_path / f"set{frame}")]
+        assert run("dataset", str(path), *options, *small).code == 0
+    first, third = (sorted((tmp_path / f"set{frame}").glob("images/*"))[0].read_bytes() for frame in (1, 3))
+    assert first != third
+    (tmp_path / "moving.0008.ply").unlink()
+    done = run("render", str(path), "-o", str(tmp_path / "gap"), *small)
+    assert done.code == 2
+    assert "moving.0008.ply: there is no such file" in done.err
+    assert not list((tmp_path / "gap").glob("frame_*"))
+
+
+def test_kept_positions_are_those_of_each_moment(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, run = file_of(tmp_path, "abc", turned, [i / FPS for i in range(3)]), Runner(tmp_path, capsys)
+    cache, first, second = (str(tmp_path / name) for name in ("cache", "a", "b"))
+    small = ["--size", "48x36", "--set", "ambient_occlusion=null"]
+    done = run("simulate", path, "-o", cache)
+    assert done.code == 0, done.err
+    assert run("render", path, "-o", first, *small).code == 0
+    assert run("render", path, "-o", second, "--from-cache", cache, *small).code == 0
+    for number in (1, 3):
+        name = f"frame_{number:04d}.png"
+        assert run("compare", f"{first}/{name}", f"{second}/{name}").code == 0
+
+
+def test_frames_are_known_by_all_moments(tmp_path: Path) -> None:
+    """Another content of any numbered file, or another file, changes the fingerprint by which `--resume` goes."""
+    path = file_of(tmp_path, "ply", turned, [i / FPS for i in range(4)])
+    found = [fingerprint(groom_kit.scene(path))]
+    third = tmp_path / "moving.0009.ply"
+    (tmp_path / "moving.0011.ply").write_bytes(third.read_bytes())
+    found.append(fingerprint(groom_kit.scene(path)))
+    third.write_bytes((tmp_path / "moving.0008.ply").read_bytes())
+    found.append(fingerprint(groom_kit.scene(path)))
+    assert len(set(found)) == 3
+    assert fingerprint(groom_kit.scene(path)) == found[2]
