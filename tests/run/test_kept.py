@@ -199,7 +199,7 @@ def test_a_mesh_is_what_reading_its_file_gives_and_follows_its_content(
     path.write_bytes(ply(ball, more=more))
     read = read_mesh(path)
     for _ in range(2):
-        mesh = file_kept.mesh_of_file(path, path.stat().st_size)
+        mesh = file_kept.mesh_of_file(path)
         for name in file_kept.ARRAYS:
             one, other = getattr(mesh, name), getattr(read, name)
             assert (one is None) == (other is None), name
@@ -211,7 +211,7 @@ def test_a_mesh_is_what_reading_its_file_gives_and_follows_its_content(
         monkeypatch.setattr(file_kept, "read_mesh", refuse)
     path.write_bytes(ply(make_mesh(1.5 * ball.vertices, ball.triangles), more=more))
     with pytest.raises(AssertionError, match="made again"):
-        file_kept.mesh_of_file(path, path.stat().st_size)
+        file_kept.mesh_of_file(path)
 
 
 @pytest.mark.parametrize("name", ["ball.obj", "ball.ply"])
@@ -226,7 +226,7 @@ def test_a_mesh_whose_file_may_name_others_is_not_kept(
         begin = b"\nelement vertex"
         content = ply(make_mesh(*sphere(1)))
         path.write_bytes(content.replace(begin, b"\ncomment TextureFile a.png" + begin, 1))
-    file_kept.mesh_of_file(path, path.stat().st_size)
+    file_kept.mesh_of_file(path)
     assert not list(place.iterdir())
 
 
