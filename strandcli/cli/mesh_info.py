@@ -58,6 +58,7 @@ def scene_of(path: Path, mesh: TriangleMesh, up: str) -> Scene:
     shown: dict[str, Any] = {
         "title": path.name, "emitter.groom": None, "emitter.strands": 1, "emitter.particles": 2,
         "emitter.length": 1e-6, "material.width": 1e-9, "detail": None, "camera.fit": None, "solids": [solid],
+        "time.frames": 1, "time.fps": 24.0,
     }  # fmt: skip
     scene = strandcli.load(options.GROOM, settings=shown)
     low, high = mesh.box()

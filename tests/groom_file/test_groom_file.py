@@ -211,7 +211,6 @@ def test_the_emitter_carries_the_strands(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"emitter__strands": 7}, "take out strands, or set it to null; emitter.groom.strands draws fewer"),
         ({"emitter__length": 7, "emitter__comb": (1, 0, 0)}, "take out length, comb, or set each to null"),
         ({"children": {"count": 3}}, "grow about strands of the emitter"),
         ({"emitter__groom__scale": 2.0, "emitter__groom__size": 1.0}, "clashes with emitter.groom.size"),
@@ -223,6 +222,15 @@ def test_what_does_not_go_with_a_file_is_refused(settings: dict[str, Any], words
     path = write(tmp_path / "a.data", hanging([6] * 4))
     with pytest.raises(UsageError, match=words.replace(".", r"\.")):
         scene(path, **settings)
+
+
+def test_strands_asked_for_are_those_of_the_file_and_in_the_text_of_a_preset_refused(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.data", hanging([6] * 9))
+    assert len(drawn(scene(path, emitter__strands=7))) == 7
+    preset = tmp_path / "own.yaml"
+    preset.write_text(f"extends: groom\nemitter: {{strands: 7, groom: {{file: {path.name}}}}}\n")
+    with pytest.raises(UsageError, match=r"own.yaml:2:20: .*take out strands, .*emitter\.groom\.strands draws fewer"):
+        strandcli.load(str(preset))
 
 
 def test_a_file_is_drawn_without_a_preset(tmp_path: Path, run: Runner) -> None:
