@@ -29,7 +29,7 @@ from .film import Edits, Film
 from .measure import Seen, seen_of
 from .on_solid import Head, anchors_on, head_of, put_on
 from .placing import Placement, placed, put
-from .rows import most_points, packed, with_at_most
+from .rows import most_points, packed, rows_in, with_at_most
 from .widths import widths_of
 
 if TYPE_CHECKING:
@@ -61,6 +61,8 @@ class FromFile:
     notes: tuple[str, ...]
     """What a person should know of the file, a line each."""
     placement: Placement
+    rows: NDArray[np.int32] | None = None
+    """Of its points, as of `rows_in`, where the file moves: those of all moments."""
     moments: Moments | None = None
     """Of a file that moves."""
 
@@ -102,7 +104,7 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) ->
             return replace(found, moments=moments)
     found = _made(strands, counts, given, seed, head, notes)
     if moments is None or rows is None:
-        return found
+        return replace(found, rows=None)
     film = _film(moments, in_file, rows, strands, given, seed, found)
     return replace(found, moments=moments, groom=replace(found.groom, film=film))
 
@@ -120,7 +122,7 @@ def _film(
     def again(points: Points) -> NDArray[np.float32]:
         moved = put(replace(bare, points=points[rows]), given, found.placement)
         moved, _, _ = with_at_most(moved, found.points)
-        return packed(moved.first, moved.points, order, found.points)
+        return packed(moved.first, moved.points, found.rows, order, found.points)
 
     def ends_again(points: Points) -> NDArray[np.float64]:
         moved = put(replace(pairs, points=points[ends]), given, found.placement)
@@ -178,7 +180,11 @@ def _made(
     if seen.apart:
         notes.append(f"{given.file}: some strands lie far from all others; the picture is not fitted to them")
     seen = replace(seen, length=share * seen.length)
-    points = packed(strands.first, strands.points, order, most) if share == 1 else None
+    rows = points = packed_widths = None
+    if share == 1:
+        rows = rows_in(strands.first, strands.points, most)
+        points = packed(strands.first, strands.points, rows, order, most)
+        packed_widths = None if widths is None else widths.packed(strands, placement.factor, rows, order, most)
     way = strands.points[strands.first[:-1] + 1].astype(np.float64) - roots
     groom = Groom(
         roots[order],
@@ -187,13 +193,13 @@ def _made(
         tones[order],
         places=order,
         points=points,
-        widths=None if widths is None or points is None else widths.packed(strands, placement.factor, order, most),
+        widths=packed_widths,
         colours=None if colours is None else colours.palette,
         anchors=anchors_on(head, roots[order]),
     )
     width = None if widths is None else widths.mean
     colour = None if colours is None else colours.mean
-    return FromFile(counts.size, groom, most, seen, width, colour, tuple(notes), placement)
+    return FromFile(counts.size, groom, most, seen, width, colour, tuple(notes), placement, rows)
 
 
 def _chosen(

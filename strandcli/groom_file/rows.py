@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..blocks import aligned
 from ..constants import W
 from ..exchange.edit.resample import resampled
-from ..exchange.strands import Attribute, Offsets, Points, Strands, offsets
+from ..exchange.strands import CHUNK, Attribute, Offsets, Points, Strands, offsets
 from .kernels import rows as kernel
 
 PADDED = 4
@@ -49,19 +49,43 @@ def with_at_most(strands: Strands, most: int) -> tuple[Strands, int, float]:
     return found, int(over.sum()), float(change.facts["deviation_max"])
 
 
-def packed(first: Offsets, points: Points, order: NDArray[np.int32], most: int) -> NDArray[np.float32]:
+def rows_in(first: Offsets, points: Points, most: int) -> NDArray[np.int32] | None:
+    """(P,) the rows that points of strands get where all have ``most``; None where all do. After point j of n the share
+    of its arc length of the rows that are added has been placed, rounded."""
+    counts = np.diff(first)
+    if (counts == most).all():
+        return None
+    found = np.empty(points.shape[0], np.int32)
+    for count in np.unique(counts):
+        n = int(count)
+        begins = first[:-1][counts == n]
+        some = max(1, CHUNK // n)
+        for begin in range(0, begins.shape[0], some):
+            at = begins[begin : begin + some, None] + np.arange(n)
+            found[at] = _rows(points[at], most)
+    return found
+
+
+def _rows(points: Points, most: int) -> NDArray[np.int32]:
+    """(k, n): `rows_in` of strands (k, n, 3)."""
+    n = points.shape[1]
+    return np.asarray(np.arange(n) + np.rint(_shares(points) * (most - n)), np.int32)
+
+
+def packed(
+    first: Offsets, points: Points, rows: NDArray[np.int32] | None, order: NDArray[np.int32], most: int
+) -> NDArray[np.float32]:
     """(blocks, most + 1, 3 W): strands in an ``order`` (S,), row 0 a segment before the root, as `strandcli.blocks` has
-    it. Of strands with fewer points than ``most`` each point keeps its bits; between them others are put, on the
-    straight segments, so many to each as its length asks for."""
+    it. Points have the ``rows`` of `rows_in`, in every bit; those between are on the straight segments."""
     strands = order.shape[0]
     blocks = -(-strands // W)
     out = aligned((blocks, most + 1, 3 * W))
-    if (np.diff(first) == most).all():
+    if rows is None:
         kernel.pack(first, points, order, out)
         return out
     for block in range(blocks):
         some = order[block * W : (block + 1) * W]
-        here = filled(first, points, some, most)
+        here = filled(first, points, rows, some, most)
         wide = out[block].reshape(most + 1, 3, W)
         wide[1:, :, : some.shape[0]] = here.transpose(1, 2, 0)
         wide[1:, :, some.shape[0] :] = here[-1, :, :, None]
@@ -75,65 +99,53 @@ def _before(packed_rows: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(2 * wide[:, 1] - wide[:, 2])
 
 
-def filled(first: Offsets, points: Points, some: NDArray[np.int32], most: int) -> Points:
-    """(k, most, 3): the strands ``some`` (k,), with ``most`` points each."""
-    counts = first[some + 1] - first[some]
-    if (counts == most).all():
-        return points[first[some][:, None] + np.arange(most)]
-    out = np.empty((some.shape[0], most, 3), np.float32)
-    for count in np.unique(counts):
-        rows = np.flatnonzero(counts == count)
-        out[rows] = lengthened(points[first[some[rows]][:, None] + np.arange(count)], most)
-    return out
-
-
-def rows_of(
-    first: Offsets, points: Points, values: NDArray[np.float32], order: NDArray[np.int32], most: int
+def values_in(
+    first: Offsets, values: NDArray[np.float32], rows: NDArray[np.int32] | None, order: NDArray[np.int32], most: int
 ) -> NDArray[np.float32]:
     """(S, most): values (P,) of the points of strands in an ``order`` (S,), at the points that `packed` gives them."""
-    if (np.diff(first) == most).all():
+    if rows is None:
         return values.reshape(-1, most)[order].astype(np.float32, copy=False)
     out = np.empty((order.shape[0], most), np.float32)
     for begin in range(0, order.shape[0], W):
-        some = order[begin : begin + W]
-        counts = first[some + 1] - first[some]
-        for count in np.unique(counts):
-            here = np.flatnonzero(counts == count)
-            rows = first[some[here]][:, None] + np.arange(count)
-            own = np.concatenate([points[rows], values[rows][..., None]], axis=2, dtype=np.float32)
-            out[begin + here] = lengthened(own, most)[..., 3]
+        out[begin : begin + W] = filled(first, values[:, None], rows, order[begin : begin + W], most)[..., 0]
     return out
 
 
-def lengthened(points: NDArray[np.float32], most: int) -> NDArray[np.float32]:
-    """Strands (k, n, 3) with ``most`` points each, those that they have among them in every bit; further columns, too.
+def filled(
+    first: Offsets, values: NDArray[np.float32], rows: NDArray[np.int32], some: NDArray[np.int32], most: int
+) -> NDArray[np.float32]:
+    """(k, most, c): values (P, c) of the points of the strands ``some`` (k,), linear between their rows (P,)."""
+    counts = first[some + 1] - first[some]
+    out = np.empty((some.shape[0], most, values.shape[1]), np.float32)
+    for count in np.unique(counts):
+        here = np.flatnonzero(counts == count)
+        at = first[some[here]][:, None] + np.arange(count)
+        out[here] = _between(values[at], rows[at], most)
+    return out
 
-    After point j of n the share of its arc length of the points that are added has been placed, rounded.
-    """
-    strands, n, _ = points.shape
+
+def _between(values: NDArray[np.float32], own: NDArray[np.int32], most: int) -> NDArray[np.float32]:
+    """(k, most, c): values (k, n, c) at their ``own`` rows (k, n), in every bit, and linear ones between."""
+    strands, n, _ = values.shape
     if n == most:
-        return points
-    own = np.arange(n) + np.rint(_shares(points) * (most - n)).astype(np.int64)
-    """(k, n): the row of each point."""
-    rows = np.arange(most)
-    segment = np.empty((strands, most), np.int64)
-    for s in range(strands):
-        segment[s] = np.searchsorted(own[s], rows, side="right") - 1
-    segment = np.minimum(segment, n - 2)
-    begin, end = np.take_along_axis(own, segment, 1), np.take_along_axis(own, segment + 1, 1)
-    t = ((rows - begin) / (end - begin))[..., None]
-    a = np.take_along_axis(points, segment[..., None], 1).astype(np.float64)
-    b = np.take_along_axis(points, segment[..., None] + 1, 1).astype(np.float64)
+        return values
+    each = np.arange(strands)[:, None]
+    begins = np.zeros((strands, most), np.int64)
+    begins[each, own[:, :-1]] = 1
+    segment = np.cumsum(begins, axis=1) - 1
+    low, high = own[each, segment], own[each, segment + 1]
+    t = ((np.arange(most) - low) / (high - low))[..., None]
+    a, b = values[each, segment].astype(np.float64), values[each, segment + 1].astype(np.float64)
     out = (a + t * (b - a)).astype(np.float32)
-    out[np.arange(strands)[:, None], own] = points
+    out[each, own] = values
     return out
 
 
 def _shares(points: Points) -> NDArray[np.float64]:
-    """(k, n): the share of its strand's length before each point of strands (k, n, 3 or more); by number where they
-    have no length."""
+    """(k, n): the share of its strand's length before each point of strands (k, n, 3); by number where they have no
+    length."""
     n = points.shape[1]
-    steps = np.linalg.norm(np.diff(points[..., :3].astype(np.float64), axis=1), axis=2)
+    steps = np.linalg.norm(np.diff(points.astype(np.float64), axis=1), axis=2)
     along = np.concatenate([np.zeros((points.shape[0], 1)), np.cumsum(steps, axis=1)], axis=1)
     whole = along[:, -1:]
     return np.asarray(np.where(whole > 0, along / np.where(whole > 0, whole, 1.0), np.arange(n) / (n - 1)))
@@ -145,10 +157,5 @@ def places_of(first: Offsets, points: Points, most: int) -> NDArray[np.float64]:
     for count in np.unique(counts):
         n = int(count)
         rows = first[:-1][counts == count][:, None] + np.arange(n)
-        if n == most:
-            found[rows] = np.arange(n) / (n - 1)
-        elif n > most:
-            found[rows] = _shares(points[rows])
-        else:
-            found[rows] = (np.arange(n) + np.rint(_shares(points[rows]) * (most - n))) / (most - 1)
+        found[rows] = _shares(points[rows]) if n > most else _rows(points[rows], most) / (most - 1)
     return found

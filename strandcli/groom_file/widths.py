@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..exchange.strands import WIDTHS, Strands
 from ..groom.record import Widths
 from .measure import box_of
-from .rows import rows_of
+from .rows import values_in
 
 LEAST, MOST = 0.02, 200.0
 """How often strands of a believable width cover the box about them, on average."""
@@ -32,14 +32,16 @@ class FileWidths:
         """Of the greatest, metres."""
         return float(self.greatest.mean())
 
-    def packed(self, strands: Strands, factor: float, order: NDArray[np.int32], most: int) -> Widths:
+    def packed(
+        self, strands: Strands, factor: float, rows: NDArray[np.int32] | None, order: NDArray[np.int32], most: int
+    ) -> Widths:
         """As factors of the mean, in an ``order`` (S,), at ``most`` points of each strand. ``strands``, ``factor``: as
-        of `widths_of`."""
+        of `widths_of`; ``rows``: of `rows_in`."""
         own = self.greatest[order]
         scale = (own / self.mean).astype(np.float32)
         if not self.vary:
             return Widths(scale)
-        shares = rows_of(strands.first, strands.points, strands.attributes["width"].values, order, most)
+        shares = values_in(strands.first, strands.attributes["width"].values, rows, order, most)
         per = np.divide(factor, own, out=np.zeros_like(own), where=own > 0).astype(np.float32)
         np.minimum(np.multiply(shares, per[:, None], out=shares), 1, out=shares)
         return Widths(scale, shares)

@@ -38,6 +38,11 @@ def shifted(points: Floats, time: float) -> Floats:
     return points + time * np.array([0.4, -0.1, 0.2])
 
 
+def stretched(points: Floats, time: float) -> Floats:
+    """Lower parts grow far more than upper ones."""
+    return points * (1 + time * 400 * points[:, 1:2] ** 2)
+
+
 def grown(points: Floats, time: float) -> Floats:
     """Growth of whole strands from the first point of each file, (1 + t) times as long."""
     first = np.repeat(points[np.cumsum([0, *COUNTS[:-1]])], COUNTS, axis=0)
@@ -200,6 +205,17 @@ def test_edits_are_those_of_the_first_moment(tmp_path: Path, change: str) -> Non
     assert len(fourth) == len(wanted)
     for strand, other in zip(fourth, wanted, strict=True):
         np.testing.assert_allclose(strand, other, atol=1e-6)
+
+
+def test_points_that_are_added_stay_between_the_same_ones(tmp_path: Path) -> None:
+    """Widths and colours of what is drawn, and its motion, are those of the same points at all moments."""
+    path = file_of(tmp_path, "abc", stretched, [i / FPS for i in range(4)])
+    first, *later = shown(groom_kit.scene(path), (1, 2, 4))
+    own = [[int(np.linalg.norm(strand - point, axis=1).argmin()) for point in points]
+           for strand, points in zip(first, at(stretched, 0.0), strict=True)]  # fmt: skip
+    for found, time in zip(later, (1 / FPS, 3 / FPS), strict=True):
+        for strand, points, rows in zip(found, at(stretched, time), own, strict=True):
+            np.testing.assert_allclose(strand[rows], points, atol=1e-5)
 
 
 def test_numbers_that_are_not_finite_at_a_later_moment_end_the_run(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ import exchange_kit
 import usd_kit
 from groom_file_kit import Strand, hanging, image, scene, write
 from strandcli import pipeline
+from strandcli.blocks import unpack
 from strandcli.exchange import files
 from strandcli.exchange.edit.resample import resampled, simplified
 from strandcli.exchange.strands import Attribute, Strands
@@ -170,12 +171,13 @@ def test_points_keep_the_bits_of_their_widths(counts: list[int], seed: int) -> N
     rng = np.random.default_rng(seed)
     strands, values = exchange_kit.of(hanging(counts, seed)), rng.random(sum(counts)).astype(np.float32)
     order, most = rng.permutation(len(counts)).astype(np.int32), max(counts)
-    found = rows.rows_of(strands.first, strands.points, values, order, most)
-    packed = np.stack([rows.filled(strands.first, strands.points, order[k : k + 1], most)[0]
-                       for k in range(len(order))])  # fmt: skip
+    own = rows.rows_in(strands.first, strands.points, most)
+    found = rows.values_in(strands.first, values, own, order, most)
+    blocks = rows.packed(strands.first, strands.points, own, order, most)
+    packed = unpack(blocks[:, 1:], len(order))
     for k, s in enumerate(order):
-        own = slice(strands.first[s], strands.first[s + 1])
-        for point, value in zip(strands.points[own], values[own], strict=True):
+        part = slice(strands.first[s], strands.first[s + 1])
+        for point, value in zip(strands.points[part], values[part], strict=True):
             here = (packed[k] == point).all(axis=1)
             assert value in found[k][here]
 
