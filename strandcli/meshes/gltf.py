@@ -48,8 +48,8 @@ def read_gltf(path: Path, beside: Beside) -> list[RawMesh]:
         total += sizes[mesh]
         if total > most:
             raise UsageError(
-                f"{path}: its nodes place more than {len(placed):,} meshes, which take {total / 1e6:,.0f} MB, of a "
-                f"file of {file.size / 1e6:,.3g} MB; write fewer or coarser ones"
+                f"{path}: {len(placed) + 1:,} of the meshes that its nodes place take {total / 1e6:,.0f} MB, of a file "
+                f"of {file.size / 1e6:,.3g} MB; write fewer or coarser ones"
             )
         placed.append((mesh, matrix))
     parts: dict[int, list[RawMesh]] = {}

@@ -24,10 +24,15 @@ def fans_of_lists(lengths: npt.NDArray[np.integer[Any]], values: npt.NDArray[Any
     if (lengths == 3).all():
         return values.reshape(-1, 3, *values.shape[1:])
     kind: Any = np.int32 if values.shape[0] < 2**31 else np.int64
-    many = np.maximum(lengths - 2, 0)
-    first: npt.NDArray[Any] = np.repeat((np.cumsum(lengths) - lengths).astype(kind), many)
+    begins: npt.NDArray[Any] = np.cumsum(lengths, dtype=kind)
+    np.subtract(begins, lengths, out=begins, casting="unsafe")
+    enough = lengths >= 3
+    if not enough.all():  # a byte of a file may be a polygon without corners, for which no more is to be taken
+        begins, lengths = begins[enough], lengths[enough]
+    many = (lengths - 2).astype(kind)
+    first: npt.NDArray[Any] = np.repeat(begins, many)
     turn: npt.NDArray[Any] = np.arange(1, 1 + first.size, dtype=kind)
-    turn -= np.repeat((np.cumsum(many) - many).astype(kind), many)
+    turn -= np.repeat(np.cumsum(many, dtype=kind) - many, many)
     turn += first
     found = np.empty((first.size, 3, *values.shape[1:]), values.dtype)
     found[:, 0], found[:, 1] = values[first], values[turn]

@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RefusedError, UsageError
+from ..inputs import opened
 from . import png
 from .files import placed, write_pieces
 from .npz import made_of, write_array
@@ -92,12 +93,12 @@ def is_of(path: Path, scene: str) -> bool:
     if path.suffix == ".png":
         return png.keyword(path, png.SCENE) == scene
     try:
-        if path.suffix == ".npz":
-            with zipfile.ZipFile(path) as archive:
+        with opened(path) as file:
+            if path.suffix != ".npz":
+                return scene.encode() in file.read(EXR_HEAD)
+            with zipfile.ZipFile(file) as archive:
                 return made_of(archive) == scene
-        with path.open("rb") as file:
-            return scene.encode() in file.read(EXR_HEAD)
-    except (OSError, zipfile.BadZipFile):
+    except (UsageError, RefusedError, OSError, zipfile.BadZipFile):
         return False
 
 
@@ -109,12 +110,10 @@ def read_layer(path: Path) -> NDArray[Any]:
     """
     name = path.stem.rpartition("_")[0]
     try:
-        with np.load(path, allow_pickle=False) as data:
+        with opened(path) as file, np.load(file, allow_pickle=False) as data:
             found = data[name]
-    except FileNotFoundError:
-        raise UsageError(f"{path}: no such file") from None
-    except PermissionError:
-        raise RefusedError(f"{path}: no permission to read it") from None
+    except (UsageError, RefusedError):
+        raise
     except KeyError:
         raise UsageError(f"{path}: holds no array named '{name}'") from None
     except Exception as error:  # damaged archives raise whatever their damage leads to

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from .. import __version__
 from ..errors import RefusedError, UsageError, one_line
+from ..inputs import opened
 from .claim import Claim
 from .files import ARCHIVE_ERRORS, prepare_folder, read_json, require_own, with_whole, write_json
 from .npz import made_of, write_array
@@ -82,9 +83,9 @@ class PositionsWriter:
     def _whole(self, path: Path) -> bool:
         """Whether a file is whole; raises ``UsageError`` for one of another motion."""
         try:
-            with zipfile.ZipFile(path) as archive:
+            with opened(path) as file, zipfile.ZipFile(file) as archive:
                 of = made_of(archive)
-        except ARCHIVE_ERRORS:
+        except (UsageError, RefusedError, *ARCHIVE_ERRORS):
             return False
         if of != self.motion.fingerprint:
             raise UsageError(
@@ -190,7 +191,7 @@ def read_positions(path: Path, shape: tuple[int, int, int], finite: bool = True)
     unless that does not matter."""
     _check_header(path, shape)
     try:
-        with np.load(path, allow_pickle=False) as data:
+        with opened(path) as file, np.load(file, allow_pickle=False) as data:
             positions: Positions = data["positions"]
     except (*ARCHIVE_ERRORS, KeyError) as error:
         raise UsageError(f"{path}: cannot be read: {_words(error)}; {AGAIN}") from None
@@ -214,7 +215,7 @@ def _motion_of(manifest: Mapping[str, Any]) -> Motion | None:
 def _check_header(path: Path, shape: tuple[int, int, int], motion: str | None = None) -> None:
     """Look at shape, type, and fingerprint of the motion, before any memory is taken on the file's word."""
     try:
-        with zipfile.ZipFile(path) as archive, archive.open(f"{ARRAY}.npy") as member:
+        with opened(path) as file, zipfile.ZipFile(file) as archive, archive.open(f"{ARRAY}.npy") as member:
             if motion and made_of(archive) != motion:
                 raise UsageError(f"{path}: is of another motion than {MANIFEST} tells of; {AGAIN}")
             version = np.lib.format.read_magic(member)
@@ -223,8 +224,6 @@ def _check_header(path: Path, shape: tuple[int, int, int], motion: str | None = 
                 found, _, dtype = header(member)
     except KeyError:
         raise UsageError(f"{path}: holds no array named 'positions'; {AGAIN}") from None
-    except PermissionError:
-        raise RefusedError(f"{path}: no permission to read it") from None
     except (*ARCHIVE_ERRORS, UserWarning) as error:
         raise UsageError(f"{path}: not a file of positions: {_words(error)}; {AGAIN}") from None
     if tuple(found) != shape:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from strandcli.errors import StrandError, UsageError
 from strandcli.exchange import bounded
 from strandcli.meshes.make import RawMesh, mesh_of
 from strandcli.meshes.mesh import TriangleMesh
+from strandcli.meshes.polygons import fans_of_lists
 from strandcli.meshes.read import read_mesh
 
 SHARED = next((one / "shared/meshes" for one in Path(__file__).parents if (one / "shared/meshes").is_dir()), None)
@@ -83,6 +85,21 @@ def test_polygons_of_equally_many_corners(corners: int, tmp_path: Path) -> None:
     sheet = mesh_of(RawMesh(ring, np.array([(0, k, k + 1) for k in range(1, corners - 1)])), "ring")
     found = read_mesh(written(tmp_path, "a.ply", kit.ply(sheet, "<", [list(range(corners))])))
     assert found.triangles.shape[0] == corners - 2
+
+
+def test_polygons_of_fewer_than_three_corners_make_no_triangle_and_take_little_memory() -> None:
+    lengths = np.random.default_rng(4).integers(0, 7, 400)
+    values = np.arange(lengths.sum())
+    ends = np.cumsum(lengths)
+    fans = [(b, b + k, b + k + 1) for b, n in zip(ends - lengths, lengths, strict=True) for k in range(1, n - 1)]
+    assert fans_of_lists(lengths, values).tolist() == [list(one) for one in fans]
+    none = np.broadcast_to(np.zeros(1, np.int64), (1_000_000,))
+    tracemalloc.start()
+    try:
+        assert fans_of_lists(none, np.zeros(0, np.int32)).shape == (0, 3)
+        assert tracemalloc.get_traced_memory()[1] < 10 * none.size
+    finally:
+        tracemalloc.stop()
 
 
 def test_indices_of_obj_may_count_back(tmp_path: Path) -> None:

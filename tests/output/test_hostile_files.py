@@ -20,7 +20,8 @@ from strandcli.errors import MismatchError, RefusedError, UsageError
 from strandcli.output import png
 from strandcli.output.compare import compare_files
 from strandcli.output.files import read_json
-from strandcli.output.positions import read_positions
+from strandcli.output.layers import is_of, read_layer
+from strandcli.output.positions import PositionsWriter, read_positions
 from strandcli.output.report import of_another_film, of_others, read_report
 from strandcli.study.advice import _read
 
@@ -57,6 +58,21 @@ def test_a_pipe_as_picture_is_refused(tmp_path: Path) -> None:
     assert png.keyword(tmp_path / "frame_0001.png", "scene") is None
     with pytest.raises(UsageError, match="not an image that can be read: it is no file"):
         png.load(tmp_path / "frame_0001.png")
+
+
+def test_a_pipe_as_layer_or_positions_is_refused(tmp_path: Path) -> None:
+    for name in ("depth_0001.npz", "positions_0001.npz", "frame_0001.exr"):
+        os.mkfifo(tmp_path / name)
+    assert not any(is_of(path, "scene") for path in tmp_path.iterdir())
+    with pytest.raises(UsageError, match="is no file but a pipe"):
+        read_layer(tmp_path / "depth_0001.npz")
+    with pytest.raises(UsageError, match="is no file but a pipe"):
+        read_positions(tmp_path / "positions_0001.npz", (2, 3, 3))
+    writer = PositionsWriter(tmp_path, [1], 2, 3, overwrite=False, resume=True)
+    writer.write(1, np.zeros((2, 3, 3), np.float32))
+    writer.write_manifest("a", None, 24.0, "complete")
+    assert writer.kept == []
+    assert read_positions(tmp_path / "positions_0001.npz", (2, 3, 3)).shape == (2, 3, 3)
 
 
 @pytest.mark.parametrize("kind", ["dds", "avif", "blp", "tiff"])
