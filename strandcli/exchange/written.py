@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .strands import Strands
+from .strands import Attribute, Strands
 
 
 def raw(values: npt.NDArray[Any], dtype: str) -> Any:
@@ -30,6 +31,15 @@ def values_of(strands: Strands, attribute: str, width: int) -> npt.NDArray[np.fl
     if found.domain == "strand":
         values = np.repeat(values, strands.counts(), axis=0)
     return values.astype(np.float32, copy=False)
+
+
+def with_width_each(strands: Strands) -> Strands:
+    """The strands with a width of each of them where one holds for all."""
+    one = strands.attributes.get("width")
+    if one is None or one.domain != "groom":
+        return strands
+    each = Attribute("strand", np.broadcast_to(one.values, (strands.count, *one.values.shape[1:])))
+    return replace(strands, attributes={**strands.attributes, "width": each})
 
 
 def left_out(strands: Strands, format: str, kept: Iterable[str]) -> list[str]:

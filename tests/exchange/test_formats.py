@@ -211,6 +211,15 @@ def test_colours_of_strands_become_those_of_their_points_where_a_format_has_no_o
         np.testing.assert_array_equal(found.values, np.repeat(values, strands.counts(), axis=0))
 
 
+@pytest.mark.parametrize("name", ["a.hair", "a.ply", "a.npz", "a.npy", "a.abc", "a.usda"])
+def test_a_width_of_all_strands_is_kept(tmp_path: Path, name: str) -> None:
+    strands = kit.of(EQUAL)
+    width = {"width": Attribute("groom", np.array([0.25], np.float32))}
+    assert not write(tmp_path / name, Strands(strands.first, strands.points, width))
+    found = read(tmp_path / name).attributes["width"]
+    assert (found.values == 0.25).all()
+
+
 def test_a_thickness_that_nobody_set_is_no_width(tmp_path: Path) -> None:
     strands = kit.of(EQUAL)
     for width in (None, 0.25):

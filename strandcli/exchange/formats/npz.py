@@ -22,6 +22,7 @@ from ..bounded import Bounded, opened
 from ..files import ReadOptions
 from ..objects import renamed, written_names
 from ..strands import OBJECT, Attribute, Domain, Source, Strands, TimeSample, even_offsets, without_short
+from ..written import with_width_each
 
 name = ".npz"
 suffixes = (".npz",)
@@ -134,6 +135,7 @@ def _domain(one: Member, strands: int, points: int, shape: tuple[int, ...]) -> D
 
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
     """Write ``positions`` where all strands have as many points, else ``points`` and ``first``; attributes beside."""
+    strands = with_width_each(strands)
     equal = strands.equal()
     each = (strands.count, equal) if equal else (strands.points.shape[0],)
     arrays: dict[str, Any] = {POSITIONS if equal else POINTS: strands.points.reshape(*each, 3)}

@@ -37,7 +37,7 @@ from ..strands import (
     without_short,
 )
 from ..stride import divisors, guess
-from ..written import left_out, raw
+from ..written import left_out, raw, with_width_each
 
 name = ".ply"
 suffixes = (".ply",)
@@ -236,6 +236,7 @@ def _attributes(file: Bounded, columns: Columns, begin: int) -> dict[str, Attrib
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
     """Write a binary file of vertices, strands and edges; with the edges, viewers of meshes show it. Values of strands
     are written at each of their points."""
+    strands = with_width_each(strands)
     counts = strands.counts()
     kinds: list[tuple[str, str, Any]] = [(axis, "<f4", strands.points[:, i]) for i, axis in enumerate(XYZ)]
     kept = []
