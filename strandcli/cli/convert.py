@@ -104,9 +104,7 @@ def command(
 
     Edits are made in the order in which they stand below; lengths are those of OUT.
     """
-    from dataclasses import replace
-
-    from ..exchange import files
+    from ..exchange import files, moments
     from ..exchange.edit.moving import edited
     from ..exchange.strands import TimeSample
 
@@ -115,29 +113,24 @@ def command(
     files.require_basis(target, basis)
     options.refuse_existing(target, overwrite)
     how = files.ReadOptions(stride, array, lenient=edits["fix"], objects=objects)
-    strands = files.read(source, how)
+    strands = files.read(moments.files_of(source)[0], how)
+    there = moments.count_of(source, strands)
+    chosen = _moments(source, there, frames, getattr(writer, "moving", False))
+    strands = moments.moved_to(strands, source, how, chosen[0])
     skipped, before = dict(strands.source.skipped), strands.count
-    chosen = _moments(source, strands, frames, getattr(writer, "moving", False))
-    times = files.moments_of(source, how, chosen)
-    if chosen != (1,):
-        strands = replace(strands, points=next(times).points)
     strands, changes, again = edited(strands, _edits(edits))
     samples = None
     if len(chosen) > 1:
-        samples = (TimeSample(one.seconds, again.points(one.points)) for one in files.moments_of(source, how, chosen))
+        samples = (TimeSample(one.seconds, again.points(one.points)) for one in moments.samples_of(source, how, chosen))
     lost = files.write(target, strands, samples, basis=basis)
-    if frames is None and len(chosen) < files.times_in(strands):
-        lost.append(f"{writer.name} holds one moment: the first of {files.times_in(strands):,} is written, "
-                    "--frames chooses another")  # fmt: skip
+    if frames is None and len(chosen) < there:
+        lost.append(f"{writer.name} holds one moment: the first of {there:,} is written, --frames chooses another")
     _tell(source, target, (before, strands), skipped, changes, lost, (as_json, quiet))
 
 
-def _moments(source: Path, strands: Strands, frames: FrameRange | None, moving: bool) -> tuple[int, ...]:
-    """Numbers of the moments that are written, from 1. Raises `UsageError` for those that are not there, and for
-    several where one can be written."""
-    from ..exchange.files import times_in
-
-    there = times_in(strands)
+def _moments(source: Path, there: int, frames: FrameRange | None, moving: bool) -> tuple[int, ...]:
+    """Numbers of the moments that are written of so many, from 1. Raises `UsageError` for those that are not there, and
+    for several where one can be written."""
     if frames is None:
         return tuple(range(1, there + 1)) if moving else (1,)
     if frames.last > there:

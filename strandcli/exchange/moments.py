@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,8 +14,9 @@ import numpy.typing as npt
 from ..errors import UsageError
 from ..inputs import note
 from ..numbered import file_of, is_numbered, numbered
+from . import files as one_file
 from .files import ReadOptions, format_of, read
-from .strands import Strands
+from .strands import Strands, TimeSample
 
 NEAR = 1e-5
 """Seconds, or numbers of files, by which times may differ that mean the same."""
@@ -95,9 +96,41 @@ def files_of(path: Path) -> list[Path]:
     return found
 
 
+def count_of(path: Path, strands: Strands) -> int:
+    """How many moments there are of the strands that were read from a file, or from the first of numbered ones."""
+    return len(files_of(path)) if is_numbered(path) else one_file.times_in(strands)
+
+
+def moved_to(strands: Strands, path: Path, options: ReadOptions, number: int) -> Strands:
+    """The strands at the moment with a number, from 1, of a file of which ``strands`` are those of the first moment, or
+    of numbered files."""
+    if number == 1:
+        return strands
+    if is_numbered(path):
+        return read(files_of(path)[number - 1], options)
+    return replace(strands, points=next(one_file.moments_of(path, options, (number,))).points)
+
+
+def samples_of(path: Path, options: ReadOptions, numbers: Sequence[int]) -> Iterator[TimeSample]:
+    """The points of the strands of a file, or of numbered ones, at the moments with these numbers, rising from 1; file
+    N is that of frame N. Raises `UsageError` where strands come or go with time."""
+    if not is_numbered(path):
+        yield from one_file.moments_of(path, options, numbers)
+        return
+    files = list(numbered(path).items())
+    counts = None
+    for number in numbers:
+        frame, file = files[number - 1]
+        strands = read(file, options)
+        counts = strands.counts() if counts is None else counts
+        if not np.array_equal(strands.counts(), counts):
+            raise UsageError(f"{file}: has other strands than the files before it; take one moment with --frames N")
+        yield TimeSample(frame / USUAL, strands.points)
+
+
 def read_first(path: Path, options: ReadOptions, start: float | None = None) -> tuple[Strands, Moments | None]:
     """The strands of a file, or of numbered ones, at their first moment or at a value of their clock; and the moments
-    of those that have several."""
+    of those that have several. Raises `UsageError` for a value after the last one."""
     files = numbered(path) if is_numbered(path) else {}
     for one in (*files.values(), file_of(path, max(files) + 1)) if files else ():  # the one that may come, too
         note(one)
@@ -114,6 +147,9 @@ def read_first(path: Path, options: ReadOptions, start: float | None = None) -> 
     )  # fmt: skip
     if start is None:
         return strands, moments
+    if start > clock[-1] + NEAR:
+        unit = "file" if files else "moment, in seconds,"
+        raise UsageError(f"{path}: its last {unit} is {clock[-1]:.6g}, before emitter.groom.start, {start:.6g}")
     index, _ = moments.around(moments.at(0.0, 1.0, start))
     return moments.read(clock[index]), moments
 

@@ -90,6 +90,8 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) ->
     options = ReadOptions(given.stride, given.array or None, given.fix, given.object)
     strands, moments = read_first(Path(given.file), options, given.start)
     in_file = strands.counts()
+    if moments is None and given.start is not None:
+        notes.append(f"{given.file}: does not move, and has no emitter.groom.start")
     if moments is not None and head is not None:
         raise UsageError(
             f"{given.file}: strands that move by themselves are put on no solid: take out emitter.groom.on, or take "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -64,6 +65,23 @@ def test_some_moments_are_written(source: Source) -> None:
     assert [one.tobytes() for one in points(source.convert("a.abc", "-f", "2-4x2"))] == [told[1], told[3]]
     assert [one.tobytes() for one in points(source.convert("b.abc", "--frames", "3"))] == [told[2]]
     assert read(source.convert("c.hair", "--frames", "3")).points.tobytes() == told[2]
+
+
+def test_numbered_files_become_one(source: Source) -> None:
+    """File N is frame N; a moment that has other strands can be taken alone."""
+    held, samples = moving()
+    for number, one in enumerate(samples, 7):
+        write(source.folder / f"in.{number:02d}.ply", replace(held, points=one.points))
+    several = str(source.folder / "in.##.ply")
+    assert source.run("convert", several, str(source.folder / "out.abc")).code == 0
+    found = list(format_of(source.folder / "out.abc").moments(source.folder / "out.abc", ReadOptions()))
+    assert [one.points.tobytes() for one in found] == [one.points.tobytes() for one in samples]
+    np.testing.assert_allclose([one.seconds for one in found], [number / FPS for number in range(7, 12)], atol=1e-9)
+    write(source.folder / "in.12.ply", held.select(np.arange(held.count) > 0))
+    words = source.run("convert", several, str(source.folder / "all.abc"))
+    assert (words.code, "in.12.ply: has other strands" in words.error()) == (2, True)
+    assert source.run("convert", several, str(source.folder / "last.npz"), "--frames", "6").code == 0
+    assert read(source.folder / "last.npz").count == held.count - 1
 
 
 def test_one_moment_of_several_is_told(source: Source) -> None:

@@ -18,6 +18,7 @@ from strandcli.blocks import unpack
 from strandcli.errors import SimulationError, UsageError
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import TimeSample
+from strandcli.groom_file import from_file
 from strandcli.scene.model import Scene
 from strandcli.stages import RunOptions, SimulationStage
 
@@ -134,6 +135,17 @@ def test_a_moment_in_the_middle_may_be_the_first(tmp_path: Path) -> None:
         assert given.time.frames == 3
         for number, strands in zip((1, 3), shown(given, (1, 3)), strict=True):
             assert max(map(off, strands, at(turned, (number + 1) / FPS))) < 1e-6
+
+
+def test_a_start_that_the_file_does_not_have_is_told(tmp_path: Path) -> None:
+    moving = file_of(tmp_path, "abc", shifted, [i / FPS for i in range(4)])
+    with pytest.raises(UsageError, match=r"its last moment, in seconds, is 2\.125, before emitter\.groom\.start, 3"):
+        groom_kit.scene(moving, emitter__groom__start=3.0)
+    numbered = file_of(tmp_path, "ply", shifted, [0.0, 1.0])
+    with pytest.raises(UsageError, match=r"its last file is 8, before emitter\.groom\.start, 9"):
+        groom_kit.scene(numbered, emitter__groom__start=9.0)
+    still = groom_kit.scene(tmp_path / "moving.0007.ply", emitter__groom__start=1.0)
+    assert any("does not move" in line for line in from_file(still.emitter.groom, still.seed).notes)
 
 
 def test_the_ends_hold(tmp_path: Path) -> None:
