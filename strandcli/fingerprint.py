@@ -126,7 +126,7 @@ def _strands(path: str) -> object:
     from .exchange.moments import files_of
 
     first, *others = files_of(Path(path))
-    for one in others:
+    for one in (Path(path), *others):
         note(one)
     return inputs_of(first, lambda: read(first, ReadOptions(lenient=True)))
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple, TypeVar, cast
 
 from .errors import RefusedError, UsageError
+from .numbered import is_numbered, numbered
 from .opening import READ
 
 TICK, COARSE = 50_000_000, 2_000_000_000
@@ -36,7 +37,8 @@ class Input(NamedTuple):
 
     path: str
     stamp: Stamp
-    """Device, number, size, and nanoseconds of its last changes; of a pipe or a folder its kind; of nothing empty."""
+    """Device, number, size, and nanoseconds of its last changes; of a pipe or a folder its kind; of a path that stands
+    for numbered files their numbers; of nothing empty."""
     digest: str
     """Of its content; empty where the stamp tells enough."""
 
@@ -191,14 +193,21 @@ def _record(one: Input) -> None:
 
 
 def _absolute(path: Path | str) -> str:
-    return os.path.abspath(path)
+    try:
+        return os.path.abspath(path)
+    except OSError:  # the folder that this process is in is gone, and nothing is found from it
+        return os.fspath(path)
 
 
 def _stamp_of(path: str) -> Stamp:
     try:
         return _stamp(os.stat(path))
     except (OSError, ValueError):
-        return ()
+        return _numbers(path)
+
+
+def _numbers(path: str) -> Stamp:
+    return tuple(numbered(Path(path))) if is_numbered(path) else ()
 
 
 def _stamp(found: os.stat_result) -> Stamp:
@@ -226,7 +235,7 @@ def _input(path: str, found: os.stat_result, file: BinaryIO, digest: bool = Fals
 
 
 def _now(path: str, digest: bool = False) -> Input:
-    """A file as it is now; without a stamp where there is none that can be read."""
+    """A file, or numbered ones, as they are now; without a stamp where there is none that can be read."""
     try:
         descriptor = os.open(path, READ)
         found = os.fstat(descriptor)
@@ -236,4 +245,4 @@ def _now(path: str, digest: bool = False) -> Input:
         with open(descriptor, "rb") as file:
             return _input(path, found, file, digest)
     except (OSError, ValueError):
-        return Input(path, (), "")
+        return Input(path, _numbers(path), "")

@@ -64,15 +64,18 @@ def _file(path: Path | str) -> BinaryIO:
 @contextmanager
 def _image(file: BinaryIO, any_size: bool = False) -> Iterator[Any]:
     """The image at a file's begin."""
-    from PIL import Image
+    from PIL import Image, UnidentifiedImageError
     from PIL.PngImagePlugin import PngImageFile
 
     _require_whole_chunks(file)
     file.seek(0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        # the limit is in Image.open alone
-        with PngImageFile(file) if any_size else Image.open(file, formats=FORMATS) as image:
+        try:  # the limit is in Image.open alone
+            image = PngImageFile(file) if any_size else Image.open(file, formats=FORMATS)
+        except UnidentifiedImageError:
+            raise ValueError("it is no picture, or of a format that is not read") from None
+        with image:
             image.content = file  # type: ignore[attr-defined]
             yield image
 

@@ -149,8 +149,9 @@ class Folder:
                 with os.scandir(folder):  # which needs the right to read it
                     self._shared = folder
                 self._trouble = (
-                    f"{folder}: is read and cannot be written: kernels that are not there are compiled anew in every "
-                    "run; have who may write there run 'strandcli warmup', or point STRANDCLI_CACHE_DIR elsewhere"
+                    f"{folder}: is read and cannot be written: kernels that are not there, or that others may change, "
+                    "are compiled anew in every run; have who may write there run 'strandcli warmup', or point "
+                    "STRANDCLI_CACHE_DIR elsewhere"
                 )
         except OSError as error:
             self._trouble = _advice(folder, error)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..compiling.folder import ENTRY, MOST_BYTES, cache
+from ..compiling.folder import ENTRY, MOST_BYTES, cache, writers
 from .finding import NOTE, OK, Finding
 
 FIRST_BYTES = b"strandcli kernel "
@@ -27,8 +27,11 @@ def kept() -> Iterator[Finding]:
     text = f"{folder}: {len(entries):,} kernels and modules, {megabytes(size)}"
     broken = [one for one in entries if damaged(one)]
     if broken:
-        some = f"{len(broken)} damaged, such as {broken[0].name}"
-        yield Finding("cache", NOTE, f"{text}; {some}", "nothing: they are compiled anew when they are needed")
+        some = f"{len(broken)} not used, such as {broken[0].name}: damaged, or writable for others"
+        advice = "nothing: they are compiled anew when they are needed"
+        if cache.shared is not None:
+            advice = "have who may write there remove them and run 'strandcli warmup PRESET'"
+        yield Finding("cache", NOTE, f"{text}; {some}", advice)
     elif cache.shared is not None:
         text += "; they are read, and cannot be written"
         advice = "nothing where all is there that is drawn; else have who may write there run 'strandcli warmup PRESET'"
@@ -40,10 +43,13 @@ def kept() -> Iterator[Finding]:
 
 
 def damaged(entry: Path) -> bool:
-    """Whether a kernel's file clearly is none; a run looks closer, at a hash of its content."""
-    if entry.suffix != ".kernel":
-        return False
+    """Whether an entry is not used, for it clearly is none or others may change it; a run looks closer, at a hash of
+    its content."""
     try:
+        if writers(entry.lstat()):
+            return True
+        if entry.suffix != ".kernel":
+            return False
         if not entry.is_file() or entry.stat().st_size < LEAST_BYTES:
             return True
         with entry.open("rb") as file:

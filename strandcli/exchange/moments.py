@@ -132,7 +132,7 @@ def read_first(path: Path, options: ReadOptions, start: float | None = None) -> 
     """The strands of a file, or of numbered ones, at their first moment or at a value of their clock; and the moments
     of those that have several. Raises `UsageError` for a value after the last one."""
     files = numbered(path) if is_numbered(path) else {}
-    for one in (*files.values(), file_of(path, max(files) + 1)) if files else ():  # the one that may come, too
+    for one in (path, *files.values()) if files else ():  # those that may come, too
         note(one)
     strands = read(files_of(path)[0], options)
     times = tuple(map(float, files)) if files else strands.source.times

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from .. import numbered as numbered_files
+from ..inputs import note
 from .faults import hint, one_line, shown
 from .nodes import ListNode, Node, Scalar, kind_of
 from .scalars import Refusal, as_number, as_window
@@ -62,6 +63,7 @@ def file_path(node: Scalar, numbered: bool = False) -> str:
     if not os.path.isfile(path):  # Path.is_file raises where a name is too long
         if numbered and numbered_files.is_numbered(path) and numbered_files.numbered(path):
             return str(path.absolute())
+        note(path)  # whoever watches the preset's files looks for it
         shown_path = one_line(str(path)[-LONGEST_PATH:])
         if os.path.exists(path):
             kind = "a folder" if os.path.isdir(path) else "no file but a device or a pipe"

@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from cli_runs import TINY, Runner, child, environment
-from strandcli import load
+from strandcli import inputs, load
 from strandcli.cli import terminal_pictures as shown
 from strandcli.cli.watch import Watcher, _with_one_turn
 from strandcli.errors import RefusedError, UsageError
@@ -255,6 +255,19 @@ def test_a_real_ffmpeg_makes_a_film_of_the_right_length(run: Runner) -> None:
         image = png.read(Path(f"a/frame_{number:04d}.png")).astype(int)
         assert np.abs(films[place, :47, :63] - image).mean() < 6
     assert shutil.which("ffmpeg") or "imageio" in command
+
+
+def test_a_file_that_a_preset_names_is_seen_where_it_goes_and_where_it_comes_back(tmp_path: Path) -> None:
+    path, sky = tmp_path / "a.yaml", tmp_path / "sky.png"
+    path.write_text(TINY + "environment: {image: sky.png}\n", encoding="utf-8")
+    watcher = Watcher(str(path))
+    for step in (lambda: None, lambda: sky.write_bytes(b"sky"), sky.unlink, lambda: sky.write_bytes(b"sea")):
+        step()
+        assert watcher.changed()
+        with watcher.round(), contextlib.suppress(UsageError):
+            load(str(path))
+            inputs.note(sky)  # as drawing does
+        assert not watcher.changed()
 
 
 def test_a_preset_that_becomes_a_pipe_or_a_device_is_seen_and_not_opened(tmp_path: Path) -> None:

@@ -131,7 +131,7 @@ def test_the_kernels_folder_tells_damage(tmp_path: Path, monkeypatch: pytest.Mon
     for content in (b"", kernels.FIRST_BYTES, bytes(3000)):
         good.with_name(f"a.c-{'1' * 24}.kernel").write_bytes(content)
         (found,) = kernels.kept()
-        assert (found.state, "1 damaged" in found.text) == (NOTE, True)
+        assert (found.state, "1 not used" in found.text) == (NOTE, True)
     monkeypatch.setattr(cache, "_trouble", "kernels cannot be kept")
     (found,) = kernels.kept()
     assert found == Finding("cache", NOTE, "kernels cannot be kept")

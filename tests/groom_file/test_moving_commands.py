@@ -9,6 +9,7 @@ import pytest
 
 import groom_file_kit as groom_kit
 from cli_runs import Runner
+from strandcli import inputs
 from strandcli.fingerprint import fingerprint
 from tests.groom_file.test_moving_files import FPS, file_of, turned
 
@@ -61,3 +62,19 @@ def test_frames_are_known_by_all_moments(tmp_path: Path) -> None:
     found.append(fingerprint(groom_kit.scene(path)))
     assert len(set(found)) == 3
     assert fingerprint(groom_kit.scene(path)) == found[2]
+
+
+def test_numbered_files_that_come_in_a_gap_are_seen(tmp_path: Path) -> None:
+    path = file_of(tmp_path, "ply", turned, [i / FPS for i in range(4)])
+    gap = tmp_path / "moving.0009.ply"
+    content = gap.read_bytes()
+    gap.unlink()
+    with inputs.recording() as found:
+        inputs.note(path)
+    assert inputs.is_current(*found)
+    gap.write_bytes(content)
+    assert not inputs.is_current(*found)
+    (tmp_path / "moving.png").write_bytes(b"of another name")
+    with inputs.recording() as found:
+        inputs.note(path)
+    assert inputs.is_current(*found)

@@ -217,7 +217,7 @@ def test_a_folder_that_cannot_be_written_is_read(owner: str, place: Path, monkey
         for _ in range(2):
             assert KernelDispatcher(plus_five.py_func, plus_five._cache._options)(1) == 6
         assert told == [new.trouble]
-        assert str(new.trouble).startswith(f"{inner}: is read and cannot be written: kernels that are not there are")
+        assert str(new.trouble).startswith(f"{inner}: is read and cannot be written: kernels that are not there, or")
         assert mode(new.path) == 0o700
         (made,) = new.path.glob("*.kernel")
         assert made.name.startswith("test_private_folder.plus_five-")
@@ -234,9 +234,11 @@ def test_what_others_may_change_in_a_folder_that_cannot_be_written_is_not_run(
         (entry,) = inner.glob("*.kernel")
         assert begin(monkeypatch).shared == inner
         assert called()
+        assert "not used" not in next(kernels.kept()).text
         as_owner(entry, 0o646)
         begin(monkeypatch)
         assert not called()
+        assert f"1 not used, such as {entry.name}: damaged, or writable for others" in next(kernels.kept()).text
         as_owner(entry, 0o444)
         as_owner(inner, 0o757)
         assert "other users may change it" in str(begin(monkeypatch).trouble)

@@ -79,5 +79,5 @@ def test_no_format_is_read_for_which_pillow_runs_programs(tmp_path: Path) -> Non
     Image.new("RGB", (4, 4)).save(path, "EPS")
     with Image.open(path) as image:
         assert image.format == "EPS"
-    with pytest.raises(OSError, match="cannot identify"), opened(path):
+    with pytest.raises(ValueError, match="of a format that is not read"), opened(path):
         pass

@@ -257,3 +257,15 @@ def test_files_of_scenes_are_opened_in_one_module() -> None:
         if any(name in OPENERS or name.endswith((".open", ".read_bytes", ".read_text")) for name in calls):
             found.add(path.relative_to(PACKAGE).as_posix())
     assert found == OTHERWISE
+
+
+@pytest.mark.skipif(os.name == "nt", reason="the folder that a process is in cannot be removed there")
+def test_a_file_is_named_where_the_folder_that_the_process_is_in_is_gone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    with inputs.recording() as found, pytest.raises(UsageError, match=r"a\.npz: no such file"):
+        inputs.content("a.npz")
+    assert [one.path for one in found] == ["a.npz"]

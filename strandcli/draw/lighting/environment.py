@@ -94,7 +94,7 @@ def basis(way: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _read_picture(path: Path) -> NDArray[np.float64]:
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image
 
     try:
         with opened(content(path)) as image:
@@ -105,8 +105,6 @@ def _read_picture(path: Path) -> NDArray[np.float64]:
                 raise ValueError("an animation has no one sky")
             _require_size(image.width, image.height)
             encoded = samples(image)
-    except UnidentifiedImageError:
-        raise ValueError("not a picture that can be read") from None
     except SyntaxError as error:  # Pillow's word for a broken PNG
         raise ValueError(str(error)) from None
     except Image.DecompressionBombError:
