@@ -68,8 +68,9 @@ def widths_of(
         sound = bool((np.isfinite(each) & (each >= 0)).all())
     greatest = factor * each.astype(np.float64)
     mean = float(greatest.mean()) if sound else 0.0
-    if not _believable(strands, mean, float(lengths.mean()), total):
-        notes.append(f"widths of the file are left out: at {mean:.3g} m strands would be a blob, or nothing")
+    if not sound or not _believable(strands, mean, float(lengths.mean()), total):
+        why = f"at {mean:.3g} m strands would be a blob, or nothing" if sound else "some are negative or not finite"
+        notes.append(f"widths of the file are left out: {why}")
         return None
     return FileWidths(greatest, vary)
 

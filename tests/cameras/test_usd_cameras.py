@@ -228,6 +228,15 @@ def test_of_several_cameras_one_is_chosen(tmp_path: Path) -> None:
         views_of(write(tmp_path / "transforms.json", "{}"), name="a")
 
 
+def test_a_place_that_has_one_time_alone_counts(tmp_path: Path) -> None:
+    still = FOREIGN.format("perspective")
+    timed = still.replace("translate = (10, -20, 30)", "translate.timeSamples = { 3: (10, -20, 30) }")
+    assert timed != still
+    first, other = (views_of(write(tmp_path / "a.usda", stage(text)), (64, 48)).views for text in (still, timed))
+    assert len(first) == len(other) == 1
+    np.testing.assert_array_equal(other[0].project(POINTS), first[0].project(POINTS))
+
+
 def test_damaged_files_are_refused(tmp_path: Path) -> None:
     for text in ("#usda 1.0\ndef Camera {", "PXR-USDC", "nothing", ""):
         with pytest.raises(UsageError, match=str(tmp_path)):

@@ -272,3 +272,16 @@ def test_a_pipe_that_a_stage_names_is_refused_at_once(
     (tmp_path / "a.usda").write_text("#usda 1.0\n" + text.replace("CURVES", CURVES))
     with pytest.raises(UsageError, match=r"names \./pipe.usd, which is no file but a pipe or a device"):
         read(tmp_path / "a.usda", ReadOptions())
+
+
+def test_what_has_one_moment_alone_is_read_at_that(tmp_path: Path) -> None:
+    """Widths with times beside points without any, and a place of one time."""
+    line = np.array([[0, 0, 0], [0, 1, 0], [0, 2, 0]])
+    body = usd_kit.prim([line], more="    float[] widths.timeSamples = {\n 1: [.25],\n 3: [.5],\n }\n")
+    place = "    double3 xformOp:translate.timeSamples = {\n 7: (1, 2, 3),\n }\n"
+    place += '    uniform token[] xformOpOrder = ["xformOp:translate"]\n'
+    path = tmp_path / "a.usda"
+    path.write_text(usd_kit.HEAD + f'def Xform "world"\n{{\n{place}{body}}}\n')
+    found = read(path)
+    np.testing.assert_array_equal(found.points, line + np.array([1, 2, 3]))
+    assert found.attributes["width"].values.tolist() == [0.25]

@@ -33,7 +33,7 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
     own = prim.GetAttribute(OWN)
     told = [camera.GetPrim().GetAttribute(name) for name in LENS]
     times = times_along(prim, [*told, *([own] if own else [])])
-    codes = [Usd.TimeCode(time) for time in _frames(stage, times, bool(own))] or [Usd.TimeCode.Default()]
+    codes = [Usd.TimeCode(time) for time in _frames(stage, times, bool(own))] or [Usd.TimeCode.EarliestTime()]
     places = UsdGeom.XformCache()
     matrices, lenses, exact = [], [], []
     for code in codes:

@@ -93,7 +93,7 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
         "not_found": len(stage.GetCompositionErrors()),
         "layers": layers_of(stage),
     }, []  # fmt: skip
-    moment = Usd.TimeCode.Default()
+    moment = Usd.TimeCode.EarliestTime()
     if times:
         moment = Usd.TimeCode(times[0] if request["at"] is None else _code(times, request["at"] * rate))
     places = UsdGeom.XformCache(moment)
@@ -106,7 +106,7 @@ def moments(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
     stage = opened(request["path"])
     prims, _ = curves_of(stage)
     times, rate = times_of(prims), rate_of(stage)
-    codes = [Usd.TimeCode(time) for time in times] or [Usd.TimeCode.Default()]
+    codes = [Usd.TimeCode(time) for time in times] or [Usd.TimeCode.EarliestTime()]
     first = [_counts(prim, codes[0]) for prim in prims]
     for moment in codes:
         places = UsdGeom.XformCache(moment)
