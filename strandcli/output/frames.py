@@ -19,7 +19,7 @@ from ..errors import RefusedError, UsageError
 from . import png
 from .claim import Claim
 from .files import begin_pieces, prepare_folder, require_own, with_whole
-from .layers import Layers, is_of, layer_bytes, layer_files, write_layers
+from .layers import Layers, is_of, is_whole, layer_bytes, layer_files, write_layers
 
 # Bytes a pixel in a frame full of strands, measured as 0.4 to 1.6 (see png.py); the estimate for a whole run.
 BYTES_PER_PIXEL = 1.5
@@ -119,7 +119,7 @@ class FrameWriter:
         """Keep a frame that is whole and of the right size; one that is neither will be drawn again."""
         path = self.directory / frame_file(frame)
         files = [self.directory / name for name in layer_files(frame, self.layers, self.exr)]
-        if not all(one.exists() for one in files):
+        if not all(is_whole(one, self.layers) for one in files):
             return
         try:
             image = png.load_frame(path, self.size)

@@ -39,8 +39,8 @@ Layers = Mapping[str, NDArray[Any]]
 
 EXR_INTEGERS = 1 << 24
 """Strands that an EXR file can number: its floats hold whole numbers up to here."""
-EXR_SCENE, EXR_HEAD = "strandcliScene", 1 << 16
-"""The attribute with the fingerprint of the scene, and bytes that a header has at most."""
+EXR_SCENE, EXR_LAYERS, EXR_HEAD = "strandcliScene", "strandcliLayers", 1 << 16
+"""The attributes with the fingerprint of the scene and the names of layers, and bytes that a header has at most."""
 _CHANNELS = {"tangent": 3, "linear": 4}
 _EXR_NAMES = {
     "depth": ("Z",),
@@ -102,6 +102,18 @@ def is_of(path: Path, scene: str) -> bool:
         return False
 
 
+def is_whole(path: Path, names: Sequence[str]) -> bool:
+    """Whether a layer's file is there with its end, and of EXR with these layers; of a PNG whether it is there."""
+    try:
+        with opened(path) as file:
+            if path.suffix == ".npz":
+                return zipfile.is_zipfile(file)
+            head = file.read(EXR_HEAD) if path.suffix == ".exr" else b""
+        return path.suffix != ".exr" or all(f" {name} ".encode() in head for name in names)
+    except (UsageError, RefusedError, OSError):
+        return False
+
+
 def read_layer(path: Path) -> NDArray[Any]:
     """The array of one ``.npz`` file, which is named as the file is up to its number.
 
@@ -159,7 +171,10 @@ def exr_channels(layers: Layers) -> Iterator[tuple[str, NDArray[np.float32]]]:
 def _write_exr(path: Path, layers: Layers, scene: str) -> None:
     import OpenEXR
 
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, EXR_SCENE: scene}
+    header = {
+        "compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, EXR_SCENE: scene,
+        EXR_LAYERS: f" {' '.join(layers)} ",
+    }  # fmt: skip
     try:
         with placed(path) as temporary:
             OpenEXR.File(header, dict(exr_channels(layers))).write(str(temporary))

@@ -222,3 +222,22 @@ def test_exr_files_are_read_by_their_own_library_again(run: Runner) -> None:
     np.testing.assert_array_equal(channels["Z"], read_layer(Path("out/depth_0003.npz")))
     np.testing.assert_array_equal(channels["strand_id"], read_layer(Path("out/strand_id_0003.npz")))
     np.testing.assert_array_equal(channels["G"], read_layer(Path("out/linear_0003.npz"))[..., 1])
+
+
+def test_an_exr_file_without_a_layer_that_is_asked_for_is_written_again(run: Runner) -> None:
+    OpenEXR = pytest.importorskip("OpenEXR")
+    for names in ("depth", "mask", "depth"):
+        done = run("render", "tiny.yaml", "-f", "3", "-o", "out", "--exr", "--aov", names, "--resume", "--quiet")
+        assert done.code == 0, done.err
+    with OpenEXR.File("out/frame_0003.exr", separate_channels=True) as file:
+        assert "Z" in file.channels()
+
+
+def test_a_layer_that_is_cut_short_is_written_again(run: Runner) -> None:
+    words = ("render", "tiny.yaml", "-f", "3", "-o", "out", "--aov", "depth", "--quiet")
+    assert run(*words).code == 0
+    path = Path("out/depth_0003.npz")
+    whole = path.read_bytes()
+    path.write_bytes(whole[:100])
+    assert run(*words, "--resume").code == 0
+    np.testing.assert_array_equal(read_layer(path), np.load(io.BytesIO(whole))["depth"])
