@@ -215,6 +215,9 @@ def _chosen(
     if beside:
         there = ", ".join(f"{count:,} {what}" for what, count in beside.items())
         notes.append(f"{path}: not read, beside its strands: {there}")
+    changing = strands.source.facts.get("changing")
+    if changing:
+        notes.append(f"{path}: {', '.join(changing)} change with time; those of the first moment are drawn")
     curves = note_of(strands.source.facts)
     notes += [f"{path}: {curves}"] if curves else []
     if moving:

@@ -14,6 +14,7 @@ import pytest
 import exchange_kit as kit
 import groom_file_kit as groom_kit
 import strandcli
+import usd_kit
 from strandcli.blocks import unpack
 from strandcli.errors import SimulationError, UsageError
 from strandcli.exchange.files import write
@@ -252,6 +253,18 @@ def test_what_is_not_shown_is_told(tmp_path: Path) -> None:
         assert len(found) == len(words)
         assert all(a in b for a, b in zip(words, found, strict=True))
         assert any("frame 1 shows moving.0007.ply" in one for one in told)
+
+
+def test_widths_that_change_with_time_are_told(tmp_path: Path) -> None:
+    pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
+    told = "    float[] widths.timeSamples = {\n 1: [.01],\n 3: [.02],\n }\n"
+    path = tmp_path / "a.usda"
+    path.write_text(usd_kit.HEAD + usd_kit.prim(STRANDS, more=told))
+    given = groom_kit.scene(path)
+    assert (
+        f"{path}: widths change with time; those of the first moment are drawn"
+        in from_file(given.emitter.groom, given.seed).notes
+    )
 
 
 def test_usd_says_itself_what_is_between_its_samples(tmp_path: Path) -> None:

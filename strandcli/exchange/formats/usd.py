@@ -64,7 +64,7 @@ def _facts(stage: Stage, encoding: str) -> dict[str, Any]:
     }  # fmt: skip
     if times:
         facts |= {"begin": times[0], "end": times[-1]}
-    facts |= {key: told[key] for key in ("not_read", "purpose", "application") if told[key]}
+    facts |= {key: told[key] for key in ("not_read", "purpose", "changing", "application") if told[key]}
     if told["not_found"]:
         facts["files_not_found"] = told["not_found"]
     return facts

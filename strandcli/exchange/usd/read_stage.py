@@ -89,6 +89,8 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
         "times": [time / rate for time in times], "rate": frame_rate_of(stage),
         "steady": not any(UsdGeom.BasisCurves(prim).GetCurveVertexCountsAttr().GetNumTimeSamples() > 1
                           for prim in prims),
+        "changing": sorted({one.GetName().removeprefix("primvars:") for prim in prims for one in prim.GetAttributes() if
+            one.GetName().startswith(("primvars:", "widths", "visibility")) and one.GetNumTimeSamples() > 1}),
         "application": str((stage.GetRootLayer().customLayerData or {}).get("creator", "")),
         "not_found": len(stage.GetCompositionErrors()),
         "layers": layers_of(stage),
