@@ -166,8 +166,9 @@ def cached(most: int) -> Callable[[Made], Made]:
 
         @functools.wraps(make)
         def result(*given: Hashable) -> Any:
+            given_here = _folder(), given  # paths among the arguments may be relative
             with lock:
-                value, inputs = kept.get(given, (None, None))
+                value, inputs = kept.get(given_here, (None, None))
             if inputs is not None and all(map(is_current, inputs)):
                 for one in inputs:
                     _record(one)
@@ -176,8 +177,8 @@ def cached(most: int) -> Callable[[Made], Made]:
                     value = make(*given)
                 inputs = tuple(found)
             with lock:
-                kept[given] = value, inputs
-                kept.move_to_end(given)
+                kept[given_here] = value, inputs
+                kept.move_to_end(given_here)
                 if len(kept) > most:
                     kept.popitem(last=False)
             return value
@@ -190,6 +191,14 @@ def cached(most: int) -> Callable[[Made], Made]:
 def _record(one: Input) -> None:
     if _thread.recordings:
         _thread.recordings[-1][one] = None
+
+
+def _folder() -> str:
+    """The working folder; nothing where it is gone."""
+    try:
+        return os.getcwd()
+    except OSError:
+        return ""
 
 
 def _absolute(path: Path | str) -> str:

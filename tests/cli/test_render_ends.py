@@ -39,10 +39,10 @@ def test_a_signal_while_an_animation_is_written_is_told(
 ) -> None:
     read = png.read
 
-    def late(path: Path, mode: str = "RGB") -> png.Pixels:
+    def late(path: Path) -> png.Pixels:
         if Path("a", ".here").exists() and any(name.endswith(".tmp") for name in names("a")):
             os.kill(os.getpid(), number)
-        return read(path, mode)
+        return read(path)
 
     assert run("render", "tiny.yaml", "-o", "a", "-f", "1-5").code == 0
     Path("a/.here").touch()

@@ -193,6 +193,16 @@ def test_drawing_opens_nothing_else(key: str, text: str, files: tuple[str, ...],
     assert opened >= {str(folder / name) for name in files} or key in ("camera.file", "emitter.shape.file")
 
 
+def test_results_of_relative_paths_are_those_of_their_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read = inputs.cached(4)(inputs.content)
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "a.txt").write_bytes(name.encode())
+    for name in ("one", "two", "one"):
+        monkeypatch.chdir(tmp_path / name)
+        assert read("a.txt") == name.encode()
+
+
 def test_results_are_kept_as_long_as_their_files_are_the_same(tmp_path: Path) -> None:
     path, made = tmp_path / "a.txt", []
 

@@ -163,7 +163,7 @@ class Subject:
             low, high = self.bounds()
             depth = max(float(((low + high) / 2 - view.eye) @ view.forward), view.near) if view.perspective else 1.0
             width = depth / view.focal / self.scene.image.supersample
-            self.scene = changed(self.scene, {"material.width": width, "material.taper": 0.0})
+            self.scene = changed(self.scene, {"material.width": width, "material.taper_": 0.0})
 
     def whole(self) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
         """Positions (blocks, rows, 3 W) and segment lengths (blocks, W) as they are drawn: of tied strands with what is

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from strandcli import load
-from strandcli.draw import canvas
+from strandcli.draw import transmittance
 from strandcli.draw.common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from strandcli.draw.lighting.kernels import lattice
 from strandcli.draw.solids.solids import NONE
@@ -144,7 +144,7 @@ def draw():
 
 def test_picture_is_nearly_that_with_light_at_every_pixel(draw, monkeypatch):
     sparse = draw()
-    monkeypatch.setattr(canvas, "is_costly", lambda lighting: False)
+    monkeypatch.setattr(transmittance, "is_costly", lambda lighting: False)
     exact = draw()
     error = np.sqrt(np.mean((sparse - exact) ** 2)) / exact.mean()
     assert 0 < error < 0.003

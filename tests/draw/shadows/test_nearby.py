@@ -58,7 +58,7 @@ def test_pixels_do_not_depend_on_threads_portions_or_layers(monkeypatch: pytest.
     def hashed(image: NDArray[np.uint8]) -> str:
         return hashlib.sha256(np.ascontiguousarray(image)).hexdigest()
 
-    def shuffled(groom: Groom) -> Groom:
+    def shuffled(groom: Groom, ends: tuple[int, ...]) -> Groom:
         order = np.random.default_rng(3).permutation(groom.strands)
         return replace(groom, **{name: getattr(groom, name)[order] for name in OF_STRANDS})
 
