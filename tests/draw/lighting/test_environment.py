@@ -118,7 +118,7 @@ def test_a_picture_lights_the_scene_and_one_that_is_not_there_is_named(tmp_path:
     with pytest.raises(SceneError, match=r"scene\.yaml:\d+:\d+: environment\.image: .*there is no file .*sky\.png"):
         load(str(preset))
     (tmp_path / "sky.png").write_bytes(b"nothing")
-    with pytest.raises(UsageError, match="not a picture"):
+    with pytest.raises(UsageError, match="it is no picture"):
         sky_of(load(str(preset)))
     colours = np.zeros((16, 32, 3), np.uint8)
     colours[:8] = [40, 80, 200]
