@@ -9,7 +9,7 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz guesses reading dense mesh-distances test test-long test-oldest lint types check docs figures gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz guesses reading dense mesh-distances test test-long test-oldest lint types check docs figures figures-of-docs gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -26,6 +26,7 @@ help:
 	@echo "make gallery    the presets large and fine: out/gallery, some minutes"
 	@echo "make claims     what the thesis claims, measured on this machine"
 	@echo "make study      every solver against exact solutions: out/study"
+	@echo "make figures-of-docs   measure the figures of README and docs/ again, on a machine that does nothing else; an hour"
 	@echo "make bench      time every stage of a frame"
 	@echo "make stress     the whole stability matrix of both solvers, some 62,000 cases"
 	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own; best beside libllvm19"
@@ -149,6 +150,9 @@ gallery: $(READY)
 	  $(RUN) render $${shot%-*} -f $${shot#*-} --size 1600x1200 -o out/gallery/$${shot%-*} \
 	    --overwrite --quiet || exit $$?; echo "out/gallery/$${shot%-*}"; \
 	done
+
+figures-of-docs: $(CHECK)/.ready
+	$(CHECK)/bin/python docs/figures.py measure $(ONLY)
 
 claims: $(READY)
 	$(RUN) claims
