@@ -7,13 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .bounded import amount
 from .strands import Offsets
 
-SPARE = 1 << 26
-"""Bytes that strands may take beyond twice the file: lines may name one point often."""
 OF_POINT = 16
-"""Bytes that a point of a strand and its row take."""
+"""Bytes that a point of a strand and its row take; lines may name one point often."""
 IS_MESH = (
     "is a mesh, neither a preset nor strands: it has no lines; 'strandcli info' draws it with --picture, "
     "emitter.shape of a preset has strands grow on it, and solids have it drawn"
@@ -46,11 +43,3 @@ def joined_lines(lines: Lines) -> tuple[Offsets, npt.NDArray[np.int32], npt.NDAr
     keep[begins[goes_on]] = False
     counts = np.add.reduceat(lengths - goes_on, np.flatnonzero(~goes_on))
     return np.concatenate([[0], np.cumsum(counts)]), lines.rows[keep], objects[~goes_on]
-
-
-def too_many(points: int, size: int) -> str | None:
-    """What is wrong with so many points of strands, in a file of so many bytes; None where there is room for them."""
-    needs = OF_POINT * points
-    if needs <= 2 * size + SPARE:
-        return None
-    return f"its lines have {points:,} points, which take {amount(needs)}, in a file of {amount(size)}; write fewer"

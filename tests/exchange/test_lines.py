@@ -13,7 +13,7 @@ import mesh_kit
 from cli_runs import Runner
 from strandcli.cli.complete import files
 from strandcli.errors import UsageError
-from strandcli.exchange import polylines
+from strandcli.exchange import bounded
 from strandcli.exchange.files import drivers, read, write
 from strandcli.exchange.formats import suffixes
 from strandcli.exchange.strands import Attribute, Strands, even_offsets
@@ -67,10 +67,16 @@ def test_what_is_wrong_with_an_obj_has_its_line(content: bytes, words: str, tmp_
 
 
 def test_lines_that_name_a_vertex_often_take_no_memory_for_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(polylines, "SPARE", 0)
-    path = file(tmp_path, "a.obj", b"v 0 0 0\nl" + 5000 * b" 1" + b"\n")
-    with pytest.raises(UsageError, match=r"its lines have 5,000 points, which take 80 kB, in a file of 10 kB"):
-        read(path)
+    monkeypatch.setattr(bounded, "SPARE", 0)
+    tree, buffer = kit.gltf(TWO)
+    tree["nodes"] *= 999
+    tree["scenes"][0]["nodes"] = list(range(len(tree["nodes"])))
+    for name, content, words in (
+        ("a.obj", b"v 0 0 0\nl" + 5000 * b" 1" + b"\n", "5,000 take 80 kB of memory, of a file of 10 kB"),
+        ("a.glb", mesh_kit.glb(tree, buffer), r"[\d,]+ take [\d.]+ kB of memory, of a file of .*; write fewer"),
+    ):
+        with pytest.raises(UsageError, match=f"points of its lines: {words}"):
+            read(file(tmp_path, name, content))
 
 
 def saved(values: object) -> bytes:

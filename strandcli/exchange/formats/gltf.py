@@ -10,11 +10,12 @@ import numpy.typing as npt
 
 from ...errors import UsageError
 from ..beside import Beside
+from ..bounded import too_many
 from ..files import ReadOptions
 from ..gltf_file import MAGIC, Gltf
 from ..gltf_nodes import placed_meshes
 from ..parts import Part, joined
-from ..polylines import IS_MESH, Lines, joined_lines, too_many
+from ..polylines import IS_MESH, OF_POINT, Lines, joined_lines
 from ..strands import Offsets, Points, Source, Strands, without_short
 
 name = ".gltf"
@@ -44,9 +45,9 @@ def read(path: Path, options: ReadOptions) -> Strands:
     if not placed:
         raise UsageError(f"{path}: {IS_MESH}") if others else file.fault("scene", "has no lines")
     counts = [sum(_count(file, one) for one in mesh) for mesh in lines]
-    why = too_many(sum(counts[mesh] for mesh, _, _ in placed), file.size)
+    why = too_many("points of its lines", sum(counts[mesh] for mesh, _, _ in placed), OF_POINT, file.size)
     if why:
-        raise UsageError(f"{path}: {why}")
+        raise UsageError(f"{path}: {why}; write fewer")
     known: dict[int, Part] = {}
     parts = []
     for mesh, matrix, label in placed:

@@ -16,7 +16,7 @@ from ..bounded import Bounded, opened
 from ..files import ReadOptions
 from ..obj_lines import MENDS, blocks, line_of, no_numbers, numbers, shown
 from ..objects import UNNAMED, pieces, renamed
-from ..polylines import IS_MESH, Lines, joined_lines, too_many
+from ..polylines import IS_MESH, OF_POINT, Lines, joined_lines
 from ..strands import OBJECT, Attribute, Source, Strands, TimeSample, without_short
 from ..written import left_out
 
@@ -128,9 +128,7 @@ def _add_lines(
     line."""
     lengths = np.array([len(words) for words in lines], np.int32)
     found.points += int(lengths.sum())
-    why = too_many(found.points, file.size)
-    if why:
-        raise file.fault(why)
+    file.room("points of its lines", found.points, OF_POINT)
     text = OTHERS.sub(b"", b" ".join([word for words in lines for word in words]) + b" ")
     rows = np.fromstring(text, np.int64, sep=" ") if ROWS.fullmatch(text) and text.strip() else np.zeros(0, np.int64)
     if rows.size != lengths.sum():
