@@ -151,7 +151,7 @@ def _lines(subject: Subject) -> Iterator[Any]:
     lines = flatten(subject.positions, subject.lengths, subject.groom.strands, scene.curves, subject.view(scene), True,
                     Scratch())  # fmt: skip
     for a, b in zip(lines.first[:-1], lines.first[1:], strict=True):
-        radii = material.width / 2 * (1 - material.taper * np.linspace(0, 1, b - a))
+        radii = material.width / 2 * (1 - material.drawn_taper * np.linspace(0, 1, b - a))
         yield np.column_stack([lines.world[a:b], radii])
 
 

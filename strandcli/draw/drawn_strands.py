@@ -85,8 +85,8 @@ class DrawnStrands:
         if whole is None:
             level = with_widths(level_of(scene, at, positions, count, places, self.thins), widths)
         shares = None if widths is None else widths.shares
-        if shares is not None and scene.material.taper > 0:
-            shares = shares * np.linspace(1, 1 - scene.material.taper, shares.shape[1], dtype=np.float32)
+        if shares is not None and scene.material.drawn_taper > 0:
+            shares = shares * np.linspace(1, 1 - scene.material.drawn_taper, shares.shape[1], dtype=np.float32)
         return Strands(positions, None if self._uneven else lengths, count, level, tones, ids, whole, shares)
 
     def _choose(

@@ -44,5 +44,5 @@ def widths_along(material: Material, strands: Strands, lines: Polylines) -> NDAr
     if strands.shares is not None:
         vertex_shares.find(lines.first, lines.along, strands.shares, shares.reshape(-1))
     else:
-        shares[:] = 1 - np.float32(material.taper) * np.linspace(0, 1, lines.per, dtype=np.float32)
+        shares[:] = 1 - np.float32(material.drawn_taper) * np.linspace(0, 1, lines.per, dtype=np.float32)
     return np.multiply(shares, own[:, None], out=shares)

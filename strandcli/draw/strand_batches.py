@@ -127,7 +127,7 @@ class StrandBatches:
             if self.traced:
                 silhouette.move_ends(
                     here.first, here.world, self.view.pack(), np.float32(scene.material.width),
-                    np.float32(scene.material.taper), here.scale, here.lost, screen,
+                    np.float32(scene.material.drawn_taper), here.scale, here.lost, screen,
                 )  # fmt: skip
             widths = widths_of(here, screen, self.view, scene.material, least, self.thins, scratch)
             profiles = None

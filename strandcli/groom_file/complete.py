@@ -45,8 +45,8 @@ def completed(scene: Scene, roughly: bool = False) -> Scene:
             width = width_for(found.seen, given.cover)
         if width is not None:
             scene = replace(scene, material=replace(scene.material, width=width))
-    if found.width is not None and scene.material.taper_ is None:
-        scene = replace(scene, material=replace(scene.material, taper_=0.0))
+    if found.width is not None and scene.material.taper is None:
+        scene = replace(scene, material=replace(scene.material, taper=0.0))
     if found.colour is not None:
         own = replace(scene.material, colour=found.colour, pigment="rgb", eumelanin=None, pheomelanin=None)
         scene = replace(scene, material=replace(own, tip_colour=None, grey=0.0))

@@ -78,7 +78,7 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
     share_seen = min(1.0, height / max(scale * 2 * radius, 1e-9))
     segments = drawn * share * (points - 1) * pieces_of(scene, scale * min(1.0, share_seen + 0.5), length, points)
     ahead = drawn * share * length * scale * ACROSS * share_seen
-    width = scene.material.width * (1 - scene.material.taper / 2) * scale if scene.material.width > 0 else 1.0
+    width = scene.material.width * (1 - scene.material.drawn_taper / 2) * scale if scene.material.width > 0 else 1.0
     shown = HIDDEN if scene.children is not None and scene.children.clumps else 1.0
     apart = math.sqrt(max(area, 1e-12) * squeezed(scene, extent, length) / max(drawn * share, 1.0))
     if pressed := next((use.parameters.density for use in scene.rules if use.name == "interaction"), 0.0):

@@ -82,7 +82,7 @@ def test_a_width_of_all_is_that_of_every_point(tmp_path: Path) -> None:
     along = np.linspace(0, 1, found.shape[1])
     np.testing.assert_allclose(found, np.broadcast_to(0.01 * (1 - 0.6 * along), found.shape), rtol=1e-5)
     bare = scene(write(tmp_path / "b.data", hanging([7] * 30)))
-    assert (bare.material.taper, scene(path).material.taper) == (0.7, 0.0)
+    assert (bare.material.drawn_taper, scene(path).material.taper) == (0.7, 0.0)
 
 
 def test_widths_of_knots_are_linear_between_them(tmp_path: Path) -> None:
@@ -256,4 +256,4 @@ def test_widths_that_cannot_be_meant_are_left_out(tmp_path: Path, count: int, wi
     found = from_file(scene(path).emitter.groom, 0)  # type: ignore[arg-type]
     assert found.groom.widths is None
     assert any("widths of the file are left out" in words for words in found.notes)
-    assert scene(path).material.taper == 0.7
+    assert scene(path).material.drawn_taper == 0.7

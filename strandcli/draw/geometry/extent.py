@@ -94,7 +94,7 @@ def thickness_of(
     the groom's centre; bounds (2, 3): bounding box, metres; shares (strands, n): of each strand's width, at its
     points, None: as the material tapers."""
     if material.width > 0:
-        return Thickness(material.width, material.taper if shares is None else 2 * (1 - float(shares.mean())))
+        return Thickness(material.width, material.drawn_taper if shares is None else 2 * (1 - float(shares.mean())))
     depth = max(float((bounds.mean(0) - view.eye) @ view.forward), view.near) if view.perspective else 1.0
     return Thickness(depth / view.focal)
 
@@ -118,7 +118,7 @@ def widths_of(
         if material.width * widest * view.focal * nearest <= least:
             return None
     widths = scratch.borrow("widths", len(screen), np.float32)
-    taper, along = lines.tapered(material.taper)
+    taper, along = lines.tapered(material.drawn_taper)
     project.widths(
         lines.first, screen, packed, np.float32(material.width), taper, scale, np.float32(1.0), np.float32(least),
         along, widths,

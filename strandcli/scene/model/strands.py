@@ -67,7 +67,7 @@ class Material:
     rounded: bool = boolean(
         True, doc="light across a strand where it is wider than two pixels; false: its average everywhere"
     )
-    taper_: float | None = number(
+    taper: float | None = number(
         None,
         low=0,
         high=1,
@@ -78,9 +78,9 @@ class Material:
     )
 
     @property
-    def taper(self) -> float:
+    def drawn_taper(self) -> float:
         """Part of the width that is lost from root to tip."""
-        return TAPER if self.taper_ is None else self.taper_
+        return TAPER if self.taper is None else self.taper
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -132,7 +132,7 @@ class FrameStudy(WholeStudy):
         """The settings that give lines of no width the width of the reference; nothing for other strands."""
         if not self.subject.widened:
             return {}
-        return {"material.width": self.scene.material.width, "material.taper_": self.scene.material.taper}
+        return {"material.width": self.scene.material.width, "material.taper": self.scene.material.drawn_taper}
 
     def measure(self, knobs: Knobs) -> Point:
         """Draw one setting; after `PATIENCE` none but the first two, and the point has no error."""

@@ -70,7 +70,7 @@ class OcclusionStudy(Pictures):
         chosen = rng.permutation(sum(map(len, points)))[:PROBES]
         self.points = np.concatenate(points)[chosen]
         lines = flatten(*subject.whole(), subject.groom.strands, scene.curves, subject.view(scene), True, Scratch())
-        thickness = Thickness(scene.material.width, scene.material.taper)
+        thickness = Thickness(scene.material.width, scene.material.drawn_taper)
         spacing = subject.spacing()
         halves = seen_of_sky(
             lines, thickness, self._packed(), self.points, np.concatenate(strands)[chosen],
@@ -96,7 +96,7 @@ class OcclusionStudy(Pictures):
             scene, subject = self.scene, self.subject
             made = occlusion.build(
                 settings, subject.whole()[0], subject.groom.strands, subject.bounds(),
-                Thickness(scene.material.width, scene.material.taper), None, self._packed(), Scratch(),
+                Thickness(scene.material.width, scene.material.drawn_taper), None, self._packed(), Scratch(),
             )  # fmt: skip
             found = made.at(self.points)
         off = found - self.truth

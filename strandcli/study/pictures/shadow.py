@@ -210,7 +210,7 @@ class ShadowStudy(Pictures):
         return transmittance(lines, self._thickness(), scene.lights[self.light], points, own, jitter, wide)
 
     def _thickness(self) -> Thickness:
-        return Thickness(self.scene.material.width, self.scene.material.taper)
+        return Thickness(self.scene.material.width, self.scene.material.drawn_taper)
 
 
 def bundle(rays: int, radius: float, rng: np.random.Generator) -> NDArray[np.float64]:

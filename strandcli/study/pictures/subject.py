@@ -163,7 +163,7 @@ class Subject:
             low, high = self.bounds()
             depth = max(float(((low + high) / 2 - view.eye) @ view.forward), view.near) if view.perspective else 1.0
             width = depth / view.focal / self.scene.image.supersample
-            self.scene = changed(self.scene, {"material.width": width, "material.taper_": 0.0})
+            self.scene = changed(self.scene, {"material.width": width, "material.taper": 0.0})
 
     def whole(self) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
         """Positions (blocks, rows, 3 W) and segment lengths (blocks, W) as they are drawn: of tied strands with what is
@@ -197,7 +197,7 @@ class Subject:
         """Whether strands show others through, or become thinner than one of so many samples along a pixel's side: a
         z-buffer draws nothing thinner."""
         material = self.scene.material
-        return material.opacity < 1 or self.pixels_wide() * (1 - material.taper) * samples < 1
+        return material.opacity < 1 or self.pixels_wide() * (1 - material.drawn_taper) * samples < 1
 
     def pixels_wide(self) -> float:
         """Width of a strand at its root in pixels, in the middle of the groom."""

@@ -79,7 +79,7 @@ def test_vertices_know_where_on_the_strand_they_stand() -> None:
 
 def test_widths_are_those_of_the_same_points_of_the_whole_strand() -> None:
     p, view = wavy(130, 80), view_of(CAMERAS["orthographic"])
-    material = Material(width=0.01, taper_=0.9)
+    material = Material(width=0.01, taper=0.9)
     few, every = flat(p, Curves(mode="thinned", tolerance=0.2), view), flat(p, ALL, view)
     wide = [
         widths_of(lines, to_screen(lines, view, Scratch()), view, material, 0.0, True, Scratch())

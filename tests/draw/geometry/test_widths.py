@@ -82,7 +82,7 @@ def test_a_strand_aside_of_the_axis_is_as_wide_as_rays_find(name: str, fov: floa
     view = view_of(fov)
     (x0, y0), (x1, y1) = ENDS[name]
     lines = line(at(view, x0, y0, 1.0), at(view, x1, y1, 1.6))
-    material = Material(width=0.004, taper_=0.0)
+    material = Material(width=0.004, taper=0.0)
     screen = to_screen(lines, view, Scratch())
     found = widths_of(lines, screen, view, material, 0.0, True, Scratch())
     assert found is not None
@@ -100,7 +100,7 @@ def test_bends_and_strands_that_are_seen_end_on() -> None:
     """At a bend the width is between those of both pieces; a strand that points at the eye is a point, and one of which
     a part lies behind the camera keeps its width in front of it."""
     view = view_of(110)
-    material = Material(width=0.01, taper_=0.0)
+    material = Material(width=0.01, taper=0.0)
 
     def widths(*points: NDArray[np.float64]) -> NDArray[np.float32]:
         lines = Polylines(np.array([0, len(points)]), np.array(points, np.float32))
@@ -123,7 +123,7 @@ def test_an_orthographic_camera_sees_the_same_width_everywhere() -> None:
     view = view_of(90, perspective=False)
     lines = line(at(view, 10, 40, 1.0), at(view, 40, 10, 1.6))
     found = widths_of(
-        lines, to_screen(lines, view, Scratch()), view, Material(width=0.1, taper_=0.0), 0.0, True, Scratch()
+        lines, to_screen(lines, view, Scratch()), view, Material(width=0.1, taper=0.0), 0.0, True, Scratch()
     )
     assert found is not None
     np.testing.assert_allclose(found, 0.1 * view.focal, rtol=1e-6)
@@ -140,7 +140,7 @@ def test_pictures_cover_what_rays_meet(resolver: str, name: str) -> None:
     lines = line(at(view, x0, y0, 1.0), at(view, x1, y1, 1.6))
     scratch = Scratch()
     screen = to_screen(lines, view, scratch)
-    widths = widths_of(lines, screen, view, Material(width=0.08, taper_=0.0), 0.0, True, scratch)
+    widths = widths_of(lines, screen, view, Material(width=0.08, taper=0.0), 0.0, True, scratch)
     if resolver == "sorted":
         image = np.zeros((size[1], size[0], 3), np.float32)
         for layer in Coverage(size, 1.0).layers(lines, screen, widths, None, 1, scratch):
@@ -174,7 +174,7 @@ def test_strands_of_any_length_are_as_wide_as_in_double_precision(perspective: b
     scale = rng.uniform(0.5, 2, len(lengths)).astype(np.float32)
     lines = Polylines(first, world, scale=scale)
     screen = to_screen(lines, view, Scratch())
-    found = widths_of(lines, screen, view, Material(width=0.03, taper_=0.6), 0.0, True, Scratch())
+    found = widths_of(lines, screen, view, Material(width=0.03, taper=0.6), 0.0, True, Scratch())
     assert found is not None
     for s, (a, b) in enumerate(pairwise(first)):
         x, y, q = screen[a:b].astype(np.float64).T
