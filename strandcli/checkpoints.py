@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import __version__
+from .errors import said
 from .fingerprint import motion_values
 from .output.files import prepare_folder, remove_strays
 from .output.state_file import DamagedError, ForeignError, read_state, write_state
@@ -74,7 +75,7 @@ class Checkpoints:
                 self._tell_foreign()
             except (DamagedError, OSError, ValueError) as error:
                 self._bad.add(frame)
-                self._say(f"{self.path(frame)}: checkpoint is not used: {_reason(error)}; it will be made again")
+                self._say(f"{self.path(frame)}: checkpoint is not used: {said(error)}; it will be made again")
             else:
                 return frame
         return after
@@ -132,10 +133,6 @@ def of_run(results: Path, every: int | None, warn: Callable[[str], None] | None)
     elif every is None:
         return None
     return Checkpoints(results, every or 0, warn)
-
-
-def _reason(error: Exception) -> str:
-    return (error.strerror or str(error)) if isinstance(error, OSError) else str(error)
 
 
 def key_of(scene: Scene) -> str:

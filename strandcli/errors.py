@@ -69,6 +69,12 @@ def about(kind: str, path: Any) -> Iterator[None]:
         raise
 
 
+def said(error: object) -> str:
+    """What a library says of an error, on one line and without the full stop at its end, so that ours goes on."""
+    words = (isinstance(error, OSError) and error.strerror) or str(error)
+    return one_line(" ".join(words.split())).rstrip(". ")
+
+
 def one_line(text: str) -> str:
     """``text`` with everything that does not print on one line escaped, so that a message stays one line."""
     if text.isprintable():

@@ -15,7 +15,7 @@ from typing import Any
 
 from .compiling.clock import clock
 from .compiling.folder import cache
-from .errors import RefusedError, UsageError
+from .errors import RefusedError, UsageError, said
 
 SPINS = "30000"
 """How often an idle thread looks for work before it sleeps. GNU's OpenMP looks 300,000 times, a millisecond in which
@@ -130,7 +130,7 @@ def _check_threading_layer() -> None:
         parallel._launch_threads()
     except ValueError as error:
         raise UsageError(
-            f"NUMBA_THREADING_LAYER={asked}: {error}; unset it, and Numba takes one that is there"
+            f"NUMBA_THREADING_LAYER={asked}: {said(error)}; unset it, and Numba takes one that is there"
         ) from None
 
 

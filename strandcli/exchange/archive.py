@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import UsageError
+from ..errors import UsageError, said
 from ..output.files import ARCHIVE_ERRORS
 from .bounded import SLICE, Bounded, amount
 
@@ -147,7 +147,7 @@ class Archive:
             with self.archive.open(info) as member:
                 yield member
         except ARCHIVE_ERRORS as error:
-            raise self.fault(info, f"cannot be read: {error}; it is damaged") from None
+            raise self.fault(info, f"cannot be read: {said(error)}; it is damaged") from None
 
 
 def _exactly(member: Any, count: int) -> bytes:

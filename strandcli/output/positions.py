@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import __version__
-from ..errors import RefusedError, UsageError, one_line
+from ..errors import RefusedError, UsageError, said
 from ..inputs import opened
 from .claim import Claim
 from .files import ARCHIVE_ERRORS, prepare_folder, read_json, require_own, with_whole, write_json
@@ -238,7 +238,7 @@ def _check_header(path: Path, shape: tuple[int, int, int], motion: str | None = 
 
 def _words(error: Exception) -> str:
     """What an error says, of which names in a damaged archive may be many lines."""
-    words = one_line(str(error))
+    words = said(error)
     return words if len(words) < 200 else f"{words[:200]}…"
 
 
@@ -251,7 +251,7 @@ def _read_manifest(directory: Path) -> dict[str, Any]:
     except PermissionError:
         raise RefusedError(f"{path}: no permission to read it") from None
     except (OSError, ValueError, RecursionError) as error:
-        raise UsageError(f"{path}: cannot be read: {error}; {AGAIN}") from None
+        raise UsageError(f"{path}: cannot be read: {said(error)}; {AGAIN}") from None
     entries = data.get("frames") if isinstance(data, dict) else None
     if not isinstance(entries, list) or not all(_is_entry(entry) for entry in entries):
         raise UsageError(

@@ -10,7 +10,7 @@ from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 
-from ..errors import RefusedError, UsageError
+from ..errors import RefusedError, UsageError, said
 from . import png
 from .files import refusal, temporary_name
 from .over import GREY, Rgb, over
@@ -53,7 +53,7 @@ def write_video(path: Path, images: Sequence[Path], frames: Sequence[int], fps: 
     finally:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
-    raise RefusedError(f"{path}: ffmpeg could not write it: {trouble}; choose gif or webp, or another ffmpeg")
+    raise RefusedError(f"{path}: ffmpeg could not write it: {said(trouble)}; choose gif or webp, or another ffmpeg")
 
 
 def arguments(size: tuple[int, int], fps: float, encoder: Sequence[str], target: Path) -> list[str]:

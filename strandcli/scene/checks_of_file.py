@@ -34,7 +34,7 @@ def clashes(scene: Scene) -> Iterator[Clash]:
         yield (f"{PLACE}.file",), "must be the path of a file of strands"
     keys = [key for key in grown(scene) if getattr(scene.emitter, key) != settings_of(Emitter)[key].spec.default]
     if keys:
-        fewer = f"; {PLACE}.strands draws fewer" if "strands" in keys else ""
+        fewer = f"; --strands, or {PLACE}.strands, draws fewer" if "strands" in keys else ""
         if "particles" in keys:
             fewer += "; particles are those of guides, which there are where rules move strands"
         yield (

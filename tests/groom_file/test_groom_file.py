@@ -229,7 +229,9 @@ def test_strands_asked_for_are_those_of_the_file_and_in_the_text_of_a_preset_ref
     assert len(drawn(scene(path, emitter__strands=7))) == 7
     preset = tmp_path / "own.yaml"
     preset.write_text(f"extends: groom\nemitter: {{strands: 7, groom: {{file: {path.name}}}}}\n")
-    with pytest.raises(UsageError, match=r"own.yaml:2:20: .*take out strands, .*emitter\.groom\.strands draws fewer"):
+    with pytest.raises(
+        UsageError, match=r"own.yaml:2:20: .*strands, .*--strands, or emitter\.groom\.strands, draws fewer"
+    ):
         strandcli.load(str(preset))
 
 
@@ -281,5 +283,5 @@ def test_a_number_of_strands_is_one_of_the_file_in_every_preset_that_has_one(tmp
     preset.write_text("extends: groom\nemitter: {groom: {file: a.data}}\n")
     assert strandcli.load(str(preset), settings={"emitter.strands": 7}).emitter.strands == 7
     assert strandcli.load("groom", settings={"emitter.strands": 9}, roughly=True).emitter.strands == 9
-    with pytest.raises(SceneError, match=r"emitter\.groom\.strands draws fewer"):
+    with pytest.raises(SceneError, match=r"--strands, or emitter\.groom\.strands, draws fewer"):
         strandcli.load(str(preset), overrides=["emitter.strands=7"])

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import UsageError, about
+from ...errors import UsageError, about, said
 from ...inputs import content
 from ...picture_samples import MOST, opened, samples
 
@@ -52,9 +52,8 @@ def read(image: str) -> NDArray[np.floating]:
         with about("picture", image):
             return read_hdr(path) if path.suffix.lower() == ".hdr" else _read_picture(path)
     except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         remedy = "give a lat-long picture, PNG, JPEG or Radiance .hdr"
-        raise UsageError(f"environment.image: {path}: {reason}; {remedy}") from None
+        raise UsageError(f"environment.image: {path}: {said(error)}; {remedy}") from None
 
 
 def coefficients(picture: NDArray[np.floating], rotation: float = 0.0) -> NDArray[np.float32]:
