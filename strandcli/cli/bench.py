@@ -8,6 +8,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
+from ..counted import counted
 from ..errors import UsageError
 from . import options
 from .progress import Progress
@@ -142,9 +143,8 @@ def stage_table(data: Mapping[str, Any]) -> str:
     """A row a stage: what it takes, what it works on, and how far it is from its bound."""
     wide, high = data["size"]
     lines = [
-        f"{data['preset']}, {wide}x{high}, {data['frames']} {'frame' if data['frames'] == 1 else 'frames'} one by one, "
-        f"{data['threads']} {'thread' if data['threads'] == 1 else 'threads'}"
-        + (", the processor's time of all" if data["clock"] == "cpu" else ""),
+        f"{data['preset']}, {wide}x{high}, {counted(data['frames'], 'frame')} one by one, "
+        f"{counted(data['threads'], 'thread')}" + (", the processor's time of all" if data["clock"] == "cpu" else ""),
         "",
         f"{'stage':<10}{'median ms':>10}{'least ms':>10}{'elements':>14} {'each a':<24}"
         f"{'ns':>8}{'bound ns':>10}{'ratio':>8}",
@@ -172,8 +172,8 @@ def table(data: Mapping[str, Any]) -> str:
     wide, high = data["size"]
     at_once = data.get("frames_at_once", 1)
     lines = [
-        f"{data['strands']:,} strands x {data['particles']} particles, {wide}x{high}, {data['frames']} frames, "
-        f"{data['threads']} {'thread' if data['threads'] == 1 else 'threads'}",
+        f"{counted(data['strands'], 'strand')} x {data['particles']} particles, {wide}x{high}, "
+        f"{counted(data['frames'], 'frame')}, {counted(data['threads'], 'thread')}",
         "",
         f"{'stage':<12}{'median ms':>12}{'min ms':>12}{'max ms':>12}"
         + (f"   {at_once} frames at once, each on its share of threads" if at_once > 1 else ""),
@@ -206,7 +206,7 @@ def table(data: Mapping[str, Any]) -> str:
 
 def growth_table(data: Mapping[str, Any]) -> str:
     """A row a size: what a step takes, and a particle of it; then the exponents of the cost."""
-    lines = [f"{data['solver']}, {data['machine']['threads']} threads", ""]
+    lines = [f"{data['solver']}, {counted(data['machine']['threads'], 'thread')}", ""]
     lines.append(f"{'strands':>10}{'particles':>12}{'ms a step':>12}{'ns a particle':>16}")
     for row in data["growth"]:
         lines.append(f"{row['strands']:>10,}{row['particles']:>12,}{row['ms']:>12.2f}{row['particle_step_ns']:>16.1f}")

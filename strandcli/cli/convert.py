@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..counted import counted
 from ..errors import UsageError
 from . import options, strand_files
 from .frame_range import FrameRange, FrameRangeType
@@ -200,7 +201,6 @@ def _tell(
     how: tuple[bool, bool],
 ) -> None:
     """Say what was done; ``strands``: how many were read, and what was written; ``how``: as JSON, quietly."""
-    from ..exchange.change import strands_of
     from ..exchange.control import note_of
 
     before, after = strands
@@ -214,7 +214,7 @@ def _tell(
         })  # fmt: skip
         return
     for why, count in skipped.items():
-        say(f"{source}: {strands_of(count)} of {why} skipped", err=True)
+        say(f"{source}: {counted(count, 'strand')} of {why} skipped", err=True)
     if how[1]:
         return
     if note:
@@ -223,4 +223,4 @@ def _tell(
         say(one.text, err=True)
     for line in lost:
         say(line, err=True)
-    say(f"{target}: {strands_of(after.count)}, {after.points.shape[0]:,} points", err=True)
+    say(f"{target}: {counted(after.count, 'strand')}, {after.points.shape[0]:,} points", err=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..counted import counted
 from ..errors import UsageError
 from . import complete, options, signals
 
@@ -50,7 +51,7 @@ def frames(
 
     local = address == connect.LOCAL
     workers = min(threads or options.available_cores(), len(numbers), _fitting(scene, numbers))
-    starting = f"starting {workers} {'worker' if workers == 1 else 'workers'}"
+    starting = f"starting {counted(workers, 'worker')}"
     notify(starting if local else f"connecting to {address}")
     job = Job(scene, fingerprint(scene), numbers, settings["keep_going"], 1 if local else threads)
     needed = run.needed(scene, numbers)

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from ..counted import counted
 from ..errors import UsageError
 from ..registry import LAYOUTS
 from . import camera_files, complete, options
@@ -105,7 +106,7 @@ def command(
         made.append({"folder": str(folder), **data})
         if not quiet:
             count = len(data["views"])
-            say(f"{folder}: {count} {'view' if count == 1 else 'views'} in the layout {kind.name}", err=True)
+            say(f"{folder}: {counted(count, 'view')} in the layout {kind.name}", err=True)
     if as_json:
         options.print_json(made)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..counted import counted
 from . import options, signals
 from .frame_range import FrameRange
 from .positions import open_cache
@@ -129,8 +130,6 @@ def _tell(
     target: Path, strands: Strands, frames: int, paths: list[Path], lost: list[str], how: tuple[bool, bool]
 ) -> None:
     """Say what was written; ``how``: as JSON, quietly."""
-    from ..exchange.change import strands_of
-
     points = strands.points.shape[0]
     if not strands.attributes:
         lost = [*lost, "material.width is 0, lines one pixel wide: no widths are written"]
@@ -144,4 +143,4 @@ def _tell(
         say(line, err=True)
     where = str(target) if len(paths) == 1 else f"{paths[0]} … {paths[-1].name}"
     each = f", {frames:,} frames" if frames > 1 else ""
-    say(f"{where}: {strands_of(strands.count)}, {points:,} points{each}", err=True)
+    say(f"{where}: {counted(strands.count, 'strand')}, {points:,} points{each}", err=True)

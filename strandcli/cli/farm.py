@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..counted import counted
 from ..errors import UsageError
 from . import options
 from .frame_range import FrameRange
@@ -90,8 +91,8 @@ def command(
     if as_json:
         options.print_json({"folder": str(folder), "files": [jobs.SCENE, *files], "chunks": list(chunks), "run": again})
     if not quiet:
-        tasks = "1 task; start it" if len(chunks) == 1 else f"{len(chunks)} tasks; start them"
-        say(f"{folder}: {len(numbers)} frames in {tasks} with '{again}'", err=True)
+        tasks = f"{counted(len(numbers), 'frame')} in {counted(len(chunks), 'task')}"
+        say(f"{folder}: {tasks}; start with '{again}'", err=True)
 
 
 def _simulated(scene: Scene, numbers: tuple[int, ...]) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from ..counted import counted
 from ..errors import UsageError
 from . import complete
 from .frame_range import FrameRange, FrameRangeType
@@ -44,8 +45,7 @@ class ThreadsType(Whole):
         count = int(super().convert(value, param, ctx))
         cores = available_cores()
         if count > cores:
-            offered = "1 core" if cores == 1 else f"{cores} cores"
-            self.fail(f"{count} threads, but this process may use {offered}", param, ctx)
+            self.fail(f"{count} threads, but this process may use {counted(cores, 'core')}", param, ctx)
         return count
 
 

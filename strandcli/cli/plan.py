@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .. import runtime
+from ..counted import counted
 from . import options
 from .frame_range import FrameRange
 from .progress import Progress, duration, pace
@@ -134,10 +135,10 @@ def _of_mesh(emitter: Emitter) -> list[str]:
 def _totals(plan: Plan) -> None:
     from ..plan.free import SHARE, available_memory
 
-    frames = "1 frame" if plan.frames == 1 else f"{plan.frames:,} frames"
     say("Cost:")
-    say(f"  {plan.strands:,} strands, {plan.particles:,} particles, {plan.steps:,} solver steps for {frames}")
-    say(f"  at most {plan.segments_max:,} line pieces on {plan.samples:,} samples a frame")
+    strands, steps = counted(plan.strands, "strand"), counted(plan.steps, "solver step")
+    say(f"  {strands}, {plan.particles:,} particles, {steps} for {counted(plan.frames, 'frame')}")
+    say(f"  at most {counted(plan.segments_max, 'line piece')} on {counted(plan.samples, 'sample')} a frame")
     several = ""
     if plan.frames_at_once > 1:
         more = f"{plan.memory_at_once_bytes / 1e6:,.0f} MB with {plan.frames_at_once} frames at once"
@@ -166,7 +167,6 @@ def _time(plan: Plan, found: Foretold | None) -> None:
     if found is None:
         say("  time is not known: add --time, or run 'strandcli doctor --calibrate', to measure this machine once")
         return
-    frames = "1 frame" if plan.frames == 1 else f"{plan.frames:,} frames"
-    on = "1 thread" if found.threads == 1 else f"{found.threads} threads"
-    say(f"  about {pace(1, found.frame)}, {duration(found.total)} for {frames} on {on}, within a factor of "
-        f"{found.within:g}, {found.source}; compiling is not counted")  # fmt: skip
+    run = f"{counted(plan.frames, 'frame')} on {counted(found.threads, 'thread')}"
+    say(f"  about {pace(1, found.frame)}, {duration(found.total)} for {run}, within a factor of {found.within:g}, "
+        f"{found.source}; compiling is not counted")  # fmt: skip

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..counted import counted
 from ..errors import SimulationError, StrandError, UsageError
 from . import animations, camera_files, garbage, html_page, options, signals
 from . import checkpoint as checkpoints
@@ -21,7 +22,7 @@ from .positions import open_cache
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
 from .render_frames import Motion, Watch, frames_of, learn_speed
-from .render_words import count_frames, frame_line, interrupted, tell
+from .render_words import frame_line, interrupted, tell
 from .say import say
 from .sweep import run as run_sweep
 from .sweep import sweep_option
@@ -237,7 +238,7 @@ def _warn_of_others(writer: FrameWriter, warn: Callable[[str], None]) -> None:
     numbers = (*writer.wanted, *writer.written)
     others = of_another_film(writer.directory, writer.scene, read_report(writer.directory), numbers)
     if others:
-        there = f"{count_frames(len(others))} there of another scene or other settings, such as {others[0]}"
+        there = f"{counted(len(others), 'frame')} there of another scene or other settings, such as {others[0]}"
         warn(f"{writer.directory}: {there}; choose another folder with -o to keep films apart")
 
 

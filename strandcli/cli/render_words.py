@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..counted import counted
 from .progress import duration, pace
 from .say import say
 
@@ -18,13 +19,8 @@ def interrupted(writer: FrameWriter, besides: str = "") -> str:
     from ..output.files import count_there
 
     there = count_there(writer.directory / one.file for one in writer.written.values())
-    finished = count_frames(there, " finished")
+    finished = counted(there, "finished frame")
     return f"{writer.directory}: interrupted; {besides}{finished} stay, --resume goes on"
-
-
-def count_frames(frames: int, which: str = "") -> str:
-    """A number of frames in words: ``1 frame``, ``3 finished frames``."""
-    return f"{frames}{which} {'frame' if frames == 1 else 'frames'}"
 
 
 def frame_line(number: int, report: Mapping[str, Any]) -> str:
@@ -39,7 +35,7 @@ def tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None
     drawn = len(writer.wanted)
     kept = len(writer.written) - drawn
     totals = data["totals"]
-    words = f"{writer.directory}: {count_frames(drawn)} in {_seconds(totals['seconds'])}"
+    words = f"{writer.directory}: {counted(drawn, 'frame')} in {_seconds(totals['seconds'])}"
     compiling = data["compile_seconds"] or 0.0
     if compiling:
         words += f", of which {compiling:.1f} s compiling (only on first use)"

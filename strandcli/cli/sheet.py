@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..counted import counted
 from . import options
 from .say import say
 from .values import ColourType
@@ -44,4 +45,4 @@ def command(
     prepare_folder(output.parent, 0)
     wide, high = write_sheet(output, cells, columns, width, over or PAPER)
     if not quiet:
-        say(f"{output}: {len(cells)} {'image' if len(cells) == 1 else 'images'}, {wide}x{high}", err=True)
+        say(f"{output}: {counted(len(cells), 'image')}, {wide}x{high}", err=True)

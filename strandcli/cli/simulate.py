@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from ..counted import counted
 from ..errors import UsageError
 from . import checkpoint as checkpoints
 from . import options, signals
@@ -101,4 +102,4 @@ def command(
     if not quiet:
         kept = f"; {len(writer.kept)} kept" if writer.kept else ""
         count = len(writer.wanted)
-        say(f"{output}: {count} {'frame' if count == 1 else 'frames'} of positions{kept}", err=True)
+        say(f"{output}: {counted(count, 'frame')} of positions{kept}", err=True)

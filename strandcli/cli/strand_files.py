@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..counted import counted
 from . import options
 from .say import say
 
@@ -28,7 +29,6 @@ MOST_OBJECTS = 20
 
 def say_facts(found: Facts) -> None:
     """Facts for people: a line each."""
-    from ..exchange.change import strands_of
     from ..exchange.objects import shown
 
     data = found.data
@@ -52,7 +52,7 @@ def say_facts(found: Facts) -> None:
     if data["up"] is not None:
         say(f"  up         {data['up']}")
     for one in data["objects"][:MOST_OBJECTS]:
-        say(f"  object     {shown(one['name'])}: {strands_of(one['strands'])}, {one['points']:,} points")
+        say(f"  object     {shown(one['name'])}: {counted(one['strands'], 'strand')}, {one['points']:,} points")
     if len(data["objects"]) > MOST_OBJECTS:
         say(f"  object     and {len(data['objects']) - MOST_OBJECTS:,} more, all of them with --json")
     for one in data["attributes"]:

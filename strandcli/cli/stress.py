@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
+from ..counted import counted
 from ..errors import MismatchError, UsageError
 from ..scene.faults import shown
 from . import complete, options
@@ -137,7 +138,7 @@ def command(
     if failed:
         told = f"{failed[0].name}: {failed[0].why}"
         more = "" if case else f"; again with: strandcli stress --case {failed[0].name}"
-        raise MismatchError(f"{len(failed)} of {len(result.verdicts)} cases failed, such as {told}{more}")
+        raise MismatchError(f"{len(failed)} of {counted(len(result.verdicts), 'case')} failed, such as {told}{more}")
 
 
 def _chosen(
@@ -202,7 +203,7 @@ def table(result: Result) -> str:
         reasons = dict.fromkeys(f"  {one.name.partition('/')[0]}: {one.why}" for one in absent)
         lines += ["", "not represented:", *reasons]
     counts = ", ".join(f"{count:,} {word.replace('_', ' ')}" for word, count in result.summary.items())
-    lines += ["", f"{counts}; {len(result.verdicts):,} cases in {result.seconds:.0f} s"]
+    lines += ["", f"{counts}; {counted(len(result.verdicts), 'case')} in {result.seconds:.0f} s"]
     better = result.passed_after_all
     if better:
         lines.append(f"{len(better)} were listed to fail and did not, or in less, such as {better[0]}")

@@ -11,6 +11,7 @@ from typing import Any
 
 import click
 
+from ..counted import counted
 from ..errors import SimulationError, UsageError
 from ..scene.faults import Fault, SceneError
 from . import options, signals
@@ -61,7 +62,7 @@ def run(draw: Callable[..., None], given: Mapping[str, Any]) -> None:
         options.print_json({"folder": str(folder), "points": entries})
     if not settings["quiet"]:
         bad = f", {len(failed)} of which went wrong" if failed else ""
-        say(f"{folder}: {len(entries)} runs{bad}; {', '.join(made)}", err=True)
+        say(f"{folder}: {counted(len(entries), 'run')}{bad}; {', '.join(made)}", err=True)
     if failed:
         raise failed[0]
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cameras.pinhole import Pinhole
+from ..counted import counted
 from ..errors import UsageError
 from ..registry import LAYOUTS
 from .labels import LAYERS
@@ -70,7 +71,7 @@ def numbers_for(count: int | None, first: int, places: Sequence[Pinhole], path: 
     if count is None:
         count = max(len(places) - first, 1) if places else DEFAULT
     if places and first + count > len(places):
-        raise UsageError(f"--views: {path} holds {len(places)} views, {first + count} are asked for")
+        raise UsageError(f"--views: {path} holds {counted(len(places), 'view')}, {first + count} are asked for")
     return range(first, first + count)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..compiling.folder import ENTRY, MOST_BYTES, cache, writers
+from ..counted import counted
 from .finding import NOTE, OK, Finding
 
 FIRST_BYTES = b"strandcli kernel "
@@ -24,7 +25,7 @@ def kept() -> Iterator[Finding]:
         return
     entries = [one for one in folder.iterdir() if ENTRY.fullmatch(one.name)]
     size = sum(one.lstat().st_size for one in entries)
-    text = f"{folder}: {len(entries):,} kernels and modules, {megabytes(size)}"
+    text = f"{folder}: {counted(len(entries), 'kernel or module', 'kernels and modules')}, {megabytes(size)}"
     broken = [one for one in entries if damaged(one)]
     if broken:
         some = f"{len(broken)} not used, such as {broken[0].name}: damaged, or writable for others"

@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..counted import counted
 from ..errors import UsageError
 from ..plan import limits
 from .finding import BROKEN, NOTE, OK, Finding
@@ -52,7 +53,7 @@ def threads() -> Iterator[Finding]:
         return
     except ImportError:  # told by another check
         return
-    text = f"{count} by default; {there} cores, of which this process may use {usable}"
+    text = f"{count} by default; {counted(there, 'core')}, of which this process may use {usable}"
     if quota is not None:
         text += f", and {quota:g} cores' time by its control group"
     if quota is not None and count > max(1.0, quota) + 0.5:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..counted import counted
 from ..errors import UsageError, said
 from ..output.files import ARCHIVE_ERRORS
 from .bounded import SLICE, Bounded, amount
@@ -156,7 +157,7 @@ def _exactly(member: Any, count: int) -> bytes:
     while left:
         part = member.read(left)
         if not part:
-            raise EOFError(f"ends {left:,} bytes too early")
+            raise EOFError(f"ends {counted(left, 'byte')} too early")
         parts.append(part)
         left -= len(part)
     return b"".join(parts) if len(parts) != 1 else parts[0]

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import inputs
+from ..counted import counted
 from ..errors import UsageError, one_line
 from .strands import CHUNK, Offsets
 
@@ -134,7 +135,7 @@ class Bounded:
     def end(self) -> None:
         """Raise where something follows."""
         if self.left:
-            raise self.damaged(f"{amount(self.left)} follow what the header tells")
+            raise self.damaged(f"{amount(self.left)} after what the header tells")
 
     def _shrunk(self) -> NoReturn:
         raise UsageError(f"{self.path}: became shorter while it was read; read it again when it is written")
@@ -171,4 +172,4 @@ def amount(count: int) -> str:
     for unit, size in (("EB", 1e18), ("TB", 1e12), ("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if count >= size:
             return f"{count / size:,.3g} {unit}" if count < 1000 * size else f"{count / size:,.0f} {unit}"
-    return f"{count} bytes"
+    return counted(count, "byte")

@@ -13,8 +13,3 @@ class Change:
     edit: str
     text: str
     facts: dict[str, Any] = field(default_factory=dict)
-
-
-def strands_of(count: int) -> str:
-    """So many strands, in words."""
-    return f"{count:,} strand{'' if count == 1 else 's'}"

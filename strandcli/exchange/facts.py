@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..counted import counted
 from . import faults
 from .bounded import rows_not_finite
-from .change import strands_of
 from .ends import Ends, ends, head, up_axis
 from .files import ReadOptions
 from .moments import files_of, read_first
@@ -135,7 +135,7 @@ def _guesses(strands: Strands, known: Ends) -> dict[str, Any]:
 
 
 def _faults_of_strands(strands: Strands, bad: npt.NDArray[np.bool_], fine: Strands) -> list[Fault]:
-    found = [Fault("skipped", count, f"{strands_of(count)} of {why}, skipped")
+    found = [Fault("skipped", count, f"{counted(count, 'strand')} of {why}, skipped")
              for why, count in strands.source.skipped.items()]  # fmt: skip
     lengths = fine.lengths()
     tiny = (lengths > 0) & (lengths < TINY * np.median(lengths)) if fine.count else lengths > 0
@@ -150,7 +150,7 @@ def _faults_of_strands(strands: Strands, bad: npt.NDArray[np.bool_], fine: Stran
         count = int(np.count_nonzero(wrong))
         if count:
             example = int(np.argmax(wrong))
-            found.append(Fault(name, count, f"{strands_of(count)} {words} (strand {example:,} for one)", mend))
+            found.append(Fault(name, count, f"{counted(count, 'strand')} {words} (strand {example:,} for one)", mend))
     for name, one in fine.attributes.items():
         rows = rows_not_finite(one.values).size if one.values.dtype.kind == "f" else 0
         if rows:
@@ -186,7 +186,9 @@ def _faults_of_groom(strands: Strands, known: Ends) -> list[Fault]:
         found.append(Fault("tips_first", strands.count, f"roots are last: {known.why}", "--reverse"))
     others = int(np.count_nonzero(known.others))
     if others:
-        found.append(Fault("other_way", others, f"{strands_of(others)} run the other way than the rest", "--fix"))
+        found.append(
+            Fault("other_way", others, f"{counted(others, 'strand')} run the other way than the rest", "--fix")
+        )
     up = up_axis(strands, known)
     if up is not None and up[0] != UP and strands.source.up is None:
         text = f"up is {up[0]}, if hair hangs down ({up[1]:.0%} of it); here up is {UP}"

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..counted import counted
 from ..errors import UsageError
 from .strands import Offsets, offsets
 
@@ -76,7 +77,7 @@ def spans_of(
     """The spans of curves of so many control points and of these orders (S,), whose knots (K,) follow one another, as
     many of each as points and order; uniform ones where there are none. Raises ``fault`` where they make no curves."""
     if orders.shape != counts.shape:
-        raise fault(f"NURBS have {orders.size:,} orders, there are {counts.size:,} curves; is damaged")
+        raise fault(f"NURBS have {counted(orders.size, 'order')} for {counted(counts.size, 'curve')}; is damaged")
     if not np.isin(orders, ORDERS).all():
         raise fault(f"NURBS are read of order 2, 3 and 4; there are some of {orders[~np.isin(orders, ORDERS)][0]}")
     orders = orders.astype(np.int64)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..counted import counted
 from ..errors import UsageError
 from ..inputs import cached
 from ..mesh_file.maps import Pieces, Place, lookup, pieces, vectors
@@ -186,7 +187,7 @@ def described(shape: MeshShape, strands: int) -> str:
     bed = seedbed(shape)
     count = len(bed.mesh.triangles)
     share = "" if bed.used == count else f", {bed.grown:.3g} m² on {bed.used:,} of them bear strands"
-    return f"{bed.area:.3g} m² of {count:,} triangles{share}; {strands / (1e4 * bed.grown):.3g} strands a cm²"
+    return f"{bed.area:.3g} m² of {counted(count, 'triangle')}{share}; {strands / (1e4 * bed.grown):.3g} strands a cm²"
 
 
 def notes(emitter: Emitter) -> list[str]:

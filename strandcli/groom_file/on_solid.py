@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..counted import counted
 from ..errors import UsageError
-from ..exchange.change import strands_of
 from ..exchange.strands import Strands, offsets
 from ..groom.record import Anchors
 from ..mesh_file.prepared import key_of, prepared
@@ -148,14 +148,14 @@ def said(fit: Fit, surface: Surface, head: Head, file: str) -> list[str]:
     found = []
     if fit.seated:
         found.append(
-            f"{file}: {strands_of(fit.seated)} of {len(fit.off):,} had roots off {head.name}, and were moved to it: "
-            f"median {np.median(fit.off):.2g} m, at most {fit.off.max():.2g} m"
+            f"{file}: {counted(fit.seated, 'strand')} of {len(fit.off):,} had roots off {head.name}, and were moved "
+            f"to it: median {np.median(fit.off):.2g} m, at most {fit.off.max():.2g} m"
         )
     if fit.led_out:
-        rest = f"; {strands_of(fit.left)} point by point" if fit.left else ""
+        rest = f"; {counted(fit.left, 'strand')} point by point" if fit.left else ""
         found.append(
-            f"{file}: {strands_of(fit.led_out)} led out of {head.name}, up to {fit.deepest:.2g} m deep, to at least "
-            f"{CLEARANCE * surface.size:.2g} m from it{rest}"
+            f"{file}: {counted(fit.led_out, 'strand')} led out of {head.name}, up to {fit.deepest:.2g} m deep, "
+            f"to at least {CLEARANCE * surface.size:.2g} m from it{rest}"
         )
     if found:
         found[-1] += f"; points moved by up to {fit.farthest:.2g} m, lengths by up to {100 * fit.stretch:.2g} %"

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..counted import counted
 from ..errors import UsageError, about
 from ..exchange import faults
-from ..exchange.change import strands_of
 from ..exchange.control import note_of
 from ..exchange.edit.fix import fixed, reversed_all
 from ..exchange.edit.moving import ROW
@@ -171,8 +171,8 @@ def _made(
     strands, fewer, off = with_at_most(strands, most)
     if fewer:
         notes.append(
-            f"{given.file}: {strands_of(fewer)} of more than {most:,} points, up to {int(counts.max()):,}, drawn with "
-            f"{most:,}, at most {off:.3g} m off: for memory all strands have as many"
+            f"{given.file}: {counted(fewer, 'strand')} of more than {most:,} points, up to {int(counts.max()):,}, "
+            f"drawn with {most:,}, at most {off:.3g} m off: for memory all strands have as many"
         )
     if counts.min() < most:
         notes.append(
@@ -210,10 +210,10 @@ def _chosen(
     """The file's strands in its own frame, root to tip, without those that cannot be drawn; and where they are
     ``moving`` which points of the file (P,) they have."""
     path = Path(given.file)
-    notes += [f"{path}: {strands_of(count)} of {why}, skipped" for why, count in strands.source.skipped.items()]
+    notes += [f"{path}: {counted(count, 'strand')} of {why}, skipped" for why, count in strands.source.skipped.items()]
     beside = strands.source.facts.get("not_read")
     if beside:
-        there = ", ".join(f"{count:,} {what}" for what, count in beside.items())
+        there = ", ".join(f"{what} ({count:,})" for what, count in beside.items())
         notes.append(f"{path}: not read, beside its strands: {there}")
     changing = strands.source.facts.get("changing")
     if changing:
@@ -237,8 +237,8 @@ def _chosen(
     bare = None if given.fix else faults.without_length(strands)
     if bare is not None and bare.any():
         raise UsageError(
-            f"{path}: {strands_of(int(bare.sum()))} without length (strand {int(np.argmax(bare)):,} for one); set "
-            "emitter.groom.fix: true, which leaves them out"
+            f"{path}: {counted(int(bare.sum()), 'strand')} without length (strand {int(np.argmax(bare)):,} for one); "
+            "set emitter.groom.fix: true, which leaves them out"
         )
     if not moving:
         return strands, None

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
+from ..counted import counted
 from . import page, svg
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def of_stress(result: Result, words: str) -> bytes:
     bars = svg.bars([(word.replace("_", " "), count, f"{count:,}") for word, count in counts.items()])
     return page.page("Stability: strandcli", [
         page.header(f"Stability of {' and '.join(result.solvers)}", f"{len(failed):,} failed" if failed else "passed",
-                    "bad" if failed else "", f"{len(result.verdicts):,} cases in {result.seconds:.0f} s"),
+                    "bad" if failed else "", f"{counted(len(result.verdicts), 'case')} in {result.seconds:.0f} s"),
         page.section("Failed", page.table([(one.name, one.why) for one in failed[:MOST_ROWS]]), "note"),
         page.section("Verdicts", bars),
         page.section("Worst cases", f"<pre>{page.lines(words)}</pre>"),

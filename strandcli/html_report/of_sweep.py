@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
+from ..counted import counted
 from ..output.files import write_pieces
 from . import page, pictures
 from .run import FILE, cell
@@ -26,7 +27,7 @@ def write(
     axes = " × ".join(f"{key} ({len({one['settings'][key] for one in entries})})" for key in entries[0]["settings"])
     drawn = pictures.chosen([one for one in entries if one["last_frame"]], MOST_PICTURES)
     cells = [_cell(folder, one, BYTES // len(drawn)) for one in drawn]
-    more = f"<p>{len(drawn)} of {len(entries):,} runs</p>" if len(drawn) < len(entries) else ""
+    more = f"<p>{len(drawn)} of {counted(len(entries), 'run')}</p>" if len(drawn) < len(entries) else ""
     shown = [one not in ("folder", "last_frame", "pixels_sha256") for one in head]
     table = [[value for value, keep in zip(row, shown, strict=True) if keep] for row in rows[:MOST_ROWS]]
     heads = [one for one, keep in zip(head, shown, strict=True) if keep]
@@ -34,7 +35,7 @@ def write(
     path = folder / FILE
     write_pieces(path, [page.page(f"{name}, a sweep: strandcli", [
         page.header(f"{name}, a sweep", f"{len(failed)} went wrong" if failed else "complete",
-                    "bad" if failed else "", f"{len(entries):,} runs · {axes}"),
+                    "bad" if failed else "", f"{counted(len(entries), 'run')} · {axes}"),
         page.section("Last frames", f'<div class="sheet">{"".join(cells)}</div>{more}' if cells else ""),
         page.section("Table", page.table(table, [one.replace("_", " ") for one in heads], numbers)),
         page.footer(__version__),

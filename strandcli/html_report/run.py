@@ -66,8 +66,9 @@ def _span(frames: Sequence[Json]) -> str:
     numbers = [one["frame"] for one in frames]
     if not numbers:
         return "no frames"
-    count = f"{len(numbers):,} frames" if len(numbers) > 1 else "1 frame"
-    return f"{count}, {min(numbers)} to {max(numbers)}" if len(numbers) > 1 else f"frame {numbers[0]}"
+    if len(numbers) == 1:
+        return f"frame {numbers[0]}"
+    return f"{len(numbers):,} frames, {min(numbers)} to {max(numbers)}"
 
 
 def _trouble(data: Json) -> str:

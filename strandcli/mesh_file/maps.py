@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..counted import counted
 from ..errors import UsageError
 from ..exchange.edit.transform import turning
 from ..inputs import cached
@@ -116,7 +117,8 @@ def _attribute(mesh: TriangleMesh, name: str, place: Place, many: int) -> Floats
     values = np.asarray(found, np.float64).reshape(len(found), -1)
     if values.shape[1] != many:
         raise UsageError(
-            f"{place.file}: {place.key}: the attribute {name!r} has {values.shape[1]} numbers a vertex, not {many}"
+            f"{place.file}: {place.key}: the attribute {name!r} has {counted(values.shape[1], 'number')} a vertex, "
+            f"not {many}"
         )
     return values
 

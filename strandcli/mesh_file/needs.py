@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..counted import counted
 from ..meshes.distance_grid import MARGIN
 from .prepared import box_of, mesh_of
 
@@ -47,7 +48,7 @@ def described(settings: Any) -> str:
     x, y, z = nodes(settings)
     inside = "" if mesh.closed else ", open"
     return (
-        f"{len(mesh.triangles):,} triangles{inside}; a grid of {x} × {y} × {z} distances, "
+        f"{counted(len(mesh.triangles), 'triangle')}{inside}; a grid of {x} × {y} × {z} distances, "
         f"{grid_bytes(settings) / 1e6:.1f} MB, for contact and soft shadows"
     )
 
@@ -84,6 +85,6 @@ def warnings(name: str, settings: Any, extent: float, touched: bool) -> Iterator
     doubtful = facts.twisted + facts.crowded
     if touched and doubtful:
         yield (
-            f"{name}: at {doubtful:,} edges its triangles do not agree on an outside, so that contact is doubtful "
-            "there; mend the mesh in its program"
+            f"{name}: at {counted(doubtful, 'edge')} its triangles do not agree on an outside, so that contact is "
+            "doubtful there; mend the mesh in its program"
         )

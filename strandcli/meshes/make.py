@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..counted import counted
 from ..errors import UsageError, one_line
 from .mesh import Indices, MeshFacts, TriangleMesh, Vectors, face_vectors, slices, smooth_normals, unit
 from .topology import oriented
@@ -48,7 +49,7 @@ class RawMesh:
 
 def lines_beside(count: int) -> tuple[str, ...]:
     """A note where a file has lines besides."""
-    return (f"{count:,} lines, which 'render' and 'convert' read as strands",) if count else ()
+    return (f"{counted(count, 'line')}, which 'render' and 'convert' read as strands",) if count else ()
 
 
 def make_mesh(vertices: npt.NDArray[Any], triangles: npt.NDArray[Any], where: str = "mesh") -> TriangleMesh:
@@ -153,8 +154,9 @@ def _checked(raw: RawMesh, where: str) -> tuple[Vectors, Indices]:
         t = int(np.flatnonzero(bad)[0])
         v = int(triangles[t][wrong[triangles[t]]][0])
         raise UsageError(
-            f"{where}: vertex {v:,} is ({', '.join(f'{x:g}' for x in vertices[v])}), in {np.count_nonzero(bad):,} "
-            f"triangles; coordinates are finite and at most {LARGEST:g}: mend it in its program"
+            f"{where}: vertex {v:,} is ({', '.join(f'{x:g}' for x in vertices[v])}), in "
+            f"{counted(int(np.count_nonzero(bad)), 'triangle')}; coordinates are finite and at most {LARGEST:g}: "
+            "mend it in its program"
         )
     vertices[wrong] = 0.0
     return vertices, np.ascontiguousarray(triangles, np.int32)
@@ -168,9 +170,9 @@ def _finite(raw: RawMesh) -> tuple[RawMesh, list[str]]:
     def finite(name: str, values: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
         with np.errstate(over="ignore", invalid="ignore"):
             single = np.asarray(values, np.float32)
-        bad = single.size - np.count_nonzero(np.isfinite(single))
+        bad = single.size - int(np.count_nonzero(np.isfinite(single)))
         if bad:
-            notes.append(f"{name}: {bad:,} numbers that are not finite: taken as 0")
+            notes.append(f"{name}: {counted(bad, 'number')} not finite: taken as 0")
         return np.nan_to_num(single, nan=0.0, posinf=0.0, neginf=0.0)
 
     uv = None if raw.uv is None else finite("texture coordinates", raw.uv)
@@ -243,7 +245,6 @@ def _own_normals(
 def sentences(facts: MeshFacts, triangles: int) -> dict[str, str]:
     """What was found, by its name among the facts, and what it means in a sentence."""
     was = "was" if facts.turned == 1 else "were"
-    holes = f"{facts.holes:,} {'hole' if facts.holes == 1 else 'holes'}"
     found = {
         "no_area": ("triangle", "triangles", "without area: left out"),
         "repeated": ("triangle", "triangles", "equal to another: left out"),
@@ -257,7 +258,7 @@ def sentences(facts: MeshFacts, triangles: int) -> dict[str, str]:
     for name, (one, many, words) in found.items():
         count = getattr(facts, name)
         if count:
-            said[name] = f"{count:,} {one if count == 1 else many} {words}"
+            said[name] = f"{counted(count, one, many)} {words}"
     if facts.boundary:
-        said["boundary"] = f"open: {holes}, {said['boundary']}"
+        said["boundary"] = f"open: {counted(facts.holes, 'hole')}, {said['boundary']}"
     return said

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from ..constants import FRAGMENT_BYTES, FRAGMENTS
+from ..counted import counted
 from ..decision import Decision, left_out
 from ..draw.shadows.needs import needs_counts, needs_shadow_maps, shining
 from ..draw.shadows.shadow_model import casts_map, counts_strands
@@ -37,7 +38,7 @@ def _groom(scene: Scene, strands: int) -> Iterator[Decision]:
     elif scene.children is None:
         yield left_out("children", "the strands that are simulated are drawn")
     else:
-        yield Decision("children", f"{scene.drawn_strands} strands are drawn about {strands}")
+        yield Decision("children", f"{counted(scene.drawn_strands, 'strand')} drawn about {strands:,}")
     if isinstance(scene.emitter.shape, MeshShape) and scene.emitter.groom is None:
         from ..groom.on_mesh import described
 
@@ -70,9 +71,9 @@ def _curves(scene: Scene) -> Iterator[Decision]:
             "fewer points", f"those within {curves.tolerance:g} px of the segment between others are left out"
         )
     elif curves.mode == "fixed":
-        yield Decision("curves", f"each segment becomes {pieces} pieces")
+        yield Decision("curves", f"each segment becomes {counted(pieces, 'piece')}")
     else:
-        enough = f"within {curves.tolerance:g} px, with at most {pieces} pieces a segment"
+        enough = f"within {curves.tolerance:g} px, with at most {counted(pieces, 'piece')} a segment"
         yield Decision("curves", enough)
         if not needs_shadow_maps(scene):
             yield left_out("curves off the screen", "no shadow map needs them")
@@ -173,7 +174,7 @@ def _coverage(scene: Scene) -> Iterator[Decision]:
 
 def _camera(scene: Scene) -> Iterator[Decision]:
     camera = scene.camera
-    times = f"{camera.samples} pictures a frame"
+    times = f"{counted(camera.samples, 'picture')} a frame"
     sharp, still = camera.aperture == 0, camera.shutter == 0
     yield Decision("depth of field", "the camera is a pinhole" if sharp else times, runs=not sharp)
     yield Decision("motion blur", "the shutter is not open" if still else times, runs=not still)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from ..counted import counted
 from ..decision import Decision, left_out
 from ..scene.motion import deforming_ground
 from ..scene.rule_type import OWN_OF
@@ -39,7 +40,7 @@ def motion_decisions(scene: Scene, strands: int) -> Iterator[Decision]:
     if scene.time.preroll == 0:
         yield left_out("pre-roll", "its time is zero")
     else:
-        yield Decision("pre-roll", f"{scene.time.preroll:g} s, {_preroll_steps(scene)} steps before frame 1")
+        yield Decision("pre-roll", f"{scene.time.preroll:g} s, {counted(_preroll_steps(scene), 'step')} before frame 1")
 
 
 def solver_steps(scene: Scene, frames: Sequence[int]) -> int:

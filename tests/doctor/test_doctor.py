@@ -127,7 +127,7 @@ def test_the_kernels_folder_tells_damage(tmp_path: Path, monkeypatch: pytest.Mon
     good.write_bytes(kernels.FIRST_BYTES + bytes(2000))
     (tmp_path / "another file").write_text("not strandcli's")
     (found,) = kernels.kept()
-    assert (found.state, "1 kernels" in found.text) == (OK, True)
+    assert (found.state, "1 kernel or module," in found.text) == (OK, True)
     for content in (b"", kernels.FIRST_BYTES, bytes(3000)):
         good.with_name(f"a.c-{'1' * 24}.kernel").write_bytes(content)
         (found,) = kernels.kept()

@@ -174,7 +174,7 @@ def test_what_has_no_basis_is_joined_straight_and_said(told: tuple[int, int, int
      ((CUBIC, 0, HERMITE), {}, "curve 0 has 9 points, which make no whole pieces of cubic hermite"),
      ((VARIABLE, 0, BSPLINE), {"orders": np.array([6], "u1"), "knots": np.zeros(15, "<f4")}, "there are some of 6"),
      ((VARIABLE, 0, BSPLINE), {"orders": np.array([3], "u1"), "knots": np.zeros(9, "<f4")}, "9 knots, 12 are needed"),
-     ((VARIABLE, 0, BSPLINE), {"orders": np.array([3, 3], "u1")}, "2 orders, there are 1 curves"),
+     ((VARIABLE, 0, BSPLINE), {"orders": np.array([3, 3], "u1")}, "2 orders for 1 curve"),
      ((VARIABLE, 1, BSPLINE), {"orders": np.array([3], "u1")}, "periodic NURBS without knots"),
      ((VARIABLE, 0, 0), {"orders": np.array([3], "u1"), "knots": -np.arange(12, dtype="<f4")}, "do not rise"),
      ((VARIABLE, 0, 0), {"orders": np.array([3], "u1"), "w": np.arange(9, dtype="<f4")}, "weights that differ")],

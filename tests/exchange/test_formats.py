@@ -251,7 +251,7 @@ def nan_at(content: bytes, at: int) -> bytes:
     [
         (kit.hair(EQUAL)[:100], ".hair", "byte 0: header: needs 128 bytes, the file holds 100 bytes"),
         (kit.hair(EQUAL)[:-1], ".hair", "byte 8: points: 12 need 144 bytes, the file holds 143 bytes"),
-        (kit.hair(EQUAL) + b"x", ".hair", "1 bytes follow"),
+        (kit.hair(EQUAL) + b"x", ".hair", "1 byte after what the header tells"),
         (b"HAIR" + b"\xff" * 124, ".hair", "byte 12: flags: 0xffffffff"),
         (b"HAIR" + struct.pack("<4I", 4_000_000_000, 9, 3, 0) + bytes(108), ".hair", "byte 4: segments: 4,000,000,000"),
         (nan_at(kit.hair(EQUAL), 128 + 6 + 12 * 5 + 4), ".hair", "byte 194: points: number 5 is not finite"),

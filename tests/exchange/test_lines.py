@@ -119,11 +119,13 @@ def test_info_convert_and_render_take_lines(run: Runner, tmp_path: Path) -> None
     file(tmp_path, "b.obj", both)
     assert "strands    3" in run("info", "a.obj").out
     assert "3 lines, which 'render' and 'convert' read as strands" in run("info", "b.obj").out
+    file(tmp_path, "one.obj", kit.obj(strands[:1]) + b"f 1 2 3\n")
+    assert "1 line, which" in run("info", "one.obj").out
     assert run("convert", "b.obj", "b.npy").code == 0
     assert np.load(tmp_path / "b.npy").shape == (3, 3, 3)
     found = run("render", "b.obj", "--size", "32x24", "--quality", "draft", "-o", "o")
     assert found.code == 0
-    assert "b.obj: not read, beside its strands: 1 polygons" in found.err
+    assert "b.obj: not read, beside its strands: polygons (1)" in found.err
     assert (tmp_path / "o" / "frame_0001.png").is_file()
 
 

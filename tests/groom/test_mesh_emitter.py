@@ -241,7 +241,7 @@ def test_what_cannot_be_used_is_refused(ball: str, tmp_path: Path) -> None:
     square = textured(tmp_path / "square.obj")
     cases = [
         ({"file": ball, "density": "scalp"}, "no attribute 'scalp' of its vertices; there are nothing, ramp, upper"),
-        ({"file": ball, "comb": "ramp"}, "has 1 numbers a vertex, not 3"),
+        ({"file": ball, "comb": "ramp"}, "has 1 number a vertex, not 3"),
         ({"file": bare, "density": "scalp"}, "it has none"),
         ({"file": ball, "density": "nothing"}, "is 0 all over the mesh"),
         ({"file": bare, "length": str(tmp_path / "white.png")}, "no texture coordinates"),

@@ -212,7 +212,7 @@ def test_a_folder_that_cannot_be_written_is_read(owner: str, place: Path, monkey
         kept("table", ("strandcli.constants",), [1], like, lambda: pytest.fail("made again"))
         assert (new.shared, told) == (inner, [])
         (found,) = kernels.kept()
-        assert "1 kernels and modules" not in found.text
+        assert "1 kernel or module" not in found.text
         assert "they are read, and cannot be written" in found.text
         for _ in range(2):
             assert KernelDispatcher(plus_five.py_func, plus_five._cache._options)(1) == 6

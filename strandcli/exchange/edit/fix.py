@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from ...counted import counted
 from .. import faults
 from ..bounded import rows_not_finite
-from ..change import Change, strands_of
+from ..change import Change
 from ..ends import ends
 from ..strands import Attribute, Mask, Strands
 
@@ -45,9 +46,9 @@ def fixed(
 def _said(counts: dict[str, Any]) -> str:
     """What was mended, in words."""
     words = (("not_finite", "not finite"), ("without_length", "without length"), ("repeated", "equal to another"))
-    parts = [f"{strands_of(counts[name])} {word}, left out" for name, word in words if counts[name]]
+    parts = [f"{counted(counts[name], 'strand')} {word}, left out" for name, word in words if counts[name]]
     if counts["turned_around"]:
-        parts.append(f"{strands_of(counts['turned_around'])} turned around")
+        parts.append(f"{counted(counts['turned_around'], 'strand')} turned around")
     if counts["attributes_left_out"]:
         parts.append(f"{', '.join(counts['attributes_left_out'])} not finite, left out")
     return "; ".join(parts)
@@ -56,7 +57,7 @@ def _said(counts: dict[str, Any]) -> str:
 def reversed_all(strands: Strands) -> tuple[Strands, Change]:
     """Strands from the other end."""
     changed = turned_around(strands, np.ones(strands.count, np.bool_))
-    return changed, Change("reverse", f"{strands_of(strands.count)} turned around", {"strands": strands.count})
+    return changed, Change("reverse", f"{counted(strands.count, 'strand')} turned around", {"strands": strands.count})
 
 
 def _odd(one: Attribute) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..change import Change, strands_of
+from ...counted import counted
+from ..change import Change
 from ..strands import Strands
 
 
@@ -11,5 +12,5 @@ def between(strands: Strands, least: float, most: float) -> tuple[Strands, Chang
     lengths = strands.lengths()
     short, long = int((lengths < least).sum()), int((lengths > most).sum())
     changed = strands.select((lengths >= least) & (lengths <= most))
-    text = f"{strands_of(short + long)} left out by length: {short:,} too short, {long:,} too long"
+    text = f"{counted(short + long, 'strand')} left out by length: {short:,} too short, {long:,} too long"
     return changed, Change("length", text, {"too_short": short, "too_long": long, "kept": changed.count})

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...counted import counted
 from ..change import Change
 from ..strands import CHUNK, Strands
 
@@ -29,5 +30,5 @@ def smoothed(strands: Strands, passes: int) -> tuple[Strands, Change]:
     for begin in range(0, points.shape[0], CHUNK):
         step = points[begin : begin + CHUNK] - strands.points[begin : begin + CHUNK]
         worst = max(worst, float(np.sqrt(np.einsum("ij,ij->i", step, step).max(initial=0))))
-    text = f"smoothed in {passes} pass{'' if passes == 1 else 'es'}, points moved by at most {worst:.4g}"
+    text = f"smoothed in {counted(passes, 'pass', 'passes')}, points moved by at most {worst:.4g}"
     return replace(strands, points=points), Change("smooth", text, {"passes": passes, "moved_max": worst})

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from ..change import Change, strands_of
+from ...counted import counted
+from ..change import Change
 from ..strands import Mask, Strands
 
 
@@ -48,7 +49,7 @@ def mixed(z: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
 
 def _kept(strands: Strands, keep: Mask, how: str, facts: dict[str, object]) -> tuple[Strands, Change]:
     changed = strands.select(keep)
-    text = f"{strands_of(changed.count)} of {strands.count:,} kept, {how}"
+    text = f"{counted(changed.count, 'strand')} of {strands.count:,} kept, {how}"
     return changed, Change(
         "subsample", text, {**facts, "kept": changed.count, "left_out": strands.count - changed.count}
     )

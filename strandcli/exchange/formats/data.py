@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ...counted import counted
 from ...output.files import write_pieces
 from ..bounded import Bounded, opened
 from ..files import ReadOptions
@@ -91,7 +92,7 @@ def _walk(words: npt.NDArray[np.int32], width: int) -> _Layout | tuple[int, str]
     size, strands, at = len(view), view[0], 1
     begins, counts = array("q"), array("q")
     if not 0 <= strands < size:
-        return 0, f"strands: {strands:,} need a count each, the file holds {size - 1:,} numbers"
+        return 0, f"strands: {strands:,}, with a count each; the file holds {counted(size - 1, 'number')}"
     each = 1 + width * view[1] if strands else 0
     if each > SHORTEST * width and strands * each == size - 1 and (words[1::each] == view[1]).all():
         every = np.arange(strands, dtype=np.int64) * each + 2

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...counted import counted
 from ...errors import UsageError
 from ...output.files import write_pieces
 from ..bounded import Bounded, opened
@@ -52,8 +53,8 @@ def read(path: Path, options: ReadOptions) -> Strands:
             file.need("points", points, 12, AT_POINTS)
             if strands * (default + 1) != points:
                 raise file.damaged(
-                    f"points: {points:,} are told, {strands:,} strands of {default:,} segments have "
-                    f"{strands * (default + 1):,}", AT_POINTS,
+                    f"points: {points:,} are told, {counted(strands, 'strand')} of {counted(default, 'segment')} "
+                    f"have {strands * (default + 1):,}", AT_POINTS,
                 )  # fmt: skip
             first = even_offsets(strands, default + 1)
         if first[-1] != points:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ....constants import GRID_BYTES
+from ....counted import counted
 from .traced import Traced
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Nearby(Traced):
     def stage(self, lights: int) -> tuple[str, str] | None:
         """What is done, and the memory of the lists."""
         return "nearby shadows", (
-            f"strands that light reaches against each other in {lights} {'light' if lights == 1 else 'lights'}; "
+            f"strands that light reaches against each other in {counted(lights, 'light')}; "
             f"lists of about {GRID_BYTES / 1e6:,.0f} MB a light at most"
         )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ....constants import GRID_BYTES, GRID_SIDE
+from ....counted import counted
 from ..shadow_model import ShadowModel
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ class Traced(ShadowModel):
     def stage(self, lights: int) -> tuple[str, str] | None:
         """What is done, and the memory of the lists."""
         return "exact shadows", (
-            f"every strand against all others in {lights} {'light' if lights == 1 else 'lights'}; "
+            f"every strand against all others in {counted(lights, 'light')}; "
             f"lists of about {GRID_BYTES / 1e6:,.0f} MB a light at most"
         )
 
