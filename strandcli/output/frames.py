@@ -132,7 +132,7 @@ class FrameWriter:
         if others and self.scene:
             raise UsageError(
                 f"{others[0]}: was made from another scene or with other settings, so --resume would mix two films; "
-                "add --overwrite instead, or choose another folder with -o"
+                f"empty {self.directory}, add --overwrite instead, or choose another folder with -o"
             )
         self.written[frame] = Written(frame, path.name, png.pixels_sha256(np.asarray(image)), None)
 

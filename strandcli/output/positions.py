@@ -90,7 +90,7 @@ class PositionsWriter:
         if of != self.motion.fingerprint:
             raise UsageError(
                 f"{path}: was simulated from another scene or with other settings, so --resume would mix two motions; "
-                "add --overwrite instead, or choose another folder with -o"
+                f"empty {self.directory}, add --overwrite instead, or choose another folder with -o"
             )
         try:
             read_positions(path, self.shape)

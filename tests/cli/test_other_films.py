@@ -107,7 +107,7 @@ def test_positions_of_another_version_are_drawn_but_not_mixed(run: Runner) -> No
     manifest = json.loads(Path("a/manifest.json").read_text())
     manifest["motion"]["fingerprint"] = "0" * 32
     Path("a/manifest.json").write_text(json.dumps(manifest))
-    refused(run, "render tiny.yaml --from-cache a -o b -f 1-2 --resume", "frame_0001.png", OTHER)
+    refused(run, "render tiny.yaml --from-cache a -o b -f 1-2 --resume", "frame_0001.png", OTHER, "; empty b, add")
     fine(run, "render tiny.yaml --from-cache a -o c -f 1 -q")
     fine(run, "render tiny.yaml --from-cache a -o c -f 1-2 -q --resume")
 
