@@ -114,6 +114,26 @@ def recording() -> Iterator[dict[Input, None]]:
 
 
 @contextmanager
+def unrecorded() -> Iterator[None]:
+    """Keep what is opened meanwhile, results of an earlier run, out of all recordings."""
+    recordings, _thread.recordings = _thread.recordings, []
+    try:
+        yield
+    finally:
+        _thread.recordings = recordings
+
+
+def changed() -> str | None:
+    """What is to be said of files of the innermost recording that have another content than when they were opened;
+    None where there is none."""
+    found = list(dict.fromkeys(one.path for one in _thread.recordings[-1] if not is_current(one)))
+    if not found:
+        return None
+    more = f" and {len(found) - 1:,} more" if len(found) > 1 else ""
+    return f"{found[0]}{more}: written after it had been read, so results may be of either; run again to have the new"
+
+
+@contextmanager
 def reading(path: Path | str) -> Iterator[None]:
     """Remember what is opened meanwhile as what a file names."""
     with recording() as found:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .. import inputs
 from ..counted import counted
 from ..errors import SimulationError, StrandError, UsageError
 from . import animations, camera_files, garbage, html_page, options, signals
@@ -63,6 +64,7 @@ if TYPE_CHECKING:
 @preview_option
 @options.resume_or_overwrite
 @options.talk_options
+@inputs.recording()
 def command(
     preset: str,
     output: Path | None,
@@ -214,6 +216,8 @@ def _run(
                     garbage.resume()
             if bound is not None:
                 bound.check(report, warn, progress.note)
+            if stale := inputs.changed():
+                warn(stale)
         status = "complete"
     except SimulationError as error:
         if error.trouble is not None:

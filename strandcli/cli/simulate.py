@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from .. import inputs
 from ..counted import counted
 from ..errors import UsageError
 from . import checkpoint as checkpoints
@@ -29,6 +30,7 @@ from .say import say
 @memory_check_option
 @options.resume_or_overwrite
 @options.talk_options
+@inputs.recording()
 def command(
     preset: str,
     output: Path,
@@ -91,6 +93,8 @@ def command(
                         writer.write(frame.number, frame.positions, frame.report["error"])
                     progress.step(f"frame {frame.number}")
                     signals.check()
+                if stale := inputs.changed():
+                    warn(stale)
             status = "complete"
         except KeyboardInterrupt:
             status = "interrupted"

@@ -16,6 +16,7 @@ from typing import Self
 import numpy as np
 
 from ..errors import RefusedError, UsageError
+from ..inputs import unrecorded
 from . import png
 from .claim import Claim
 from .files import begin_pieces, prepare_folder, require_own, with_whole
@@ -115,6 +116,7 @@ class FrameWriter:
                 "add --overwrite to replace or --resume to keep what is there"
             )
 
+    @unrecorded()
     def _keep(self, frame: int) -> None:
         """Keep a frame that is whole and of the right size; one that is neither will be drawn again."""
         path = self.directory / frame_file(frame)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from .. import __version__
 from ..errors import RefusedError, UsageError, said
-from ..inputs import opened
+from ..inputs import opened, unrecorded
 from .claim import Claim
 from .files import ARCHIVE_ERRORS, prepare_folder, read_json, require_own, with_whole, write_json
 from .npz import made_of, write_array
@@ -80,6 +80,7 @@ class PositionsWriter:
         prepare_folder(directory, len(self.wanted) * (strands * particles * 12 + 512))
         self._claim = Claim(directory, "positions")
 
+    @unrecorded()
     def _whole(self, path: Path) -> bool:
         """Whether a file is whole; raises ``UsageError`` for one of another motion."""
         try:
