@@ -136,6 +136,20 @@ def pixels(source: Path | str | bytes) -> npt.NDArray[np.uint8]:
     return found
 
 
+def is_transparent(path: str) -> bool:
+    """Whether a picture has pixels that are not opaque; false where it cannot be read. One without alpha is not
+    decoded."""
+    try:
+        with opened(path) as image:
+            if not image.has_transparency_data or image.width * image.height > MOST:
+                return False
+            return bool(require_pixels(image).convert("RGBA").getextrema()[3][0] < 255)
+    except MemoryError:
+        raise
+    except Exception:  # whatever a damaged picture raises, which is told where it is read
+        return False
+
+
 def samples(image: Any) -> npt.NDArray[Any]:
     """(height, width, 3), or 4 where there is transparency, of an `opened` image, 0 … 255: uint8, or float64 in steps
     of 1/257 where the file has 16 bits. Raises ``ValueError`` for kinds that would lose some of them, and what Pillow

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from ..scene.motion import camera_at, emitter_pose
+from ..scene.named_files import files_of
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -17,6 +18,17 @@ THIN = 0.7
 
 def warnings_of(scene: Scene, frames: Sequence[int]) -> Iterator[str]:
     """Yield warnings, a line each, for some frames."""
+    yield from _lines_too_wide(scene, frames)
+    pictures = [(key, path) for key, path, kind in files_of(scene) if kind == "picture"]
+    if pictures:
+        from ..picture_samples import is_transparent  # NumPy comes with it
+
+        for key, path in pictures:
+            if is_transparent(path):
+                yield f"{key}: {path}: its alpha is ignored; save it without, over the colour that is meant"
+
+
+def _lines_too_wide(scene: Scene, frames: Sequence[int]) -> Iterator[str]:
     width = scene.material.width
     if width == 0 or scene.image.resolver != "zbuffer" or scene.look == "source" or not frames:
         return

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from strand_kit import frames_of, scene_of, solver_of
 from strandcli.draw.common.scratch import Scratch
@@ -152,6 +153,25 @@ def test_reasons_are_told() -> None:
     assert left["marschner tables"] == "there is no light"
     assert used["pre-roll"] == "2 s, 48 steps before frame 1"
     assert used["supersampling"] == "3 x 3 samples a pixel"
+
+
+def test_alpha_of_pictures_is_told_where_it_would_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    opaque = Image.new("RGBA", (4, 2), (9, 9, 9, 255))
+    clear = Image.new("RGBA", (4, 2), (9, 9, 9, 254))
+    palette = opaque.convert("P")
+    palette.info["transparency"] = int(palette.getpixel((0, 0)))  # type: ignore[arg-type]
+    for name, image in (("opaque", opaque), ("clear", clear), ("palette", palette), ("plain", opaque.convert("RGB"))):
+        image.save(f"{name}.png")
+    Path("torn.png").write_bytes(Path("clear.png").read_bytes()[:50])
+    told = [
+        make_plan(scene_of(f"environment: {{image: {name}.png}}\n"), [1]).warnings
+        for name in ("opaque", "plain", "torn", "clear", "palette")
+    ]
+    assert told[:3] == [[], [], []]
+    for (words,), name in zip(told[3:], ("clear", "palette"), strict=True):
+        assert words.startswith("environment.image: ")
+        assert f"{name}.png: its alpha is ignored; " in words
 
 
 def test_panels_add_up() -> None:
