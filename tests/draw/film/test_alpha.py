@@ -28,6 +28,7 @@ solids: %(solids)s
 """
 BALL = "{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 0.9]}"
 ROD = "{kind: capsule, radius: 0.2, length: 1.5, rotation: [20, 0, 35], blend: 0.1}"
+COATED = "{kind: sphere, radius: 0.5, colour: [0.2, 0.2, 0.9], coat: 0.5, roughness: 0.1}"
 GROUND = "{kind: plane, position: [0, -0.8, 0], rotation: [0, 0, 8], colour: [0.3, 0.7, 0.3], fade: 3}"
 USUAL: dict[str, Any] = {
     "strands": 300, "height": -0.6, "kind": "perspective", "lens": "", "background": "none", "resolver": "sorted",
@@ -59,7 +60,8 @@ def over(frame: Frame, plate: NDArray[np.float32]) -> NDArray[np.float32]:
 @pytest.mark.parametrize(
     "changes",
     [{}, {"samples": 2, "opacity": 0.4}, {"lens": MANY}, {"kind": "orthographic"}, {"light": 0}, {"solids": "[]"},
-     {"height": 90}, {"strands": 4000}, {"solids": f"[{BALL}, {ROD}]"}, {"shadow": "traced", "width": 0.08}],
+     {"height": 90}, {"strands": 4000}, {"solids": f"[{BALL}, {ROD}]"}, {"shadow": "traced", "width": 0.08},
+     {"solids": f"[{COATED}, {ROD}]"}, {"solids": f"[{COATED}, {GROUND}]", "samples": 2}],
 )  # fmt: skip
 def test_a_picture_over_a_plate_is_the_picture_before_that_plate(resolver: str, changes: dict[str, Any]) -> None:
     plate = np.random.default_rng(len(str(changes))).random((48, 64, 3)).astype(np.float32)
