@@ -29,7 +29,7 @@ from .film import Edits, Film
 from .measure import Seen, seen_of
 from .on_solid import Head, anchors_on, head_of, put_on
 from .placing import Placement, placed, put
-from .rows import most_points, packed, rows_in, with_at_most
+from .rows import most_points, packed, places_left, points_at, rows_in, with_at_most
 from .widths import widths_of
 
 if TYPE_CHECKING:
@@ -117,14 +117,14 @@ def _film(
     """The moments of a file of which ``found`` is the first: all are edited and placed as this one. ``in_file``: points
     of each strand of the file; ``rows``: which of them are those of the ``strands`` that are drawn."""
     assert found.groom.places is not None
-    bare, order = Strands(strands.first, NO_POINTS), found.groom.places
+    first, places = places_left(strands, found.points)
+    bare, order = Strands(first, NO_POINTS), found.groom.places
     pairs = Strands(even_offsets(strands.count, 2), NO_POINTS)
     ends = rows[np.stack([strands.first[:-1], strands.first[:-1] + 1], axis=1).reshape(-1)]
 
     def again(points: Points) -> NDArray[np.float32]:
-        moved = put(replace(bare, points=points[rows]), given, found.placement)
-        moved, _, _ = with_at_most(moved, found.points)
-        return packed(moved.first, moved.points, found.rows, order, found.points)
+        moved = put(replace(bare, points=points_at(points[rows], places)), given, found.placement)
+        return packed(first, moved.points, found.rows, order, found.points)
 
     def ends_again(points: Points) -> NDArray[np.float64]:
         moved = put(replace(pairs, points=points[ends]), given, found.placement)
