@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..exchange.moments import USUAL
 from .following import DENSE, with_followers
-from .measure import fitted, width_for
+from .measure import fitted, some_of, width_for
 from .read import from_scene
 
 if TYPE_CHECKING:
@@ -51,7 +53,8 @@ def completed(scene: Scene, roughly: bool = False) -> Scene:
         own = replace(scene.material, colour=found.colour, pigment="rgb", eumelanin=None, pheomelanin=None)
         scene = replace(scene, material=replace(own, tip_colour=None, grey=0.0))
     if scene.camera.fit is not None:
-        scene = replace(scene, camera=fitted(scene, found.seen))
+        later = map(some_of, found.groom.film.later()) if found.groom.film is not None else ()
+        scene = replace(scene, camera=fitted(scene, np.concatenate([found.seen.points, *later])))
     if scene.guided:
         scene = with_followers(scene)
     if scene.curves.mode == "adaptive" and found.points > DENSE:

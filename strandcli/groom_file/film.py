@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import UsageError
+from ..errors import RefusedError, UsageError
 from ..exchange.moments import Moments
 from ..exchange.strands import CACHED, Offsets, Points, Strands
 from ..groom.record import Groom
@@ -69,6 +70,19 @@ class Film:
         groom = self._edits.anew(strands)
         assert groom.points is not None
         return Shown(groom.points, groom)
+
+    def later(self) -> Iterator[NDArray[np.float32]]:
+        """Points as of `Shown` at the middle and the last moment of those from frame 1 on, where they can be read; what
+        is wrong with others is told by frames that show them."""
+        clock = self.moments.clock
+        first, last = self.moments.around(self.moments.at(0.0, 1.0, self.start))[0], clock.size - 1
+        for index in sorted({(first + last) // 2, last} - {first}):
+            with suppress(UsageError, RefusedError):
+                with self._lock:
+                    strands = self._at(float(clock[index]))
+                points = self._edits.packed(strands.points) if self._same(strands) else self._edits.anew(strands).points
+                assert points is not None
+                yield points
 
     def ends(self, seconds: float, fps: float) -> NDArray[np.float64]:
         """The first two points (S, 2, 3) of the strands then, metres. Raises `UsageError` where they are others than at

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..constants import W
 from ..exchange.strands import Strands
 from ..scene.motion import emitter_pose
 
@@ -49,11 +50,22 @@ def seen_of(strands: Strands, lengths: Floats) -> Seen:
     step = max(strands.points.shape[0] // LOOKED_AT, 1)
     ends_step = max(strands.count // (LOOKED_AT // 4), 1)
     few = np.concatenate([strands.points[::step], strands.roots()[::ends_step], strands.tips()[::ends_step]])
-    far = np.linalg.norm(few - np.median(few, axis=0), axis=1)
-    near = far <= APART * np.percentile(far, USUAL)
-    few = few[near]
+    near = together(few)
     usual = np.minimum(lengths, APART * np.percentile(lengths, USUAL))
-    return Seen(few, area_of(few), float(usual.sum()), int(near.size - few.shape[0]))
+    return Seen(near, area_of(near), float(usual.sum()), few.shape[0] - near.shape[0])
+
+
+def together(points: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Points (k, 3) without those apart from all others."""
+    far = np.linalg.norm(points - np.median(points, axis=0), axis=1)
+    return points[far <= APART * np.percentile(far, USUAL)]
+
+
+def some_of(packed: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(k, 3) some of the points of strands (blocks, n + 1, 3 W), those apart from others or not finite left out."""
+    points = packed[:: max(packed[:, 1:].size // (3 * LOOKED_AT), 1), 1:].reshape(-1, 3, W).transpose(0, 2, 1)
+    finite = points[np.isfinite(points).all(axis=-1)]
+    return together(finite) if finite.size else finite
 
 
 def box_of(points: NDArray[np.float32]) -> Floats:
@@ -80,14 +92,14 @@ def width_for(seen: Seen, times: float) -> float:
     return min(times * seen.area / seen.length, WIDEST * float((high - low).max()))
 
 
-def fitted(scene: Scene, seen: Seen) -> Camera:
-    """The scene's camera, moved along and across its direction so that the strands fill the share `fit` of the
-    picture."""
+def fitted(scene: Scene, points: NDArray[np.float32]) -> Camera:
+    """The scene's camera, moved along and across its direction so that points (k, 3) in the emitter's frame fill the
+    share `fit` of the picture."""
     camera = scene.camera
     assert camera.fit is not None
     pose = emitter_pose(scene.emitter, 0.0)
-    points = seen.points.astype(np.float64) @ np.array(pose.rotation).T + np.array(pose.translation)
-    return framed(camera, points, scene.image.size)
+    placed = points.astype(np.float64) @ np.array(pose.rotation).T + np.array(pose.translation)
+    return framed(camera, placed, scene.image.size)
 
 
 def framed(camera: Camera, points: Floats, size: tuple[int, int]) -> Camera:

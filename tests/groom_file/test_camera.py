@@ -7,7 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import exchange_kit as kit
 from groom_file_kit import hanging, scene, write
+from strandcli.exchange import files
+from strandcli.exchange.strands import TimeSample
 from strandcli.groom_file import from_file
 from strandcli.scene.motion import emitter_pose
 
@@ -51,3 +54,39 @@ def test_one_strand_far_away_does_not_make_the_others_a_speck(tmp_path: Path) ->
     told = [" ".join(from_file(given.emitter.groom, 0).notes) for given in (one, other)]
     assert "far from all others" in told[1]
     assert "far from" not in told[0]
+
+
+def moving(folder: Path, shifts: tuple[float, ...]) -> Path:
+    """Numbered files of the same strands, each so far along x; the last of them damaged where that is not finite."""
+    for number, shift in enumerate(shifts, 1):
+        strands = [one + np.float32([shift, 0, 0]) for one in hanging([6] * 200)]
+        (folder / f"a.{number}.ply").write_bytes(kit.ply(strands) if np.isfinite(shift) else b"ply")
+    return folder / "a.#.ply"
+
+
+def test_the_camera_sees_strands_that_move_at_their_first_middle_and_last_moment(tmp_path: Path) -> None:
+    path = moving(tmp_path, (0.0, 3.0, 7.0, 1.0, 5.0))
+    wide = scene(path, camera__kind="orthographic", camera__position=(0.0, 0.0, 5.0), camera__fit=1.0)
+    across = np.concatenate(hanging([6] * 200))[:, 0]
+    assert wide.camera.height * 64 / 48 == pytest.approx(np.ptp(across) + 7, rel=1e-4)
+    assert wide.camera.position[0] == pytest.approx((across.min() + across.max() + 7) / 2, rel=1e-4)
+    later = scene(path, camera__kind="orthographic", camera__position=(0.0, 0.0, 5.0), emitter__groom__start=4)
+    assert later.camera.position[0] == pytest.approx((across.min() + across.max() + 6) / 2, rel=1e-4)
+
+
+def test_moments_that_cannot_be_read_do_not_hold_up_frames_that_show_others(tmp_path: Path) -> None:
+    found = scene(moving(tmp_path, (0.0, 3.0, np.nan)), camera__position=(0.0, 0.0, 5.0))
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    assert found.camera == scene(moving(whole, (0.0, 3.0)), camera__position=(0.0, 0.0, 5.0)).camera
+
+
+def test_strands_that_are_not_finite_later_are_left_out(tmp_path: Path) -> None:
+    held = kit.of(hanging([6] * 50))
+    gone = held.points.copy()
+    gone[:6] = np.nan
+    gone[6:] += np.float32([0, 4, 0])
+    files.write(tmp_path / "a.abc", held, [TimeSample(0.0, held.points), TimeSample(1.0, gone)])
+    given = scene(tmp_path / "a.abc", camera__kind="orthographic", camera__position=(0.0, 0.0, 5.0), camera__fit=1.0)
+    tall = np.concatenate([held.points, gone[6:]])[:, 1]
+    assert given.camera.height == pytest.approx(np.ptp(tall), rel=1e-4)

@@ -38,8 +38,8 @@ class Camera:
     near: float = number(0.01, above=0, unit="m", doc="nothing nearer than this is drawn")
     fit: float | None = number(
         None, above=0, high=10,
-        doc="share of the picture that the strands of emitter.groom fill at first: the camera keeps its direction and "
-        "moves so; absent: it stays where it is",
+        doc="share of the picture that the strands of emitter.groom fill, those that move at their first, middle "
+        "and last moment: the camera keeps its direction and moves so; absent: it stays where it is",
     )  # fmt: skip
     aperture: float = number(
         0.0, low=0, high=1000, unit="m", doc="diameter of the lens (perspective); 0: a pinhole, sharp everywhere"
