@@ -34,20 +34,21 @@ def load(
     Raises `strandcli.scene.SceneError` with every fault that was found.
     """
     from .scene import load as load_scene
+    from .scene.named_files import naming_files
     from .simulate.rules import registry
 
     scene = load_scene(preset, rules=registry(), overrides=overrides, settings=settings or {}, option=option)
     parts = scene.panels or (scene,)
     if any(one.emitter.groom is not None for one in parts):
         from .groom_file import completed
-        from .scene.named_files import naming_files
 
         with naming_files(None if FILE in (settings or {}) else scene):  # a file that is drawn by itself has no key
             scene = completed(scene, roughly)
     if any(one.camera.file for one in parts):
         from .cameras.of_scene import with_views
 
-        scene = with_views(scene)
+        with naming_files(scene):
+            scene = with_views(scene)
     return scene
 
 

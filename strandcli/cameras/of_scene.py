@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import UsageError
+from ..errors import UsageError, about
 from ..exchange.strands import Layer
 from ..exchange.usd.export import time_code
 from ..scene.motion import camera_at
@@ -31,11 +31,12 @@ def with_views(scene: Scene) -> Scene:
     if not scene.camera.file or scene.panels:
         return scene
     path, base = Path(scene.camera.file), scene.camera
-    found = views_of(path, assumed=scene.image.size, name=base.name).views
-    sizes = sorted({(view.width, view.height) for view in found})
-    if len(sizes) > 1:
-        listed = " and ".join(f"{width}x{height}" for width, height in sizes[:2])
-        raise UsageError(f"{path}: views are of several sizes, {listed} for two; a film has one")
+    with about("cameras", path):
+        found = views_of(path, assumed=scene.image.size, name=base.name).views
+        sizes = sorted({(view.width, view.height) for view in found})
+        if len(sizes) > 1:
+            listed = " and ".join(f"{width}x{height}" for width, height in sizes[:2])
+            raise UsageError(f"{path}: views are of several sizes, {listed} for two; a film has one")
     cameras = tuple(_like(to_camera(view, base.near), base) for view in found)
     frames = len(cameras) if scene.time.frames == 1 else scene.time.frames
     return replace(

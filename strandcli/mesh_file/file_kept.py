@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import inputs
-from ..errors import UsageError
+from ..errors import UsageError, about
 from ..kept import FREE, kept
 from ..meshes.mesh import MeshFacts, TriangleMesh
 from ..meshes.read import read_mesh
@@ -31,7 +31,7 @@ ARRAYS: dict[str, tuple[type, tuple[int, ...]]] = {
 
 def mesh_of_file(path: Path) -> TriangleMesh:
     """The mesh of a file, as `read_mesh`; where that takes long, and the file names no others, it is kept."""
-    with inputs.reading(path):
+    with about("mesh", path), inputs.reading(path):
         data = _alone(path)
         return read_mesh(path) if data is None else _kept(path, data)
 

@@ -15,16 +15,24 @@ from strandcli.meshes.make import RawMesh, mesh_of
 from strandcli.plan import make_plan
 from strandcli.scene.named_files import files_of, naming_files
 
+ROD = "solver: rod\nrules: [gravity]"
 HEAD = "{kind: sphere, radius: 0.1}, {kind: mesh, size: 0.2, file: "
-CASES = {
-    "solids.1.file": f"solids: [{HEAD}bad.ply}}]",
-    "solids.1.deform.1.file": f"solids: [{HEAD}ball.obj, deform: [{{file: ball.obj}}, {{time: 1, file: bad.ply}}]}}]",
-    "solids.1.texture": f"solids: [{HEAD}ball.obj, texture: bad.png}}]",
-    "solids.0.file": "emitter: {groom: {file: hair.hair, on: head}}\nsolids: [{kind: mesh, name: head, file: bad.ply}]",
-    "emitter.shape.file": "emitter: {shape: {kind: mesh, file: bad.ply}}",
-    "emitter.shape.density": "emitter: {shape: {kind: mesh, file: ball.obj, density: bad.png}}",
-    "emitter.groom.file": "emitter: {groom: {file: bad.hair}}",
-}
+SOLID = "solids: [{kind: mesh, "
+CASES = [
+    ("solids.1.file", f"solids: [{HEAD}bad.ply}}]"),
+    ("solids.1.deform.1.file", f"solids: [{HEAD}ball.obj, deform: [{{file: ball.obj}}, {{time: 1, file: bad.ply}}]}}]"),
+    ("solids.1.texture", f"solids: [{HEAD}ball.obj, texture: bad.png}}]"),
+    ("solids.0.file", f"emitter: {{groom: {{file: hair.hair, on: head}}}}\n{SOLID}name: head, file: bad.ply}}]"),
+    ("solids.0.file", f"{SOLID}file: bad.obj, scale: 1000}}]"),  # which is too far out, then
+    ("emitter.shape.file", "emitter: {shape: {kind: mesh, file: bad.ply}}"),
+    ("emitter.shape.density", "emitter: {shape: {kind: mesh, file: ball.obj, density: bad.png}}"),
+    ("emitter.groom.file", "emitter: {groom: {file: bad.hair}}"),
+    ("emitter.groom.file", "emitter: {groom: {file: 'bad.#.hair'}}"),
+    ("emitter.groom.file", "emitter: {groom: {file: bad.data, fix: false}}"),  # of strands without length
+    ("emitter.groom.file", "emitter: {particles: 9000, groom: {file: bad.npz, guides: 1}}\n" + ROD),  # too short
+    ("camera.file", "camera: {file: bad.json}"),
+    ("environment.image", "environment: {image: bad.png}"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -38,10 +46,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     uv = np.zeros((*ball.triangles.shape, 2), np.float32)
     (found / "ball.obj").write_bytes(kit.obj(mesh_of(RawMesh(ball.vertices, ball.triangles, uv=uv), "ball")))
     (found / "bad.ply").write_bytes(kit.ply(ball)[:-3])
-    for name in ("bad.png", "bad.hair"):
+    for name in ("bad.png", "bad.hair", "bad.1.hair", "bad.json"):
         (found / name).write_bytes(b"none")
+    (found / "bad.obj").write_bytes(kit.obj(ball.with_vertices(1e14 * ball.vertices)))
     points = np.array([[0, 0.1, 0], [0, 0.2, 0]], np.float32)
-    write(found / "hair.hair", Strands(np.array([0, 2]), points))
+    for name, scale in {"hair.hair": 1.0, "bad.data": 0.0, "bad.npz": 1e-6}.items():
+        write(found / name, Strands(np.array([0, 2]), np.float32(scale) * points))
     return found
 
 
@@ -52,13 +62,30 @@ def draw(preset: Path, settings: dict[str, int]) -> None:
     next(strandcli.render(scene, [1]))
 
 
-@pytest.mark.parametrize("key", CASES)
-def test_the_key_of_a_file_stands_before_what_is_wrong_with_it(key: str, folder: Path) -> None:
+@pytest.mark.parametrize(("key", "text"), CASES)
+def test_the_key_of_a_file_stands_before_what_is_wrong_with_it(key: str, text: str, folder: Path) -> None:
     preset = folder / "preset.yaml"
-    preset.write_text(f"quality: draft\nimage: {{size: 16x16}}\n{CASES[key]}\n")
+    preset.write_text(f"quality: draft\nimage: {{size: 16x16}}\n{text}\n")
     with pytest.raises(UsageError) as told:
-        draw(preset, {} if "groom" in CASES[key] else {"emitter.strands": 4})
+        draw(preset, {} if "groom" in text else {"emitter.strands": 4})
     assert str(told.value).startswith(f"{key}: {folder}/bad."), told.value
+
+
+@pytest.mark.parametrize(
+    ("key", "text"),
+    [("environment.image", "environment: {image: gone.png}"), ("solids.0.file", f"{SOLID}file: gone.ply}}]"),
+     ("solids.0.texture", f"{SOLID}file: ball.obj, texture: gone.png}}]")],
+)  # fmt: skip
+def test_a_file_that_is_gone_when_it_is_drawn_has_its_key(key: str, text: str, folder: Path) -> None:
+    preset, gone = folder / "gone.yaml", [folder / "gone.png", folder / "gone.ply"]
+    for path in gone:
+        path.write_bytes(b"")
+    preset.write_text(f"quality: draft\nimage: {{size: 16x16}}\n{text}\n")
+    scene = strandcli.load(str(preset), settings={"emitter.strands": 4})
+    for path in gone:
+        path.unlink()
+    with pytest.raises(UsageError, match=rf"^{key}: {folder}/gone\.\w+: no such file"):
+        next(strandcli.render(scene, [1]))
 
 
 def test_every_file_of_a_scene_has_its_key() -> None:
