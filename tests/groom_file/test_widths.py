@@ -198,7 +198,7 @@ def test_strands_that_follow_have_the_widths_of_their_points(tmp_path: Path) -> 
     """Of the points that are left out, the edges are within the tolerance of those of the strand that is drawn."""
     strands = curls(60, points=200)
     along = np.linspace(0, 1, 200)
-    widths = np.concatenate([0.03 + 0.02 * np.sin(9 * along + k) for k in range(60)]).astype(np.float32)
+    widths = np.concatenate([0.03 + 0.02 * np.sin(45 * along + k) for k in range(60)]).astype(np.float32)
     files.write(tmp_path / "a.npz", with_widths(strands, widths))
     given = moving(tmp_path / "a.npz", emitter__groom__guides=10)
     known = given.emitter.followers
