@@ -23,6 +23,7 @@ from strandcli.exchange.edit import fix, resample, smooth, subsample, transform
 from strandcli.exchange.files import ReadOptions, moments_of, read, write
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
 from strandcli.groom_file.read import from_scene
+from strandcli.output import png
 
 ODD = ("../../etc/passwd", "a b\tc", "\x1b[31mred", "‮gnp", "x" * 5000, "", "/", "\x00", "眉", "9 lives", "a:b", 'q"\\')
 names_of_objects = st.lists(st.text(max_size=12) | st.sampled_from(ODD), min_size=1, max_size=6)
@@ -159,6 +160,23 @@ def test_info_lists_objects_and_convert_takes_one(tmp_path: Path, capsys: pytest
     assert "has no object 'lashs'; did you mean 'lashes'? there are brows, lashes, " in wrong.err
     assert len(wrong.err.splitlines()) == 1
     assert not (tmp_path / "c.npz").exists()
+
+
+def test_commands_that_draw_take_objects(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = Runner(tmp_path, capsys)
+    whole = archive(tmp_path / "whole.abc", "brows", "lashes")
+    write(tmp_path / "lashes.abc", read(whole, ReadOptions(objects=("lashes",))))
+    assert "3 strands" in run("plan", whole).out
+    assert "2 strands" in run("plan", whole, "--object", "lashes").out
+    assert run("export", whole, tmp_path / "a.npz", "-f", "1", "--object", "/brows").code == 0
+    assert read(tmp_path / "a.npz").count == 1
+    pictures = {}
+    for name, words in {"all": (whole,), "some": (whole, "--object", "lashes"), "alone": ("lashes.abc",)}.items():
+        file, *more = words
+        assert run("info", tmp_path / file, "--picture", tmp_path / f"{name}.png", *more).code == 0
+        pictures[name] = png.read(tmp_path / f"{name}.png")
+    np.testing.assert_array_equal(pictures["some"], pictures["alone"])
+    assert (pictures["all"] != pictures["some"]).any()
 
 
 def test_a_preset_draws_the_objects_that_it_names(tmp_path: Path) -> None:
