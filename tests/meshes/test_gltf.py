@@ -19,7 +19,8 @@ from PIL import Image
 import mesh_kit as kit
 from strandcli import picture_samples
 from strandcli.errors import UsageError
-from strandcli.exchange.beside import Beside
+from strandcli.exchange.beside import Beside, picture
+from strandcli.meshes import gltf_texture
 from strandcli.meshes.gltf import read_gltf
 from strandcli.meshes.read import read_mesh
 
@@ -216,7 +217,13 @@ def test_a_picture_of_many_primitives_is_decoded_once(tmp_path: Path, monkeypatc
     material = maker.picture((tmp_path / "a.png").read_bytes())
     for _ in range(60):
         maker.primitive(triangle(maker), **material)
-    path = maker.glb(tmp_path / "a.glb")
+    path, decoded = maker.glb(tmp_path / "a.glb"), []
+
+    def counted(content: bytes) -> Any:
+        decoded.append(len(content))
+        return picture(content)
+
+    monkeypatch.setattr(gltf_texture, "picture", counted)
     tracemalloc.start()
     mesh = read_mesh(path)
     peak = tracemalloc.get_traced_memory()[1]
@@ -225,6 +232,7 @@ def test_a_picture_of_many_primitives_is_decoded_once(tmp_path: Path, monkeypatc
     assert mesh.texture.shape == (2000, 2000, 3)
     assert peak < 3 * mesh.texture.nbytes  # Pillow's own memory is not among it
     assert not any("textures" in note for note in mesh.notes)
+    assert len(decoded) == 1
 
 
 def test_primitives_of_the_same_vertices_have_them_once(tmp_path: Path) -> None:
