@@ -38,7 +38,7 @@ CASES = {
     "detail, loop": SCENE.replace("time: {", "time: {loop: true, ") + DETAIL + THESIS,
     "loop, blur": SCENE.replace("time: {", "time: {loop: true, ").replace("camera: {", "camera: {shutter: 0.5, ") + ROD,
     "detail, interaction": SCENE + DETAIL + ROD.replace("gravity", "gravity, interaction"),
-    "detail, children": SCENE.replace("strands: 700", "strands: 100") + DETAIL + THESIS + "children: {count: 5}\n",
+    "detail, children": SCENE.replace("strands: 700", "strands: 300") + DETAIL + THESIS + "children: {count: 3}\n",
 }
 
 
