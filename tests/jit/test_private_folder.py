@@ -11,11 +11,13 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from strandcli import written
+from strand_kit import scene_of
+from strandcli import pipeline, written
 from strandcli.compiling import folder, worker
 from strandcli.compiling.clock import clock
 from strandcli.compiling.service import service
@@ -150,6 +152,11 @@ def plus_five(x):
     return x + 5
 
 
+@function
+def plus_seven(x):
+    return x + 7
+
+
 NOBODY = 65534
 
 
@@ -214,13 +221,13 @@ def test_a_folder_that_cannot_be_written_is_read(owner: str, place: Path, monkey
         (found,) = kernels.kept()
         assert "1 kernel or module" not in found.text
         assert "they are read, and cannot be written" in found.text
-        for _ in range(2):
-            assert KernelDispatcher(plus_five.py_func, plus_five._cache._options)(1) == 6
+        for more, kernel in {5: plus_five, 7: plus_seven}.items():
+            assert KernelDispatcher(kernel.py_func, kernel._cache._options)(1) == 1 + more
         assert told == [new.trouble]
         assert str(new.trouble).startswith(f"{inner}: is read and cannot be written: kernels that are not there, or")
         assert mode(new.path) == 0o700
-        (made,) = new.path.glob("*.kernel")
-        assert made.name.startswith("test_private_folder.plus_five-")
+        made = sorted(one.name.partition("-")[0] for one in new.path.glob("*.kernel"))
+        assert made == ["test_private_folder.plus_five", "test_private_folder.plus_seven"]
         assert not list(new.path.glob("*.arrays"))
     assert {path.name for path in inner.iterdir()} == before
 
@@ -244,3 +251,12 @@ def test_what_others_may_change_in_a_folder_that_cannot_be_written_is_not_run(
         assert "other users may change it" in str(begin(monkeypatch).trouble)
         assert folder.cache.shared is None
         assert not called()
+
+
+def test_a_run_tells_of_a_cache_that_keeps_nothing_and_not_of_one_that_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = scene_of("emitter: {strands: 4, particles: 3}\nrules: []\n")
+    for shared, told in ((None, ["keeps nothing"]), (Path("there"), [])):
+        monkeypatch.setattr(pipeline, "cache", SimpleNamespace(trouble="keeps nothing", shared=shared))
+        found: list[str] = []
+        list(pipeline.render(scene, [1], draw=False, warn=found.append))
+        assert found == told
