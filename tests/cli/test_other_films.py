@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import strandcli
 from cli_runs import TINY, Runner
+from strandcli import checkpoints, fingerprint
 from strandcli.farm.job import Job
 from strandcli.fingerprint import difference
 from strandcli.output import png
@@ -110,6 +112,17 @@ def test_positions_of_another_version_are_drawn_but_not_mixed(run: Runner) -> No
     refused(run, "render tiny.yaml --from-cache a -o b -f 1-2 --resume", "frame_0001.png", OTHER, "; empty b, add")
     fine(run, "render tiny.yaml --from-cache a -o c -f 1 -q")
     fine(run, "render tiny.yaml --from-cache a -o c -f 1-2 -q --resume")
+
+
+def test_fingerprints_are_those_of_a_version(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    def found() -> set[str]:
+        scene = strandcli.load("tiny.yaml")
+        return {fingerprint.fingerprint(scene), fingerprint.motion_fingerprint({}), checkpoints.key_of(scene)}
+
+    before = found()
+    for module in (fingerprint, checkpoints):
+        monkeypatch.setattr(module, "__version__", "0.0.0")
+    assert len(before | found()) == 6
 
 
 def test_frames_of_a_loop_of_another_period_are_not_resumed(run: Runner) -> None:
