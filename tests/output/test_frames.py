@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -228,6 +229,23 @@ def test_a_writer_that_gets_no_time_holds_nothing_up(tmp_path: Path, monkeypatch
     assert sorted(writer.written) == list(range(1, 8))
     for frame, one in writer.written.items():
         np.testing.assert_array_equal(png.read(tmp_path / one.file), picture(frame))
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="threads have no priority of their own")
+def test_the_writer_takes_what_time_kernels_leave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    encode, found, there = png.encode, dict[str, int](), threading.Event()
+
+    def watched(*arguments: object) -> list[bytes]:
+        found[threading.current_thread().name] = os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
+        there.set()
+        return encode(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(png, "encode", watched)
+    with FrameWriter(tmp_path, [1], SIZE) as writer:
+        writer.submit(1, picture(1))
+        assert there.wait(10)
+    assert found.keys() == {"frame writer"}
+    assert found["frame writer"] >= 10
 
 
 def test_frames_of_a_folder_that_is_gone_are_not_counted_as_whole(
