@@ -12,6 +12,7 @@ Measure speed on a machine that does nothing else.
 from __future__ import annotations
 
 import json
+import os
 import platform
 import re
 import shlex
@@ -119,13 +120,7 @@ def stages(found: Mapping[str, Any]) -> list[list[str]]:
     rows = [["stage", *(f"`{one['preset']}`" for one in found.values())]]
     for name in names:
         cells = [one["stages"].get(name) for one in found.values()]
-        told = [
-            "–"
-            if not cell
-            else f"{number(cell['median_ms'])} ms" + (f", × {number(cell['ratio'])}" if cell["ratio"] else "")
-            for cell in cells
-        ]
-        rows.append([name, *told])
+        rows.append([name, *(stage_text(cell) if cell else "–" for cell in cells)])
     return [*rows, ["frame", *(f"{number(one['frame']['median_ms'])} ms" for one in found.values())]]
 
 
@@ -253,8 +248,6 @@ def machine() -> str:
         found = re.search(r"model name\s*: (.+)", Path("/proc/cpuinfo").read_text())
     except OSError:
         found = None
-    import os
-
     return f"{os.cpu_count()} cores of {found[1] if found else platform.processor()}"
 
 

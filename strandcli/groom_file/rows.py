@@ -26,8 +26,8 @@ def most_points(counts: Offsets) -> int:
 
 
 def with_at_most(strands: Strands, most: int) -> tuple[Strands, int, float]:
-    """Strands of at most so many points each, and their widths: those with more get that many at equal distances along
-    them. Returns how many these are, and how far they are off at most, too."""
+    """Strands of at most so many points each: those with more get that many at equal distances along them, and the
+    attributes of points go with these. Returns how many these are, and how far they are off at most, too."""
     counts = strands.counts()
     over = counts > most
     if not over.any():
@@ -38,13 +38,13 @@ def with_at_most(strands: Strands, most: int) -> tuple[Strands, int, float]:
     of_points = np.repeat(over, np.minimum(counts, most))
     points[of_points] = fewer.points
     points[~of_points] = strands.points[np.repeat(~over, counts)]
-    kept = {name: one for name, one in strands.attributes.items() if one.domain != "point"}
-    width = strands.attributes.get("width")
-    if width is not None and width.domain == "point":
-        values = np.empty(of_points.shape[0], width.values.dtype)
-        values[of_points] = fewer.attributes["width"].values
-        values[~of_points] = width.values[np.repeat(~over, counts)]
-        kept["width"] = Attribute("point", values)
+    kept = dict(strands.attributes)
+    for name, one in strands.attributes.items():
+        if one.domain == "point":
+            values = np.empty((of_points.shape[0], *one.values.shape[1:]), one.values.dtype)
+            values[of_points] = fewer.attributes[name].values
+            values[~of_points] = one.values[np.repeat(~over, counts)]
+            kept[name] = Attribute("point", values)
     found = replace(strands, first=after, points=points, attributes=kept)
     return found, int(over.sum()), float(change.facts["deviation_max"])
 
@@ -53,8 +53,8 @@ def places_left(strands: Strands, most: int) -> tuple[Offsets, NDArray[np.float6
     """The offsets (S + 1,) of strands `with_at_most` so many points, and where these points (P,) are among those that
     there are: 3.25 is between points 3 and 4. None for the places where all points stay."""
     own = Attribute("point", np.arange(strands.points.shape[0], dtype=np.float64))
-    found, fewer, _ = with_at_most(replace(strands, attributes={"width": own}), most)
-    return found.first, found.attributes["width"].values if fewer else None
+    found, fewer, _ = with_at_most(replace(strands, attributes={"place": own}), most)
+    return found.first, found.attributes["place"].values if fewer else None
 
 
 def points_at(points: Points, places: NDArray[np.float64] | None) -> Points:
