@@ -15,7 +15,7 @@ import numpy.typing as npt
 from .. import inputs
 from ..counted import counted
 from ..errors import UsageError, one_line
-from .strands import CHUNK, Offsets
+from .strands import CHUNK
 
 TIMES, SPARE = 3, 90_000_000
 """Memory that what is read may take: so many times the file, and so many bytes."""
@@ -126,10 +126,9 @@ class Bounded:
         """Raise where a number is not finite, unless that is allowed; ``byte``: of a row its place in the file."""
         if self.lenient or values.dtype.kind != "f":
             return
-        rows = rows_not_finite(values)
-        if rows.size:
-            more = f", and {rows.size - 1:,} more" if rows.size > 1 else ""
-            row = int(rows[0])
+        count, row = not_finite(values)
+        if count:
+            more = f", and {count - 1:,} more" if count > 1 else ""
             raise self.fault(f"{field}: number {row:,} is not finite{more}; 'convert --fix' mends it", byte(row))
 
     def end(self) -> None:
@@ -156,15 +155,17 @@ def too_many(field: str, count: int, each: int, size: int) -> str | None:
     return f"{field}: {count:,} take {amount(count * each)} of memory, of a file of {amount(size)}"
 
 
-def rows_not_finite(values: npt.NDArray[Any]) -> Offsets:
-    """The rows of an array in which some number is NaN or infinite."""
-    found = [np.zeros(0, np.int64)]
+def not_finite(values: npt.NDArray[Any]) -> tuple[int, int]:
+    """How many rows of an array have a number that is NaN or infinite, and the first of them; -1 of none."""
+    count, first = 0, -1
     for begin in range(0, values.shape[0], CHUNK):
         part = values[begin : begin + CHUNK]
         fine = np.isfinite(part)
         if not fine.all():
-            found.append(begin + np.flatnonzero(~fine.reshape(part.shape[0], -1).all(axis=1)))
-    return np.concatenate(found)
+            wrong = ~fine.reshape(part.shape[0], -1).all(axis=1)
+            first = first if count else begin + int(np.argmax(wrong))
+            count += int(np.count_nonzero(wrong))
+    return count, first
 
 
 def amount(count: int) -> str:

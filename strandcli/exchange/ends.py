@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .edit.transform import AXES, axis
-from .strands import Mask, Offsets, Strands
+from .strands import CHUNK, Mask, Offsets, Strands
 
 Floats = npt.NDArray[np.float64]
 
@@ -125,8 +125,7 @@ def ends(strands: Strands) -> Ends:
     stated, others = held_end(strands), np.zeros(strands.count, np.bool_)
     if strands.count < LEAST_STRANDS:
         return Ends(stated, bool(stated), None, others)
-    step = -(-strands.count // ENOUGH)
-    rows = np.arange(0, strands.count, step)
+    rows = _some(strands)
     reach = float(np.median(np.linalg.norm(_at(strands, rows, 1, False) - _at(strands, rows, 0, False), axis=1)))
     first, last = _end(strands, rows, False), _end(strands, rows, True)
     scalps = [name for name, one, rest in (("first", first, last), ("last", last, first))
@@ -134,12 +133,19 @@ def ends(strands: Strands) -> Ends:
     root = stated or (scalps[0] if scalps else "")
     if root not in scalps:
         return Ends(root, bool(stated), None, others)
-    sphere = (first if root == "first" else last).sphere
-    one, other = (strands.roots(), strands.tips()) if root == "first" else (strands.tips(), strands.roots())
-    others = (sphere.height(one) > OFF) & (np.abs(sphere.height(other)) < ON)
-    some = np.flatnonzero(others)
-    others[some] = _cosines(sphere, other[some], _leaving(strands, some, root == "first", sphere.radius)) >= LEAVES
+    sphere, back = (first if root == "first" else last).sphere, root == "last"
+    for begin in range(0, strands.count, CHUNK):
+        near = np.arange(begin, min(begin + CHUNK, strands.count))
+        one, other = _at(strands, near, 0, back), _at(strands, near, 1, back)
+        on = np.flatnonzero((sphere.height(one) > OFF) & (np.abs(sphere.height(other)) < ON))
+        leaving = _leaving(strands, near[on], not back, sphere.radius)
+        others[near[on]] = _cosines(sphere, other[on], leaving) >= LEAVES
     return Ends(root, bool(stated), sphere, others)
+
+
+def _some(strands: Strands) -> Offsets:
+    """The strands that are looked at, evenly chosen."""
+    return np.arange(0, strands.count, -(-strands.count // ENOUGH))
 
 
 def held_end(strands: Strands) -> str:
@@ -226,8 +232,7 @@ def up_axis(strands: Strands, found: Ends) -> tuple[str, float] | None:
     """The up axis, and the cosine between hanging hair and down; None where hair hangs from no scalp above it."""
     if found.scalp is None:
         return None
-    one, other = strands.roots().astype(np.float64), strands.tips().astype(np.float64)
-    one, other = (one, other) if found.root == "first" else (other, one)
+    one, other = (_at(strands, _some(strands), part, found.root == "last") for part in (0, 1))
     reach = np.linalg.norm(other - one, axis=1)
     usual = np.minimum(reach, np.quantile(reach, MOST))  # how much a strand counts: no single one decides
     hanging = (usual @ _units(other - one)) / max(float(usual.sum()), 1e-30)

@@ -12,12 +12,12 @@ import numpy.typing as npt
 
 from ..counted import counted
 from . import faults
-from .bounded import rows_not_finite
+from .bounded import not_finite
 from .ends import Ends, ends, head, up_axis
 from .files import ReadOptions
 from .moments import files_of, read_first
-from .objects import table
-from .strands import CHUNK, Strands
+from .objects import Table
+from .strands import Mask, Strands
 
 TINY = 1e-3
 """Of the median length: strands shorter than that are told."""
@@ -46,43 +46,56 @@ class Facts:
     def as_dict(self) -> dict[str, Any]:
         """All of it as JSON has it."""
         found = [{"fault": one.fault, "count": one.count, "text": one.text, "mend": one.mend} for one in self.faults]
-        return {**self.data, "faults": found}
+        return {**self.data, "objects": list(self.data["objects"]), "faults": found}
 
 
 def facts_of_file(path: Path, options: ReadOptions) -> Facts:
     """What is in a file, or in numbered files, at the first moment, and which moments there are. Numbers that are not
     finite are told as a fault."""
     strands, moments = read_first(path, replace(options, lenient=True))
-    found = facts(strands)
-    size = sum(one.stat().st_size for one in files_of(path))
     told = None if moments is None else moments.facts(strands)
+    found = facts(strands, spent=True)
+    size = sum(one.stat().st_size for one in files_of(path))
     return Facts({"file": str(path), "bytes": size, **found.data, "moments": told}, found.faults)
 
 
-def facts(strands: Strands) -> Facts:
-    """What strands are like; shape and guesses are of those that are finite."""
+def facts(strands: Strands, spent: bool = False) -> Facts:
+    """What strands are like; shape and guesses are of those that are finite. ``spent``: as of `Strands.select`."""
     bad = faults.not_finite(strands)
-    fine = strands.select(~bad)
+    data = _data_of_all(strands)
+    fine = strands.select(~bad, spent)
     known = ends(fine)
-    found = [*_faults_of_strands(strands, bad, fine), *_faults_of_groom(fine, known)]
-    source = strands.source
-    data: dict[str, Any] = {
-        "format": source.format, "version": source.version or None, "header": dict(source.facts),
-        "strands": strands.count, "points": strands.points.shape[0], "skipped": dict(source.skipped),
-        "objects": table(strands),
-        "points_a_strand": _spread(strands.counts()), "unit": source.unit, "up": source.up,
+    data |= {
         "root": known.root if known.stated else None,
-        "length": _spread(fine.lengths()) if fine.count else None, "box": _box(fine),
-        "segment": _spread(_inner(fine)) if fine.count else None,
-        "curvature": _spread(curvature(fine)) if fine.count else None,
-        "attributes": [_attribute(name, one) for name, one in strands.attributes.items()],
-        "guess": _guesses(fine, known),
+        "length": _spread(fine.lengths(np.float32)), "box": _box(fine), "segment": _spread(_inner(fine)),
+        "curvature": _spread(curvature(fine)), "guess": _guesses(fine, known),
     }  # fmt: skip
+    found = [*_faults_of_strands(bad, fine, data["length"]), *_faults_of_groom(fine, known)]
     return Facts(data, tuple(found))
 
 
+def _data_of_all(strands: Strands) -> dict[str, Any]:
+    """What strands are like, be they finite or not."""
+    source = strands.source
+    return {
+        "format": source.format, "version": source.version or None, "header": dict(source.facts),
+        "strands": strands.count, "points": strands.points.shape[0], "skipped": dict(source.skipped),
+        "objects": Table(strands),
+        "points_a_strand": _counts(strands), "unit": source.unit, "up": source.up,
+        "attributes": [_attribute(name, one) for name, one in strands.attributes.items()],
+    }  # fmt: skip
+
+
+def _counts(strands: Strands) -> dict[str, float] | None:
+    """`_spread` of the points of each strand."""
+    equal = strands.equal()
+    if equal:
+        return {"min": equal, "median": float(equal), "mean": float(equal), "max": equal}
+    return _spread(strands.counts())
+
+
 def _spread(values: npt.NDArray[Any]) -> dict[str, float] | None:
-    """Least, median, mean and largest of values that are not needed in their order any more."""
+    """Least, median, mean and largest of values that are not needed in their order any more; None of none."""
     if not values.size:
         return None
     middle = np.median(values, overwrite_input=True)
@@ -100,27 +113,46 @@ def _box(strands: Strands) -> dict[str, list[float]] | None:
 
 def _inner(strands: Strands) -> npt.NDArray[np.float32]:
     """Lengths of the segments."""
-    inside = np.ones(strands.points.shape[0], np.bool_)
-    inside[strands.first[1:] - 1] = False
-    return strands.segments()[inside]
+    found, done = np.empty(strands.points.shape[0] - strands.count, np.float32), 0
+    for rows, points, segments in strands.segments():
+        kept = segments[_inside(strands, rows, points)]
+        found[done : done + kept.size] = kept
+        done += kept.size
+    return found
 
 
-def curvature(strands: Strands) -> npt.NDArray[np.float64]:
+def _inside(strands: Strands, rows: slice, points: slice) -> npt.NDArray[np.bool_]:
+    """Which of some points are no tips; ``rows``: the strands that they are of."""
+    found = np.ones(points.stop - points.start, np.bool_)
+    tips = strands.first[rows.start + 1 : rows.stop + 1] - 1 - points.start
+    found[tips[tips < found.size]] = False
+    return found
+
+
+def curvature(strands: Strands) -> npt.NDArray[np.float32]:
     """Of each strand the angle by which it turns in all, over its length: radians a unit; 0 without length."""
-    lengths = strands.lengths()
-    turns = np.zeros(strands.points.shape[0], np.float32)
-    for begin in range(0, turns.shape[0] - 2, CHUNK):
-        step = np.diff(strands.points[begin : begin + CHUNK + 2].astype(np.float64), axis=0)
+
+    def values(rows: slice, points: slice, segments: npt.NDArray[np.float32]) -> npt.NDArray[Any]:
+        begin = max(points.start - 1, 0)
+        step = np.diff(strands.points[begin : points.stop + 1].astype(np.float64), axis=0)
         across = np.linalg.norm(np.cross(step[:-1], step[1:]), axis=1)
-        turns[begin + 1 : begin + step.shape[0]] = np.arctan2(across, np.einsum("ij,ij->i", step[:-1], step[1:]))
-    turns[strands.first[:-1]] = 0
-    turns[strands.first[1:] - 1] = 0
-    return np.add.reduceat(turns, strands.first[:-1], dtype=np.float64) / np.where(lengths > 0, lengths, np.inf)
+        turns = np.zeros(segments.size)
+        here = turns[begin + 1 - points.start :][: across.size]
+        here[:] = np.arctan2(across, np.einsum("ij,ij->i", step[:-1], step[1:]))
+        turns[~_inside(strands, rows, points)] = 0
+        roots = strands.first[rows] - points.start
+        turns[roots[roots >= 0]] = 0
+        return np.stack([turns, segments])
+
+    found = np.empty(strands.count, np.float32)
+    for rows, (turns, lengths) in strands.sums(values):
+        found[rows] = turns / np.where(lengths > 0, lengths, np.inf)
+    return found
 
 
 def _attribute(name: str, one: Any) -> dict[str, Any]:
     values = one.values
-    finite = values.size > 0 and (values.dtype.kind != "f" or not rows_not_finite(values).size)
+    finite = values.size > 0 and (values.dtype.kind != "f" or not not_finite(values)[0])
     bounds = {"min": values.min().item(), "max": values.max().item()} if finite else {"min": None, "max": None}
     return {"name": name, "domain": one.domain, "shape": list(values.shape), "type": values.dtype.name, **bounds}
 
@@ -134,42 +166,51 @@ def _guesses(strands: Strands, known: Ends) -> dict[str, Any]:
     }
 
 
-def _faults_of_strands(strands: Strands, bad: npt.NDArray[np.bool_], fine: Strands) -> list[Fault]:
+def _faults_of_strands(bad: Mask, fine: Strands, length: Mapping[str, float] | None) -> list[Fault]:
+    """Faults of strands, of which some are ``bad`` and the others ``fine``; ``length``: `_spread` of these."""
     found = [Fault("skipped", count, f"{counted(count, 'strand')} of {why}, skipped")
-             for why, count in strands.source.skipped.items()]  # fmt: skip
-    lengths = fine.lengths()
-    tiny = (lengths > 0) & (lengths < TINY * np.median(lengths)) if fine.count else lengths > 0
-    still = np.add.reduceat((_still(fine)), fine.first[:-1]) > 0 if fine.count else bad[:0]
-    for name, wrong, words, mend in (
-        ("not_finite", bad, "with numbers that are not finite", "--fix"),
-        ("without_length", lengths == 0, "without length", "--fix"),
-        ("repeated", faults.repeated(fine), "equal to another", "--fix"),
-        ("tiny", tiny, f"shorter than {TINY:g} of the median length", f"--min-length {_least(lengths):.3g}"),
-        ("repeated_points", still & (lengths > 0), "with the same point twice in a row", "--simplify 0"),
+             for why, count in fine.source.skipped.items()]  # fmt: skip
+    least = TINY * length["median"] if length else 0.0
+    still, tiny, repeats = _short(fine, least)
+    for name, (count, example), words, mend in (
+        ("not_finite", _counted(bad), "with numbers that are not finite", "--fix"),
+        ("without_length", still, "without length", "--fix"),
+        ("repeated", _counted(faults.repeated(fine)), "equal to another", "--fix"),
+        ("tiny", tiny, f"shorter than {TINY:g} of the median length", f"--min-length {least:.3g}"),
+        ("repeated_points", repeats, "with the same point twice in a row", "--simplify 0"),
     ):
-        count = int(np.count_nonzero(wrong))
         if count:
-            example = int(np.argmax(wrong))
             found.append(Fault(name, count, f"{counted(count, 'strand')} {words} (strand {example:,} for one)", mend))
     for name, one in fine.attributes.items():
-        rows = rows_not_finite(one.values).size if one.values.dtype.kind == "f" else 0
+        rows = not_finite(one.values)[0] if one.values.dtype.kind == "f" else 0
         if rows:
             found.append(Fault("attribute_not_finite", rows, f"{name} is not finite in {rows:,} rows", "--fix"))
-    if "stride_guessed" in strands.source.facts:
-        stride = strands.source.facts["stride_guessed"]
+    if "stride_guessed" in fine.source.facts:
+        stride = fine.source.facts["stride_guessed"]
         words = f"{stride} points a strand, as the jumps tell"
-        found.append(Fault("stride", strands.count, words, f"--stride {stride}"))
+        found.append(Fault("stride", fine.count + int(np.count_nonzero(bad)), words, f"--stride {stride}"))
     return found
 
 
-def _least(lengths: npt.NDArray[np.float64]) -> float:
-    return TINY * float(np.median(lengths)) if lengths.size else 0.0
+def _counted(mask: Mask) -> tuple[int, int]:
+    """How many strands there are in a mask, and the first of them."""
+    return int(np.count_nonzero(mask)), int(np.argmax(mask)) if mask.size else 0
 
 
-def _still(strands: Strands) -> npt.NDArray[np.int64]:
-    """1 at each point (P,) that the next one of its strand repeats."""
-    found = (strands.segments() == 0).astype(np.int64)
-    found[strands.first[1:] - 1] = 0
+def _short(strands: Strands, least: float) -> list[tuple[int, int]]:
+    """How many strands there are, and the first of them, without length, of a length below ``least``, and of a length
+    but with a point that repeats the one before it."""
+
+    def values(rows: slice, points: slice, segments: npt.NDArray[np.float32]) -> npt.NDArray[Any]:
+        return np.stack([segments, (segments == 0) & _inside(strands, rows, points)], dtype=np.float64)
+
+    found = [(0, 0)] * 3
+    for rows, (lengths, stays) in strands.sums(values):
+        masks = lengths == 0, (lengths > 0) & (lengths < least), (lengths > 0) & (stays > 0)
+        for k, (count, example) in enumerate(map(_counted, masks)):
+            if count:
+                before, first = found[k]
+                found[k] = before + count, first if before else rows.start + example
     return found
 
 

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
-from .strands import OBJECT, Attribute, Mask, Offsets, Points, Strands, offsets
+from .strands import CHUNK, OBJECT, Attribute, Mask, Offsets, Points, Strands, offsets
 
 UNNAMED = "strands"
 """Name of an object that has none."""
@@ -45,20 +45,29 @@ class Pieces(NamedTuple):
         return [points[rows] for rows in self.rows]
 
 
-def numbers(strands: Strands) -> npt.NDArray[np.int64]:
+def numbers(strands: Strands) -> npt.NDArray[Any]:
     """The number of the object (S,) that each strand is of."""
     one = strands.attributes.get(OBJECT)
     if len(strands.objects) < 2 or one is None:
-        return np.zeros(strands.count, np.int64)
-    return one.values.astype(np.int64)
+        return np.broadcast_to(np.int32(0), strands.count)
+    return one.values
 
 
 def short_names(names: Sequence[str]) -> list[str]:
     """The last parts of names, and in full those whose last part others have as well."""
-    parts = [one.strip("/").split("/") for one in names]
-    last = [one[-2] if len(one) > 1 and one[-1] == one[-2] + SHAPE else one[-1] for one in parts]
-    counts = Counter(last)
-    return [short if short and counts[short] == 1 else name for short, name in zip(last, names, strict=True)]
+    found = [_last(one) for one in names]
+    once: set[str] = set()
+    twice: set[str] = set()
+    for one in found:
+        (twice if one in once else once).add(one)
+    del once
+    return [name if not short or short in twice else short for short, name in zip(found, names, strict=True)]
+
+
+def _last(name: str) -> str:
+    """The last part of a name, without what programs append to it."""
+    parts = name.strip("/").rsplit("/", 2)
+    return parts[-2] if len(parts) > 1 and parts[-1] == parts[-2] + SHAPE else parts[-1]
 
 
 def chosen(strands: Strands, wanted: Iterable[str], path: Path) -> Mask:
@@ -107,17 +116,28 @@ def only(strands: Strands, wanted: Sequence[str], path: Path) -> Strands:
     return replace(strands, attributes=attributes, objects=tuple(strands.objects[place] for place in there))
 
 
-def table(strands: Strands) -> list[dict[str, Any]]:
-    """Of each object its name, short where it can be, its name in full, its strands and points."""
-    if not strands.objects:
-        return []
-    of, count = numbers(strands), len(strands.objects)
-    each = np.bincount(of, minlength=count)
-    points = np.bincount(of, weights=strands.counts(), minlength=count)
-    return [
-        {"name": short, "path": name, "strands": int(each[place]), "points": int(points[place])}
-        for place, (name, short) in enumerate(zip(strands.objects, short_names(strands.objects), strict=True))
-    ]
+class Table(Sequence[dict[str, Any]]):
+    """Of each object its name, short where it can be, its name in full, its strands and points; each is made when it is
+    asked for, for there may be many."""
+
+    def __init__(self, strands: Strands) -> None:
+        count = len(strands.objects)
+        self._names, self._short = strands.objects, short_names(strands.objects)
+        self._strands, self._points = np.zeros((2, count), np.int64)
+        of = numbers(strands)
+        for begin in range(0, strands.count if count else 0, CHUNK):
+            part, first = of[begin : begin + CHUNK], strands.first[begin : begin + CHUNK + 1]
+            self._strands += np.bincount(part, minlength=count)
+            self._points += np.bincount(part, weights=np.diff(first), minlength=count).astype(np.int64)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __getitem__(self, place: Any) -> Any:
+        if isinstance(place, slice):
+            return [self[one] for one in range(*place.indices(len(self)))]
+        found = {"name": self._short[place], "path": self._names[place]}
+        return {**found, "strands": int(self._strands[place]), "points": int(self._points[place])}
 
 
 def pieces(strands: Strands, legal: Callable[[str], str]) -> Pieces:

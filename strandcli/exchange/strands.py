@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -99,34 +99,47 @@ class Strands:
 
     def equal(self) -> int:
         """Points of every strand where all have as many, else 0; 0 of no strands."""
-        counts = self.counts()
-        return int(counts[0]) if counts.size and (counts == counts[0]).all() else 0
+        first = self.first
+        each = int(first[1] - first[0]) if self.count else 0
+        parts = (first[begin : begin + CHUNK + 1] for begin in range(0, self.count, CHUNK))
+        return each if all((np.diff(part) == each).all() for part in parts) else 0
 
-    def lengths(self) -> npt.NDArray[np.float64]:
-        """Length of each strand, units of the file."""
-        segments, found = self.segments(), np.zeros(self.count)
-        some = max(1, CACHED * self.count // max(segments.shape[0], 1))
-        for begin in range(0, self.count, some):
-            first = self.first[begin : begin + some + 1]
-            wide = segments[first[0] : first[-1]].astype(np.float64)
-            found[begin : begin + some] = np.add.reduceat(wide, first[:-1] - first[0])
+    def lengths(self, kind: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
+        """Length of each strand, units of the file, in a type."""
+        found = np.zeros(self.count, kind)
+        for rows, (long,) in self.sums(lambda _rows, _points, segments: segments.astype(np.float64)[None]):
+            found[rows] = long
         return found
 
-    def segments(self) -> npt.NDArray[np.float32]:
-        """From each point the distance to the next one of its strand, units of the file; 0 at tips."""
-        found = np.zeros(self.points.shape[0], np.float32)
+    def segments(self) -> Iterator[tuple[slice, slice, npt.NDArray[np.float32]]]:
+        """Some strands and points at once, as `spans`, and from each of these points the distance to the next one of
+        its strand, units of the file; 0 at tips."""
         wide, step, long = np.empty((CACHED + 1, 3)), np.empty((CACHED, 3)), np.empty(CACHED)
-        for begin in range(0, found.shape[0] - 1, CACHED):
-            held = self.points[begin : begin + CACHED + 1]
+        for rows, points in spans(self.first, CACHED):
+            held = self.points[points.start : points.stop + 1]
             n = held.shape[0] - 1
             wide[: n + 1] = held
             np.subtract(wide[1 : n + 1], wide[:n], out=step[:n])
             np.einsum("ij,ij->i", step[:n], step[:n], out=long[:n])
             np.sqrt(long[:n], out=long[:n])
-            found[begin : begin + n] = np.minimum(long[:n], LARGEST, out=long[:n])
-        if self.count:
-            found[self.first[1:] - 1] = 0
-        return found
+            found = np.zeros(points.stop - points.start, np.float32)
+            found[:n] = np.minimum(long[:n], LARGEST, out=long[:n])
+            tips = self.first[rows.start + 1 : rows.stop + 1] - 1 - points.start
+            found[tips[tips < found.size]] = 0
+            yield rows, points, found
+
+    def sums(
+        self, values: Callable[[slice, slice, npt.NDArray[np.float32]], npt.NDArray[Any]]
+    ) -> Iterator[tuple[slice, npt.NDArray[Any]]]:
+        """Of some whole strands at once (n) the sums (k, n) over their points of ``values``: k numbers of each point,
+        for what `segments` yields."""
+        held: Any = 0
+        for rows, points, segments in self.segments():
+            begins = np.maximum(self.first[rows], points.start) - points.start
+            found = held + np.add.reduceat(values(rows, points, segments), begins, axis=1)
+            held = found if points.stop < self.first[rows.stop] else 0
+            if points.stop == self.first[rows.stop]:
+                yield rows, found
 
     def roots(self) -> Points:
         """First point of each strand."""
@@ -136,15 +149,41 @@ class Strands:
         """Last point of each strand."""
         return self.points[self.first[1:] - 1]
 
-    def select(self, keep: Mask) -> Strands:
-        """The strands for which ``keep`` (S,) holds, in their order."""
+    def select(self, keep: Mask, spent: bool = False) -> Strands:
+        """The strands for which ``keep`` (S,) holds, in their order. ``spent``: these strands are of no use afterwards,
+        the others take their memory."""
         if keep.all():
             return self
-        counts = self.counts()
-        of_points = np.repeat(keep, counts)
-        rows: dict[str, Any] = {"point": of_points, "strand": keep, "groom": slice(None)}
-        kept = {name: Attribute(one.domain, one.values[rows[one.domain]]) for name, one in self.attributes.items()}
-        return replace(self, first=offsets(counts[keep]), points=self.points[of_points], attributes=kept)
+        first = self._first_of(keep)
+        sizes = {"point": int(first[-1]), "strand": first.size - 1}
+        held = [one for one in (Attribute("point", self.points), *self.attributes.values()) if one.domain != "groom"]
+        out = [one.values[: sizes[one.domain]] if spent and one.values.flags.writeable else
+               np.empty((sizes[one.domain], *one.values.shape[1:]), one.values.dtype) for one in held]  # fmt: skip
+        begins = {"point": 0, "strand": 0}
+        for rows, points in spans(self.first):
+            own = {"point": (points, np.repeat(keep[rows], counts_in(self.first, rows, points)))}
+            if points.stop == self.first[rows.stop]:  # a strand in parts counts with its last one
+                own["strand"] = (rows, keep[rows])
+            for domain, (some, kept) in own.items():
+                begin, begins[domain] = begins[domain], begins[domain] + int(np.count_nonzero(kept))
+                for one, values in zip(held, out, strict=True):
+                    if one.domain == domain:
+                        values[begin : begins[domain]] = one.values[some][kept]
+        there = iter(out[1:])
+        attributes = {
+            name: one if one.domain == "groom" else Attribute(one.domain, next(there))
+            for name, one in self.attributes.items()
+        }
+        return replace(self, first=first, points=out[0], attributes=attributes)
+
+    def _first_of(self, keep: Mask) -> Offsets:
+        """Offsets of the strands for which ``keep`` (S,) holds, once they are alone."""
+        found, done = np.zeros(np.count_nonzero(keep) + 1, np.int64), 0
+        for begin in range(0, self.count, CHUNK):
+            counts = np.diff(self.first[begin : begin + CHUNK + 1])[keep[begin : begin + CHUNK]]
+            found[done + 1 : done + 1 + counts.size] = found[done] + np.cumsum(counts)
+            done += counts.size
+        return found
 
 
 CHUNK = 1 << 17
@@ -162,23 +201,52 @@ class TimeSample:
     points: Points
 
 
-def offsets(counts: npt.NDArray[Any]) -> Offsets:
-    """Offsets (S + 1,) of strands with so many points each (S,)."""
+def offsets(counts: npt.NDArray[Any], more: int = 0) -> Offsets:
+    """Offsets (S + 1,) of strands with so many points each (S,), and ``more``."""
     first = np.zeros(counts.shape[0] + 1, np.int64)
-    np.cumsum(counts, out=first[1:])
+    for begin in range(0, counts.shape[0], CHUNK):
+        part = counts[begin : begin + CHUNK].astype(np.int64) + more
+        np.cumsum(part, out=first[begin + 1 : begin + 1 + part.size])
+        first[begin + 1 : begin + 1 + part.size] += first[begin]
     return first
 
 
 def even_offsets(strands: int, points: int) -> Offsets:
     """Offsets of so many strands of as many points each."""
-    return np.arange(strands + 1, dtype=np.int64) * points
+    found = np.arange(strands + 1, dtype=np.int64)
+    found *= points
+    return found
+
+
+def spans(first: Offsets, most: int = CHUNK) -> Iterator[tuple[slice, slice]]:
+    """All strands of offsets (S + 1,) and their points, some at once: whole strands that have ``most`` points together,
+    or a part of one that has more. So what is computed on the way takes little memory, whatever the strands."""
+    low, count = 0, first.size - 1
+    while low < count:
+        high = int(np.searchsorted(first, first[low] + most, side="right")) - 1
+        if high > low:
+            yield slice(low, high), slice(int(first[low]), int(first[high]))
+        else:
+            high = low + 1
+            for begin in range(int(first[low]), int(first[high]), most):
+                yield slice(low, high), slice(begin, min(begin + most, int(first[high])))
+        low = high
+
+
+def counts_in(first: Offsets, rows: slice, points: slice) -> Offsets:
+    """How many of some points are of each of the strands that `spans` yields with them."""
+    ends = np.clip(first[rows.start : rows.stop + 1], points.start, points.stop)
+    return ends[1:] - ends[:-1]
 
 
 def without_short(strands: Strands) -> Strands:
-    """Strands without those of fewer than two points, which are counted as skipped."""
-    keep = strands.counts() >= SHORTEST
+    """Strands without those of fewer than two points, which are counted as skipped; they take the memory of the others,
+    which are of no use any more."""
+    keep = np.empty(strands.count, np.bool_)
+    for begin in range(0, keep.size, CHUNK):
+        keep[begin : begin + CHUNK] = np.diff(strands.first[begin : begin + CHUNK + 1]) >= SHORTEST
     few = int(keep.size - np.count_nonzero(keep))
     if not few:
         return strands
     skipped = {**strands.source.skipped, SHORT: few}
-    return replace(strands.select(keep), source=replace(strands.source, skipped=skipped))
+    return replace(strands.select(keep, spent=True), source=replace(strands.source, skipped=skipped))

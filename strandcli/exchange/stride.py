@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .strands import CHUNK, Offsets, Points
+from .strands import CHUNK, Mask, Points
 
 JUMP = 3.0
 """A step to another strand is longer than its neighbours, by this factor."""
@@ -33,33 +33,36 @@ def guess(points: Points) -> int:
     jumps are nowhere else. Numbers that divide the right one find too few, its multiples too many elsewhere. Where some
     strands have more points than the rest, it would end within these.
     """
-    after = jumps(points)
+    jump = jumps(points)
+    total = np.count_nonzero(jump)
     for one in divisors(points.shape[0]):
         ends = points.shape[0] // one - 1
         if ends + 1 < LEAST_STRANDS:
             break
-        there = np.count_nonzero(after % one == 0)
-        if there >= FOUND * ends and there >= (1 - ELSEWHERE) * after.size:
+        there = np.count_nonzero(jump[::one])
+        if there >= FOUND * ends and there >= (1 - ELSEWHERE) * total:
             return 0 if _within(points, one) else one
     return 0
 
 
 def _within(points: Points, count: int) -> bool:
     """Whether strands of so many points each would begin where a strand may go on."""
-    begins = np.arange(count, points.shape[0], count)
-    near = [points[begins + one].astype(np.float64) for one in (-2, -1, 0, 1)]
-    with np.errstate(invalid="ignore"):  # of points that are not finite
-        before, step, after = (np.linalg.norm(b - a, axis=1) for a, b in pairwise(near))
-    return bool((step <= WITHIN * np.minimum(before, after)).any())
+    for low in range(count, points.shape[0], CHUNK * count):
+        begins = np.arange(low, min(low + CHUNK * count, points.shape[0]), count)
+        near = [points[begins + one].astype(np.float64) for one in (-2, -1, 0, 1)]
+        with np.errstate(invalid="ignore"):  # of points that are not finite
+            before, step, after = (np.linalg.norm(b - a, axis=1) for a, b in pairwise(near))
+        if (step <= WITHIN * np.minimum(before, after)).any():
+            return True
+    return False
 
 
-def jumps(points: Points) -> Offsets:
-    """The points before which there is a jump."""
-    found = []
+def jumps(points: Points) -> Mask:
+    """Before which points (P,) there is a jump."""
+    found = np.zeros(points.shape[0], np.bool_)
     for begin in range(0, points.shape[0], CHUNK):
         low, high = max(0, begin - 1), min(points.shape[0], begin + CHUNK + 2)
         with np.errstate(invalid="ignore"):  # of points that are not finite
             step = np.linalg.norm(np.diff(points[low:high].astype(np.float64), axis=0), axis=1)
-        jump = np.flatnonzero((step[1:-1] > JUMP * step[:-2]) & (step[1:-1] > JUMP * step[2:])) + low + 2
-        found.append(jump[(jump >= begin) & (jump < begin + CHUNK)])
-    return np.concatenate(found) if found else np.zeros(0, np.int64)
+        found[low + 2 : high - 1] |= (step[1:-1] > JUMP * step[:-2]) & (step[1:-1] > JUMP * step[2:])
+    return found

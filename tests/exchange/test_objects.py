@@ -126,7 +126,7 @@ def test_edits_keep_which_strand_is_of_which_object(edit: Any) -> None:
     changed, _ = edit(hair())
     assert changed.objects == hair().objects
     np.testing.assert_array_equal(objects.numbers(changed), changed.roots()[:, 0].astype(int))
-    told = objects.table(changed)
+    told = objects.Table(changed)
     assert sum(one["strands"] for one in told) == changed.count
     assert sum(one["points"] for one in told) == changed.points.shape[0]
 

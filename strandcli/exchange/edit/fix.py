@@ -9,7 +9,7 @@ import numpy as np
 
 from ...counted import counted
 from .. import faults
-from ..bounded import rows_not_finite
+from ..bounded import not_finite
 from ..change import Change
 from ..ends import ends
 from ..strands import Attribute, Mask, Strands
@@ -61,7 +61,7 @@ def reversed_all(strands: Strands) -> tuple[Strands, Change]:
 
 
 def _odd(one: Attribute) -> bool:
-    return one.values.dtype.kind == "f" and rows_not_finite(one.values).size > 0
+    return one.values.dtype.kind == "f" and not_finite(one.values)[0] > 0
 
 
 def turned_around(strands: Strands, back: Mask) -> Strands:

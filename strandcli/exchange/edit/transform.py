@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...errors import UsageError
-from ..bounded import rows_not_finite
+from ..bounded import not_finite
 from ..change import Change
 from ..strands import CHUNK, Attribute, Points, Strands
 
@@ -75,7 +75,7 @@ def _apply(strands: Strands, linear: Matrix, shift: Matrix) -> Strands:
             values = _directions(values, np.linalg.inv(linear).T)
         found[name] = Attribute(one.domain, values)
     points = _mapped(strands.points, linear, shift)
-    if rows_not_finite(points).size:
+    if not_finite(points)[0]:
         raise UsageError("points are too far out for single precision after --scale or --matrix")
     return replace(strands, points=points, attributes=found)
 

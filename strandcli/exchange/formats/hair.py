@@ -48,7 +48,7 @@ def read(path: Path, options: ReadOptions) -> Strands:
             raise file.damaged("does not begin with HAIR", 0)
         _check_flags(file, flags)
         if flags & SEGMENTS:
-            first = offsets(file.array("segments", "<u2", (strands,), AT_STRANDS).astype(np.int64) + 1)
+            first = offsets(file.array("segments", "<u2", (strands,), AT_STRANDS), 1)
         else:
             file.need("points", points, 12, AT_POINTS)
             if strands * (default + 1) != points:

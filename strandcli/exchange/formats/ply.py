@@ -25,6 +25,7 @@ from ..objects import renamed, written_names
 from ..ply_header import Element, object_comment, object_names, read_header
 from ..ply_header import is_mesh as is_mesh
 from ..strands import (
+    CHUNK,
     OBJECT,
     WIDTHS,
     Attribute,
@@ -184,14 +185,14 @@ def _first(
     """Where each strand begins."""
     count = vertex.count
     if "nsegs" in found.get("strand", {}):
-        segments = found["strand"]["nsegs"].astype(np.int64)
+        segments = found["strand"].pop("nsegs")
         if segments.size and (segments.min() < 0 or segments.max() > count):
             raise file.damaged(f"strand: one has {segments.min():,} to {segments.max():,} segments", vertex.at)
-        first = offsets(segments + 1)
+        first = offsets(segments, 1)
         if first[-1] != count:
             raise file.damaged(f"vertex: {count:,} are told, the strands have {first[-1]:,} points", vertex.at)
         return first
-    edges = found.get("edge", {})
+    edges = found.pop("edge", {})
     if {"vertex1", "vertex2"} <= edges.keys() and edges["vertex1"].size:
         return _joined(file, count, edges["vertex1"], edges["vertex2"])
     if options.stride is None:
@@ -213,12 +214,16 @@ def _first(
 
 def _joined(file: Bounded, count: int, one: npt.NDArray[Any], other: npt.NDArray[Any]) -> Offsets:
     """Strands of vertices that edges join, each with the one after it."""
-    low, high = np.minimum(one, other).astype(np.int64), np.maximum(one, other).astype(np.int64)
-    if low.min() < 0 or high.max() >= count or (high - low != 1).any():
-        raise file.damaged("edge: joins vertices that do not follow each other; such strands are not read")
     begins = np.ones(count, np.bool_)
-    begins[high] = False
-    return np.append(np.flatnonzero(begins), count)
+    for begin in range(0, one.size, CHUNK):
+        ends = [values[begin : begin + CHUNK].astype(np.int64) for values in (one, other)]
+        low, high = np.minimum(*ends), np.maximum(*ends)
+        if low.min() < 0 or high.max() >= count or (high - low != 1).any():
+            raise file.damaged("edge: joins vertices that do not follow each other; such strands are not read")
+        begins[high] = False
+    found = np.full(np.count_nonzero(begins) + 1, count, np.int64)
+    found[:-1] = np.flatnonzero(begins)
+    return found
 
 
 def _attributes(file: Bounded, columns: Columns, begin: int) -> dict[str, Attribute]:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ...errors import UsageError, one_line
 from .. import splines
-from ..bounded import rows_not_finite
+from ..bounded import not_finite
 from ..control import ControlCurves, Fitter, Knots
 from ..parts import Part
 from ..placing import Matrix, moved, moved_attribute
@@ -117,10 +117,10 @@ class Reader:
     def _check_finite(self, name: str, values: npt.NDArray[Any]) -> None:
         if self.lenient or values.dtype.kind != "f":
             return
-        rows = rows_not_finite(values)
-        if rows.size:
-            more = f", and {rows.size - 1:,} more" if rows.size > 1 else ""
-            raise self.fault(f"{name}: number {int(rows[0]):,} is not finite{more}; 'convert --fix' mends it")
+        count, row = not_finite(values)
+        if count:
+            more = f", and {count - 1:,} more" if count > 1 else ""
+            raise self.fault(f"{name}: number {row:,} is not finite{more}; 'convert --fix' mends it")
 
 
 def _matrix(numbers: list[float]) -> Matrix | None:
