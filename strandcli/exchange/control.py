@@ -91,6 +91,9 @@ class Fitter:
     def __init__(self, size: int, pieces: Sequence[int] = ()) -> None:
         """``size``: bytes of the file; ``pieces``: points a piece of its objects, one after the other, if known."""
         self._known = list(pieces)
+        self.pieces: list[int] = []
+        """Points a piece of the objects so far, one after the other."""
+        self._followed: dict[tuple[str, bool, int], float] = {}
         self.room = 2 * size + SPARE
         """Bytes that points on curves may take."""
 
@@ -111,9 +114,9 @@ class Fitter:
             worst = int(np.argmin(pieces))
             raise fault(f"{path}: curve {worst:,} has {counts[worst]:,} points, which make no whole pieces of "
                         f"{basis.text}; is damaged")  # fmt: skip
-        known = self._known.pop(0) if self._known else None
+        known = self._known[len(self.pieces)] if len(self.pieces) < len(self._known) else None
         if basis.plain:
-            return ControlCurves(path, counts, basis)
+            return self._noted(ControlCurves(path, counts, basis))
         needs = 12 * max(int(pieces.sum()), 1)
         most = min(splines.MOST, self.room // needs)
         if most < 1:
@@ -122,17 +125,22 @@ class Fitter:
         each, off = splines.points_a_piece(in_basis, bezier, basis, int(most))
         each = each if known is None else min(known, int(most))
         self.room -= each * needs
-        return ControlCurves(path, counts, basis, each, off, spans)
+        return self._noted(ControlCurves(path, counts, basis, each, off, spans))
 
+    def _noted(self, one: ControlCurves) -> ControlCurves:
+        key = one.basis.text, one.basis.linear, one.each
+        self._followed[key] = max(one.off, self._followed.get(key, 0.0))
+        self.pieces.append(one.each)
+        return one
 
-def facts_of(curves: Sequence[ControlCurves]) -> dict[str, Any]:
-    """Of curves the bases and, where there are cubic ones, how they are followed."""
-    facts: dict[str, Any] = {"basis": sorted({one.basis.text for one in curves})}
-    cubic = [one for one in curves if not one.basis.linear]
-    if cubic:
-        facts["points_a_piece"] = sorted({one.each for one in cubic})
-        facts["off_the_curves"] = float(f"{max(one.off for one in cubic):.3g}")
-    return facts
+    def facts(self) -> dict[str, Any]:
+        """Of all curves so far the bases and, where there are cubic ones, how they are followed."""
+        facts: dict[str, Any] = {"basis": sorted({text for text, _, _ in self._followed})}
+        cubic = {each: off for (_, linear, each), off in self._followed.items() if not linear}
+        if cubic:
+            off = max(off for (_, linear, _), off in self._followed.items() if not linear)
+            facts |= {"points_a_piece": sorted(cubic), "off_the_curves": float(f"{off:.3g}")}
+        return facts
 
 
 def note_of(facts: Mapping[str, Any]) -> str | None:

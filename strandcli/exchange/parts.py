@@ -28,43 +28,61 @@ class Part:
 
 
 def joined(parts: list[Part], source: Source) -> tuple[Strands, list[str]]:
-    """The strands of all parts, and the names of attributes that not all of them have alike."""
-    counts = np.concatenate([one.counts for one in parts])
-    points = parts[0].points if len(parts) == 1 else np.concatenate([one.points for one in parts])
-    attributes: dict[str, Attribute] = {}
+    """The strands of all parts, which are let go, and the names of attributes that not all of them have alike."""
+    names = tuple(one.name for one in parts)
+    every = [one.attributes for one in parts]
     lost = {name: None for one in parts for name in one.unread}
-    for name in {name: None for one in parts for name in one.attributes}:
-        found = _attribute([one.attributes.get(name) for one in parts], parts)
+    counts, held = [one.counts for one in parts], [one.points for one in parts]
+    parts.clear()
+    points = concatenated(held)
+    attributes: dict[str, Attribute] = {}
+    for name in {name: None for one in every for name in one}:
+        found = _attribute([one.pop(name, None) for one in every], counts)
         if found is None:
             lost[name] = None
         else:
             attributes[name] = found
-    if len(parts) > 1:
+    if len(names) > 1:
         if OBJECT in attributes:
             lost[OBJECT] = None
-        numbers = np.repeat(np.arange(len(parts), dtype=np.int32), [one.counts.size for one in parts])
+        numbers = np.repeat(np.arange(len(names), dtype=np.int32), [one.size for one in counts])
         attributes[OBJECT] = Attribute("strand", numbers)
-    names = tuple(one.name for one in parts)
-    return Strands(offsets(counts), points, attributes, source, names), sorted(lost)
+    return Strands(offsets(concatenated(counts)), points, attributes, source, names), sorted(lost)
 
 
-def _attribute(found: list[Attribute | None], parts: list[Part]) -> Attribute | None:
+def concatenated(arrays: list[npt.NDArray[Any]]) -> npt.NDArray[Any]:
+    """Arrays one after the other; each is let go as soon as it was copied."""
+    if len(arrays) == 1:
+        return arrays.pop()
+    kind = np.result_type(*{one.dtype for one in arrays})
+    found = np.empty((sum(map(len, arrays)), *arrays[0].shape[1:]), kind)
+    end = len(found)
+    while arrays:
+        one = arrays.pop()
+        found[end - len(one) : end] = one
+        end -= len(one)
+    return found
+
+
+def _attribute(found: list[Attribute | None], counts: list[Offsets]) -> Attribute | None:
     """An attribute of all parts, in the domain that has a value for each of theirs; None where they differ in type."""
     there = [one for one in found if one is not None]
-    if len(there) != len(parts) or len({(one.values.dtype, one.values.shape[1:]) for one in there}) > 1:
+    found.clear()
+    if len(there) != len(counts) or len({(one.values.dtype, one.values.shape[1:]) for one in there}) > 1:
         return None
     if len(there) == 1:
         return there[0]
     domain = max((one.domain for one in there), key=lambda one: max(RANK[one], RANK["strand"]))
     target: Literal["point", "strand"] = "point" if domain == "point" else "strand"
-    return Attribute(target, np.concatenate([_values(*pair, target) for pair in zip(there, parts, strict=True)]))
+    there.reverse()
+    return Attribute(target, concatenated([_values(there.pop(), each, target) for each in counts]))
 
 
-def _values(one: Attribute, part: Part, domain: Domain) -> npt.NDArray[Any]:
-    """Values for each strand or point."""
+def _values(one: Attribute, counts: Offsets, domain: Domain) -> npt.NDArray[Any]:
+    """Values for each strand or point of strands of so many points (S,)."""
     values = one.values
     if one.domain == "groom":
-        values = np.repeat(values, part.counts.shape[0], axis=0)
+        values = np.repeat(values, counts.shape[0], axis=0)
     if domain == "point" and one.domain != "point":
-        values = np.repeat(values, part.counts, axis=0)
+        values = np.repeat(values, counts, axis=0)
     return values

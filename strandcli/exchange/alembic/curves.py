@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,19 +37,58 @@ class Curves:
         return self.geometry["nVertices"]
 
 
-def all_curves(archive: Archive) -> list[Curves]:
-    """The objects of curves of an archive. Raises `UsageError` where there are none."""
-    found, others = [], set()
+class Clock:
+    """When objects of curves change, gathered from each of them as it is read."""
+
+    def __init__(self) -> None:
+        self._times: set[float] = set()
+        self._cycles: set[float] = set()
+        self.steady = True
+        """Whether all moments have the same curves."""
+        self.changing: set[str] = set()
+        """Attributes, by our names, that change with time."""
+
+    def add(self, archive: Archive, one: Curves, attributes: Mapping[str, Property]) -> None:
+        """Take in an object with attributes."""
+        moving = [move.values for move in one.transforms if move.values and move.values.last]
+        for told in (one.points, *moving):
+            self._times.update(archive.times(told))
+            if told.last and 0 < told.sampling.cycle < layout.ACYCLIC:
+                self._cycles.add(told.sampling.cycle)
+        self.steady &= not one.counts.last
+        self.changing.update(name for name, told in attributes.items() if _changes(archive, told))
+
+    @property
+    def times(self) -> list[float]:
+        """Seconds at which points change, rising."""
+        found = sorted(self._times)
+        return [time for place, time in enumerate(found) if not place or time - found[place - 1] > CLOSE]
+
+    @property
+    def rate(self) -> float | None:
+        """Frames a second of samples that are taken at equal distances or in cycles; None where none are."""
+        return 1 / min(self._cycles) if self._cycles else None
+
+
+def _changes(archive: Archive, told: Property) -> bool:
+    """Whether a property has other values with time, or what it is compounded of."""
+    parts = archive.compound(told).values() if told.kind == layout.COMPOUND else (told,)
+    return any(one.last for one in parts)
+
+
+def all_curves(archive: Archive) -> Iterator[Curves]:
+    """The objects of curves of an archive, one after the other. Raises `UsageError` where there are none."""
+    found, others = False, set()
     for one in archive.objects():
         schema = one.metadata.get("schema", "")
         if schema.startswith("AbcGeom_Curve_"):
-            found.append(_curves(archive, one))
+            found = True
+            yield _curves(archive, one)
         else:
             others.add(schema or "no schema")
     if not found:
         there = f"; there are objects of {', '.join(sorted(others)[:5])}" if others else ""
         raise archive.file.fault(f"holds no curves{there}", archive.container.root.at)
-    return found
 
 
 def _curves(archive: Archive, one: Object) -> Curves:
@@ -96,23 +135,23 @@ def control_of(
 
 
 def part_of(
-    archive: Archive, one: Curves, fitter: Fitter, seconds: float | None = None
-) -> tuple[ControlCurves, Part]:  # fmt: skip
-    """What curves are at a time or in the first sample, and the points on them with their attributes."""
+    archive: Archive, one: Curves, told_of: Mapping[str, Property], fitter: Fitter, seconds: float | None = None
+) -> Part:
+    """The points on curves at a time or in the first sample, and their attributes."""
     curves, control = control_of(archive, one, fitter, seconds)
     matrix = world(archive, one.transforms, seconds)
     attributes: dict[str, Attribute] = {}
     unread = []
-    for name, told in _attributes(archive, one).items():
+    for name, told in told_of.items():
         found = None if name in attributes else _attribute(archive, told, name, curves, seconds)
         if found is None:
             unread.append(name)
         else:
             attributes[name] = found if matrix is None else moved_attribute(name, found, matrix)
-    return curves, Part(one.path, curves.point_counts(), moved(curves.points(control), matrix), attributes, unread)
+    return Part(one.path, curves.point_counts(), moved(curves.points(control), matrix), attributes, unread)
 
 
-def _attributes(archive: Archive, one: Curves) -> dict[str, Property]:
+def attributes_of(archive: Archive, one: Curves) -> dict[str, Property]:
     """Properties that may be attributes, by our names: curves' own go before those that are added to them."""
     found = {layout.NAMES.get(name, name): one.geometry[name] for name in ("width", "uv", "N") if name in one.geometry}
     added = one.geometry.get(".arbGeomParams")
@@ -154,23 +193,6 @@ def _expanded(archive: Archive, indices: Property, values: Any, seconds: float |
         raise archive.file.damaged(f"{indices.path}: not all are below {values.shape[0]:,}", indices.child.at)
     archive.container.spend(indices.path, rows.size * values.itemsize * values.shape[1], indices.child.at)
     return values[rows]
-
-
-def times_of(archive: Archive, all_of: list[Curves]) -> list[float]:
-    """Seconds at which points change, rising."""
-    change = [one.points for one in all_of]
-    transforms = {one.values.path: one.values for curves in all_of for one in curves.transforms if one.values}
-    change += [one for one in transforms.values() if one.last]
-    found = sorted(time for one in change for time in archive.times(one))
-    return [time for place, time in enumerate(found) if not place or time - found[place - 1] > CLOSE]
-
-
-def rate_of(all_of: list[Curves]) -> float | None:
-    """Frames a second of samples that are taken at equal distances or in cycles; None where none are."""
-    change = [one.points for one in all_of]
-    change += [move.values for one in all_of for move in one.transforms if move.values]
-    cycles = [one.sampling.cycle for one in change if one.last and 0 < one.sampling.cycle < layout.ACYCLIC]
-    return 1 / min(cycles) if cycles else None
 
 
 def at_times(

@@ -10,12 +10,12 @@ import numpy as np
 
 from ..alembic import layout
 from ..alembic.archive import Archive
-from ..alembic.curves import all_curves, at_times, control_of, part_of, rate_of, times_of
+from ..alembic.curves import Clock, all_curves, at_times, attributes_of, control_of, part_of
 from ..alembic.export import write_curves
 from ..bounded import opened
-from ..control import Fitter, facts_of
+from ..control import Fitter
 from ..files import ReadOptions
-from ..parts import joined
+from ..parts import Part, joined
 from ..strands import SHORTEST, Source, Strands, TimeSample, without_short
 
 name = ".abc"
@@ -35,21 +35,26 @@ def read(path: Path, options: ReadOptions) -> Strands:
     points on them."""
     with opened(path, WHAT, options.lenient) as file:
         archive = Archive(file)
-        curves = all_curves(archive)
-        fitter = Fitter(file.size, options.pieces)
-        fitted = [part_of(archive, one, fitter, options.at) for one in curves]
-        times = times_of(archive, curves)
+        fitter, clock = Fitter(file.size, options.pieces), Clock()
+        parts: list[Part] = []
+        for one in all_curves(archive):  # whose headers take more than the points of a few strands
+            attributes = attributes_of(archive, one)
+            parts.append(part_of(archive, one, attributes, fitter, options.at))
+            clock.add(archive, one, attributes)
+        times = clock.times
         facts: dict[str, Any] = {
-            **facts_of([one for one, _ in fitted]),
+            **fitter.facts(),
             "times": len(times), "begin": times[0], "end": times[-1],
         }  # fmt: skip
+        if clock.changing:
+            facts["changing"] = sorted(clock.changing)
         if archive.metadata.get("_ai_Application"):
             facts["application"] = archive.metadata["_ai_Application"]
         source = Source(
-            name, archive.version, facts, times=tuple(times), rate=rate_of(curves),
-            steady=not any(one.counts.last for one in curves), pieces=tuple(one.each for one, _ in fitted),
+            name, archive.version, facts, times=tuple(times), rate=clock.rate, steady=clock.steady,
+            pieces=tuple(fitter.pieces),
         )  # fmt: skip
-        strands, lost = joined([part for _, part in fitted], source)
+        strands, lost = joined(parts, source)
     if lost:
         facts["attributes_not_read"] = lost
     return without_short(strands)
@@ -60,12 +65,14 @@ def moments(path: Path, options: ReadOptions) -> Iterator[TimeSample]:
     go with time."""
     with opened(path, WHAT, options.lenient) as file:
         archive = Archive(file)
-        curves = all_curves(archive)
+        curves, clock = list(all_curves(archive)), Clock()
+        for one in curves:
+            clock.add(archive, one, {})
         fitter = Fitter(file.size)
         fitted = [control_of(archive, one, fitter)[0] for one in curves]
         counts = np.concatenate([one.point_counts() for one in fitted])
         keep = np.repeat(counts >= SHORTEST, counts)
-        for seconds, points in at_times(archive, curves, fitted, times_of(archive, curves)):
+        for seconds, points in at_times(archive, curves, fitted, clock.times):
             all_points = points[0] if len(points) == 1 else np.concatenate(points)
             yield TimeSample(seconds, all_points if keep.all() else all_points[keep])
 

@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ..bounded import opened
-from ..control import facts_of
 from ..files import ReadOptions
 from ..parts import joined
 from ..splines import CATMULL_ROM, LINEAR
 from ..strands import Layer, Source, Strands, TimeSample, without_short
-from ..usd.curves import Reader, Stage
+from ..usd.curves import Reader
 from ..usd.export import write_stage
 
 name = ".usd"
@@ -34,12 +33,13 @@ def read(path: Path, options: ReadOptions) -> Strands:
     """The strands of a file, of all prims of BasisCurves that are visible, where their transforms put them at the first
     time, or another. Cubic curves become points on them."""
     encoding = _encoding(path)
-    stage = Reader(path, options.lenient, encoding == "text", options.pieces).stage(options.at)
+    reader = Reader(path, options.lenient, encoding == "text", options.pieces)
+    stage = reader.stage(options.at)
     told = stage.told
-    facts = _facts(stage, encoding)
+    facts = {"encoding": encoding, **reader.fitter.facts(), **_facts(told)}
     source = Source(
         name, "", facts, told["unit"] or None, told["up"], times=tuple(told["times"]), rate=told["rate"],
-        steady=told["steady"], pieces=tuple(one.each for one in stage.curves),
+        steady=told["steady"], pieces=tuple(reader.fitter.pieces),
     )  # fmt: skip
     strands, lost = joined(stage.parts, source)
     if lost:
@@ -57,11 +57,9 @@ def _encoding(path: Path) -> str:
         raise file.damaged("does not begin as USD does", 0)
 
 
-def _facts(stage: Stage, encoding: str) -> dict[str, Any]:
-    told, times = stage.told, stage.told["times"]
-    facts: dict[str, Any] = {
-        "encoding": encoding, **facts_of(stage.curves), "times": max(len(times), 1),
-    }  # fmt: skip
+def _facts(told: dict[str, Any]) -> dict[str, Any]:
+    times = told["times"]
+    facts: dict[str, Any] = {"times": max(len(times), 1)}
     if times:
         facts |= {"begin": times[0], "end": times[-1]}
     facts |= {key: told[key] for key in ("not_read", "purpose", "changing", "application") if told[key]}
