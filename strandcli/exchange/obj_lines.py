@@ -12,7 +12,7 @@ import numpy.typing as npt
 from ..errors import UsageError, one_line
 from .bounded import Bounded, opened
 
-BLOCK, LONGEST = 1 << 20, 1 << 22
+BLOCK, LONGEST = 1 << 18, 1 << 22
 """Bytes that are read at once, and of a line."""
 MENDS = "write it anew from its program"
 

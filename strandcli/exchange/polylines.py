@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from .strands import Offsets
+from .growing import Growing
+from .strands import CHUNK, Offsets
 
 OF_POINT = 16
 """Bytes that a point of a strand and its row take; lines may name one point often."""
@@ -29,17 +30,38 @@ class Lines(NamedTuple):
 
 
 def joined_lines(lines: Lines) -> tuple[Offsets, npt.NDArray[np.int32], npt.NDArray[np.int32]]:
-    """Offsets (S + 1,) of strands, the row of each of their points, and the number of each one's object. A line that
-    begins at the row where the one before it ends goes on with it: many programs write a line a segment."""
-    lengths, objects = lines.lengths[lines.lengths > 0].astype(np.int64), lines.objects[lines.lengths > 0]
-    if not lengths.size:
-        return np.zeros(1, np.int64), lines.rows[:0], objects
-    ends = np.cumsum(lengths)
-    begins = ends - lengths
-    goes_on = np.zeros(lengths.size, np.bool_)
-    goes_on[1:] = (lines.rows[begins[1:]] == lines.rows[ends[:-1] - 1]) & (lengths[1:] > 1) & (lengths[:-1] > 1)
-    goes_on[1:] &= objects[1:] == objects[:-1]
-    keep = np.ones(lines.rows.size, np.bool_)
-    keep[begins[goes_on]] = False
-    counts = np.add.reduceat(lengths - goes_on, np.flatnonzero(~goes_on))
-    return np.concatenate([[0], np.cumsum(counts)]), lines.rows[keep], objects[~goes_on]
+    """Offsets (S + 1,) of strands, the row of each of their points, and the number of each one's object; the rows of
+    the lines are of no use afterwards. A line that begins at the row where the one before it ends goes on with it: many
+    programs write a line a segment."""
+    first, objects = Growing(np.int64), Growing(np.int32)
+    begin = done = 0
+    last = np.array([0, -1, -1])
+    """Of the line before: its rows, the last of them, and its object."""
+    for at in range(0, lines.lengths.size, CHUNK):
+        lengths, of = lines.lengths[at : at + CHUNK].astype(np.int64), lines.objects[at : at + CHUNK]
+        lengths, of = lengths[lengths > 0], of[lengths > 0]
+        if not lengths.size:
+            continue
+        ends = np.cumsum(lengths)
+        rows, begin = lines.rows[begin : begin + int(ends[-1])], begin + int(ends[-1])
+        lines_of = np.stack([lengths, rows[ends - 1], of], axis=1)
+        before = np.concatenate([last[None], lines_of[:-1]])
+        goes_on = (rows[ends - lengths] == before[:, 1]) & (lengths > 1) & (before[:, 0] > 1) & (of == before[:, 2])
+        last = lines_of[-1]
+        keep = np.ones(rows.size, np.bool_)
+        keep[(ends - lengths)[goes_on]] = False
+        first.add((done + ends - lengths - np.cumsum(goes_on))[~goes_on])
+        objects.add(of[~goes_on])
+        kept = rows[keep]
+        lines.rows[done : done + kept.size] = kept
+        done += kept.size
+    first.add([done])
+    return first.taken(), lines.rows[:done], objects.taken()
+
+
+def at_rows(table: npt.NDArray[Any], rows: npt.NDArray[np.int32]) -> npt.NDArray[Any]:
+    """The rows of a table (V, k) that strands name one after the other (P,); the table itself where they name it so."""
+    steps = range(0, rows.size, CHUNK)
+    if all((rows[at : at + CHUNK] == np.arange(at, min(at + CHUNK, rows.size))).all() for at in steps):
+        return table[: rows.size]
+    return table[rows]
