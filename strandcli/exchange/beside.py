@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ..errors import StrandError
 from ..picture_samples import pixels
-from .bounded import opened
+from .bounded import Bounded, opened
 
 LARGEST = 1 << 31
 """Bytes of a file that another one names, at most."""
@@ -24,9 +24,9 @@ class Beside:
         self.missing: list[str] = []
         self.unread: list[str] = []
         """Pictures that could not be read."""
-        self._contents: dict[Path, bytes] = {}
+        self._contents: dict[Path, bytearray] = {}
 
-    def get(self, name: str) -> bytes:
+    def get(self, name: str) -> bytearray:
         """What a file holds. Raises `ValueError` for one outside of the folder, `OSError` for none."""
         try:
             path = (self.folder / unquote(name.strip()).replace("\\", "/")).resolve()
@@ -49,12 +49,12 @@ class Beside:
             self.unread.append(name[:80])
         return found
 
-    def _read(self, path: Path) -> bytes:
+    def _read(self, path: Path) -> bytearray:
         try:
             with opened(path, "file") as file:
                 if file.size > LARGEST:
                     raise ValueError("too large")
-                return file.take("content", file.size)
+                return _content(file)
         except StrandError as error:
             raise OSError(str(error)) from None
 
@@ -64,17 +64,23 @@ class Beside:
         return sum(map(len, self._contents.values()))
 
 
-def picture(content: bytes) -> npt.NDArray[np.uint8] | None:
+def picture(content: bytes | bytearray) -> npt.NDArray[np.uint8] | None:
     """The pixels (h, w, 3) of a picture's file; None where it cannot be read."""
     try:
-        return pixels(content)
+        return pixels(bytes(content))
     except MemoryError:
         raise
     except Exception:  # whatever a damaged picture raises
         return None
 
 
-def whole(path: Path, what: str) -> bytes:
-    """What a file holds."""
+def whole(path: Path, what: str) -> bytearray:
+    """What a file holds; arrays of it can be written to."""
     with opened(path, what) as file:
-        return file.take("content", file.size)
+        return _content(file)
+
+
+def _content(file: Bounded) -> bytearray:
+    found = bytearray(file.size)
+    file.fill(memoryview(found))
+    return found

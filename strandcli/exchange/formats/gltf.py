@@ -10,12 +10,13 @@ import numpy.typing as npt
 
 from ...errors import UsageError
 from ..beside import Beside
-from ..bounded import too_many
+from ..bounded import not_finite, too_many
 from ..files import ReadOptions
 from ..gltf_file import MAGIC, Gltf
 from ..gltf_nodes import placed_meshes
-from ..parts import Part, joined
-from ..polylines import IS_MESH, OF_POINT, Lines, joined_lines
+from ..parts import Part, concatenated, joined
+from ..placing import moved
+from ..polylines import IS_MESH, OF_POINT, Lines, at_rows, joined_lines
 from ..strands import Offsets, Points, Source, Strands, without_short
 
 name = ".gltf"
@@ -37,6 +38,19 @@ def is_mesh(path: Path) -> bool:
 
 def read(path: Path, options: ReadOptions) -> Strands:
     """The strands of all lines of the scene. Of pairs one that begins where the one before it ends goes on with it."""
+    parts, others = _parts(path)
+    facts: dict[str, Any] = {"not_read": {"primitives of a mesh": others}} if others else {}
+    strands, lost = joined(parts, Source(name, "2.0", facts, 1.0, "y"))
+    if lost:
+        facts["attributes_not_read"] = lost
+    bad, point = not_finite(strands.points)
+    if bad and not options.lenient:
+        raise UsageError(f"{path}: point {point:,} of its lines is not finite; 'convert --fix' mends it")
+    return without_short(strands)
+
+
+def _parts(path: Path) -> tuple[list[Part], int]:
+    """The lines of each node, and how many primitives there are that are no lines but meshes."""
     file = Gltf(path, Beside(path))
     meshes = _meshes(file)
     lines = [[one for one in mesh if LINES <= _mode(one) <= STRIP] for mesh in meshes]
@@ -54,15 +68,9 @@ def read(path: Path, options: ReadOptions) -> Strands:
         if mesh not in known:
             known[mesh] = _part(file, lines[mesh], f"meshes[{mesh}]")
         one = known[mesh]
-        parts.append(Part(label, one.counts, _moved(one.points, matrix), unread=one.unread))
-    facts: dict[str, Any] = {"not_read": {"primitives of a mesh": others}} if others else {}
-    strands, lost = joined(parts, Source(name, "2.0", facts, 1.0, "y"))
-    if lost:
-        facts["attributes_not_read"] = lost
-    wrong = np.flatnonzero(~np.isfinite(strands.points).all(axis=1))
-    if wrong.size and not options.lenient:
-        raise UsageError(f"{path}: point {wrong[0]:,} of its lines is not finite; 'convert --fix' mends it")
-    return without_short(strands)
+        points = moved(one.points, None if np.array_equal(matrix, np.eye(4)) else matrix.T)
+        parts.append(Part(label, one.counts, points, unread=one.unread))
+    return parts, others
 
 
 def _meshes(file: Gltf) -> list[list[dict[str, Any]]]:
@@ -95,32 +103,27 @@ def _part(file: Gltf, primitives: list[dict[str, Any]], where: str) -> Part:
     for one in primitives:
         table, first, rows = _lines(file, one, where)
         counts.append(np.diff(first))
-        points.append(table[rows])
+        points.append(at_rows(table, rows))
         unread |= dict.fromkeys(name for name in one["attributes"] if name != "POSITION")
-    return Part("", np.concatenate(counts), np.concatenate(points), unread=list(unread))
+    return Part("", concatenated(counts), concatenated(points), unread=list(unread))
 
 
 def _lines(file: Gltf, primitive: dict[str, Any], where: str) -> tuple[Points, Offsets, npt.NDArray[np.int32]]:
     """The positions of a primitive, offsets of its strands, and the rows of their points."""
-    table = file.numbers(primitive["attributes"]["POSITION"], 3, where).astype(np.float32)
+    found = file.numbers(primitive["attributes"]["POSITION"], 3, where)
+    table = np.require(found, np.float32, ("C", "A"))
     rows = np.arange(len(table), dtype=np.int32)
     if "indices" in primitive:
         wide = file.numbers(primitive["indices"], 1, where)[:, 0]
         if wide.dtype.kind not in "iu" or (wide.size and not 0 <= int(wide.min()) <= int(wide.max()) < len(table)):
             raise file.fault(where, f"indices are none of its {len(table):,} positions")
         rows = wide.astype(np.int32)
+        del wide
     mode = _mode(primitive)
     if mode == LINES:
         pairs = rows.size // 2
-        lines = Lines(np.full(pairs, 2, np.int32), rows[: 2 * pairs], np.zeros(pairs, np.int32))
+        each, object_of = (np.broadcast_to(np.int32(one), pairs) for one in (2, 0))
+        lines = Lines(each, rows[: 2 * pairs], object_of)
         return table, *joined_lines(lines)[:2]
     rows = np.append(rows, rows[:1]) if mode == LOOP else rows
     return table, np.array([0, rows.size]), rows
-
-
-def _moved(points: Points, matrix: npt.NDArray[np.float64]) -> Points:
-    """Points where a node puts them."""
-    if np.array_equal(matrix, np.eye(4)):
-        return points
-    with np.errstate(over="ignore", invalid="ignore"):
-        return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3], np.float32)
