@@ -80,9 +80,9 @@ class Strands:
         """Number of strands."""
         return self.first.shape[0] - 1
 
-    def counts(self) -> Offsets:
-        """Points of each strand."""
-        return np.diff(self.first)
+    def counts(self, kind: npt.DTypeLike = np.int64) -> npt.NDArray[Any]:
+        """Points of each strand, in a type."""
+        return np.subtract(self.first[1:], self.first[:-1], dtype=kind, casting="unsafe")
 
     def with_width(self) -> Strands:
         """The strands with an attribute ``width``, where they have one by another name."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .strands import Attribute, Strands
+from .bounded import SLICE
+from .strands import Attribute, Strands, spans
 
 
 def raw(values: npt.NDArray[Any], dtype: str) -> Any:
@@ -46,3 +47,23 @@ def left_out(strands: Strands, format: str, kept: Iterable[str]) -> list[str]:
     """A line for the attributes that a format does not hold, or none."""
     lost = [attribute for attribute in strands.attributes if attribute not in set(kept)]
     return [f"{format} does not hold {', '.join(lost)}: left out"] if lost else []
+
+
+def records(columns: list[tuple[str, str, Any]], count: int) -> Iterator[Any]:
+    """Rows of columns, each of a name, a type and values (count,), as bytes, some at once."""
+    record = np.dtype([(label, kind) for label, kind, _ in columns])
+    step = max(1, SLICE // record.itemsize)
+    for begin in range(0, count, step):
+        part = np.empty(min(step, count - begin), record)
+        for label, _, values in columns:
+            part[label] = values[begin : begin + part.shape[0]]
+        yield part.view(np.uint8).reshape(-1).data
+
+
+def edges_of(strands: Strands) -> Iterator[Any]:
+    """Pairs of points that strands join, as bytes, some at once."""
+    for rows, points in spans(strands.first):
+        low = np.arange(points.start, points.stop)
+        tips = strands.first[rows.start + 1 : rows.stop + 1] - 1
+        low = np.delete(low, tips[tips < points.stop] - points.start)
+        yield raw(np.stack([low, low + 1], axis=1), "<i4")

@@ -137,7 +137,7 @@ def _geometry(
     found = [
         writer.scalar(".selfBnds", box, boxes, count, moving),
         writer.array("P", place, points, count, moving),
-        writes.array("nVertices", Kind("int32_t", 1, {}), strands.counts().astype("<i4")),
+        writes.array("nVertices", Kind("int32_t", 1, {}), strands.counts("<i4")),
         writes.scalar("curveBasisAndType", Kind("uint8_t", 4, {}), basis),
     ]
     own, added, lost = _attributes(writes, strands)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +18,7 @@ from ...counted import counted
 from ...output.files import write_pieces
 from ..bounded import Bounded, opened
 from ..files import ReadOptions
-from ..strands import SHORT, SHORTEST, Attribute, Offsets, Source, Strands, TimeSample, offsets
+from ..strands import SHORT, SHORTEST, Attribute, Offsets, Source, Strands, TimeSample, offsets, spans
 from ..written import left_out, raw
 
 name = ".data"
@@ -151,22 +151,20 @@ def _gather(
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
     """Write a file: `.data` the points alone, `.bin` with the four numbers that were read, or 0."""
     width = MORE if path.suffix.lower() == ".bin" else PLAIN
-    counts, first = strands.counts(), strands.first
-    heads = 1 + width * first[:-1] + np.arange(counts.size)
-    words = np.zeros(1 + counts.size + width * strands.points.shape[0], "<i4")
-    mask = np.ones(words.shape[0], np.bool_)
-    words[0] = counts.size
-    words[heads] = counts
-    mask[0] = False
-    mask[heads] = False
-    extra = strands.attributes.get(EXTRA)
-    if width == PLAIN:
-        words[mask] = strands.points.astype("<f4", copy=False).reshape(-1).view("<i4")
-    else:
-        rows = np.zeros((strands.points.shape[0], MORE), "<f4")
-        rows[:, :3] = strands.points
-        if extra is not None and extra.values.shape == (rows.shape[0], MORE - 3):
-            rows[:, 3:] = extra.values
-        words[mask] = rows.reshape(-1).view("<i4")
-    write_pieces(path, [raw(words, "<i4")])
+    write_pieces(path, _words(strands, width))
     return left_out(strands, NAMES[width], [EXTRA] if width == MORE else [])
+
+
+def _words(strands: Strands, width: int) -> Iterable[Any]:
+    """The words of a file of so many numbers a point, some strands at once."""
+    yield np.int32(strands.count).astype("<i4").tobytes()
+    extra = strands.attributes.get(EXTRA)
+    known = extra is not None and extra.values.shape == (strands.points.shape[0], MORE - PLAIN)
+    for rows, points in spans(strands.first):
+        numbers = np.zeros((points.stop - points.start, width), "<f4")
+        numbers[:, :PLAIN] = strands.points[points]
+        if width == MORE and known and extra is not None:
+            numbers[:, PLAIN:] = extra.values[points]
+        begins, counts = strands.first[rows] - points.start, np.diff(strands.first[rows.start : rows.stop + 1])
+        here = begins >= 0  # a strand in parts has its count before the first
+        yield raw(np.insert(numbers.view("<i4").reshape(-1), width * begins[here], counts[here]), "<i4")

@@ -99,7 +99,9 @@ def _attributes(file: Bounded, flags: int, points: int, defaults: Sequence[float
 
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
     """Write a file. Raises `UsageError` where a strand has more segments than it can tell."""
-    counts = strands.counts() - 1
+    equal = strands.equal()
+    counts = np.array([equal]) if equal else strands.counts(np.int32)
+    counts -= 1
     if counts.size and counts.max() > MOST_SEGMENTS:
         worst = int(np.argmax(counts))
         raise UsageError(
@@ -116,7 +118,6 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
             flags |= flag
             arrays.append(values)
         defaults += default
-    equal = strands.equal()
     if not equal:
         flags |= SEGMENTS
     text = str(strands.source.facts.get("info", "")).encode("utf-8")[:88] if strands.source.format == name else b""

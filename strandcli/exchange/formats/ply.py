@@ -8,9 +8,9 @@ objects that the property ``object`` of strands numbers.
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Iterable
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +38,7 @@ from ..strands import (
     without_short,
 )
 from ..stride import divisors, guess
-from ..written import left_out, raw, with_width_each
+from ..written import edges_of, left_out, records, with_width_each
 
 name = ".ply"
 suffixes = (".ply",)
@@ -242,7 +242,7 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
     """Write a binary file of vertices, strands and edges; with the edges, viewers of meshes show it. Values of strands
     are written at each of their points."""
     strands = with_width_each(strands)
-    counts = strands.counts()
+    counts = strands.counts(np.int32)
     kinds: list[tuple[str, str, Any]] = [(axis, "<f4", strands.points[:, i]) for i, axis in enumerate(XYZ)]
     kept = []
     for attribute, names in (("width", ("thickness",)), ("transparency", ("alpha",)), ("colour", RGB)):
@@ -252,15 +252,16 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
         kind = "|u1" if one.values.dtype == np.uint8 else "<f4"
         rows = one.values.reshape(-1, len(names))
         if one.domain == "strand":
-            rows = np.repeat(rows, counts, axis=0)
+            rows = np.repeat(rows, strands.counts(), axis=0)
         kinds += [(label, kind, rows[:, i]) for i, label in enumerate(names)]
         kept.append(attribute)
     of = strands.attributes.get(OBJECT)
     named = of is not None and 1 < len(strands.objects) <= MOST_OBJECTS
     objects = written_names(strands.objects, str) if named or len(strands.objects) == 1 else []
-    segments = "<u2" if not counts.size or counts.max() <= 65_536 else "<i4"
+    counts -= 1
+    segments = "<u2" if not counts.size or counts.max() <= 65_535 else "<i4"
     words = {"<f4": "float", "|u1": "uchar", "<u2": "ushort", "<i4": "int"}
-    columns: list[tuple[str, str, Any]] = [("nsegs", segments, counts - 1)]
+    columns: list[tuple[str, str, Any]] = [("nsegs", segments, counts)]
     if named and of is not None:
         columns.append((OBJECT, "<i4", of.values))
         kept.append(OBJECT)
@@ -273,32 +274,8 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
         *([f"property int {OBJECT}"] if named else []),
         f"element edge {edges}", "property int vertex1", "property int vertex2", "end_header", "",
     ]  # fmt: skip
-    write_pieces(path, [
-        "\n".join(header).encode(), *_rows(kinds, strands.points.shape[0]), *_rows(columns, strands.count),
-        *_edges(strands),
-    ])  # fmt: skip
+    write_pieces(path, chain(
+        ["\n".join(header).encode()], records(kinds, strands.points.shape[0]), records(columns, strands.count),
+        edges_of(strands),
+    ))  # fmt: skip
     return left_out(strands, name, kept) + (renamed(strands, str, name) if objects else [])
-
-
-def _rows(kinds: list[tuple[str, str, Any]], count: int) -> Iterable[Any]:
-    """Vertices, some at once."""
-    record = np.dtype([(label, kind) for label, kind, _ in kinds])
-    step = max(1, SLICE // record.itemsize)
-    for begin in range(0, count, step):
-        part = np.empty(min(step, count - begin), record)
-        for label, _, values in kinds:
-            part[label] = values[begin : begin + part.shape[0]]
-        yield part.view(np.uint8).reshape(-1).data
-
-
-def _edges(strands: Strands) -> Iterable[Any]:
-    """Pairs of vertices, some at once."""
-    tips = strands.first[1:] - 1
-    total = strands.points.shape[0]
-    step = math.ceil(SLICE / 8)
-    for begin in range(0, total, step):
-        low = np.arange(begin, min(begin + step, total))
-        inside = np.ones(low.size, np.bool_)
-        inside[tips[(tips >= begin) & (tips < begin + step)] - begin] = False
-        low = low[inside]
-        yield raw(np.stack([low, low + 1], axis=1), "<i4")

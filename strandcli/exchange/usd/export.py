@@ -89,7 +89,7 @@ def _messages(
     }  # fmt: skip
     arrays: list[npt.NDArray[Any]] = []
     for one, held in zip(there.strands, attributes, strict=True):
-        arrays += [one.counts().astype("<i4"), *(values for _, _, values in held)]
+        arrays += [one.counts("<i4"), *(values for _, _, values in held)]
     yield told, arrays
     widest = [max((float(values.max(initial=0.0)) for name, _, values in held if name == "widths"), default=0.0)
               for held in attributes]  # fmt: skip
