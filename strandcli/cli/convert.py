@@ -119,9 +119,9 @@ def command(
     chosen = _moments(source, there, frames, getattr(writer, "moving", False))
     strands = moments.moved_to(strands, source, how, chosen[0])
     skipped, before = dict(strands.source.skipped), strands.count
-    strands, changes, again = edited(strands, _edits(edits))
+    strands, changes, again = edited(strands, _edits(edits), len(chosen) > 1)
     samples = None
-    if len(chosen) > 1:
+    if again is not None:
         samples = (TimeSample(one.seconds, again.points(one.points)) for one in moments.samples_of(source, how, chosen))
     lost = files.write(target, strands, samples, basis=basis)
     if frames is None and len(chosen) < there:

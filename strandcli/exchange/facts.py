@@ -54,16 +54,16 @@ def facts_of_file(path: Path, options: ReadOptions) -> Facts:
     finite are told as a fault."""
     strands, moments = read_first(path, replace(options, lenient=True))
     told = None if moments is None else moments.facts(strands)
-    found = facts(strands, spent=True)
+    found = facts(replace(strands, spent=True))
     size = sum(one.stat().st_size for one in files_of(path))
     return Facts({"file": str(path), "bytes": size, **found.data, "moments": told}, found.faults)
 
 
-def facts(strands: Strands, spent: bool = False) -> Facts:
-    """What strands are like; shape and guesses are of those that are finite. ``spent``: as of `Strands.select`."""
+def facts(strands: Strands) -> Facts:
+    """What strands are like; shape and guesses are of those that are finite."""
     bad = faults.not_finite(strands)
     data = _data_of_all(strands)
-    fine = strands.select(~bad, spent)
+    fine = strands.select(~bad)
     known = ends(fine)
     data |= {
         "root": known.root if known.stated else None,

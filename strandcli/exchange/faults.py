@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +34,7 @@ def without_length(strands: Strands) -> Mask:
         first = strands.first[begin : begin + CHUNK + 1]
         found[begin : begin + CHUNK] = (strands.points[first[:-1]] == strands.points[first[1:] - 1]).all(axis=1)
     if found.any():  # the others have a length for sure
-        found[found] = strands.select(found).lengths() == 0
+        found[found] = replace(strands, spent=False).select(found).lengths() == 0
     return found
 
 

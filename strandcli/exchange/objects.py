@@ -104,12 +104,12 @@ def shown(name: str, most: int = 80) -> str:
 
 
 def only(strands: Strands, wanted: Sequence[str], path: Path) -> Strands:
-    """The strands of objects of these names, all of them where there are none; as `chosen`."""
+    """The strands, just read, of objects of these names, all of them where there are none; as `chosen`."""
     if not wanted:
         return strands
     keep = chosen(strands, wanted, path)
     there = np.unique(numbers(strands)[keep])
-    strands = strands.select(keep)
+    strands = replace(replace(strands, spent=True).select(keep), spent=False)
     attributes = {name: one for name, one in strands.attributes.items() if name != OBJECT}
     if there.size > 1:
         attributes[OBJECT] = Attribute("strand", np.searchsorted(there, numbers(strands)).astype(np.int32))

@@ -66,7 +66,8 @@ class Strands:
 
     first: (S + 1,), of each strand its first point, and last the number of points; points: (P, 3), root to tip, units
     of the file; attributes: by name; objects: full names of the objects of the file that they come from, one alone or
-    those that the attribute `OBJECT` (S,) numbers; () where it names none.
+    those that the attribute `OBJECT` (S,) numbers; () where it names none; spent: whether nobody looks at these arrays
+    again but through what is made of them, which then takes their place in memory.
     """
 
     first: Offsets
@@ -74,6 +75,7 @@ class Strands:
     attributes: Mapping[str, Attribute] = field(default_factory=dict)
     source: Source = field(default_factory=Source)
     objects: tuple[str, ...] = ()
+    spent: bool = False
 
     @property
     def count(self) -> int:
@@ -149,20 +151,35 @@ class Strands:
         """Last point of each strand."""
         return self.points[self.first[1:] - 1]
 
-    def select(self, keep: Mask, spent: bool = False) -> Strands:
-        """The strands for which ``keep`` (S,) holds, in their order. ``spent``: these strands are of no use afterwards,
-        the others take their memory."""
+    def select(self, keep: Mask) -> Strands:
+        """The strands for which ``keep`` (S,) holds, in their order."""
         if keep.all():
             return self
-        first = self._first_of(keep)
+        first, done = np.zeros(np.count_nonzero(keep) + 1, np.int64), 0
+        for begin in range(0, self.count, CHUNK):
+            counts = np.diff(self.first[begin : begin + CHUNK + 1])[keep[begin : begin + CHUNK]]
+            first[done + 1 : done + 1 + counts.size] = first[done] + np.cumsum(counts)
+            done += counts.size
+        return self._only(first, keep, lambda rows, points: np.repeat(keep[rows], counts_in(self.first, rows, points)))
+
+    def thinned(self, keep: Mask) -> Strands:
+        """All strands, of the points for which ``keep`` (P,) holds."""
+        first = np.zeros(self.first.size, np.int64)
+        for rows, (found,) in self.sums(lambda rows, points, segments: keep[points][None].astype(np.int64)):
+            first[rows.start + 1 : rows.stop + 1] = first[rows.start] + np.cumsum(found)
+        return self._only(first, None, lambda rows, points: keep[points])
+
+    def _only(self, first: Offsets, keep: Mask | None, points_of: Callable[[slice, slice], Mask]) -> Strands:
+        """Some strands, or all, with the offsets (K + 1,) that they have then; ``points_of``: whether points of some
+        strands stay."""
         sizes = {"point": int(first[-1]), "strand": first.size - 1}
-        held = [one for one in (Attribute("point", self.points), *self.attributes.values()) if one.domain != "groom"]
-        out = [one.values[: sizes[one.domain]] if spent and one.values.flags.writeable else
-               np.empty((sizes[one.domain], *one.values.shape[1:]), one.values.dtype) for one in held]  # fmt: skip
+        held = [Attribute("point", self.points), *(one for one in self.attributes.values() if one.domain != "groom")]
+        out = [self.room(one.values, sizes[one.domain]) if keep is not None or one.domain == "point" else one.values
+               for one in held]  # fmt: skip
         begins = {"point": 0, "strand": 0}
         for rows, points in spans(self.first):
-            own = {"point": (points, np.repeat(keep[rows], counts_in(self.first, rows, points)))}
-            if points.stop == self.first[rows.stop]:  # a strand in parts counts with its last one
+            own = {"point": (points, points_of(rows, points))}
+            if keep is not None and points.stop == self.first[rows.stop]:  # a strand in parts counts with its last one
                 own["strand"] = (rows, keep[rows])
             for domain, (some, kept) in own.items():
                 begin, begins[domain] = begins[domain], begins[domain] + int(np.count_nonzero(kept))
@@ -176,14 +193,13 @@ class Strands:
         }
         return replace(self, first=first, points=out[0], attributes=attributes)
 
-    def _first_of(self, keep: Mask) -> Offsets:
-        """Offsets of the strands for which ``keep`` (S,) holds, once they are alone."""
-        found, done = np.zeros(np.count_nonzero(keep) + 1, np.int64), 0
-        for begin in range(0, self.count, CHUNK):
-            counts = np.diff(self.first[begin : begin + CHUNK + 1])[keep[begin : begin + CHUNK]]
-            found[done + 1 : done + 1 + counts.size] = found[done] + np.cumsum(counts)
-            done += counts.size
-        return found
+    def room(self, values: npt.NDArray[Any], rows: int | None = None) -> npt.NDArray[Any]:
+        """An array for so many rows that become of these values, which it takes the place of where the strands are
+        spent. What is written to it must not be needed to be read again."""
+        count = values.shape[0] if rows is None else rows
+        if self.spent and values.flags.writeable:
+            return values[:count]
+        return np.empty((count, *values.shape[1:]), values.dtype)
 
 
 CHUNK = 1 << 17
@@ -240,8 +256,7 @@ def counts_in(first: Offsets, rows: slice, points: slice) -> Offsets:
 
 
 def without_short(strands: Strands) -> Strands:
-    """Strands without those of fewer than two points, which are counted as skipped; they take the memory of the others,
-    which are of no use any more."""
+    """Strands that were just read without those of fewer than two points, which are counted as skipped."""
     keep = np.empty(strands.count, np.bool_)
     for begin in range(0, keep.size, CHUNK):
         keep[begin : begin + CHUNK] = np.diff(strands.first[begin : begin + CHUNK + 1]) >= SHORTEST
@@ -249,4 +264,5 @@ def without_short(strands: Strands) -> Strands:
     if not few:
         return strands
     skipped = {**strands.source.skipped, SHORT: few}
-    return replace(strands.select(keep, spent=True), source=replace(strands.source, skipped=skipped))
+    kept = replace(strands, spent=True).select(keep)
+    return replace(kept, source=replace(strands.source, skipped=skipped), spent=False)

@@ -6,13 +6,14 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ...counted import counted
 from .. import faults
 from ..bounded import not_finite
 from ..change import Change
 from ..ends import ends
-from ..strands import Attribute, Mask, Strands
+from ..strands import CHUNK, Attribute, Mask, Strands, spans
 
 
 def fixed(
@@ -68,12 +69,38 @@ def turned_around(strands: Strands, back: Mask) -> Strands:
     """Strands of which some (S,) run from last point to first, and their points' attributes with them."""
     if not back.any():
         return strands
-    counts, first = strands.counts(), strands.first
-    order = np.arange(strands.points.shape[0])
-    of_points = np.repeat(back, counts)
-    order[of_points] = np.repeat(first[:-1] + first[1:] - 1, counts)[of_points] - order[of_points]
+    points = _turned(strands, strands.points, back)
     attributes = {
-        name: Attribute(one.domain, one.values[order]) if one.domain == "point" else one
+        name: Attribute(one.domain, _turned(strands, one.values, back)) if one.domain == "point" else one
         for name, one in strands.attributes.items()
     }
-    return replace(strands, points=strands.points[order], attributes=attributes)
+    return replace(strands, points=points, attributes=attributes)
+
+
+def _turned(strands: Strands, values: npt.NDArray[Any], back: Mask) -> npt.NDArray[Any]:
+    """Values (P, ...) of points in the order that they have once some strands (S,) are turned around."""
+    found = strands.room(values)
+    for rows, points in spans(strands.first):
+        first = strands.first[rows.start : rows.stop + 1]
+        if points == slice(int(first[0]), int(first[-1])):
+            counts = np.diff(first)
+            order = np.arange(points.start, points.stop)
+            other = np.repeat(first[:-1] + first[1:] - 1, counts) - order
+            found[points] = values[np.where(np.repeat(back[rows], counts), other, order)]
+        elif not back[rows.start]:
+            found[points] = values[points]
+        elif points.start == first[0]:
+            _turn(found, values, int(first[0]), int(first[1]))
+    return found
+
+
+def _turn(found: npt.NDArray[Any], values: npt.NDArray[Any], begin: int, end: int) -> None:
+    """Write the values of a long strand from last to first: its beginning and its end change places, some points at
+    once, as ``found`` may be the values themselves."""
+    middle = (begin + end + 1) // 2
+    for low in range(begin, middle, CHUNK):
+        ahead = slice(low, min(low + CHUNK, middle))
+        behind = slice(begin + end - ahead.stop, begin + end - ahead.start)
+        held = values[ahead][::-1].copy()
+        found[ahead] = values[behind][::-1].copy()
+        found[behind] = held

@@ -42,21 +42,25 @@ class Replayed:
         return held
 
 
-def edited(strands: Strands, steps: Sequence[Step]) -> tuple[Strands, list[Change], Replayed]:
-    """Strands after all edits, what each did, and the same edits for other moments."""
+def edited(
+    strands: Strands, steps: Sequence[Step], again: bool = True
+) -> tuple[Strands, list[Change], Replayed | None]:
+    """Strands after all edits, what each did, and the same edits for other moments where they are asked for ``again``;
+    else the strands are spent."""
     changes: list[Change] = []
     parts: list[Any] = []
+    strands = replace(strands, spent=not again)
     for step in steps:
-        before = strands
-        if step.chooses:
+        before = replace(strands, attributes={}) if again else None
+        if again and step.chooses:
             rows = Attribute("point", np.arange(strands.points.shape[0]))
             strands = replace(strands, attributes={**strands.attributes, ROW: rows})
         strands, change = step.edit(strands)
         changes.append(change)
-        if step.chooses:
+        if again and step.chooses:
             kept = dict(strands.attributes)
             parts.append(kept.pop(ROW).values)
             strands = replace(strands, attributes=kept)
-        else:
-            parts.append((step.edit, replace(before, attributes={})))
-    return strands, changes, Replayed(parts)
+        elif before is not None:
+            parts.append((step.edit, before))
+    return replace(strands, spent=False), changes, Replayed(parts) if again else None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -11,24 +13,61 @@ import numpy.typing as npt
 from ..change import Change
 from ..kernels import along
 from ..kernels import simplify as thinning
-from ..strands import Attribute, Strands, even_offsets, offsets
+from ..strands import Attribute, Offsets, Strands, even_offsets, spans
+
+AT_ONCE = 1 << 20
+"""Points that are made at once, of as many at most where strands are not longer."""
 
 
 def resampled(strands: Strands, count: int) -> tuple[Strands, Change]:
     """Strands of ``count`` points each, at equal distances along them; roots and tips stay."""
+    total = strands.count * count
     out = np.empty((strands.count, count, 3), np.float32)
-    low, share = np.empty(out.shape[:2], np.int64), np.empty(out.shape[:2], np.float32)
-    deviation = np.zeros(strands.count)
-    along.resample(strands.first, strands.points, low, share, out, deviation)
-    attributes = {
-        name: Attribute(one.domain, _between(one.values, low.reshape(-1), share.reshape(-1)))
-        if one.domain == "point" else one
-        for name, one in strands.attributes.items()
+    values = {
+        name: np.empty((total, *one.values.shape[1:]), one.values.dtype)
+        for name, one in strands.attributes.items() if one.domain == "point"
     }  # fmt: skip
+    worst = _Worst()
+    for rows, first, points in _some(strands, count):
+        deviation = np.zeros(first.size - 1)
+        low, share = np.empty(out[rows].shape[:2], np.int64), np.empty(out[rows].shape[:2], np.float32)
+        along.resample(first, strands.points[points], low, share, out[rows], deviation)
+        worst.add(rows, deviation)
+        for name, found in values.items():
+            here = strands.attributes[name].values[points]
+            found[rows.start * count : rows.stop * count] = _between(here, low.reshape(-1), share.reshape(-1))
+    attributes = {name: Attribute(one.domain, values.get(name, one.values)) for name, one in strands.attributes.items()}
     changed = replace(
         strands, first=even_offsets(strands.count, count), points=out.reshape(-1, 3), attributes=attributes
     )
-    return changed, _change("resample", f"resampled to {count} points a strand", strands, changed, deviation)
+    return changed, _change("resample", f"resampled to {count} points a strand", strands, changed, worst)
+
+
+def _some(strands: Strands, count: int) -> Iterator[tuple[slice, Offsets, slice]]:
+    """All strands, some at once, which get so many points each: which, their offsets, and which points are theirs."""
+    some, last = max(1, AT_ONCE // count), 0
+    for rows, _ in spans(strands.first, AT_ONCE):
+        if rows.start < last:  # a strand in parts is once
+            continue
+        last = rows.stop
+        for begin in range(rows.start, rows.stop, some):
+            end = min(begin + some, rows.stop)
+            first = strands.first[begin : end + 1]
+            yield slice(begin, end), first - first[0], slice(int(first[0]), int(first[-1]))
+
+
+class _Worst:
+    """The largest distance of an old point from its new strand, and of which strand it is."""
+
+    def __init__(self) -> None:
+        self.distance, self.strand = 0.0, 0
+
+    def add(self, rows: slice, distances: npt.NDArray[np.float64]) -> None:
+        """Take in some strands (k,)."""
+        most = int(np.argmax(distances))
+        found = float(distances[most])
+        if found > self.distance or (math.isnan(found) and not math.isnan(self.distance)):
+            self.distance, self.strand = found, rows.start + most
 
 
 def simplified(strands: Strands, tolerance: float) -> tuple[Strands, Change]:
@@ -36,15 +75,14 @@ def simplified(strands: Strands, tolerance: float) -> tuple[Strands, Change]:
     strand's edges there."""
     width = strands.attributes.get("width")
     widths = None if width is None or width.domain != "point" else width.values.astype(np.float32, copy=False)
-    keep, deviation = np.zeros(strands.points.shape[0], np.bool_), np.zeros(strands.count)
-    thinning.simplify(strands.first, strands.points, widths, tolerance, keep, deviation)
-    counts = np.add.reduceat(keep.astype(np.int64), strands.first[:-1]) if strands.count else strands.counts()
-    attributes = {
-        name: Attribute(one.domain, one.values[keep]) if one.domain == "point" else one
-        for name, one in strands.attributes.items()
-    }
-    changed = replace(strands, first=offsets(counts), points=strands.points[keep], attributes=attributes)
-    return changed, _change("simplify", f"simplified to {tolerance:g}", strands, changed, deviation)
+    keep, worst = np.zeros(strands.points.shape[0], np.bool_), _Worst()
+    for rows, first, points in _some(strands, 1):
+        deviation = np.zeros(first.size - 1)
+        own = None if widths is None else widths[points]
+        thinning.simplify(first, strands.points[points], own, tolerance, keep[points], deviation)
+        worst.add(rows, deviation)
+    changed = strands.thinned(keep)
+    return changed, _change("simplify", f"simplified to {tolerance:g}", strands, changed, worst)
 
 
 def _between(values: npt.NDArray[Any], low: npt.NDArray[np.int64], share: npt.NDArray[np.float32]) -> Any:
@@ -55,13 +93,11 @@ def _between(values: npt.NDArray[Any], low: npt.NDArray[np.int64], share: npt.ND
     return (1 - part) * values[low] + part * values[low + 1]
 
 
-def _change(edit: str, text: str, before: Strands, after: Strands, deviation: npt.NDArray[np.float64]) -> Change:
-    worst = int(np.argmax(deviation)) if deviation.size else 0
-    largest = float(deviation[worst]) if deviation.size else 0.0
+def _change(edit: str, text: str, before: Strands, after: Strands, worst: _Worst) -> Change:
     points = f"{before.points.shape[0]:,} points became {after.points.shape[0]:,}"
-    where = f" (strand {worst:,})" if largest > 0 else ""
+    where = f" (strand {worst.strand:,})" if worst.distance > 0 else ""
     return Change(
-        edit, f"{text}: {points}, largest deviation {largest:.4g}{where}",
-        {"points_before": before.points.shape[0], "points": after.points.shape[0], "deviation_max": largest,
-         "deviation_strand": worst if largest > 0 else None},
+        edit, f"{text}: {points}, largest deviation {worst.distance:.4g}{where}",
+        {"points_before": before.points.shape[0], "points": after.points.shape[0], "deviation_max": worst.distance,
+         "deviation_strand": worst.strand if worst.distance > 0 else None},
     )  # fmt: skip

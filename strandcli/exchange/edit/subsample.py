@@ -7,12 +7,13 @@ import numpy.typing as npt
 
 from ...counted import counted
 from ..change import Change
-from ..strands import Mask, Strands
+from ..strands import CHUNK, Mask, Strands
 
 
 def every(strands: Strands, step: int) -> tuple[Strands, Change]:
     """Every ``step``-th strand, from the first."""
-    keep = np.arange(strands.count) % step == 0
+    keep = np.zeros(strands.count, np.bool_)
+    keep[::step] = True
     return _kept(strands, keep, f"every {step}-th", {"every": step})
 
 
@@ -25,16 +26,27 @@ def share(strands: Strands, part: float, seed: int) -> tuple[Strands, Change]:
 
 def some(strands: Strands, count: int, seed: int) -> tuple[Strands, Change]:
     """So many strands, those with the lowest dice; fewer are held in more."""
-    keep = np.zeros(strands.count, np.bool_)
-    keep[np.argsort(dice(strands.count, seed), kind="stable")[:count]] = True
+    thrown = dice(strands.count, seed)
+    if count < thrown.size:
+        last = np.partition(thrown, count)[count]
+        keep = thrown < last
+        ties = np.flatnonzero(thrown == last)
+        keep[ties[: count - np.count_nonzero(keep)]] = True
+    else:
+        keep = np.ones(strands.count, np.bool_)
     return _kept(strands, keep, f"{count:,} of them", {"strands": count, "seed": seed})
 
 
 def dice(count: int, seed: int) -> npt.NDArray[np.float64]:
     """A number of [0, 1) for each strand, from the seed and its number alone: SplitMix64 (Steele et al., 2014)."""
+    found = np.empty(count)
     with np.errstate(over="ignore"):
-        z = (np.arange(1, count + 1, dtype=np.uint64) + mixed(np.array([seed], np.uint64))) * np.uint64(GOLDEN)
-        return (mixed(z) >> np.uint64(11)).astype(np.float64) * 2.0**-53
+        begin = mixed(np.array([seed], np.uint64))
+        for low in range(0, count, CHUNK):
+            high = min(low + CHUNK, count)
+            z = (np.arange(low + 1, high + 1, dtype=np.uint64) + begin) * np.uint64(GOLDEN)
+            found[low:high] = (mixed(z) >> np.uint64(11)).astype(np.float64) * 2.0**-53
+    return found
 
 
 GOLDEN = 0x9E3779B97F4A7C15

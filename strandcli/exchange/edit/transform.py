@@ -70,18 +70,17 @@ def _apply(strands: Strands, linear: Matrix, shift: Matrix) -> Strands:
     for name, one in strands.attributes.items():
         values: npt.NDArray[Any] = one.values
         if name == "width":
-            values = (values.astype(np.float64) * size).astype(values.dtype)
+            values = np.multiply(values, size, out=strands.room(values), dtype=np.float64, casting="unsafe")
         elif name.endswith("normal") and values.shape[-1:] == (3,):
             values = _directions(values, np.linalg.inv(linear).T)
         found[name] = Attribute(one.domain, values)
-    points = _mapped(strands.points, linear, shift)
+    points = _mapped(strands.points, linear, shift, strands.room(strands.points))
     if not_finite(points)[0]:
         raise UsageError("points are too far out for single precision after --scale or --matrix")
     return replace(strands, points=points, attributes=found)
 
 
-def _mapped(points: Points, linear: Matrix, shift: Matrix) -> Points:
-    out = np.empty_like(points)
+def _mapped(points: Points, linear: Matrix, shift: Matrix, out: Points) -> Points:
     with np.errstate(over="ignore"):
         for begin in range(0, points.shape[0], CHUNK):
             part = points[begin : begin + CHUNK].astype(np.float64)
@@ -92,7 +91,10 @@ def _mapped(points: Points, linear: Matrix, shift: Matrix) -> Points:
 
 def _directions(values: npt.NDArray[Any], linear: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Vectors of the same lengths in the directions that a matrix gives them."""
-    before = np.linalg.norm(values.astype(np.float64), axis=-1, keepdims=True)
-    turned = values.astype(np.float64) @ linear.T
-    after = np.linalg.norm(turned, axis=-1, keepdims=True)
-    return (turned * (before / np.where(after > 0, after, 1.0))).astype(values.dtype)
+    found = np.empty_like(values)
+    for begin in range(0, values.shape[0], CHUNK):
+        part = values[begin : begin + CHUNK].astype(np.float64)
+        turned = part @ linear.T
+        before, after = (np.linalg.norm(one, axis=-1, keepdims=True) for one in (part, turned))
+        found[begin : begin + CHUNK] = turned * (before / np.where(after > 0, after, 1.0))
+    return found
