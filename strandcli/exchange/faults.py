@@ -6,15 +6,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
-from .edit.subsample import GOLDEN, mixed
 from .growing import Growing
+from .repeats import GOLDEN, Keys, keys_of, mixed, repeats
 from .strands import CHUNK, Mask, Offsets, Strands, counts_in, spans
 
 AT_ONCE = 1 << 24
 """Strands that are compared at once, each by a number of 8 bytes."""
-Keys = npt.NDArray[np.uint64]
 
 
 def not_finite(strands: Strands) -> Mask:
@@ -41,46 +39,15 @@ def without_length(strands: Strands) -> Mask:
 def repeated(strands: Strands) -> Mask:
     """Strands (S,) that have the points of an earlier one, in every bit."""
     found = np.zeros(strands.count, np.bool_)
-    bits = strands.count.bit_length()
-    turns = -(-strands.count // AT_ONCE)
+    bits, turns = strands.count.bit_length(), -(-strands.count // AT_ONCE)
     for turn in range(turns):
-        keys = _keys(strands, bits, turn, turns)
-        keys.sort()
-        while keys.size:  # those that are equal to the first of their key are found
-            keys = _found(strands, keys, bits, found)
+        keys = Growing(np.uint64)
+        for rows, prints in fingerprints(strands):
+            own = keys_of(prints, range(rows.start, rows.stop), bits)
+            keys.add(own if turns == 1 else own[prints % np.uint64(turns) == turn])
+        for _, again in repeats(keys.taken(), bits, lambda one, other: _equal(strands, one, other)):
+            found[again] = True
     return found
-
-
-def _keys(strands: Strands, bits: int, turn: int, turns: int) -> Keys:
-    """Of strands whose fingerprint is ``turn`` modulo ``turns``: its upper bits, and in the lower ``bits`` the number
-    of the strand."""
-    keys = Growing(np.uint64)
-    below = np.uint64((1 << bits) - 1)
-    for rows, prints in fingerprints(strands):
-        own = np.arange(rows.start, rows.stop, dtype=np.uint64)
-        if turns > 1:
-            some = prints % np.uint64(turns) == turn
-            prints, own = prints[some], own[some]
-        keys.add((prints & ~below) | own)
-    return keys.taken()
-
-
-def _found(strands: Strands, keys: Keys, bits: int, found: Mask) -> Keys:
-    """Note strands that are equal to the first one of those with the same fingerprint; the keys of others but the
-    first, whose fingerprint is the same by chance."""
-    left, first = [], keys[0]
-    for begin in range(0, keys.size, CHUNK):
-        part = keys[begin : begin + CHUNK]
-        prints = part >> np.uint64(bits)
-        new = np.diff(prints, prepend=first >> np.uint64(bits)) != 0
-        firsts = np.concatenate([[first], part])[np.maximum.accumulate(np.where(new, np.arange(1, part.size + 1), 0))]
-        first = firsts[-1]
-        again = part != firsts
-        numbers = [(one[again] & np.uint64((1 << bits) - 1)).astype(np.int64) for one in (firsts, part)]
-        same = _equal(strands, *numbers)
-        found[numbers[1][same]] = True
-        left.append(part[again][~same])
-    return np.concatenate(left)
 
 
 def _equal(strands: Strands, one: Offsets, other: Offsets) -> Mask:

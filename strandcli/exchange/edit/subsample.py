@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from ...counted import counted
 from ..change import Change
+from ..repeats import GOLDEN, mixed
 from ..strands import CHUNK, Mask, Strands
 
 
@@ -47,16 +48,6 @@ def dice(count: int, seed: int) -> npt.NDArray[np.float64]:
             z = (np.arange(low + 1, high + 1, dtype=np.uint64) + begin) * np.uint64(GOLDEN)
             found[low:high] = (mixed(z) >> np.uint64(11)).astype(np.float64) * 2.0**-53
     return found
-
-
-GOLDEN = 0x9E3779B97F4A7C15
-
-
-def mixed(z: npt.NDArray[np.uint64]) -> npt.NDArray[np.uint64]:
-    """The bits of numbers mixed up, SplitMix64's last step; numbers overflow on purpose."""
-    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    return z ^ (z >> np.uint64(31))
 
 
 def _kept(strands: Strands, keep: Mask, how: str, facts: dict[str, object]) -> tuple[Strands, Change]:
