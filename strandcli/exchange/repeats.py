@@ -7,8 +7,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import numpy.typing as npt
 
-from .strands import CHUNK, Mask
+from .strands import Mask
 
+AT_ONCE = 1 << 14
+"""Things that are compared at once."""
 GOLDEN = 0x9E3779B97F4A7C15
 Keys = npt.NDArray[np.uint64]
 Numbers = npt.NDArray[np.int64]
@@ -41,8 +43,8 @@ def repeats(keys: Keys, bits: int, equal: Callable[[Numbers, Numbers], Mask]) ->
     keys.sort()
     while keys.size:
         left, first = [], keys[0]
-        for begin in range(0, keys.size, CHUNK):
-            part = keys[begin : begin + CHUNK]
+        for begin in range(0, keys.size, AT_ONCE):
+            part = keys[begin : begin + AT_ONCE]
             new = np.diff(part >> np.uint64(bits), prepend=first >> np.uint64(bits)) != 0
             places = np.maximum.accumulate(np.where(new, np.arange(1, part.size + 1), 0))
             firsts = np.concatenate([[first], part])[places]

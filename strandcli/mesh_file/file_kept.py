@@ -59,6 +59,7 @@ def _kept(path: Path, data: bytes) -> TriangleMesh:
         end = begin + int(np.prod(shape))
         named[name] = attributes[begin:end].reshape(shape)
         begin = end
+    arrays |= {"smooth": arrays.pop("normals"), "own": arrays.pop("corner_normals")}
     return TriangleMesh(**arrays, attributes=named, closed=closed, facts=MeshFacts(**facts), notes=tuple(notes))  # type: ignore[arg-type]
 
 

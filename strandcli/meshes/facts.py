@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from ..errors import StrandError
 from ..exchange.files import drivers
 from .make import sentences
-from .mesh import TriangleMesh, Vectors, face_vectors, slices
+from .mesh import FileNormals, TriangleMesh, Vectors, face_vectors, slices
 from .read import SUFFIXES, read_mesh
 
 GLTF = (".glb", ".gltf")
@@ -144,15 +145,25 @@ def _spread(values: npt.NDArray[np.float64]) -> dict[str, float]:
 
 def _attributes(mesh: TriangleMesh) -> list[dict[str, Any]]:
     """What belongs to vertices and corners, beside their places."""
-    found: list[tuple[str, str, Any]] = []
+    found = []
+    own = mesh.own
+    if own is not None:
+        parts = (own.of_corners(mesh, rows) if isinstance(own, FileNormals) else own[rows]
+                 for rows in slices(mesh.triangles.shape[0]))  # fmt: skip
+        found.append(_told("normals", "corner", (*mesh.triangles.shape, 3), parts))
     for name, domain, values in (
-        ("normals", "corner", mesh.corner_normals), ("uv", "corner", mesh.uv), ("colours", "vertex", mesh.colours),
-        ("texture", "pixel", mesh.texture), *((name, "vertex", one) for name, one in mesh.attributes.items()),
+        ("uv", "corner", mesh.uv), ("colours", "vertex", mesh.colours), ("texture", "pixel", mesh.texture),
+        *((name, "vertex", one) for name, one in mesh.attributes.items()),
     ):  # fmt: skip
         if values is not None:
-            found.append((name, domain, values))
-    return [
-        {"name": name, "domain": domain, "shape": list(values.shape), "type": values.dtype.name,
-         "min": values.min().item(), "max": values.max().item()}
-        for name, domain, values in found
-    ]  # fmt: skip
+            found.append(_told(name, domain, values.shape, [values]))
+    return found
+
+
+def _told(name: str, domain: str, shape: tuple[int, ...], parts: Iterable[npt.NDArray[Any]]) -> dict[str, Any]:
+    """What is told of values of which there are some at once."""
+    each = [(one.min().item(), one.max().item(), one.dtype.name) for one in parts]
+    lows, highs, kinds = zip(*each, strict=True)
+    return {
+        "name": name, "domain": domain, "shape": list(shape), "type": kinds[0], "min": min(lows), "max": max(highs),
+    }  # fmt: skip

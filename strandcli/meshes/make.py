@@ -5,7 +5,7 @@ mesh = make_mesh(vertices, triangles)
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -14,7 +14,8 @@ import numpy.typing as npt
 
 from ..counted import counted
 from ..errors import UsageError, one_line
-from .mesh import Indices, MeshFacts, TriangleMesh, Vectors, face_vectors, slices, smooth_normals, unit
+from ..exchange.repeats import keys_of, prints_of, repeats
+from .mesh import FileNormals, Indices, MeshFacts, TriangleMesh, Vectors, face_vectors, slices
 from .topology import oriented
 
 NO_AREA = 1e-12
@@ -69,47 +70,51 @@ def mesh_of(raw: RawMesh, where: str) -> TriangleMesh:
     kept = _with_area(vertices, triangles)
     no_area = int(kept.size - np.count_nonzero(kept))
     first = _first_of_each(triangles, kept)
-    repeated = int(np.count_nonzero(kept) - first.size)
-    if not first.size:
+    if not first.any():
         raise UsageError(f"{where}: none of its {kept.size:,} triangles has an area; write it anew from its program")
-    if first.size < kept.size:
+    whole = bool(first.all())
+    repeated = int(np.count_nonzero(kept) - np.count_nonzero(first))
+    if not whole:
         triangles, rows = triangles[first], rows[first]
-    if raw.normal_rows is not None:
-        rows = raw.normal_rows[first]
-    wanted = None if raw.normals is None else rows
-    del rows
+    wanted = None
+    if raw.normals is not None:
+        wanted = rows if raw.normal_rows is None else raw.normal_rows if whole else raw.normal_rows[first]
+    del rows, kept
     used, merge = _used(triangles, vertices.shape[0])
-    triangles = merge[triangles]
-    vertices = vertices[used]
-    turned, counts, closed = oriented(vertices, triangles)
-    merge = merge[of_place]
-    facts = MeshFacts(
-        no_area=no_area, repeated=repeated, unused=int(np.count_nonzero(merge < 0)),
-        merged=int(np.count_nonzero(of_place != np.arange(of_place.size, dtype=np.int32))), turned=int(turned.sum()),
-        **counts,
-    )  # fmt: skip
+    if used is not None:
+        triangles, vertices = merge[triangles], vertices[used]
+    merged = int(np.count_nonzero(of_place != np.arange(of_place.size, dtype=np.int32)))
+    merge = np.take(merge, of_place, out=of_place)
     del of_place
+    turned, counts, closed = oriented(vertices, triangles)
+    facts = MeshFacts(
+        no_area=no_area, repeated=repeated, unused=int(np.count_nonzero(merge < 0)), merged=merged,
+        turned=int(turned.sum()), **counts,
+    )  # fmt: skip
     _turn(triangles, turned)
-    normals = smooth_normals(vertices, triangles)
-    of_corners: Vectors | None = None
-    if raw.normals is not None and wanted is not None:
-        of_corners = _own_normals(raw.normals, wanted, turned, normals, triangles)
+    own = None if raw.normals is None or wanted is None else FileNormals(raw.normals, wanted, turned)
+
+    def of_used(values: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+        return np.ascontiguousarray(values if used is None else values[used], np.float32)
+
     uv = None
     if raw.uv is not None:
-        uv = raw.uv[first] if first.size < kept.size else raw.uv
+        uv = raw.uv if whole else raw.uv[first]
         _turn(uv, turned)
     return TriangleMesh(
-        vertices, triangles, normals, of_corners, uv,
-        None if raw.colours is None else np.ascontiguousarray(raw.colours[used], np.float32),
-        {name: np.ascontiguousarray(values[used], np.float32) for name, values in raw.attributes.items()},
+        vertices, triangles, None, own, uv,
+        None if raw.colours is None else of_used(raw.colours),
+        {name: of_used(values) for name, values in raw.attributes.items()},
         raw.texture, closed, facts, (*raw.notes, *notes, *sentences(facts, triangles.shape[0]).values()), merge,
     )  # fmt: skip
 
 
-def _used(triangles: Indices, vertices: int) -> tuple[Indices, Indices]:
-    """The vertices that triangles have, and of each vertex (V,) which of them it is, or -1."""
+def _used(triangles: Indices, vertices: int) -> tuple[Indices | None, Indices]:
+    """The vertices that triangles have, None of all, and of each vertex (V,) which of them it is, or -1."""
     has = np.zeros(vertices, np.bool_)
     has[triangles.reshape(-1)] = True
+    if has.all():
+        return None, np.arange(vertices, dtype=np.int32)
     used = np.flatnonzero(has).astype(np.int32)
     number = np.full(vertices, -1, np.int32)
     number[used] = np.arange(used.size, dtype=np.int32)
@@ -138,14 +143,14 @@ def _checked(raw: RawMesh, where: str) -> tuple[Vectors, Indices]:
             f"{where}: {vertices.shape[0]:,} vertices are more than {MOST_VERTICES:,}; write a coarser mesh"
         )
     triangles = triangles if triangles.dtype.kind in "iu" else triangles.astype(np.int64)
-    outside = triangles < 0
-    outside |= triangles >= vertices.shape[0]
-    if outside.any():
-        t, k = (int(one[0]) for one in np.nonzero(outside))
-        raise UsageError(
-            f"{where}: triangle {t:,} wants vertex {triangles[t, k]:,}, there are {vertices.shape[0]:,}; "
-            "it is damaged: write it anew"
-        )
+    for some in slices(triangles.shape[0]):
+        outside = (triangles[some] < 0) | (triangles[some] >= vertices.shape[0])
+        if outside.any():
+            t, k = (int(one[0]) for one in np.nonzero(outside))
+            raise UsageError(
+                f"{where}: triangle {some.start + t:,} wants vertex {triangles[some.start + t, k]:,}, there are "
+                f"{vertices.shape[0]:,}; it is damaged: write it anew"
+            )
     wrong = np.empty(vertices.shape[0], np.bool_)
     for some in slices(wrong.size):
         wrong[some] = ~(np.abs(vertices[some]) <= LARGEST).all(axis=1)
@@ -185,15 +190,24 @@ def _finite(raw: RawMesh) -> tuple[RawMesh, list[str]]:
 
 def places(vertices: Vectors) -> Indices:
     """Of each vertex (V,) the first one at the same place."""
-    order = np.lexsort(vertices.T).astype(np.int32)
-    new = np.zeros(order.size, np.bool_)
-    new[:1] = True
-    for axis in range(3):
-        ordered = vertices[order, axis]
-        new[1:] |= ordered[1:] != ordered[:-1]
-    found = np.empty(order.size, np.int32)
-    found[order] = order[new][np.cumsum(new, dtype=np.int32) - 1]
+    found = np.arange(vertices.shape[0], dtype=np.int32)
+    for first, again in equal_rows(np.ones(found.size, np.bool_), lambda rows: vertices[rows].view(np.uint64)):
+        found[again] = first
     return found
+
+
+def equal_rows(
+    among: npt.NDArray[np.bool_], words: Callable[[Any], npt.NDArray[np.uint64]]
+) -> Iterator[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]]:
+    """Of the rows (n,) that are ``among`` them some at once that are equal to a lower one: the lowest, and their own.
+    ``words``: of some rows the numbers (k, m) that tell them apart."""
+    bits, keys = among.size.bit_length(), np.empty(np.count_nonzero(among), np.uint64)
+    done = 0
+    for rows in slices(among.size):
+        own = keys_of(prints_of(words(rows)), range(rows.start, rows.stop), bits)[among[rows]]
+        keys[done : done + own.size] = own
+        done += own.size
+    return repeats(keys, bits, lambda one, other: np.asarray((words(one) == words(other)).all(axis=1)))
 
 
 def _with_area(vertices: Vectors, corners: Indices) -> npt.NDArray[np.bool_]:
@@ -211,35 +225,12 @@ def _with_area(vertices: Vectors, corners: Indices) -> npt.NDArray[np.bool_]:
     return found
 
 
-def _first_of_each(corners: Indices, kept: npt.NDArray[np.bool_]) -> Indices:
-    """The triangles, among those that are kept, that repeat no earlier one, whichever way it is wound."""
-    rows = np.flatnonzero(kept).astype(np.int32)
-    ordered = np.sort(corners[rows] if rows.size < kept.size else corners, axis=1)
-    order = np.lexsort(ordered.T).astype(np.int32)
-    new = np.zeros(rows.size, np.bool_)
-    new[:1] = True
-    for corner in range(3):
-        column = ordered[order, corner]
-        new[1:] |= column[1:] != column[:-1]
-    return rows[np.sort(order[new])]
-
-
-def _own_normals(
-    normals: npt.NDArray[Any], rows: Indices, turned: npt.NDArray[np.bool_], smooth: Vectors, triangles: Indices
-) -> Vectors:
-    """Normals (T, 3, 3) of corners from the file's (n, 3), of whose rows (T, 3) they are; smooth ones (V, 3) where the
-    file has none. Normals of triangles that were wound the wrong way point inward, as far as they agree with that
-    winding."""
-    whole = np.empty((*rows.shape, 3))
-    for some in slices(rows.shape[0]):
-        mine = rows[some].copy()
-        _turn(mine, turned[some])
-        found, usual = normals[mine], smooth[triangles[some]]
-        found = unit(np.where(np.isfinite(found).all(axis=2, keepdims=True), found, 0.0))
-        inward = turned[some] & (np.einsum("tkj,tkj->t", found, usual) < 0)
-        found[inward] *= -1.0
-        whole[some] = np.where(found.any(axis=2, keepdims=True), found, usual)
-    return whole
+def _first_of_each(corners: Indices, kept: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """The triangles (T,), among those that are kept, that repeat no earlier one, whichever way it is wound."""
+    found = kept.copy()
+    for _, again in equal_rows(kept, lambda rows: np.sort(corners[rows], axis=1).astype(np.uint64)):
+        found[again] = False
+    return found
 
 
 def sentences(facts: MeshFacts, triangles: int) -> dict[str, str]:

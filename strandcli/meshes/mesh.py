@@ -38,23 +38,44 @@ class MeshFacts:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FileNormals:
+    """Normals that a file has: values (n, 3), rows (T, 3) of them at the corners of triangles, in the order that these
+    had in the file, and which triangles (T,) were turned since."""
+
+    values: npt.NDArray[Any]
+    rows: Indices
+    turned: npt.NDArray[np.bool_]
+
+    def of_corners(self, mesh: TriangleMesh, some: slice) -> Vectors:
+        """Normals (k, 3, 3) of the corners of some triangles of their mesh; smooth ones where the file has none. Those
+        of triangles that were wound the wrong way point inward, as far as they agree with that winding."""
+        turned, mine = self.turned[some], self.rows[some].copy()
+        mine[turned] = mine[turned][:, (0, 2, 1)]
+        found, usual = self.values[mine], mesh.normals[mesh.triangles[some]]
+        found = unit(np.where(np.isfinite(found).all(axis=2, keepdims=True), found, 0.0))
+        inward = turned & (np.einsum("tkj,tkj->t", found, usual) < 0)
+        found[inward] *= -1.0
+        return np.asarray(np.where(found.any(axis=2, keepdims=True), found, usual))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class TriangleMesh:
     """A mesh whose triangles are wound counter-clockwise, seen from outside, as far as it has an outside.
 
     vertices: (V, 3) float64, units of the file; triangles: (T, 3) int32, rows of vertices, at least one triangle;
-    normals: (V, 3) float64, unit length, smooth, weighted by angle; corner_normals: (T, 3, 3) float64, unit length, of
-    each corner, where the file has normals of its own, which keep creases; uv: (T, 3, 2) float32, of each corner, the
-    origin at the lower left of the texture; colours: (V, 3) float32, linear, 0 to 1; attributes: named numbers of
-    vertices, (V,) or (V, k) float32; texture: (h, w, 3) uint8, sRGB, first row at the top; closed: whether no edge is
-    where the winding number changes, so that inside and outside are told apart without doubt; facts: what was found;
-    notes: the same as sentences, and what was left out; merge: (file's vertices,) int32, of each of them its row in
+    smooth: `normals` where they are known already; own: normals of the file, or `corner_normals` of them; uv:
+    (T, 3, 2) float32, of each corner, the origin at the lower left of the texture; colours: (V, 3) float32, linear, 0
+    to 1; attributes: named numbers of vertices, (V,) or (V, k) float32; texture: (h, w, 3) uint8, sRGB, first row at
+    the top; closed: whether no edge is where the winding number changes, so that inside and outside are told apart
+    without doubt; facts: what was found; notes: the same as sentences, and what was left out; merge: (file's
+    vertices,) int32, of each of them its row in
     `vertices` or -1.
     """
 
     vertices: Vectors
     triangles: Indices
-    normals: Vectors
-    corner_normals: Vectors | None = None
+    smooth: Vectors | None = None
+    own: Vectors | FileNormals | None = None
     uv: npt.NDArray[np.float32] | None = None
     colours: npt.NDArray[np.float32] | None = None
     attributes: Mapping[str, npt.NDArray[np.float32]] = field(default_factory=dict)
@@ -63,6 +84,26 @@ class TriangleMesh:
     facts: MeshFacts = field(default_factory=MeshFacts)
     notes: tuple[str, ...] = ()
     merge: Indices | None = None
+
+    @property
+    def normals(self) -> Vectors:
+        """(V, 3) unit length, smooth, weighted by angle; made when they are first asked for."""
+        if self.smooth is None:
+            object.__setattr__(self, "smooth", smooth_normals(self.vertices, self.triangles))
+        assert self.smooth is not None
+        return self.smooth
+
+    @property
+    def corner_normals(self) -> Vectors | None:
+        """(T, 3, 3) unit length, of each corner, where the file has normals of its own, which keep creases; made when
+        they are first asked for."""
+        if isinstance(self.own, FileNormals):
+            whole = np.empty((*self.triangles.shape, 3))
+            for rows in slices(len(whole)):
+                whole[rows] = self.own.of_corners(self, rows)
+            object.__setattr__(self, "own", whole)
+        assert not isinstance(self.own, FileNormals)
+        return self.own
 
     def box(self) -> tuple[Vectors, Vectors]:
         """Low and high corner (3,) of the vertices."""
@@ -89,7 +130,7 @@ class TriangleMesh:
     def with_vertices(self, vertices: npt.NDArray[Any]) -> TriangleMesh:
         """The same triangles with their vertices (V, 3) elsewhere; normals are smooth ones."""
         moved = np.ascontiguousarray(vertices, np.float64)
-        return replace(self, vertices=moved, normals=smooth_normals(moved, self.triangles), corner_normals=None)
+        return replace(self, vertices=moved, smooth=None, own=None)
 
     def transformed(self, linear: npt.NDArray[Any], shift: npt.NDArray[Any]) -> TriangleMesh:
         """The mesh under p ↦ linear (3, 3) · p + shift (3,), which must not be flat; still wound outward where it
@@ -99,12 +140,12 @@ class TriangleMesh:
         normals = np.linalg.inv(matrix)  # of rows: the inverse transposed keeps what is outward, mirrored or not
         if np.linalg.det(matrix) > 0:
             corners = None if self.corner_normals is None else unit(self.corner_normals @ normals)
-            return replace(self, vertices=vertices, normals=unit(self.normals @ normals), corner_normals=corners)
+            return replace(self, vertices=vertices, smooth=unit(self.normals @ normals), own=corners)
         back = np.array((0, 2, 1))
         return replace(
             self, vertices=vertices, triangles=np.ascontiguousarray(self.triangles[:, back]),
-            normals=unit(self.normals @ normals),
-            corner_normals=None if self.corner_normals is None else unit(self.corner_normals[:, back] @ normals),
+            smooth=unit(self.normals @ normals),
+            own=None if self.corner_normals is None else unit(self.corner_normals[:, back] @ normals),
             uv=None if self.uv is None else np.ascontiguousarray(self.uv[:, back]),
         )  # fmt: skip
 

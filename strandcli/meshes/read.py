@@ -17,7 +17,7 @@ from ..exchange.beside import Beside
 from ..inputs import reading
 from .gltf import read_gltf
 from .make import RawMesh, mesh_of
-from .mesh import TriangleMesh, smooth_normals
+from .mesh import TriangleMesh
 from .obj import read_obj
 from .ply import read_ply
 from .stl import read_stl
@@ -52,7 +52,7 @@ def _moved(raw: RawMesh, like: TriangleMesh, path: Path) -> TriangleMesh:
     vertices[merge[merge >= 0]] = raw.vertices[merge >= 0]
     if not np.isfinite(vertices).all():
         raise UsageError(f"{path}: has vertices that are not finite; mend it in its program")
-    return replace(like, vertices=vertices, normals=smooth_normals(vertices, like.triangles), corner_normals=None)
+    return replace(like, vertices=vertices, smooth=None, own=None)
 
 
 def _raw(path: Path) -> RawMesh:

@@ -7,38 +7,43 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .kernels.topology import balanced, join, meet, order_edges, orient
+from .kernels.topology import balanced, meet, order_edges, orient, rings
 from .mesh import Indices, Vectors, face_vectors, slices
 
+Flags = npt.NDArray[np.bool_]
 FLAT = 0.01
 """A part whose volume is less than this times the power 3/2 of its area is a sheet, without an outside; of a sphere it
 is .094."""
 
 
-def oriented(vertices: Vectors, triangles: Indices) -> tuple[npt.NDArray[np.bool_], dict[str, int], bool]:
+def oriented(vertices: Vectors, triangles: Indices) -> tuple[Flags, dict[str, int], bool]:
     """Which triangles (T,) have to be turned so that neighbours agree and parts are wound outward; facts about edges;
     and whether the mesh is closed then."""
     order = edges_in_order(triangles, vertices.shape[0])
-    neighbours, opposed, boundary, crowded = across_edges(triangles, order)
+    neighbours, opposed, alone, crowded = across_edges(triangles, order)
+    boundary = int(np.count_nonzero(alone))
+    holes = 0
+    if boundary:
+        holes = int(rings(triangles, alone, np.empty(vertices.shape[0], np.int32)))
+        order = order[:0].copy()  # which would only tell whether a mesh without a boundary is closed
+    del alone
     count = triangles.shape[0]
     part = np.full(count, -1, np.int32)
     turned = np.zeros(count, np.bool_)
     parts = orient(neighbours, opposed, part, turned, np.empty(count, np.int32))
-    turned ^= _inward(vertices, triangles, part, turned, parts)[part]
     twisted = 0
     for rows in slices(count):
         agree = (neighbours[rows] < 0) | (turned[rows, None] ^ turned[neighbours[rows]] == opposed[rows])
         twisted += agree.size - int(np.count_nonzero(agree))
+    del neighbours, opposed
+    turned ^= _inward(vertices, triangles, part, turned, parts)[part]
     facts = {
-        "boundary": boundary.shape[0], "holes": rings(boundary), "crowded": int(crowded), "twisted": twisted // 2,
-        "parts": parts,
+        "boundary": boundary, "holes": holes, "crowded": crowded, "twisted": twisted // 2, "parts": parts,
     }  # fmt: skip
-    return turned, facts, bool(balanced(triangles, order, turned))
+    return turned, facts, not boundary and bool(balanced(triangles, order, turned))
 
 
-def _inward(
-    vertices: Vectors, triangles: Indices, part: Indices, turned: npt.NDArray[np.bool_], parts: int
-) -> npt.NDArray[np.bool_]:
+def _inward(vertices: Vectors, triangles: Indices, part: Indices, turned: Flags, parts: int) -> Flags:
     """Which parts (parts,) have to be turned as a whole: those that are wound inward, and sheets that are wound against
     most of their triangles."""
 
@@ -61,10 +66,12 @@ def _inward(
         return found
 
     whole = sums(area)
-    middle = np.stack([sums(lambda rows, k=k: area(rows) * centres(rows)[:, k]) / whole for k in range(3)], axis=1)
+    middle = np.empty((parts, 3))
+    for k in range(3):
+        middle[:, k] = sums(lambda rows, k=k: area(rows) * centres(rows)[:, k]) / whole
     volume = sums(lambda rows: np.einsum("ij,ij->i", centres(rows) - middle[part[rows]], vectors(rows))) / 3.0
-    against = np.bincount(part, turned, parts) * 2 > np.bincount(part, minlength=parts)
-    found: npt.NDArray[np.bool_] = np.where(np.abs(volume) > FLAT * whole**1.5, volume < 0, against)
+    against = sums(lambda rows: np.where(turned[rows], 1.0, -1.0)) > 0
+    found: Flags = np.where(np.abs(volume) > FLAT * whole**1.5, volume < 0, against)
     return found
 
 
@@ -76,21 +83,9 @@ def edges_in_order(triangles: Indices, vertices: int) -> Indices:
     return order
 
 
-def across_edges(triangles: Indices, order: Indices) -> tuple[Indices, npt.NDArray[np.bool_], Indices, int]:
-    """Neighbours (T, 3), whether they are wound the other way, edges of one triangle alone (B, 2), and the number of
-    edges of three or more."""
+def across_edges(triangles: Indices, order: Indices) -> tuple[Indices, Flags, Flags, int]:
+    """Neighbours (T, 3), whether they are wound the other way, whether there is none because the edge is of one
+    triangle alone, and the number of edges of three or more."""
     neighbours = np.empty(triangles.shape, np.int32)
     opposed, alone = (np.empty(triangles.shape, np.bool_) for _ in range(2))
-    crowded = meet(triangles, order, neighbours, opposed, alone)
-    t, k = np.nonzero(alone)
-    return neighbours, opposed, np.stack([triangles[t, k], triangles[t, (k + 1) % 3]], axis=1), crowded
-
-
-def rings(boundary: Indices) -> int:
-    """Rings that boundary edges (B, 2) make."""
-    if not boundary.size:
-        return 0
-    vertices, row = np.unique(boundary, return_inverse=True)
-    parent = np.empty(vertices.size, np.int32)
-    join(row.reshape(-1, 2).astype(np.int32), parent)
-    return int(np.unique(parent).size)
+    return neighbours, opposed, alone, int(meet(triangles, order, neighbours, opposed, alone))

@@ -35,14 +35,12 @@ def test_triangles_meet_where_they_share_an_edge(name: str) -> None:
     order = edges_in_order(triangles, int(triangles.max()) + 1)
     halves = half_edges(triangles)
     assert order.tolist() == sorted(range(len(halves)), key=lambda h: (min(halves[h]), max(halves[h]), h))
-    neighbours, opposed, boundary, crowded = across_edges(triangles, order)
+    neighbours, opposed, alone, crowded = across_edges(triangles, order)
     at: dict[tuple[int, int], list[int]] = defaultdict(list)
     for h, (a, b) in enumerate(halves):
         at[min(a, b), max(a, b)].append(h)
     assert crowded == sum(len(those) > 2 for those in at.values())
-    assert Counter(map(tuple, np.sort(boundary, axis=1).tolist())) == {
-        e: 1 for e, those in at.items() if len(those) == 1
-    }
+    assert {h for those in at.values() if len(those) == 1 for h in those} == set(np.flatnonzero(alone).tolist())
     for those in at.values():
         for h in those:
             other = [one for one in those if one != h] if len(those) == 2 else []

@@ -48,10 +48,10 @@ def test_creases_are_kept_and_facets_are_not() -> None:
     np.testing.assert_allclose(shading_normals(ball, 60.0), shading_normals(ball, 180.0), atol=1e-12)
     flat = make_mesh(vertices, triangles)
     facets = np.repeat(flat.face_normals()[:, None], 3, 1)
-    object.__setattr__(flat, "corner_normals", facets)
+    object.__setattr__(flat, "own", facets)
     np.testing.assert_allclose(shading_normals(flat, 60.0), shading_normals(ball, 60.0))  # no more than faces
     own = facets[:, :, [1, 2, 0]]
-    object.__setattr__(flat, "corner_normals", own)
+    object.__setattr__(flat, "own", own)
     np.testing.assert_array_equal(shading_normals(flat, 60.0), own)
 
 

@@ -15,18 +15,26 @@ def root(parent, i):
 
 
 @function
-def join(pairs, parent):
-    """Write for each item the lowest that it hangs together with: pairs (P, 2) of items that do, parent (N,)."""
-    for i in range(parent.shape[0]):
-        parent[i] = i
-    for p in range(pairs.shape[0]):
-        a, b = root(parent, pairs[p, 0]), root(parent, pairs[p, 1])
-        if a < b:
-            parent[b] = a
-        else:
-            parent[a] = b
-    for i in range(parent.shape[0]):
-        parent[i] = root(parent, i)
+def rings(triangles, alone, parent):
+    """The number of rings, of edges that hang together by vertices, among those of one triangle alone.
+
+    triangles: (T, 3) int32; alone: (T, 3) bool, of the edge from each corner to the next; parent: (V,) int32 scratch.
+    """
+    parent[:] = -1
+    count = 0
+    for t in range(triangles.shape[0]):
+        for k in range(3):
+            if alone[t, k]:
+                a, b = triangles[t, k], triangles[t, (k + 1) % 3]
+                for vertex in (a, b):
+                    if parent[vertex] < 0:
+                        parent[vertex] = vertex
+                        count += 1
+                a, b = root(parent, a), root(parent, b)
+                if a != b:
+                    parent[max(a, b)] = min(a, b)
+                    count -= 1
+    return count
 
 
 @function
