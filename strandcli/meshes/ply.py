@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..exchange.beside import Beside
-from ..exchange.bounded import Bounded, opened
+from ..exchange.bounded import SLICE, Bounded, opened
+from ..exchange.growing import Growing
 from ..exchange.ply_header import Element, read_header
 from .kernels.lists import gather, walk, walk_text
 from .make import RawMesh
@@ -36,7 +37,7 @@ class Rows:
 
     count: int
     items: Mapping[str, Numbers]
-    lengths: Mapping[str, npt.NDArray[np.int64]]
+    lengths: Mapping[str, npt.NDArray[np.integer[Any]]]
 
 
 def read_ply(path: Path, beside: Beside) -> list[RawMesh]:
@@ -127,36 +128,66 @@ def _text(file: Bounded, elements: dict[str, Element]) -> dict[str, Rows]:
     """The elements of a text."""
     for one in elements.values():
         file.need(f"element {one.name}", one.count, 2 * len(one.columns), one.at)
-    at, begin = 0, file.position
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        try:
-            content = file.take("content", file.left)
-            file.room("numbers", content.count(b" ") + content.count(b"\n"), OF_NUMBER)
-            numbers = np.fromstring(content, np.float64, sep=" ")
-        except (ValueError, DeprecationWarning):
-            raise file.damaged("is not numbers alone, as its header tells", begin) from None
+    numbers = _Numbers(file)
     found: dict[str, Rows] = {}
     for one in elements.values():
-        if not one.columns:
-            continue
-        shape = one.count, len(one.columns)
-        begins, lengths = np.empty(shape, np.int64), np.empty(shape, np.int64)
-        size = walk_text(numbers[at:], _layout(one), begins, lengths)
-        if size < 0:
-            raise file.damaged(f"element {one.name}: row {-1 - size:,} goes beyond the end of the file", one.at)
-        items = {}
-        for k, (name, kind, _) in enumerate(one.columns):
-            values = np.empty(int(lengths[:, k].sum()))
-            gather(numbers[at:], begins[:, k], lengths[:, k], 1, values)
-            if kind[0] != "f" and not np.isfinite(values).all():
-                raise file.damaged(f"element {one.name}: {name} is not a number everywhere", one.at)
-            items[name] = values if kind[0] == "f" else _whole(values, kind)
-        found[one.name] = _rows(one, items, lengths)
-        at += int(size)
+        if one.columns:
+            found[one.name] = _text_rows(file, one, numbers)
         if found.keys() >= {"vertex", "face"}:
             break
     return found
+
+
+class _Numbers:
+    """The numbers of a text, some at once: those that are waiting to be taken."""
+
+    def __init__(self, file: Bounded) -> None:
+        self.file, self.waiting, self._rest = file, np.zeros(0), b""
+
+    def more(self) -> bool:
+        """Whether there are others, which wait then, too. Raises `UsageError` for what is no number."""
+        if not self.file.left:
+            return False
+        begin = self.file.position - len(self._rest)
+        text = self._rest + self.file.take("content", min(SLICE, self.file.left))
+        end = max(text.rfind(b"\n"), text.rfind(b" ")) + 1 if self.file.left else len(text)
+        text, self._rest = text[:end], text[end:]
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            try:
+                found = np.fromstring(text, np.float64, sep=" ") if text.strip() else np.zeros(0)
+            except (ValueError, DeprecationWarning):
+                raise self.file.damaged("is not numbers alone, as its header tells", begin) from None
+        self.waiting = np.concatenate([self.waiting, found])
+        return True
+
+
+def _text_rows(file: Bounded, element: Element, numbers: _Numbers) -> Rows:
+    """The rows of an element, some at once."""
+    layout, width, done = _layout(element), len(element.columns), 0
+    items = [Growing(np.float64 if kind[0] == "f" else kind) for _, kind, _ in element.columns]
+    counts = [Growing(np.int32) for _ in element.columns]
+    while done < element.count:
+        shape = min(element.count - done, numbers.waiting.size // width), width
+        begins, lengths = np.empty(shape, np.int64), np.empty(shape, np.int64)
+        size = int(walk_text(numbers.waiting, layout, begins, lengths))
+        rows = shape[0] if size >= 0 else -1 - size
+        for k, (name, kind, length) in enumerate(element.columns):
+            values = np.empty(int(lengths[:rows, k].sum()))
+            gather(numbers.waiting, begins[:rows, k], lengths[:rows, k], 1, values)
+            if kind[0] != "f" and not np.isfinite(values).all():
+                raise file.damaged(f"element {element.name}: {name} is not a number everywhere", element.at)
+            items[k].add(values if kind[0] == "f" else _whole(values, kind))
+            if length:
+                counts[k].add(lengths[:rows, k])
+        if rows:
+            numbers.waiting = numbers.waiting[int(begins[rows - 1, -1] + lengths[rows - 1, -1]) :]
+        done += rows
+        if done < element.count and not numbers.more():
+            raise file.damaged(f"element {element.name}: row {done:,} goes beyond the end of the file", element.at)
+        file.room("numbers", sum(one.size for one in items), OF_NUMBER)
+    lists = {name: counts[k].taken() for k, (name, _, length) in enumerate(element.columns) if length}
+    return Rows(element.count, {name: items[k].taken() for k, (name, _, _) in enumerate(element.columns)}, lists)
 
 
 def _whole(values: Numbers, kind: str) -> Numbers:

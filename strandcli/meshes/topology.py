@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .kernels.topology import balanced, meet, order_edges, orient, rings
+from .kernels.topology import ALONE, balanced, meet, order_edges, orient, rings
 from .mesh import Indices, Vectors, face_vectors, slices
 
 Flags = npt.NDArray[np.bool_]
@@ -20,13 +20,12 @@ def oriented(vertices: Vectors, triangles: Indices) -> tuple[Flags, dict[str, in
     """Which triangles (T,) have to be turned so that neighbours agree and parts are wound outward; facts about edges;
     and whether the mesh is closed then."""
     order = edges_in_order(triangles, vertices.shape[0])
-    neighbours, opposed, alone, crowded = across_edges(triangles, order)
-    boundary = int(np.count_nonzero(alone))
+    neighbours, opposed, crowded = across_edges(triangles, order)
+    boundary = sum(int(np.count_nonzero(neighbours[rows] == ALONE)) for rows in slices(triangles.shape[0]))
     holes = 0
     if boundary:
-        holes = int(rings(triangles, alone, np.empty(vertices.shape[0], np.int32)))
+        holes = int(rings(triangles, neighbours, np.empty(vertices.shape[0], np.int32)))
         order = order[:0].copy()  # which would only tell whether a mesh without a boundary is closed
-    del alone
     count = triangles.shape[0]
     part = np.full(count, -1, np.int32)
     turned = np.zeros(count, np.bool_)
@@ -83,9 +82,8 @@ def edges_in_order(triangles: Indices, vertices: int) -> Indices:
     return order
 
 
-def across_edges(triangles: Indices, order: Indices) -> tuple[Indices, Flags, Flags, int]:
-    """Neighbours (T, 3), whether they are wound the other way, whether there is none because the edge is of one
-    triangle alone, and the number of edges of three or more."""
-    neighbours = np.empty(triangles.shape, np.int32)
-    opposed, alone = (np.empty(triangles.shape, np.bool_) for _ in range(2))
-    return neighbours, opposed, alone, int(meet(triangles, order, neighbours, opposed, alone))
+def across_edges(triangles: Indices, order: Indices) -> tuple[Indices, Flags, int]:
+    """Neighbours (T, 3), as of `meet`, whether they are wound the other way, and the number of edges of three triangles
+    or more."""
+    neighbours, opposed = np.empty(triangles.shape, np.int32), np.empty(triangles.shape, np.bool_)
+    return neighbours, opposed, int(meet(triangles, order, neighbours, opposed))

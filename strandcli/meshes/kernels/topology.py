@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from ...jit import device, function
 
+ALONE, CROWDED = -1, -2
+"""In place of a neighbour, of an edge of one triangle alone, and of one of three or more."""
+
 
 @device
 def root(parent, i):
@@ -15,16 +18,16 @@ def root(parent, i):
 
 
 @function
-def rings(triangles, alone, parent):
+def rings(triangles, neighbours, parent):
     """The number of rings, of edges that hang together by vertices, among those of one triangle alone.
 
-    triangles: (T, 3) int32; alone: (T, 3) bool, of the edge from each corner to the next; parent: (V,) int32 scratch.
+    triangles: (T, 3) int32; neighbours: (T, 3) int32, as of `meet`; parent: (V,) int32 scratch.
     """
     parent[:] = -1
     count = 0
     for t in range(triangles.shape[0]):
         for k in range(3):
-            if alone[t, k]:
+            if neighbours[t, k] == ALONE:
                 a, b = triangles[t, k], triangles[t, (k + 1) % 3]
                 for vertex in (a, b):
                     if parent[vertex] < 0:
@@ -42,7 +45,8 @@ def orient(neighbours, opposed, part, turned, queue):
     """The number of parts of a mesh. Triangles are gone through from neighbour to neighbour, and turned where that
     makes them agree.
 
-    neighbours: (T, 3) int32, the triangle across each edge, or -1; opposed: (T, 3), whether it is wound the other way;
+    neighbours: (T, 3) int32, the triangle across each edge, negative of none; opposed: (T, 3), whether it is wound the
+    other way;
     part: (T,) int32, of -1, becomes the number of its part; turned: (T,), becomes whether it has to be turned;
     queue: (T,) int32 scratch.
     """
@@ -120,19 +124,19 @@ def order_edges(triangles, begins, scratch, order):
 
 
 @function
-def meet(triangles, order, neighbours, opposed, alone):
+def meet(triangles, order, neighbours, opposed):
     """The number of edges of three triangles or more. Writes who meets across edges of two.
 
     triangles: (T, 3) int32; order: (3 T,) int32, as of `order_edges`; neighbours: (T, 3) int32, the triangle across
-    each edge, or -1; opposed: (T, 3) bool, whether it is wound the other way; alone: (T, 3) bool, whether there is
-    none.
+    each edge, `ALONE` or `CROWDED` where there is none or are several; opposed: (T, 3) bool, whether it is wound the
+    other way.
     """
     crowded, begin = 0, 0
     while begin < order.shape[0]:
         end = end_of_edge(triangles, order, begin)
         for k in range(begin, end):
             t, side = order[k] // 3, order[k] % 3
-            neighbours[t, side], opposed[t, side], alone[t, side] = -1, False, end - begin == 1
+            neighbours[t, side], opposed[t, side] = ALONE if end - begin == 1 else CROWDED, False
             if end - begin == 2:
                 other = order[begin + end - 1 - k]
                 neighbours[t, side] = other // 3
