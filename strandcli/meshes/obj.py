@@ -16,6 +16,7 @@ import numpy.typing as npt
 from ..errors import UsageError
 from ..exchange.beside import Beside
 from ..exchange.bounded import opened
+from ..exchange.growing import Growing
 from ..exchange.obj_lines import MENDS as ANEW
 from ..exchange.obj_lines import blocks, line_of, no_numbers, numbers, shown
 from .make import RawMesh, lines_beside
@@ -37,14 +38,16 @@ MENDS = f"{ANEW}, with triangles"
 
 @dataclass(slots=True)
 class _Found:
-    """What was read so far: rows of each table; corners (C, 3), rows of tables from 1, 0 for none; how many each
-    polygon has; names of libraries and of materials in their order."""
+    """What was read so far: rows of each table; linear colours of the first vertices; corners (C, 3), rows of tables
+    from 1, 0 for none; how many each polygon has; names of libraries and of materials in their order."""
 
     path: Path
-    tables: dict[bytes, list[npt.NDArray[np.float64]]] = field(default_factory=lambda: {name: [] for name in TABLES})
-    rows: dict[bytes, int] = field(default_factory=lambda: dict.fromkeys(TABLES, 0))
-    corners: list[npt.NDArray[np.int32]] = field(default_factory=list)
-    lengths: list[npt.NDArray[np.int32]] = field(default_factory=list)
+    tables: dict[bytes, Growing] = field(
+        default_factory=lambda: {name: Growing(np.float64, TABLES[name]) for name in TABLES}
+    )
+    colours: Growing = field(default_factory=lambda: Growing(np.float32, 3))
+    corners: Growing = field(default_factory=lambda: Growing(np.int32, 3))
+    lengths: Growing = field(default_factory=lambda: Growing(np.int32))
     lines: int = 0
     """Statements of lines, which are strands."""
     libraries: list[bytes] = field(default_factory=list)
@@ -58,9 +61,9 @@ def read_obj(path: Path, beside: Beside) -> list[RawMesh]:
         line = 1
         for lines in blocks(file):
             _block(found, [one.split() for one in lines], line)
-            file.room("corners", sum(map(len, found.corners)), OF_CORNER)
+            file.room("corners", found.corners.size, OF_CORNER)
             line += len(lines)
-    return [_mesh(found, beside)] if found.corners else []
+    return [_mesh(found, beside)] if found.corners.size else []
 
 
 def _block(found: _Found, lines: list[list[bytes]], line: int) -> None:
@@ -79,16 +82,17 @@ def _block(found: _Found, lines: list[list[bytes]], line: int) -> None:
             face = faces[int(np.searchsorted(np.cumsum(lengths), first, side="right"))]
             why = "indices count from 1" if bad is None else "is no corner, such as 1, 1/1, 1//1 or 1/1/1"
             raise UsageError(f"{found.path}: line {line + face:,}: '{shown(words[first])}': {why}: {MENDS}")
-        found.corners.append(corners)
-        found.lengths.append(lengths)
+        found.corners.add(corners)
+        found.lengths.add(lengths)
     for name in TABLES:
         rows = [words[1:] for words in lines if words and words[0] == name]
         if rows:
             values = numbers(rows, TABLES[name])
             if values is None:
                 raise no_numbers(found.path, name, TABLES[name], lines, line)
-            found.tables[name].append(values)
-            found.rows[name] += len(rows)
+            if name == b"v" and values.shape[1] >= 6 and found.colours.size == found.tables[name].size:
+                found.colours.add(linear(values[:, 3:6]))
+            found.tables[name].add(values[:, : TABLES[name]])
     for words in lines:
         found.lines += bool(words) and words[0] == b"l"
         if words and words[0] == b"mtllib":
@@ -120,7 +124,7 @@ def _absolute(
     """Corners whose indices count from the begin, where they counted back from their line; still negative for those
     before the begin, and 0 for the one before the first."""
     for column, name in enumerate(TABLES):
-        before = found.rows[name] + np.cumsum([bool(words) and words[0] == name for words in lines])
+        before = found.tables[name].size + np.cumsum([bool(words) and words[0] == name for words in lines])
         there = np.repeat(before[faces], lengths)
         back = corners[:, column] < 0
         corners[back, column] += (there[back] + 1).astype(np.int32)
@@ -129,41 +133,40 @@ def _absolute(
 
 def _mesh(found: _Found, beside: Beside) -> RawMesh:
     """All polygons as one mesh."""
-    corners, lengths = np.concatenate(found.corners), np.concatenate(found.lengths)
-    found.corners.clear()
+    corners, lengths = found.corners.taken(), found.lengths.taken()
     for column, name in enumerate(TABLES):
         most = int(corners[:, column].max(initial=0))
-        if most > found.rows[name]:
+        if most > found.tables[name].size:
             face = np.searchsorted(np.cumsum(lengths), corners[:, column].argmax(), side="right")
             raise UsageError(
                 f"{found.path}: line {line_of(found.path, b'f', int(face)):,}: a corner wants '{name.decode()}' "
-                f"{most:,} of {found.rows[name]:,}: {MENDS}"
+                f"{most:,} of {found.tables[name].size:,}: {MENDS}"
             )
-    table = {name: _table(parts, TABLES[name]) for name, parts in found.tables.items()}
-    colours = None
-    if all(one.shape[1] >= 6 for one in found.tables[b"v"]):
-        colours = linear(np.concatenate([one[:, 3:6] for one in found.tables[b"v"]]))
-    found.tables.clear()
-    wrong = np.flatnonzero(~np.isfinite(table[b"v"]).all(axis=1))
-    used = wrong[np.isin(wrong, corners[:, 0])]
+    vertices, uv_of, normals_of = (found.tables[name].taken() for name in (b"v", b"vt", b"vn"))
+    colours = found.colours.taken() if found.colours.size == len(vertices) else None
+    wrong = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+    used = wrong[np.isin(wrong + 1, corners[:, 0])] if wrong.size else wrong
     if used.size:
-        line, first = line_of(found.path, b"v", int(used[0]) - 1), ", ".join(f"{x:g}" for x in table[b"v"][used[0]])
+        line, first = line_of(found.path, b"v", int(used[0])), ", ".join(f"{x:g}" for x in vertices[used[0]])
         raise UsageError(f"{found.path}: line {line:,}: vertex ({first}) of a polygon is not finite: {MENDS}")
-    uv = fans_of_lists(lengths, table[b"vt"][corners[:, 1]].astype(np.float32)) if corners[:, 1].any() else None
+    uv = fans_of_lists(lengths, _rows_of(uv_of.astype(np.float32), corners[:, 1])) if corners[:, 1].any() else None
     normals, rows = None, None
     if corners[:, 2].any():
-        normals, rows = table[b"vn"], fans_of_lists(lengths, corners[:, 2].copy())
+        normals = np.concatenate([np.zeros((1, 3)), normals_of])  # row 0 is that of corners that name none
+        rows = fans_of_lists(lengths, corners[:, 2].copy())
     triangles = fans_of_lists(lengths, corners[:, 0] - np.int32(1))
     texture, notes = _texture(found, beside)
     notes += lines_beside(found.lines)
     return RawMesh(
-        table[b"v"][1:], triangles, normals, uv, colours, texture=texture, notes=notes, normal_rows=rows
+        vertices, triangles, normals, uv, colours, texture=texture, notes=notes, normal_rows=rows
     )  # fmt: skip
 
 
-def _table(parts: list[npt.NDArray[np.float64]], width: int) -> npt.NDArray[np.float64]:
-    """Rows (1 + n, width) of numbers, of which row 0 is that of corners that name none."""
-    return np.concatenate([np.zeros((1, width)), *(one[:, :width] for one in parts)])
+def _rows_of(table: npt.NDArray[Any], rows: npt.NDArray[np.int32]) -> npt.NDArray[Any]:
+    """The rows of a table that corners name from 1, zeros where they name none."""
+    found = table[np.maximum(rows - 1, 0)]
+    found[rows == 0] = 0
+    return found
 
 
 def _texture(found: _Found, beside: Beside) -> tuple[npt.NDArray[np.uint8] | None, tuple[str, ...]]:
