@@ -107,10 +107,10 @@ class Strands:
         return each if all((np.diff(part) == each).all() for part in parts) else 0
 
     def lengths(self, kind: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
-        """Length of each strand, units of the file, in a type."""
-        found = np.zeros(self.count, kind)
+        """Length of each strand, units of the file, in a type, of which it is the largest number at most."""
+        found, most = np.zeros(self.count, kind), float(np.finfo(kind).max)
         for rows, (long,) in self.sums(lambda _rows, _points, segments: segments.astype(np.float64)[None]):
-            found[rows] = long
+            found[rows] = np.minimum(long, most)
         return found
 
     def segments(self) -> Iterator[tuple[slice, slice, npt.NDArray[np.float32]]]:
