@@ -63,8 +63,9 @@ class ControlCurves:
         nothing has so many rows, and of whole numbers between which there would have to be others. What has as many
         rows decides where ``interpolation``, a key of `INTERPOLATIONS` or "", does not fit."""
         counts = self.counts
-        rows = {"vertex": int(counts.sum()), "varying": int(self.basis.varying(self.in_basis).sum()),
-                "uniform": counts.shape[0], "constant": 1}  # fmt: skip
+        control = int(counts.sum())
+        joints = control if self.basis.plain else int(self.basis.varying(self.in_basis).sum())
+        rows = {"vertex": control, "varying": joints, "uniform": counts.shape[0], "constant": 1}
         if rows.get(interpolation) != values.shape[0]:
             interpolation = next((kind for kind, count in rows.items() if count == values.shape[0]), "")
         if not interpolation:
@@ -107,6 +108,8 @@ class Fitter:
             raise fault(f"{path}: curve {int(np.argmin(counts)):,} has {int(counts.min()):,} points; is damaged")
         if int(counts.sum()) != control.shape[0]:
             raise fault(f"{path}: {control.shape[0]:,} points, the curves have {int(counts.sum()):,}; is damaged")
+        if basis.plain:
+            return self._noted(ControlCurves(path, counts, basis))
         spans = None if knots is None else spans_of(counts, *knots, lambda words: fault(f"{path}: {words}"))
         in_basis = counts if spans is None else spans.counts
         pieces = basis.pieces(in_basis)
@@ -115,8 +118,6 @@ class Fitter:
             raise fault(f"{path}: curve {worst:,} has {counts[worst]:,} points, which make no whole pieces of "
                         f"{basis.text}; is damaged")  # fmt: skip
         known = self._known[len(self.pieces)] if len(self.pieces) < len(self._known) else None
-        if basis.plain:
-            return self._noted(ControlCurves(path, counts, basis))
         needs = 12 * max(int(pieces.sum()), 1)
         most = min(splines.MOST, self.room // needs)
         if most < 1:
