@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from pxr import Ar, Sdf, Usd, UsdGeom, UsdUtils
 
+from .long_arrays import layer_of_text
 from .messages import Fill, Message, RefusedFileError
 
 PURPOSES = (("default", "render"), ("proxy",), ("guide",))
@@ -29,10 +30,12 @@ MOST_FINDINGS = 5
 
 def opened(path: str) -> Usd.Stage:
     """The stage of a file. Raises `RefusedFileError` and Tf.ErrorException."""
-    layer = Sdf.Layer.FindOrOpen(path)
+    layer = layer_of_text(path)
     if layer is None:
-        raise RefusedFileError("is no USD that Pixar's library opens")
-    layer.Reload(force=True)
+        layer = Sdf.Layer.FindOrOpen(path)
+        if layer is None:
+            raise RefusedFileError("is no USD that Pixar's library opens")
+        layer.Reload(force=True)
     named = _layers_named(layer)  # which are open until the stage has them
     stage = Usd.Stage.Open(layer, Usd.Stage.LoadAll)
     del named
@@ -50,7 +53,7 @@ def _layers_named(root: Sdf.Layer) -> list[Sdf.Layer]:
             place = layer.ComputeAbsolutePath(name)
             if place not in seen and _is_file(place, name):
                 seen.add(place)
-                inner = Sdf.Layer.FindOrOpen(place)
+                inner = layer_of_text(place) or Sdf.Layer.FindOrOpen(place)
                 found += [] if inner is None else [inner]
     return found
 

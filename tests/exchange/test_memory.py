@@ -1,0 +1,84 @@
+"""Memory that reading strands and telling what is in a file takes: three times the file, and what is made at once."""
+
+from __future__ import annotations
+
+import re
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strandcli.exchange.facts import facts_of_file
+from strandcli.exchange.files import ReadOptions, read, write
+from strandcli.exchange.strands import Strands, even_offsets
+from strandcli.exchange.usd import process
+
+STRANDS, POINTS = 600_000, 2
+TIMES = 3
+AT_ONCE = {read: 2e6, facts_of_file: 22e6}
+"""Bytes beyond that: of arrays of some points at once."""
+
+
+def strands(count: int) -> Strands:
+    points = np.random.default_rng(0).random((POINTS * count, 3), np.float32)
+    return Strands(even_offsets(count, POINTS), points)
+
+
+def put(path: Path, count: int, kind: str) -> Path:
+    """A file of so many strands; ``kind``: its suffix, or the type of the numbers of a `.npy`."""
+    if kind.startswith("."):
+        write(path.with_suffix(kind), strands(count))
+        return path.with_suffix(kind)
+    np.save(path.with_suffix(".npy"), strands(count).points.reshape(count, POINTS, 3).astype(kind))
+    return path.with_suffix(".npy")
+
+
+@pytest.mark.parametrize(
+    ("kind", "what"),
+    [(".data", read), (".hair", read), (".npz", read), (".abc", read), (".ply", read), ("f2", read), ("f8", read),
+     ("f2", facts_of_file)],
+)  # fmt: skip
+def test_strands_take_three_times_their_file(
+    kind: str, what: Callable[[Path, ReadOptions], object], tmp_path: Path
+) -> None:
+    what(put(tmp_path / "small", 4, kind), ReadOptions())  # what is compiled and imported is no memory of a file
+    path = put(tmp_path / "large", STRANDS, kind)
+    tracemalloc.start()
+    try:
+        what(path, ReadOptions())
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < TIMES * path.stat().st_size + AT_ONCE[what]
+
+
+def peak_of_worker() -> int:
+    status = Path(f"/proc/{process._kept[0].process.pid}/status")
+    if not status.exists():
+        pytest.skip("asks the system as Linux does")
+    return 1024 * int(re.findall(r"VmHWM:\s*(\d+) kB", status.read_text())[0])
+
+
+LINES = """#usda 1.0
+def BasisCurves "a" {{
+    uniform token type = "linear"
+    int[] curveVertexCounts = [{counts}]
+    point3f[] points.timeSamples = {{ 0: [{points}], }}
+}}
+"""
+
+
+def test_long_arrays_of_text_take_three_times_their_file(tmp_path: Path) -> None:
+    pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
+    small, large = tmp_path / "small.usda", tmp_path / "large.usda"
+    point = "(0.25, 1, 2.5), (0, -1, 3.5)"
+    small.write_text(LINES.format(counts="2", points=point))
+    large.write_text(LINES.format(counts=", ".join(["2"] * 200_000), points=", ".join([point] * 200_000)))
+    assert read(small).count == 1
+    before = peak_of_worker()
+    found = read(large)
+    assert found.count == 200_000
+    assert (found.points.reshape(-1, 2, 3) == read(small).points).all()
+    assert peak_of_worker() - before < TIMES * large.stat().st_size + 20e6
