@@ -227,9 +227,8 @@ def _faults_of_groom(strands: Strands, known: Ends) -> list[Fault]:
         found.append(Fault("tips_first", strands.count, f"roots are last: {known.why}", "--reverse"))
     others = int(np.count_nonzero(known.others))
     if others:
-        found.append(
-            Fault("other_way", others, f"{counted(others, 'strand')} run the other way than the rest", "--fix")
-        )
+        who = counted(others, "strand runs", "strands run")
+        found.append(Fault("other_way", others, f"{who} the other way than the rest", "--fix"))
     up = up_axis(strands, known)
     if up is not None and up[0] != UP and strands.source.up is None:
         text = f"up is {up[0]}, if hair hangs down ({up[1]:.0%} of it); here up is {UP}"

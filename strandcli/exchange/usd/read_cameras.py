@@ -11,7 +11,8 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdRender
 
 from .messages import Fill, Message, RefusedFileError
-from .read_stage import layers_of, opened, rate_of, times_along
+from .open_stage import layers_of, opened
+from .read_stage import rate_of, times_along
 
 OWN = "strandcli:lens"
 """Attribute of cameras that strandcli wrote: `LENS` in double precision."""

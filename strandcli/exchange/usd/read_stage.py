@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import os
-import stat
 from collections import Counter
 from collections.abc import Iterator
-from itertools import chain
 from typing import Any
 
 import numpy as np
-from pxr import Ar, Sdf, Usd, UsdGeom, UsdUtils
+from pxr import Usd, UsdGeom
 
-from .long_arrays import layer_of_text
 from .messages import Fill, Message, RefusedFileError
+from .open_stage import layers_of, opened
 
 PURPOSES = (("default", "render"), ("proxy",), ("guide",))
 """What is for pictures goes before stand-ins, and these before guides."""
@@ -26,56 +23,6 @@ CLOSE = 1e-6
 """Time codes by which times may differ that mean the same."""
 MOST_FINDINGS = 5
 """Places that are told by name."""
-
-
-def opened(path: str) -> Usd.Stage:
-    """The stage of a file. Raises `RefusedFileError` and Tf.ErrorException."""
-    layer = layer_of_text(path)
-    if layer is None:
-        layer = Sdf.Layer.FindOrOpen(path)
-        if layer is None:
-            raise RefusedFileError("is no USD that Pixar's library opens")
-        layer.Reload(force=True)
-    named = _layers_named(layer)  # which are open until the stage has them
-    stage = Usd.Stage.Open(layer, Usd.Stage.LoadAll)
-    del named
-    return stage
-
-
-def _layers_named(root: Sdf.Layer) -> list[Sdf.Layer]:
-    """The layer and those that it names, directly or not. Raises `RefusedFileError` where one of them names a pipe or a
-    device, be it as a clip or a picture: Pixar's library would wait for who writes into it."""
-    found, seen = [root], {root.identifier}
-    for layer in found:
-        for name in chain(*UsdUtils.ExtractExternalReferences(layer.identifier)):
-            _is_file(layer.ComputeAbsolutePath(name), name)
-        for name in layer.GetCompositionAssetDependencies():
-            place = layer.ComputeAbsolutePath(name)
-            if place not in seen and _is_file(place, name):
-                seen.add(place)
-                inner = layer_of_text(place) or Sdf.Layer.FindOrOpen(place)
-                found += [] if inner is None else [inner]
-    return found
-
-
-def _is_file(place: str, name: str) -> bool:
-    """Whether there is something at a place. Raises `RefusedFileError` for what is there and is no file."""
-    file = Ar.SplitPackageRelativePathOuter(place.partition(":SDF_FORMAT_ARGS:")[0])[0]
-    try:
-        mode = os.stat(file).st_mode
-    except (OSError, ValueError):  # which the stage tells
-        return False
-    if not stat.S_ISREG(mode):
-        kind = "a folder" if stat.S_ISDIR(mode) else "no file but a pipe or a device"
-        raise RefusedFileError(f"names {name[:80]}, which is {kind}")
-    return True
-
-
-def layers_of(stage: Usd.Stage) -> list[str]:
-    """Paths of the files of a stage, and of those that it names and are not found."""
-    layers = [layer.realPath.partition("[")[0] for layer in stage.GetUsedLayers(includeClipLayers=True)]
-    errors = [getattr(error, "resolvedAssetPath", "") or "" for error in stage.GetCompositionErrors()]
-    return sorted({path for path in (*layers, *errors) if path})
 
 
 def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
@@ -92,8 +39,7 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
         "times": [time / rate for time in times], "rate": frame_rate_of(stage),
         "steady": not any(UsdGeom.BasisCurves(prim).GetCurveVertexCountsAttr().GetNumTimeSamples() > 1
                           for prim in prims),
-        "changing": sorted({one.GetName().removeprefix("primvars:") for prim in prims for one in prim.GetAttributes() if
-            one.GetName().startswith(("primvars:", "widths", "visibility")) and one.GetNumTimeSamples() > 1}),
+        "changing": _changing(prims),
         "application": str((stage.GetRootLayer().customLayerData or {}).get("creator", "")),
         "not_found": len(stage.GetCompositionErrors()),
         "layers": layers_of(stage),
@@ -104,6 +50,22 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
     places = UsdGeom.XformCache(moment)
     for prim in prims:
         yield _curves(UsdGeom.Curves(prim), moment, places)
+
+
+def _changing(prims: list[Usd.Prim]) -> list[str]:
+    """Names of attributes, visibility among them, that change with time, be they those of curves or of what holds
+    them."""
+    found, known = set(), set()
+    for prim in prims:
+        holder = prim
+        while holder and holder.GetPath() not in known:
+            known.add(holder.GetPath())
+            for one in holder.GetAuthoredAttributes():
+                name = one.GetName()
+                if name.startswith(("primvars:", "widths", "visibility")) and one.GetNumTimeSamples() > 1:
+                    found.add(name.removeprefix("primvars:"))
+            holder = holder.GetParent()
+    return sorted(found)
 
 
 def moments(request: dict[str, Any], fill: Fill) -> Iterator[Message]:

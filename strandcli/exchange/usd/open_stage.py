@@ -1,0 +1,62 @@
+"""Stages of USD and the files that they are made of; runs in the worker."""
+
+from __future__ import annotations
+
+import os
+import stat
+from itertools import chain
+
+from pxr import Ar, Sdf, Usd, UsdUtils
+
+from .long_arrays import layer_of_text
+from .messages import RefusedFileError
+
+
+def opened(path: str) -> Usd.Stage:
+    """The stage of a file. Raises `RefusedFileError` and Tf.ErrorException."""
+    layer = layer_of_text(path)
+    if layer is None:
+        layer = Sdf.Layer.FindOrOpen(path)
+        if layer is None:
+            raise RefusedFileError("is no USD that Pixar's library opens")
+        layer.Reload(force=True)
+    named = _layers_named(layer)  # which are open until the stage has them
+    stage = Usd.Stage.Open(layer, Usd.Stage.LoadAll)
+    del named
+    return stage
+
+
+def _layers_named(root: Sdf.Layer) -> list[Sdf.Layer]:
+    """The layer and those that it names, directly or not. Raises `RefusedFileError` where one of them names a pipe or a
+    device, be it as a clip or a picture: Pixar's library would wait for who writes into it."""
+    found, seen = [root], {root.identifier}
+    for layer in found:
+        for name in chain(*UsdUtils.ExtractExternalReferences(layer.identifier)):
+            _is_file(layer.ComputeAbsolutePath(name), name)
+        for name in layer.GetCompositionAssetDependencies():
+            place = layer.ComputeAbsolutePath(name)
+            if place not in seen and _is_file(place, name):
+                seen.add(place)
+                inner = layer_of_text(place) or Sdf.Layer.FindOrOpen(place)
+                found += [] if inner is None else [inner]
+    return found
+
+
+def _is_file(place: str, name: str) -> bool:
+    """Whether there is something at a place. Raises `RefusedFileError` for what is there and is no file."""
+    file = Ar.SplitPackageRelativePathOuter(place.partition(":SDF_FORMAT_ARGS:")[0])[0]
+    try:
+        mode = os.stat(file).st_mode
+    except (OSError, ValueError):  # which the stage tells
+        return False
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "no file but a pipe or a device"
+        raise RefusedFileError(f"names {name[:80]}, which is {kind}")
+    return True
+
+
+def layers_of(stage: Usd.Stage) -> list[str]:
+    """Paths of the files of a stage, and of those that it names and are not found."""
+    layers = [layer.realPath.partition("[")[0] for layer in stage.GetUsedLayers(includeClipLayers=True)]
+    errors = [getattr(error, "resolvedAssetPath", "") or "" for error in stage.GetCompositionErrors()]
+    return sorted({path for path in (*layers, *errors) if path})
