@@ -41,8 +41,6 @@ def _clashes(scene: Scene) -> Iterator[Clash]:
     for index, key in enumerate(rod.end_keys):
         if rod.end == "pinned" and key.turns:
             yield (f"rod.end_keys.{index}.turns", "rod.end"), "a pinned tip turns freely; use end: clamped"
-    if rod.yield_strain is not None and "contact" in listed:
-        yield ("rod.yield_strain", "rules"), "does not go with the rule contact; leave one of them out"
     if rod.section is not None:
         yield from _of_sections(rod, listed)
 
@@ -62,8 +60,6 @@ def _of_sections(rod: Rod, listed: set[str]) -> Iterator[Clash]:
         yield ("rod.section", "rod.root"), "free roots have no frame that a section lies in; use root: hinged"
     if rod.end == "clamped":
         yield ("rod.section", "rod.end"), "clamped tips know of no section; use end: pinned, or take the section out"
-    if rod.yield_strain is not None:
-        yield ("rod.section", "rod.yield_strain"), "oval strands keep no set; leave one of them out"
     if "contact" in listed:
         yield ("rod.section", "rules"), "does not go with the rule contact; leave one of them out"
 
@@ -75,7 +71,5 @@ def _of_free_roots(scene: Scene) -> Iterator[Clash]:
             ("rod.root", "rod.rest"),
             "free roots hold no strand up, as rest: sag_free asks of them; use straight",
         )
-    if rod.yield_strain is not None:
-        yield ("rod.root", "rod.yield_strain"), "strands whose roots are free keep no set; leave one of them out"
     if rod.end == "clamped":
         yield ("rod.root", "rod.end"), "a clamped tip needs a root that is held; use end: pinned, or root: clamped"

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from .dump import plain
 from .faults import hint, shown
 from .fields import settings_of, why_absent
+from .gone import why_gone
 from .model import Scene
 from .nodes import Entry, ListNode, MapNode, Node, Scalar, kind_of, node_of
 from .rule_type import RuleType
@@ -85,6 +86,8 @@ def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) 
     short for `rules.wind.strength`; `wind[2]` is the second wind. A null takes an entry out of a list, and a rule out
     of the rules. Raises Unreachable.
     """
+    if told := why_gone(path):
+        raise Unreachable(told)
     parts = path.split(".")
     known = settings_of(Scene)
     if parts[0] not in known:

@@ -13,6 +13,7 @@ from typing import Any
 from .describe import wanted
 from .faults import Fault, Mark, fault_at, hint, shown
 from .fields import settings_of, why_absent
+from .gone import why_gone
 from .model import RuleUse
 from .nodes import ListNode, MapNode, Node, Scalar
 from .rule_type import RuleType
@@ -80,7 +81,8 @@ class Reader:
             where = f"{path}.{key}" if path else key
             setting = settings.get(key)
             if setting is None:
-                self.refuse(entry.mark, where, why_absent(cls, key) or self.unknown_key(key, settings, top=not path))
+                told = why_gone(where) or why_absent(cls, key)
+                self.refuse(entry.mark, where, told or self.unknown_key(key, settings, top=not path))
             elif not (isinstance(setting.spec, ParametersSpec) or (isinstance(entry.node, Scalar) and entry.node.null)):
                 values[setting.attribute] = self.value(setting.spec, entry.node, where)
         for key, setting in settings.items():
@@ -153,7 +155,8 @@ class Reader:
                 case TextSpec():
                     return node.text
         except Refusal as refusal:
-            self.refuse(node.mark, path, f"must be {wanted(spec)}, {refusal}")
+            told = why_gone(path, node.text) if isinstance(node, Scalar) else None
+            self.refuse(node.mark, path, told or f"must be {wanted(spec)}, {refusal}")
             return spec.default
         raise TypeError(f"no such kind of setting: {type(spec).__name__}")
 

@@ -39,22 +39,6 @@ def transported(
     return first, local
 
 
-def ends_apart(rests: NDArray[np.floating]) -> Floats:
-    """Return (P, S) the distance between the ends of strands at rest over their length, by `kernels.records`'
-    ``Material.bends`` (P, N + 1, 3 S)."""
-    packs, rows, width = rests.shape
-    bends = rests[:, 1:].reshape(packs, rows - 1, 3, width // 3).transpose(1, 2, 0, 3).astype(np.float64)
-    t, a = np.zeros((2, *bends.shape[1:]))
-    t[0], a[1], end = 1, 1, np.zeros_like(t)
-    for j, (u, v, w) in enumerate(bends):
-        e = t + u * t + v * a + w * np.cross(t, a, axis=0) if j > 0 else t  # the first joint bends none of it
-        e = e / np.maximum(np.linalg.norm(e, axis=0), 1e-6)
-        a = a - (a * e).sum(0) / np.maximum(1 + (t * e).sum(0), 1e-6) * (t + e)
-        a /= np.maximum(np.linalg.norm(a, axis=0), 1e-6)
-        t, end = e, end + e
-    return np.asarray(np.linalg.norm(end, axis=0) / len(bends))
-
-
 def unit_edges(groom: Groom, n: int) -> tuple[list[Floats], bool]:
     """Return N arrays (strands, 3) of unit vectors of edges, root to tip, in the emitter's frame, and whether some had
     no length.

@@ -20,9 +20,8 @@ from ..blocks import lanes
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
-from .contact.between_strands import TAUT, StrandContact, in_parts
+from .contact.between_strands import StrandContact, in_parts
 from .crowd import Crowd, Moment
-from .health import RESIDUAL_MOST
 from .kernels.records import AIR, FREE, LASTING, TOLERANCE, TURNED
 from .kernels.rod_scratch import PACK
 from .material import COIL_STEP, MOST_INNER
@@ -49,7 +48,6 @@ from .rod_setup import (
     world_edges,
 )
 from .rod_teleport import begin_before_roots, carry, stop, turned, velocity_of_roots
-from .rod_yield import yielding_of
 from .solver import Solver
 from .surroundings import Surroundings, flat, pose_of
 from .swing import parts, swing_rate
@@ -108,16 +106,12 @@ class RodSolver(Solver):
         self._gravity = tuple(self.surroundings.gravity.tolist())
         arrays = self.state, self.material, self.forcing
         self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
-        edges = self.state.edges if rod.yield_strain is None else None
-        coils = CoilSteps(*arrays[1:], edges) if shape.curled else None
+        coils = CoilSteps(*arrays[1:], self.state.edges) if shape.curled else None
         self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, shape.coiled, coils)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.roots = Roots(self.deforming, self.strands, rod, arrays, shape.curled)
-        self.yielding = yielding_of(scene, self.material)
-        self._sudden = self.pins is not None and self.yielding is not None
-        """Whether rest shapes of taut strands may change at once, which iterations may fail."""
         self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
-        self._steady = not (self._coil_rate or self._sudden) and self.contact is None and self.deforming is None
+        self._steady = not self._coil_rate and self.contact is None and self.deforming is None
         """Whether a step is one of the kernel's."""
         self._alone = self.crowd is self.contact is self.deforming is None and not flags.held
         """Whether nothing but the emitter, air and solids drives strands."""
@@ -131,8 +125,7 @@ class RodSolver(Solver):
         last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
         crowd = {} if self.crowd is None else self.crowd.state_arrays()
         found = {} if self.contact is None else self.contact.state_arrays()
-        rest = {} if self.yielding is None else {"bends": self.material.bends}
-        return {**super().state_arrays(), **state, **self.roots.state_arrays(), **last, **crowd, **found, **rest}
+        return {**super().state_arrays(), **state, **self.roots.state_arrays(), **last, **crowd, **found}
 
     def check(self, state: Mapping[str, NDArray[Any]], frame: int) -> None:
         """Raise `ValueError` for a state that is none of a frame."""
@@ -154,9 +147,6 @@ class RodSolver(Solver):
             self.crowd.restore(state)
         if self.contact is not None:
             self.contact.restore(state)
-        if self.yielding is not None:
-            self.material.bends[...] = state["bends"]
-            self.numbers.measure_coils()
 
     def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
         """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
@@ -187,13 +177,13 @@ class RodSolver(Solver):
             self._step(time, dt)
             return
         count = min(max(count, math.ceil(self._coil_rate * dt / COIL_STEP)), MOST_INNER)
-        halvings = TAUT if self.contact is None else math.ceil(math.log2(count))  # no part is the shorter for coils
+        halved = math.ceil(math.log2(count))  # no part is the shorter for coils
         for left in range(count - 1, -1, -1):
             end, part = time - left * dt / count, dt / count
-            if self.contact is None and not self._sudden:
+            if self.contact is None:
                 self._step(end, part)
             else:
-                in_parts(self, self._step, end, part, halvings)
+                in_parts(self, self._step, end, part, halved)
 
     def _step(self, time: float, dt: float) -> bool:
         """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0. Return False where it is too
@@ -234,14 +224,10 @@ class RodSolver(Solver):
             short = True
         else:
             short = self.contact.step(partial(self._run, pose, moved.change), dt, self)
-        if self._sudden:
-            short = short and bool((self.state.residuals <= RESIDUAL_MOST).all())
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
         if self.loose or self.roots.hinged:
             begin_before_roots(self.positions)
-        if self.yielding is not None and self.yielding.follow(self.state, self.material, self.forcing, pose):
-            self.numbers.measure_coils()
         self.pose, self._last_step = pose, dt
         return short
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from .kernels.records import TORSION, Forcing, Material
 from .kernels.rod_scratch import PACK
 from .material import FINE_TURN, firmness, stretch_rates
-from .rest_shape import ends_apart
 
 FIRM, LOOSE, FLAT = 0.5, 10.0, 10.0
 """Step over the frequency at which a coil stretches in which `SHARES` of `firmness` keep its edges where they are led.
@@ -38,24 +37,17 @@ TINY = 1e-9
 
 
 class CoilSteps:
-    """Writes `Forcing.firmness` and `Forcing.led` of steps. ``edges`` (P, N, 3 S) are those that strands begin with;
-    None of strands whose rest shapes change, by which alone they are measured."""
+    """Writes `Forcing.firmness` and `Forcing.led` of steps. ``edges`` (P, N, 3 S) are those that strands begin
+    with."""
 
-    def __init__(self, material: Material, forcing: Forcing, edges: NDArray[Any] | None) -> None:
-        self._material, self._forcing = material, forcing
-        self.measure(edges)
-
-    def measure(self, edges: NDArray[Any] | None = None) -> None:
-        """Measure the rest shapes as they are; ``edges``: as at the start."""
-        material, torsion = self._material, float(self._forcing.numbers[TORSION])
+    def __init__(self, material: Material, forcing: Forcing, edges: NDArray[Any]) -> None:
+        self._forcing, torsion = forcing, float(forcing.numbers[TORSION])
         packs, rows, _ = material.bends.shape
         bends = material.bends[:, 2:, PACK:].reshape(packs, rows - 2, 2, PACK)
         square = np.einsum("pncs,pncs->ps", bends, bends, dtype=np.float64) / max(rows - 2, 1)
         self._firmness = firmness(torsion) * np.maximum(1.0, np.sqrt(square) / FINE_TURN)
         turning = np.maximum(np.sqrt(square) * (rows - 1), TINY)
-        long = ends_apart(material.bends)
-        if edges is not None:
-            long = np.linalg.norm(edges.reshape(*edges.shape[:2], 3, PACK).mean(1, dtype=np.float64), axis=1)
+        long = np.linalg.norm(edges.reshape(*edges.shape[:2], 3, PACK).mean(1, dtype=np.float64), axis=1)
         self.rates = stretch_rates(torsion, material.stiffness, square, rows - 1)
         """(P, S) angular frequencies, rad/s, at which strands stretch as springs do."""
         flat = FLAT * np.maximum(long, TINY) / turning

@@ -59,12 +59,6 @@ class StepNumbers:
             self.coils.set(dt, bdf2)
         self._last = dt, bdf2, pinned
 
-    def measure_coils(self) -> None:
-        """Have the next step's numbers follow from the rest shapes as they are, which have changed."""
-        if self.coils is not None:
-            self.coils.measure()
-            self._last = None
-
     def set_moment(self, pinned: bool) -> None:
         """Write those of `MOMENT`, without any load."""
         self._write(MOMENT, pinned, MOMENT, *[0.0] * FRICTION)

@@ -121,7 +121,7 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
         edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
     bent = rest != "straight" and not straight([axes, *edges])
     rod = scene.rod
-    framed = rod.yield_strain is not None or rod.end == "clamped" or oval(rod)
+    framed = rod.end == "clamped" or oval(rod)
     curled = bent or rest == "sag_free" or framed
     return Shape(axes, edges, mended, curled, curled and coiled(edges), wide_axes(rod, axes, groom.tones))
 

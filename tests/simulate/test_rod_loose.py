@@ -108,7 +108,6 @@ def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:
     ("rod", "rules", "words"),
     [
         ("rest: sag_free", "gravity", r":2:\d+: rod\.root: free roots hold no strand up"),
-        ("yield_strain: 0.1", "gravity", r":2:\d+: rod\.root: strands whose roots are free keep no set"),
         ("end: clamped", "gravity", r":2:\d+: rod\.root: a clamped tip needs a root that is held"),
         ("rest: sag_free, end: clamped", "contact", r"hold no strand up.*use straight; a clamped tip needs a root"),
     ],

@@ -1,4 +1,4 @@
-"""Strands that can turn or keep a set come to rest, alone and on solids, at steps as long as a frame."""
+"""Strands that can turn come to rest, alone and on solids, at steps as long as a frame."""
 
 from __future__ import annotations
 
@@ -43,11 +43,6 @@ def test_hinged_strands_rest_on_a_floor(length: float) -> None:
     assert motion_at_rest("root: hinged", length, FLOOR) < 3e-5
 
 
-@pytest.mark.parametrize("limit", [0.001, 0.002, 0.005])
-def test_strands_that_keep_a_set_rest_between_a_ball_and_a_floor(limit: float) -> None:
-    assert motion_at_rest(f"yield_strain: {limit}", 0.1, f"{BALL}, {FLOOR}") < 3e-5
-
-
 @pytest.mark.parametrize("root", ["clamped", "hinged"])
 @pytest.mark.parametrize("height", [0.05, 0.08])
 def test_strands_that_hang_down_to_a_floor_rest_on_their_tips(height: float, root: str) -> None:
@@ -82,22 +77,3 @@ def test_strands_that_leave_a_solid_are_marked_no_more() -> None:
         seen.append(solver.state.touching.reshape(-1)[:20].copy())
     assert all(seen[22] > 0)
     assert not seen[-1].any()
-
-
-@pytest.mark.parametrize("particles", [10, 20])
-def test_strands_that_keep_what_a_ball_bent_rest_in_free_air(particles: int) -> None:
-    """Were steps made for the rest shapes of the start, tips would move by 5 and 36 mm a frame for ever."""
-    scene = scene_of(
-        "solver: rod\nrod: {rest: shape, radius: 1.5e-4, young: 1.0e+9, drag: 8, damping: 0.01, friction: 0.2, "
-        "yield_strain: 0.001}\ntime: {fps: 24}\nemitter: {shape: {kind: plane, width: 0.4, depth: 0.2}, strands: 300, "
-        f"particles: {particles}, length: 0.03, jitter: 8}}\nrules: [emitter_motion, gravity, collision]\n"
-        "solids: [{kind: sphere, radius: 0.05, position: [-0.5, 0.06, 0], keys: ["
-        "{time: 0, position: [-0.5, 0.06, 0], ease: linear}, {time: 2, position: [0.5, 0.06, 0], ease: linear}, "
-        "{time: 3, position: [0.5, 1, 0]}]}]\n"
-    )
-    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
-    tips = []
-    for i in range(4 * 24):
-        solver.step((i + 1) / 24, 1 / 24)
-        tips.append(solver.particles()[:, -1].astype(float))
-    assert np.linalg.norm(np.diff(tips[-24:], axis=0), axis=-1).max() < 1e-4

@@ -223,7 +223,6 @@ def test_round_sections_have_a_round_strand_s_kernel_and_motion() -> None:
         ("{wide: 4, thin: 0.9}", "", r"rod\.section\.thin: thin is less than a quarter of wide, 1:"),
         ("{wide: 2}", "root: free", r"rod\.section: free roots have no frame"),
         ("{wide: 2}", "end: clamped", r"rod\.section: clamped tips know of no section"),
-        ("{wide: 2}", "yield_strain: 0.1", r"rod\.section: oval strands keep no set"),
     ],
 )
 def test_sections_that_strands_cannot_have_are_refused_with_their_place(section: str, rod: str, words: str) -> None:

@@ -20,7 +20,7 @@ from strandcli.study.stress.axes import AXES, Case
 from strandcli.study.stress.task import Task
 
 TOO_FINE = (
-    "rod/dt=0.5/n=1/L=1e-6/offset=1e6/tip=1e6/start=random/between=grid-fine/twist=coil-yield/integrator=euler"
+    "rod/dt=0.5/n=1/L=1e-6/offset=1e6/tip=1e6/start=random/between=grid-fine/twist=coil/integrator=euler"
     "/root=hinged"
 )
 

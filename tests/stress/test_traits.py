@@ -17,7 +17,7 @@ from strandcli.study.stress.task import Task
 PINNED = {
     "dt": "60Hz", "B": "1", "gamma": "10", "wind": "calm", "emitter": "still", "contact": "none", "n": "10",
     "start": "straight", "integrator": "auto", "root": "clamped", "torsion": "none", "between": "none",
-    "rest": "straight", "end": "pinned", "yield": "none", "section": "round",
+    "rest": "straight", "end": "pinned", "section": "round",
 }  # fmt: skip
 
 
@@ -33,18 +33,16 @@ def test_every_combination_of_traits_meets_every_pair_of_the_other_axes() -> Non
     assert len(loose) == 8
     assert all(met == set(covering.all_pairs(traits.LOOSE)) for met in loose.values())
     left_out = set(product(*traits.TRAITS.values())) - set(found)
-    for between, _, end, limit, section in left_out:
-        refused = between in ("thin", "thick"), limit != "none", end == "turned", section != "round"
-        assert sum(refused) > 1
-        assert section != "round" or all(refused[:2])
+    for between, _, end, section in left_out:
+        assert section != "round" and (between in ("thin", "thick") or end == "turned")
     assert len(traits.table()) == len(list(traits.combinations())) > 2000
 
 
 def test_scenes_are_what_their_labels_say() -> None:
-    labels = PINNED | {"between": "thick", "rest": "shape", "yield": "low", "torsion": "0.7", "start": "random"}
+    labels = PINNED | {"between": "thick", "rest": "shape", "torsion": "0.7", "start": "random"}
     scene, groom, case, times = traits.prepared(labels)
     assert [use.name for use in scene.rules if use.name == "contact"] == ["contact"]
-    assert (scene.rod.end, scene.rod.rest, scene.rod.yield_strain, scene.rod.torsion) == ("pinned", "shape", 1e-3, 0.7)
+    assert (scene.rod.end, scene.rod.rest, scene.rod.torsion) == ("pinned", "shape", 0.7)
     assert (scene.rod.young or 0) * (scene.rod.radius or 0) ** 2 / 4 == pytest.approx(1)
     assert len(groom.roots) == 4
     assert np.abs(groom.roots).max() <= traits.CLOSE
@@ -54,9 +52,8 @@ def test_scenes_are_what_their_labels_say() -> None:
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ({"between": "thin", "yield": "low"}, "yield_strain: does not go with the rule contact"),
+        ({"between": "thin", "section": "oval"}, "section: does not go with the rule contact"),
         ({"rest": "sag_free", "root": "hinged"}, "hinged roots hold no strand up"),
-        ({"section": "oval", "yield": "low"}, "oval strands keep no set"),
         ({"section": "flat", "end": "turned"}, "clamped tips know of no section"),
     ],
 )
@@ -82,8 +79,8 @@ def test_the_small_matrix_has_pinned_tips_and_each_refusal() -> None:
 def test_what_should_be_refused_and_is_not_has_failed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(traits, "refusal", lambda labels: "no such words")
     assert verdicts.judge("rod", {}, traits.check_traits("rod", labels=PINNED)).failed == ("refused",)
-    with pytest.raises(UsageError, match=r"rod\.yield_strain: does not go"):
-        traits.check_traits("rod", labels=PINNED | {"between": "thin", "yield": "low"})
+    with pytest.raises(UsageError, match=r"rod\.section: does not go"):
+        traits.check_traits("rod", labels=PINNED | {"between": "thin", "section": "oval"})
 
 
 def test_pinned_tips_are_watched_and_so_is_energy(monkeypatch: pytest.MonkeyPatch) -> None:

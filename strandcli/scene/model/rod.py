@@ -91,11 +91,6 @@ class Rod:
         doc="torsional over bending rigidity of curled strands as round ones, 1 / (1 + Poisson's ratio), about 0.7: "
         "coils are springs; steps become shorter where that takes it; absent: 4, of coils 0.75",
     )  # fmt: skip
-    yield_strain: float | None = number(
-        None, above=0, high=10,
-        doc="of bending, radius times curvature, beyond which strands keep a set: the rest shape follows; absent: none "
-        "does",
-    )  # fmt: skip
     drag: float = number(1.0, low=0, high=1e6, unit="1/s", doc="rate at which strands take on the velocity of the air")
     damping: float = number(0.001, low=0, high=1e3, unit="s", doc="inner damping: bending moment a rate of bending")
     friction: float = number(0.3, low=0, high=10, doc="Coulomb's coefficient against solids")

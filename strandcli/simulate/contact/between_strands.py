@@ -42,8 +42,8 @@ ROUNDS = 6
 LEFT = 0.05
 """The same after the last round, beyond which the step is made in two halves: shorter ones converge. Not where contacts
 yield, whose excess is left on purpose."""
-HALVINGS, TAUT = 7, 5
-"""Times that a step is cut in two at the most; those left out without contact, for pinned strands that yield."""
+HALVINGS = 7
+"""Times that a step is cut in two at the most."""
 ALIKE = 0.7
 """Cosine between normals at the begin and the end of a step from which on they are on the same side."""
 

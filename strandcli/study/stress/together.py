@@ -69,8 +69,6 @@ TWIST: dict[str, dict[str, Any]] = {
     "coil-turned": {"rest": "shape", **TURNED},
     "oval": {"section": Section(wide=1.2, thin=0.8, angle=30.0)},
     "coil-flat": {"rest": "shape", "section": Section(wide=2.0, thin=0.5, angle=-20.0)},
-    "coil-yield": {"rest": "shape", "yield_strain": 1e-3},
-    "yield": {"yield_strain": 0.05},
 }
 """What strands twist by: settings of rod. Those of coils begin as such."""
 OWN: dict[str, tuple[str, ...]] = {
@@ -93,7 +91,7 @@ def valid(row: Row) -> bool:
     given = dict(zip(OWN, row, strict=True))
     rod, touching = TWIST[given["twist"]], "contact" in BETWEEN[given["between"]]
     return not (
-        (touching and ("section" in rod or "yield_strain" in rod))
+        (touching and "section" in rod)
         or (rod.get("end") and given["end"] != "free")
         or (rod.get("rest") == "sag_free" and given["root"] == "hinged")
     )

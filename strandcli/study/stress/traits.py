@@ -1,5 +1,5 @@
-"""What strands may be and do beyond the matrix, with its extremes: they interact or touch, twist, yield, are oval, are
-pinned or turned at their tips.
+"""What strands may be and do beyond the matrix, with its extremes: they interact or touch, twist, are oval, are pinned
+or turned at their tips.
 
 Every combination of these traits meets every two values of any two other axes. What solvers refuse by name counts as
 refused, where it is known that they do; anything else that they raise has failed.
@@ -43,8 +43,6 @@ BETWEEN: dict[str, tuple[str, dict[str, Any]]] = {
 """What strands do to each other: a rule and its settings, lengths in L."""
 TURNED = (EndKey(0.0, ease="linear"), EndKey(1.0, turns=2.0, ease="linear"))
 """How clamped tips turn."""
-YIELD = {"none": None, "low": 1e-3, "high": 0.05}
-"""Strain at which bending keeps a set; curvature is 50 / L times as much."""
 SECTION = {
     "round": None, "oval": Section(wide=1.2, thin=0.8, angle=30.0), "flat": Section(wide=2.0, thin=0.5, angle=-20.0),
 }  # fmt: skip
@@ -52,7 +50,6 @@ TRAITS: dict[str, tuple[str, ...]] = {
     "between": tuple(BETWEEN),
     "rest": ("straight", "shape", "sag_free"),
     "end": ("free", "pinned", "turned"),
-    "yield": tuple(YIELD),
     "section": tuple(SECTION),
 }
 OTHERS: dict[str, tuple[str, ...]] = {
@@ -92,13 +89,9 @@ def refusal(labels: dict[str, str]) -> str:
     touching = BETWEEN[labels["between"]][0] == "contact"
     if labels["root"] == "hinged" and labels["rest"] == "sag_free":
         return "rod.root: hinged roots hold no strand up"
-    if touching and labels["yield"] != "none":
-        return "rod.yield_strain: does not go with the rule contact"
     if labels["section"] != "round":
         if labels["end"] == "turned":
             return "rod.section: clamped tips know of no section"
-        if labels["yield"] != "none":
-            return "rod.section: oval strands keep no set"
         if touching:
             return "rod.section: does not go with the rule contact"
     return ""
@@ -113,7 +106,7 @@ def prepared(labels: dict[str, str]) -> tuple[Scene, Groom, Case, NDArray[np.flo
         groom = replace(groom, roots=groom.roots * np.float32(CLOSE))
     rod = replace(
         scene.rod, radius=RADIUS, young=(scene.rod.young or 0.0) * (2 / RADIUS) ** 2, integrator=labels["integrator"],
-        rest=labels["rest"], root=labels["root"], yield_strain=YIELD[labels["yield"]],
+        rest=labels["rest"], root=labels["root"],
         end="clamped" if labels["end"] == "turned" else labels["end"],
         end_keys=TURNED if labels["end"] == "turned" else (),
         torsion=None if labels["torsion"] == "none" else float(labels["torsion"]), section=SECTION[labels["section"]],
@@ -216,17 +209,17 @@ def combinations() -> Iterator[dict[str, str]]:
 
 
 def _held_by_nothing(rest: str, end: str, section: str, **more: str) -> bool:
-    """Whether roots may be free: of straight strands without a set, whose tips nothing turns."""
-    return (rest, section, more["yield"]) == ("straight", "round", "none") and end != "turned"
+    """Whether roots may be free: of straight strands whose tips nothing turns."""
+    return (rest, section) == ("straight", "round") and end != "turned"
 
 
-def _left_out(between: str, rest: str, end: str, section: str, **more: str) -> bool:
-    limit, touching = more["yield"], BETWEEN[between][0] == "contact"
+def _left_out(between: str, rest: str, end: str, section: str) -> bool:
+    touching = BETWEEN[between][0] == "contact"
     if section != "round":
-        refused = (touching, end == "turned", limit != "none")
+        refused = (touching, end == "turned")
         first = section == "oval" and rest == "straight" and end != "pinned" and between in ("none", "thin")
-        return sum(refused) > 1 or (any(refused) and not (first and limit != "high"))
-    return touching and (limit == "high" or (limit == "low" and between == "thick"))
+        return all(refused) or (any(refused) and not first)
+    return False
 
 
 def _name(row: dict[str, str]) -> str:
@@ -242,7 +235,7 @@ def table() -> dict[str, Callable[[str], Metrics]]:
 
 def quick() -> list[str]:
     """Names of those of the table that are cheap: pinned tips, which need no kernel of their own, and refusals."""
-    plain = {"between": "none", "rest": "straight", "end": "pinned", "yield": "none",
+    plain = {"between": "none", "rest": "straight", "end": "pinned",
              "integrator": "auto", "section": "round"}  # fmt: skip
     found, words = [], set()
     for name, row in zip(table(), combinations(), strict=True):
