@@ -101,8 +101,7 @@ def _rod_bytes(scene: Scene) -> int:
 
 def _framed(rod: Rod) -> bool:
     """Whether rods have frames by their settings, whatever shape they are emitted in."""
-    oval = rod.section is not None and rod.section.wide != rod.section.thin
-    return oval or rod.rest == "sag_free" or rod.end == "clamped"
+    return rod.rest == "sag_free" or rod.end == "clamped"
 
 
 def _mesh_bytes(scene: Scene) -> int:

@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from .checks_of_file import Clash
-from .model import Rod, Scene
+from .model import Scene
 from .motion import deforming_ground
-
-FLATTEST = 4.0
-"""Ratio of the axes of sections."""
 
 
 def rod_clashes(scene: Scene) -> Iterator[Clash]:
@@ -41,27 +38,6 @@ def _clashes(scene: Scene) -> Iterator[Clash]:
     for index, key in enumerate(rod.end_keys):
         if rod.end == "pinned" and key.turns:
             yield (f"rod.end_keys.{index}.turns", "rod.end"), "a pinned tip turns freely; use end: clamped"
-    if rod.section is not None:
-        yield from _of_sections(rod, listed)
-
-
-def _of_sections(rod: Rod, listed: set[str]) -> Iterator[Clash]:
-    section = rod.section
-    assert section is not None
-    if section.thin > section.wide:
-        yield ("rod.section.thin", "rod.section.wide"), "thin is more than wide; swap them, and turn the angle by 90"
-    if section.thin < section.wide / FLATTEST:
-        yield (
-            ("rod.section.thin", "rod.section.wide"),
-            f"thin is less than a quarter of wide, {section.wide / FLATTEST:g}: steps of strands so flat would take "
-            "too long; make it larger",
-        )
-    if rod.root == "free":
-        yield ("rod.section", "rod.root"), "free roots have no frame that a section lies in; use root: hinged"
-    if rod.end == "clamped":
-        yield ("rod.section", "rod.end"), "clamped tips know of no section; use end: pinned, or take the section out"
-    if "contact" in listed:
-        yield ("rod.section", "rules"), "does not go with the rule contact; leave one of them out"
 
 
 def _of_free_roots(scene: Scene) -> Iterator[Clash]:

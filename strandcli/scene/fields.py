@@ -188,9 +188,3 @@ def settings_of(cls: type) -> Mapping[str, Setting]:
         if "spec" in field.metadata
     )
     return MappingProxyType({setting.key: setting for setting in found})
-
-
-def why_absent(cls: type, key: str) -> str | None:
-    """Why a class has no setting of a name that people look for, where it says so in ``ABSENT``."""
-    reasons: Mapping[str, str] = getattr(cls, "ABSENT", {})
-    return reasons.get(key)

@@ -10,10 +10,10 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from .absent import why_absent
 from .dump import plain
 from .faults import hint, shown
-from .fields import settings_of, why_absent
-from .gone import why_gone
+from .fields import settings_of
 from .model import Scene
 from .nodes import Entry, ListNode, MapNode, Node, Scalar, kind_of, node_of
 from .rule_type import RuleType
@@ -86,7 +86,7 @@ def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) 
     short for `rules.wind.strength`; `wind[2]` is the second wind. A null takes an entry out of a list, and a rule out
     of the rules. Raises Unreachable.
     """
-    if told := why_gone(path):
+    if told := why_absent(path):
         raise Unreachable(told)
     parts = path.split(".")
     known = settings_of(Scene)
@@ -115,8 +115,7 @@ def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rul
         if specs is None:
             raise Unreachable(f"{shown(part)} cannot be reached: the kind of what holds it is not known")
         if part not in specs:
-            absent = why_absent(spec.model, part) if isinstance(spec, ModelSpec) else None
-            raise Unreachable(absent or f"unknown key; {hint(part, specs, 'the keys are')}")
+            raise Unreachable(f"unknown key; {hint(part, specs, 'the keys are')}")
         child = _place(specs[part], node.get(part), parts[1:], value, rules)
         if isinstance(spec, UnionSpec) and part == "kind":
             node = _of_kind(spec, node, child)

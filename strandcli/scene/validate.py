@@ -10,10 +10,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from .absent import why_absent
 from .describe import wanted
 from .faults import Fault, Mark, fault_at, hint, shown
-from .fields import settings_of, why_absent
-from .gone import why_gone
+from .fields import settings_of
 from .model import RuleUse
 from .nodes import ListNode, MapNode, Node, Scalar
 from .rule_type import RuleType
@@ -41,7 +41,7 @@ from .specs import (
     WindowSpec,
 )
 from .suggest import hint_inside
-from .values import file_path, given, in_range, name_or_file, option, whole, window
+from .values import file_path, given, in_range, name_or_file, no_rule, option, whole, window
 
 MOST_HINTS = 200
 """Faults of one file after which no more suggestions are sought: each takes half a millisecond."""
@@ -81,8 +81,7 @@ class Reader:
             where = f"{path}.{key}" if path else key
             setting = settings.get(key)
             if setting is None:
-                told = why_gone(where) or why_absent(cls, key)
-                self.refuse(entry.mark, where, told or self.unknown_key(key, settings, top=not path))
+                self.refuse(entry.mark, where, why_absent(where) or self.unknown_key(key, settings, top=not path))
             elif not (isinstance(setting.spec, ParametersSpec) or (isinstance(entry.node, Scalar) and entry.node.null)):
                 values[setting.attribute] = self.value(setting.spec, entry.node, where)
         for key, setting in settings.items():
@@ -155,7 +154,7 @@ class Reader:
                 case TextSpec():
                     return node.text
         except Refusal as refusal:
-            told = why_gone(path, node.text) if isinstance(node, Scalar) else None
+            told = why_absent(path, node.text) if isinstance(node, Scalar) else None
             self.refuse(node.mark, path, told or f"must be {wanted(spec)}, {refusal}")
             return spec.default
         raise TypeError(f"no such kind of setting: {type(spec).__name__}")
@@ -269,7 +268,7 @@ class Reader:
                 elif isinstance(item, MapNode) and len(item.entries) == 1:
                     entries.extend((name, entry.mark, entry.node) for name, entry in item.entries.items())
                 else:
-                    self.refuse(item.mark, f"{path}.{index}", _no_rule(item))
+                    self.refuse(item.mark, f"{path}.{index}", no_rule(item))
         elif isinstance(node, MapNode):
             listed = [(name, entry.mark, entry.node) for name, entry in node.entries.items()]
             entries = [(n, m, p) for n, m, p in listed if not (isinstance(p, Scalar) and p.null)]
@@ -290,14 +289,3 @@ class Reader:
                 parameters = MapNode({}, parameters.mark)
             uses.append(RuleUse(name, self.model(self.rules[name].Parameters, parameters, where), where))
         return tuple(uses)
-
-
-def _no_rule(node: Node) -> str:
-    """The message for an entry of the list of rules that is none."""
-    if isinstance(node, MapNode) and len(node.entries) > 1:
-        keys = list(node.entries)
-        return (
-            f"must be one rule, not {len(keys)} keys; if {shown(keys[1])} is a setting of {shown(keys[0])}, "
-            "indent it further"
-        )
-    return f"must be a rule's name or `name: {{setting: value}}`, not {given(node)}"

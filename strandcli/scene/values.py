@@ -8,7 +8,7 @@ from pathlib import Path
 from .. import numbered as numbered_files
 from ..inputs import note
 from .faults import hint, one_line, shown
-from .nodes import ListNode, Node, Scalar, kind_of
+from .nodes import ListNode, MapNode, Node, Scalar, kind_of
 from .scalars import Refusal, as_number, as_window
 from .specs import ChoiceSpec, Range, WindowSpec
 
@@ -23,6 +23,17 @@ def given(node: Node) -> str:
             return shown(f"[{', '.join(item.text for item in node.items if isinstance(item, Scalar))}]")
         return f"a list of {len(node.items)}"
     return shown(node.text) if isinstance(node, Scalar) and not node.empty else kind_of(node)
+
+
+def no_rule(node: Node) -> str:
+    """The message for an entry of the list of rules that is none."""
+    if isinstance(node, MapNode) and len(node.entries) > 1:
+        keys = list(node.entries)
+        return (
+            f"must be one rule, not {len(keys)} keys; if {shown(keys[1])} is a setting of {shown(keys[0])}, "
+            "indent it further"
+        )
+    return f"must be a rule's name or `name: {{setting: value}}`, not {given(node)}"
 
 
 def in_range(value: float, limits: Range, node: Scalar) -> float:

@@ -17,7 +17,6 @@ from ..solids.shapes import other, other_code
 from .material import matter_along, stiffness, torsion
 from .rest_shape import coiled, unit_edges
 from .sag_free import hold
-from .section import softness as softness_of_section
 from .surroundings import gravity
 
 if TYPE_CHECKING:
@@ -180,8 +179,7 @@ def softness(scene: Scene, groom: Groom) -> list[str]:
     turn = np.array(emitter_pose(scene.emitter, 0.0).rotation)
     pull = turn.T @ gravity(scene) / lengths[:, None]
     twist = torsion(scene.rod, coiled(edges))
-    soft = softness_of_section(scene.rod)
-    held = hold(groom.directions.astype(np.float64), np.stack(edges), mass, joint, own, twist, pull, soft)
+    held = hold(groom.directions.astype(np.float64), np.stack(edges), mass, joint, own, twist, pull)
     stiffer = held.stiffness > own * (1 + ROUNDED)
     if not stiffer.any():
         return []

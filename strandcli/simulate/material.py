@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.model import Rod, Scene
-from .section import axes_of, twisting
 
 MATERIALS = {
     # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; wool: Feughelman 1997; grass: a ryegrass
@@ -113,15 +112,15 @@ def require_between(scene: Scene, groom: Groom) -> None:
 
 
 def rigidity(rod: Rod) -> float:
-    """Return B / (ρ A) = E R² / (4 ρ) of a rod at its root, m⁴/s², of an oval one along the wide axis R of its section.
-    The ratio Γ of g L³ to it determines how a strand sags."""
+    """Return B / (ρ A) = E R² / (4 ρ) of a rod at its root, m⁴/s². The ratio Γ of g L³ to it determines how a strand
+    sags."""
     density, radius, young = matter(rod)
-    return young * (radius * axes_of(rod)[0]) ** 2 / (4 * density)
+    return young * radius**2 / (4 * density)
 
 
 def torsion(rod: Rod, coiled: bool) -> float:
-    """Return torsional over bending rigidity, of oval rods over that along the wide axis."""
-    return twisting(rod) * (TORSION[coiled] if rod.torsion is None else rod.torsion)
+    """Return torsional over bending rigidity."""
+    return TORSION[coiled] if rod.torsion is None else rod.torsion
 
 
 def coil_rates(

@@ -15,16 +15,13 @@ COILED = 0.9
 """Distance between a strand's ends, as a share of its length, below which it counts as a coil."""
 
 
-def transported(
-    axes: Floats, edges: Floats, bends: Floats, angles: Floats, first: Floats | None = None
-) -> tuple[Floats, Floats]:
+def transported(axes: Floats, edges: Floats, bends: Floats, angles: Floats) -> tuple[Floats, Floats]:
     """Return a unit vector perpendicular to each of the clamped directions ``axes``, (strands, 3), and ``bends``
     (N, strands, 3) in the frame of the edge before each joint: along that edge and along two normals.
 
     axes (strands, 3), edges and bends (N, strands, 3). Frames are parallel-transported along the edges and then turned
-    around them by ``angles`` (N, strands); that of the clamp is not turned, and begins with ``first`` where that is
-    given."""
-    first = a = frame(axes)[0] if first is None else first
+    around them by ``angles`` (N, strands); that of the clamp is not turned."""
+    first = a = frame(axes)[0]
     t, local = axes, np.empty_like(bends)
     for j in range(len(edges)):
         if j > 0:

@@ -107,7 +107,7 @@ class RodSolver(Solver):
         arrays = self.state, self.material, self.forcing
         self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
         coils = CoilSteps(*arrays[1:], self.state.edges) if shape.curled else None
-        self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, shape.coiled, coils)
+        self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, coils)
         self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
         self.roots = Roots(self.deforming, self.strands, rod, arrays, shape.curled)
         self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds

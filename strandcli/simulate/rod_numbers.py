@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels.records import DRAG, FRICTION, LED, ROOT_MASS, VELOCITY_STEP, Forcing, Material
+from .kernels.records import DRAG, FRICTION, ROOT_MASS, VELOCITY_STEP, Forcing, Material
 from .kernels.rod_pinned import HEAVY
 from .kernels.rod_start import VELOCITY_RATE
-from .section import oval
 
 if TYPE_CHECKING:
     from ..scene.model import Rod
@@ -24,25 +23,20 @@ LOOSE = 100.0
 """Factor of a pin's mass where roots are free: the strand hangs on it alone, and precision is double."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
-OVAL_DAMPING = 0.25
-"""Share of a step that inner damping of coils with oval sections is at least: without any they hover by a tenth of a
-metre a second, with a tenth it takes them ten seconds to calm down."""
 
 
 class StepNumbers:
     """Writes the numbers of steps, and nothing where they are those of the step before. ``mass`` (N,) is that of
-    particles without what drag adds; ``coiled``: whether some strand is a coil; ``coils``: None of strands
-    that are not curled."""
+    particles without what drag adds; ``coils``: None of strands that are not curled."""
 
     def __init__(
         self, rod: Rod, material: Material, forcing: Forcing, mass: NDArray[Any], gravity: tuple[float, ...],
-        coiled: bool, coils: CoilSteps | None,
+        coils: CoilSteps | None,
     ) -> None:  # fmt: skip
         self._heavy = HEAVY * (LOOSE if rod.root == "free" else 1.0)
         self._mass = mass
         self._rod, self._material, self._forcing = rod, material, forcing
         self._gravity, self.coils = gravity, coils
-        self._least_damping = OVAL_DAMPING if coiled and oval(rod) else 0.0
         self._last: tuple[float, bool, bool] | None = None
         self._dragged: float | None = None
 
@@ -52,9 +46,8 @@ class StepNumbers:
             return
         rod = self._rod
         h, velocity_step = (2 * dt / 3, dt / VELOCITY_RATE) if bdf2 else (dt, dt)
-        damping, share = max(rod.damping, self._least_damping * dt) * (h / dt), 1 / 3 if bdf2 else 0.0
+        damping, share = rod.damping * (h / dt), 1 / 3 if bdf2 else 0.0
         self._write(velocity_step, pinned, h, *self._gravity, 0.0, 0.0, 0.0, rod.drag, damping, share, rod.friction)
-        self._forcing.numbers[LED] = bdf2 or oval(rod)
         if self.coils is not None:
             self.coils.set(dt, bdf2)
         self._last = dt, bdf2, pinned

@@ -16,12 +16,10 @@ from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
 from .kernels.records import (
-    LEAD,
     NUMBERS,
     POSE,
     ROOT_TWIST,
     ROUNDING,
-    SOFT,
     TORSION,
     Flags,
     Forcing,
@@ -34,7 +32,6 @@ from .material import coil_rates, integrator_of, matter_along, stiffness, torsio
 from .precision import needs_double
 from .rest_shape import coiled, straight, transported, unit_edges
 from .sag_free import hold
-from .section import lead, oval, softness, wide_axes
 from .surroundings import gravity
 
 if TYPE_CHECKING:
@@ -76,8 +73,6 @@ class Shape(NamedTuple):
     """Whether rest shapes are curved."""
     coiled: bool
     """Whether some strand is a coil."""
-    wide: Floats | None
-    """(strands, 3) wide axes of oval sections at roots; None of round ones."""
 
 
 class Rest(NamedTuple):
@@ -120,10 +115,8 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
         mended = mended or dtype == np.float32
         edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
     bent = rest != "straight" and not straight([axes, *edges])
-    rod = scene.rod
-    framed = rod.end == "clamped" or oval(rod)
-    curled = bent or rest == "sag_free" or framed
-    return Shape(axes, edges, mended, curled, curled and coiled(edges), wide_axes(rod, axes, groom.tones))
+    curled = bent or rest == "sag_free" or scene.rod.end == "clamped"
+    return Shape(axes, edges, mended, curled, curled and coiled(edges))
 
 
 def flags_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) -> Flags:
@@ -132,7 +125,7 @@ def flags_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) 
     return Flags(
         integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming,
         "interaction" in rules or "contact" in rules,
-        scene.rod.end == "clamped", scene.rod.root == "free", oval(scene.rod),
+        scene.rod.end == "clamped", scene.rod.root == "free",
     )  # fmt: skip
 
 
@@ -169,24 +162,16 @@ def rest_of(scene: Scene, shape: Shape, matter: Matter, pose: Pose, dtype: Any) 
     targets = np.diff(np.concatenate([shape.axes[None], edges]), axis=0)
     if scene.rod.rest == "straight":
         targets = np.zeros_like(targets)
-    angles = np.zeros((n, strands))
-    stiffer, beyond = matter.stiffness, np.zeros(3)
+    angles, stiffer = np.zeros((n, strands)), matter.stiffness
     if scene.rod.rest == "sag_free":
         pull = np.array(pose.rotation).T @ gravity(scene) / matter.lengths[:, None]
         # masses as the kernel reads them: what they are rounded by would be a load
         mass, joint = (row.astype(dtype).astype(np.float64) for row in (matter.mass, matter.joint))
-        soft, twist_share = softness(scene.rod), torsion(scene.rod, shape.coiled)
-        held = hold(shape.axes, edges, mass, joint, matter.stiffness, twist_share, pull, soft)
-        angles, stiffer = held.twist, held.stiffness
-        if shape.wide is None:
-            targets = targets - held.bends
-        else:
-            beyond = transported(shape.axes, edges, held.bends, angles, shape.wide)[1]
-            beyond[..., :2] *= 1 - soft
+        held = hold(shape.axes, edges, mass, joint, matter.stiffness, torsion(scene.rod, shape.coiled), pull)
+        angles, stiffer, targets = held.twist, held.stiffness, targets - held.bends
         for j, force in enumerate(held.tension):
             tension[:, j] = packed(force[:, None], dtype)
-    across, local = transported(shape.axes, edges, targets, angles, shape.wide)
-    local -= beyond
+    across, local = transported(shape.axes, edges, targets, angles)
     bends[:, 0] = packed(across, dtype)
     for j, target in enumerate(local):
         bends[:, j + 1] = packed(target, dtype)
@@ -257,7 +242,6 @@ def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags, rod: Rod, coi
     numbers = np.zeros(NUMBERS, dtype)
     numbers[ROUNDING] = 4 * float(np.finfo(dtype).eps)
     numbers[TORSION] = torsion(rod, coiled)
-    numbers[SOFT], numbers[LEAD] = softness(rod), lead(rod)
     numbers[ROOT_TWIST] = CLAMP
     of_curls = packs if flags.curled else 1
     return Forcing(

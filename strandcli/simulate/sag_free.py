@@ -41,7 +41,7 @@ class Held(NamedTuple):
     """Rest bends and forces of strands in equilibrium."""
 
     bends: Floats
-    """(N, strands, 3) bends beyond rest, of oval rods as if they bent along the thin axis all round."""
+    """(N, strands, 3) bends beyond rest."""
     twist: Floats
     """(N, strands) twist angles of the frames of edges, radians."""
     tension: Floats
@@ -51,16 +51,13 @@ class Held(NamedTuple):
 
 
 def hold(
-    axes: Floats, edges: Floats, mass: Floats, joint: Floats, stiffness: Floats, torsion: float, pull: Floats,
-    soft: float = 0.0,
-) -> Held:  # fmt: skip
+    axes: Floats, edges: Floats, mass: Floats, joint: Floats, stiffness: Floats, torsion: float, pull: Floats
+) -> Held:
     """Return rest bends, twist, tension and stiffness with which strands are in stable equilibrium.
 
     axes (strands, 3): unit vectors along which they are clamped; edges (N, strands, 3): unit vectors, root to tip; mass
     and joint (N,): relative masses of particles and rigidities of joints; stiffness (strands,): B / (ρ A ℓ⁴) in 1/s²;
-    torsion: torsional over bending rigidity; pull (strands, 3): gravity in segments/s²; soft: `section.softness`, by
-    which rods are as stable as round ones that bend as easily as they do along the thin axis."""
-    stiffness, torsion = stiffness * (1 - soft), torsion / (1 - soft)
+    torsion: torsional over bending rigidity; pull (strands, 3): gravity in segments/s²."""
     forces, twist = np.zeros_like(edges), np.zeros(edges.shape[:2])
     tension, load = np.zeros_like(twist), np.zeros_like(twist)
     moment, weight = np.zeros_like(edges[0]), np.zeros_like(edges[0])
@@ -82,7 +79,7 @@ def hold(
     enough = np.maximum(np.maximum(stiffness, turned / (TURNS * np.sqrt(torsion))), 1e-300)
     enough = _stable_stiffness(np.where(load < 0, SAFETY * load, load), joint, enough)
     twist = -np.cumsum(twist / (torsion * joint[:, None] * enough), axis=0)
-    return Held(forces / enough[:, None], twist, tension, enough / (1 - soft))
+    return Held(forces / enough[:, None], twist, tension, enough)
 
 
 def _stable_stiffness(load: Floats, joint: Floats, stiffness: Floats) -> Floats:

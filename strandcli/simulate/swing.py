@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from .kernels.rod_start import VELOCITY_RATE
 from .material import matter_along
-from .section import softness
 from .surroundings import gravity
 
 if TYPE_CHECKING:
@@ -92,10 +91,10 @@ def slowest(mass: Floats, joint: Floats, ratios: Floats) -> tuple[float, Floats]
 
 
 def frequencies(scene: Scene, lengths: Floats, stiffness: Floats, shape: Shape, turn: Floats) -> tuple[Floats, Floats]:
-    """Return (k, strands) the squares of angular frequencies at which strands swing most slowly, 1/s², along each of
-    the k axes of their sections, and what they would be without weight. ``lengths`` of segments and ``stiffness`` are
-    as in `rod_setup.Matter`, ``turn`` (3, 3) is the emitter's. A curled strand swings as one as long as its ends are
-    apart, as heavy as it is, and as much softer as it has more length to bend."""
+    """Return (strands,) the squares of angular frequencies at which strands swing most slowly, 1/s², and what they
+    would be without weight. ``lengths`` of segments and ``stiffness`` are as in `rod_setup.Matter`, ``turn`` (3, 3) is
+    the emitter's. A curled strand swings as one as long as its ends are apart, as heavy as it is, and as much softer
+    as it has more length to bend."""
     rod, count = scene.rod, len(shape.edges)
     n = min(count, SEGMENTS)
     mass, joint = matter_along(rod, n)
@@ -104,8 +103,7 @@ def frequencies(scene: Scene, lengths: Floats, stiffness: Floats, shape: Shape, 
     span = np.ones(len(lengths))
     if shape.curled:
         span = np.maximum(np.linalg.norm(sum(shape.edges), axis=1) / count, SHORTEST_SPAN)
-    soft = softness(rod)
-    rigid = stiffness * (n / count) ** 4 / span**2 * np.array([[1.0], [1 - soft]] if soft > 0 else [[1.0]])
+    rigid = stiffness * (n / count) ** 4 / span**2
     ratios = np.geomspace(*RATIOS, 60)
     by_bending, by_both = slowest(mass, joint, ratios)
     bending = by_bending * rigid
@@ -138,7 +136,7 @@ def swing_rate(scene: Scene, lengths: Floats, stiffness: Floats, shape: Shape, t
     swings = (damped > 0) & (damped <= 2 * math.pi * scene.time.fps / FRAMES)
     left = np.exp(-2 * math.pi * decay / np.where(swings, damped, 1.0))
     turns = longest_turn(LOSS / np.maximum(left, LOSS))
-    rates = np.where(swings, np.sqrt(np.maximum(square, 0.0)) / turns, 0.0).max(0)
+    rates = np.where(swings, np.sqrt(np.maximum(square, 0.0)) / turns, 0.0)
     order = np.argsort(-rates, kind="stable")
     share = np.cumsum(lengths[order]) / lengths.sum()
     return float(rates[order[np.searchsorted(share, STRAGGLERS, side="right")]])

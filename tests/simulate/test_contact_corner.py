@@ -15,7 +15,6 @@ from strandcli.simulate.rod import RodSolver
 from strandcli.simulate.rod_numbers import ROOT_SHARE
 
 SECONDS = 8
-OVAL = "section: {wide: 2, thin: 0.5}"
 GROOVE = (
     "{{kind: plane, rotation: [0, 0, {0}], position: [0, -0.05, 0]}}, "
     "{{kind: plane, rotation: [0, 0, -{0}], position: [0, -0.05, 0]}}"
@@ -68,10 +67,7 @@ def at_rest(solver: RodSolver, rate: int) -> tuple[NDArray[np.float64], NDArray[
 
 
 @pytest.mark.parametrize("rate", [24, 60])
-@pytest.mark.parametrize(
-    "more",
-    ["end: pinned", "end: free", "root: hinged", "root: free", f"end: pinned, {OVAL}", OVAL, f"root: hinged, {OVAL}"],
-)
+@pytest.mark.parametrize("more", ["end: pinned", "end: free", "root: hinged", "root: free"])
 @pytest.mark.parametrize("angle", [40, 60])
 def test_strands_rest_in_a_groove(angle: int, more: str, rate: int) -> None:
     """With the force of one solid a round some fidgeted by .2 to 5 mm a frame for ever in most of these."""

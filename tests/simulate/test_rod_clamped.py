@@ -16,7 +16,6 @@ from strandcli.study.exactness import scene_of as reference_scene
 from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
 from strandcli.study.references import michell, writhe
 from strandcli.study.references.base import Case, Reference, groom, preset
-from strandcli.study.stress import traits
 
 
 def measured(reference: Reference, particles: int, dt: float, metric: str) -> float:

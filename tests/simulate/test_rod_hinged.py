@@ -13,7 +13,6 @@ from strandcli.groom.emit import emit
 from strandcli.simulate.rod import RodSolver
 
 CURL = ", curl_turns: {}, curl_angle: {}"
-OVAL = "section: {wide: 2, thin: 0.5, angle: 45}"
 
 
 def solver_of(rod: str, fps: int, length: float, particles: int, more: str = "") -> RodSolver:
@@ -52,21 +51,6 @@ def test_curls_gain_no_energy(length: float, particles: int, turns: int, angle: 
     """With frames from the direction of emission it grows by 1.8 to 55 g L."""
     solver = solver_of("rest: shape, radius: 6.0e-5, young: 4.0e+9", fps, length, particles, CURL.format(turns, angle))
     assert growth(solver, fps, 4) < 0.01
-
-
-@pytest.mark.parametrize("fps", [24, 48, 240])
-def test_straight_strands_of_oval_sections_gain_no_energy(fps: int) -> None:
-    """With the slope of the torque in place of its bound it grows by 1.7 g L at 24 steps a second."""
-    assert growth(solver_of(f"radius: 2.0e-4, young: 3.27e+9, {OVAL}", fps, 0.1, 13), fps, 4) < 0.01
-
-
-def test_a_hinge_resists_nothing() -> None:
-    """Stiff strands of oval sections, which hardly bend, fall as round ones do."""
-    oval, round_ = (solver_of(f"radius: 2.0e-4, young: 3.27e+9{more}", 60, 0.02, 100) for more in (f", {OVAL}", ""))
-    for i in range(15):
-        for solver in (oval, round_):
-            solver.step((i + 1) / 60, 1 / 60)
-    np.testing.assert_allclose(oval.particles(), round_.particles(), atol=2e-4)
 
 
 def test_a_run_goes_on_from_its_state() -> None:

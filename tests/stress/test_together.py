@@ -20,8 +20,7 @@ from strandcli.study.stress.axes import AXES, Case
 from strandcli.study.stress.task import Task
 
 TOO_FINE = (
-    "rod/dt=0.5/n=1/L=1e-6/offset=1e6/tip=1e6/start=random/between=grid-fine/twist=coil/integrator=euler"
-    "/root=hinged"
+    "rod/dt=0.5/n=1/L=1e-6/offset=1e6/tip=1e6/start=random/between=grid-fine/twist=coil/integrator=euler/root=hinged"
 )
 
 
@@ -121,22 +120,22 @@ def test_names_lead_back_to_their_cases(matrix: list[Task]) -> None:
         assert run.named(task.names[0]) == task
     for name, words in (
         ("rod/between=thni/twist=coil", "between has no value 'thni'; it has none, grid"),
-        ("rod/between=thin/twist=oval", "the product refuses such strands"),
-        ("thesis/between=grid/twist=oval", "the product refuses such strands"),
+        ("rod/twist=sag-free/root=hinged", "the product refuses such strands"),
+        ("thesis/between=grid/twist=coil", "the product refuses such strands"),
         ("rod/dt=7/between=grid", "dt has no value"),
     ):
         with pytest.raises(UsageError, match=words):
             run.named(name)
 
 
-NAME = "rod/B=1e-2/start=random/between=grid/twist=coil-flat"
+NAME = "rod/B=1e-2/start=random/between=grid/twist=coil"
 
 
 def test_a_solver_that_leaves_nan_or_raises_fails_its_case(monkeypatch: pytest.MonkeyPatch) -> None:
     (good,) = run.perform(run.named(NAME))
     assert (good.verdict, good.name) == ("pass", NAME)
     assert good.metrics.keys() >= {"nonfinite", "stretch", "residual", "stopped", "moved_by_nothing"}
-    assert good.parameters["twist"] == "coil-flat"
+    assert good.parameters["twist"] == "coil"
     step = RodSolver.step
 
     def spoil(self: RodSolver, time: float, dt: float) -> None:
@@ -159,10 +158,10 @@ def test_a_solver_that_leaves_nan_or_raises_fails_its_case(monkeypatch: pytest.M
 @pytest.mark.parametrize(
     "name",
     [
-        "rod/gamma=0/emitter=teleport/start=coincident/between=grid-fine/twist=oval/end=pinned/torsion=0.7",
+        "rod/gamma=0/emitter=teleport/start=coincident/between=grid-fine/twist=sag-free/end=pinned/torsion=0.7",
         "rod/dt=1e-4/B=1e-6/wind=gale/emitter=teleport/start=coincident/between=grid-fine/twist=turned/integrator=euler",
         "rod/dt=1e-4/gamma=1e4/emitter=flip/start=coincident/between=grid-fine/twist=sag-free/end=pinned/integrator=euler",
-        "rod/dt=1e-4/gamma=7.7/emitter=shake/between=grid-coarse/twist=oval/end=pinned/root=hinged/torsion=0.7",
+        "rod/dt=1e-4/gamma=7.7/emitter=shake/between=grid-coarse/twist=coil/end=pinned/root=hinged/torsion=0.7",
     ],
 )
 def test_taut_strands_with_pinned_tips_stay_so_a_hundred_lengths_away(name: str) -> None:

@@ -1,13 +1,10 @@
-# ruff: noqa: RUF009 - these calls make dataclass fields
-
 """The strands' matter."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
-from ..fields import Vector, choice, integer, items, number, optional, vector
+from ..fields import Vector, choice, integer, items, number, vector
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -27,35 +24,12 @@ class EndKey:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Section:
-    """An ellipse across strands, that is not twisted where they are at rest. It counts for how strands bend and twist;
-    they are drawn and touch as round ones."""
-
-    wide: float = number(1.0, above=0, high=1e3, doc="half its wider axis over rod.radius")
-    thin: float = number(
-        1.0, above=0, high=1e3, doc="half its thinner axis over rod.radius; no less than a quarter of the wider one"
-    )
-    angle: float = number(
-        0.0, unit="deg", doc="of the wider axis about strands, at their roots: from the emitter's x as near as that "
-        "comes across them, or z of strands along x",
-    )  # fmt: skip
-    spread: float = number(0.0, low=0, high=180, unit="deg", doc="by which the angle differs from strand to strand")
-
-
-@dataclass(frozen=True, slots=True, repr=False)
 class Rod:
     """The strands' matter and how the solver `rod` moves them. Strands whose rest shape is curved or whose tip is
     clamped twist; others do not.
 
     A material by name gives density, radius and Young's modulus; a number written beside it replaces its own.
     """
-
-    ABSENT: ClassVar[dict[str, str]] = {
-        "twist": "how much strands resist it is torsion; ends are turned by end: clamped and end_keys",
-        "mass": "mass follows from density and radius; write those",
-        "stiffness": "bending stiffness follows from young and radius; write those",
-        "stretch": "rods do not stretch",
-    }
 
     material: str = choice(
         "hair", ("hair", "wool", "grass", "wire"), doc="hair, wool: keratin fibres; grass: a blade; wire: thin steel"
@@ -64,9 +38,6 @@ class Rod:
     radius: float | None = number(None, above=0, unit="m", doc="radius at the root; absent: the material's")
     young: float | None = number(None, above=0, high=1e13, unit="Pa", doc="Young's modulus; absent: the material's")
     tip: float = number(1.0, low=0.05, high=1, doc="radius at the tip over that at the root")
-    section: Section | None = optional(
-        Section, doc="of oval strands, which bend more easily one way than the other; absent: they are round"
-    )
     rest: str = choice(
         "shape",
         ("straight", "shape", "sag_free"),

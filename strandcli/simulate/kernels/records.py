@@ -10,17 +10,15 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
-VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, SOFT, LED, LEAD, LASTING = 14, 15, 16, 17, 18, 19, 20, 21
-ROOT_TWIST, FREE = 22, 23
-NUMBERS = 24
+VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, LASTING, ROOT_TWIST, FREE = range(14, 21)
+NUMBERS = 21
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
 bending rigidity, h of velocities in s, angle in radians by which clamped tips are turned, relative rigidity of their
-joint, relative mass of free roots times 1 + drag h, of oval sections the share by which the softer direction's rigidity
-is less, above 0 where rest shapes are led (`Scheme.led`), the share of that which follows velocities, above 0 where
-`State.crowd` are accelerations by contact, which act all through a step as gravity does, the relative rigidity against
-twist about the root, and above 0 where nothing but solids can give strands energy (`rod_energy`)."""
+joint, relative mass of free roots times 1 + drag h, above 0 where `State.crowd` are accelerations by contact, which act
+all through a step as gravity does, the relative rigidity against twist about the root, and above 0 where nothing but
+solids can give strands energy (`rod_energy`)."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
@@ -102,7 +100,7 @@ class Material(NamedTuple):
     """(N,) relative rigidity of the joint before an edge; the root has 2."""
     bends: Any
     """(P, N + 1, 3 S) row 0 a unit vector across the clamped direction, in the emitter's frame, which the frame of the
-    clamp begins with, of oval sections along the wide axis; then the rest value of each c_j in the frame of the edge
+    clamp begins with; then the rest value of each c_j in the frame of the edge
     before it. Needed by curled strands."""
 
 
@@ -152,8 +150,6 @@ class Flags(NamedTuple):
     """Whether tips are clamped."""
     loose: Any
     """Whether roots are free."""
-    oval: Any
-    """Whether sections are oval."""
 
 
 class Place(NamedTuple):
@@ -202,14 +198,11 @@ class Scheme(NamedTuple):
     duration: Any
     """Of the step, seconds."""
     led: Any
-    """Whether rest shapes are those of edges to which motion leads (`rod_lead`); None with neither BDF2 nor oval
-    sections."""
+    """Whether rest shapes are those of edges to which motion leads (`rod_lead`); None without BDF2."""
     curled: Any
     """Whether rest shapes are curved."""
     ends: Any
     """`Ends`."""
-    oval: Any
-    """Whether sections are oval, and rests are corrected by iterations: True, or None."""
 
 
 class Contact(NamedTuple):

@@ -4,7 +4,7 @@ A joint's rest is a vector m_j in the frame of the edge before it, and its energ
 parallel-transported along the strand from the clamp and then turned about their edges by twist angles ψ_j, with the
 energy χ κ_j (ψ_j − ψ_{j−1})² / 2. Twist has no inertia: ψ is where torques about edges balance (Bergou et al. 2008,
 "Discrete Elastic Rods", §5). One iteration a step follows it, Newton's but for a bound in place of the second
-derivative (`rod_oval.torque`). That is below 0 where frames lag by more than a quarter turn, from where Newton's method
+derivative (`torque`). That is below 0 where frames lag by more than a quarter turn, from where Newton's method
 would go anywhere: strands would gain energy from nothing.
 
 A rest vector that is carried along also exerts a force on the edge before the joint, and through the frames on all
@@ -18,29 +18,19 @@ a delay would drive, takes it, with all rest shapes, from where the strand's mot
 
 That is stable where the matrix is too stiff, not where it is too soft. An edge that tilts by δ alone twists its frame
 by θ δ and turns the rests after it, χ κ θ² δ² / 2 and some κ θ² δ² / 2, of which c̄ that stays knows nothing. So an edge
-is kept where it is led, ê, by the energy σ |e − ê|² / 2 (majorisation, as below): of edges of unit length that is the
-force F = σ ê, with τ the greater by σ. It is what steps ask for that are long against the time in which a coil
-stretches (`rod_coils`).
-
-Oval sections bend less easily along their wide axis n, from which ψ is measured, than along the thin one, n', where the
-rigidity is (1 − σ) κ: the energy is less by σ κ (n'·e_j − n'·m_j)² / 2. Its force is that of the rest vector
-
-    m_j + σ (n'·e_j − n'·m_j) n'.
-
-It is that of the edges to which motion leads, and is corrected by those of the step's first solution, which leaves
-σ κ h² / (M + κ h²) of the error (Hunter & Lange 2004, majorisation); what is at rest has none. A matrix that is too
-stiff bears it: with x + Δt v in place of the x that a step of BDF2 leads to, and that is 5/2 x_n − 2 x_{n−1} +
-1/2 x_{n−2}, linear motion loses amplitude at any step and any σ < 1, and hardly any where steps are short.
+is kept where it is led, ê, by the energy σ |e − ê|² / 2 (Hunter & Lange 2004, majorisation): of edges of unit length
+that is the force F = σ ê, with τ the greater by σ. It is what steps ask for that are long against the time in which a
+coil stretches (`rod_coils`).
 """
 
 from __future__ import annotations
 
 from ...constants import FOLD
 from ...jit import device, inlined
-from ...simd import broadcast, load, load3, store, store3, where
+from ...simd import broadcast, load, load3, sqrt, store, store3, where
 from ...simd.turning import cosine_sine
-from . import rod_held, rod_lead, rod_oval
-from .records import DAMPING, ROOT_TWIST, ROUNDING, SOFT, STEP, TIP_JOINT, TORSION
+from . import rod_held, rod_lead
+from .records import DAMPING, ROOT_TWIST, ROUNDING, STEP, TIP_JOINT, TORSION
 from .rod_frames import CLAMP, carried, cross, first_normal
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT, STIFFNESS
 from .rod_tension import firm_force, particle_gain
@@ -57,7 +47,7 @@ LEAST_FOLD = 1e-6
 
 # between the iterations, these vectors of a segment are free
 TARGET = LOAD
-"""(3) What of m_j is across the edge before it; of oval sections the wide axis by the ψ before the step."""
+"""(3) What of m_j is across the edge before it, by the ψ before the step."""
 PAST_TWIST = INNOVATION
 """ψ_{j−1} before the step."""
 TWIST_OFFSET, TWIST_FACTOR, FOLD_RATE = range(3)
@@ -67,25 +57,30 @@ TWIST_OFFSET, TWIST_FACTOR, FOLD_RATE = range(3)
 @device
 def set_rest(s, at, state, material, forcing, scheme):
     """Set c̄ to the rest shape, by the edges that motion leads to or those before the step, and update the twist."""
-    numbers, held, soft = forcing.numbers, scheme.ends.held, softness(forcing.numbers, scheme.oval)
-    transport_frames(s, at, state, material, forcing, scheme, soft)
+    numbers = forcing.numbers
+    transport_frames(s, at, state, material, forcing, scheme)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
-    rigid = numbers[TORSION], soft, load(forcing.firmness, at.strand)
-    add_reactions(s, at, state, material, rigid, share, held, scheme.pressed)
+    rigid = numbers[TORSION], load(forcing.firmness, at.strand)
+    add_reactions(s, at, state, material, rigid, share, scheme.ends.held, scheme.pressed)
+
+
+@inlined
+def torque(x, y, v, w):
+    """Torque about the edge before a joint by its bend, over κ, and how fast it may fall with ψ at the most. x, y: the
+    edge along the two axes of the frame; v, w: its rest.
+
+    At an angle φ from balance the energy is −ρ cos φ. Of all parabolas that touch it there and are nowhere below it,
+    the flattest has the second derivative ρ sin φ / φ and is lowest at φ = 0 (de Leeuw & Lange 2009, "Sharp quadratic
+    majorization in one dimension"); sin φ / φ is at most (2 + cos φ) / 3 (Cusa and Huygens).
+    """
+    f, g = v * y - w * x, v * x + w * y
+    return f, (2.0 * sqrt(f * f + g * g) + g) * (1.0 / 3.0)
 
 
 @device
-def softness(numbers, oval):
-    """σ of oval sections, else None."""
-    if oval is None:
-        return None
-    return numbers[SOFT]
-
-
-@device
-def transport_frames(s, at, state, material, forcing, scheme, soft):
+def transport_frames(s, at, state, material, forcing, scheme):
     """Set edges as `first_edge` has them, and transport frames along them from the root to the tip: set `TARGET` by the
-    ψ before the step, and eliminate the torques about edges, linear in ψ. ``soft``: `softness`."""
+    ψ before the step, and eliminate the torques about edges, linear in ψ."""
     held = scheme.ends.held
     torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
@@ -105,14 +100,9 @@ def transport_frames(s, at, state, material, forcing, scheme, soft):
         (ex, ey, ez), far = first_edge(at, j, state, way, far, forcing.numbers, scheme.led)
         store3(s, o + EDGE, 1, ex, ey, ez)
         f, g = ax * ex + ay * ey + az * ez, bx * ex + by * ey + bz * ez
-        if soft is not None:
-            x, y, z = c * ax + d * bx, c * ay + d * by, c * az + d * bz
-            turn, stiff = rod_oval.torque(c * f + d * g, c * g - d * f, v, w, soft)
-        else:
-            v, w = v * c - w * d, v * d + w * c
-            x, y, z = v * ax + w * bx, v * ay + w * by, v * az + w * bz
-            turn, stiff = rod_oval.torque(f, g, v, w, soft)
-        store3(s, o + TARGET, 1, x, y, z)
+        v, w = v * c - w * d, v * d + w * c
+        turn, stiff = torque(f, g, v, w)
+        store3(s, o + TARGET, 1, v * ax + w * bx, v * ay + w * by, v * az + w * bz)
         if j > 0:
             before = torsion * (joint[j - 1] if j > 1 else forcing.numbers[ROOT_TWIST])
             after = torsion * joint[j]
@@ -148,10 +138,10 @@ def first_edge(at, j, state, way, far, numbers, led):
 @device
 def add_reactions(s, at, state, material, rigid, share, held, pressed):
     """From the tip to the root: set the new ψ, and add rest vectors by it to c̄, with their reaction on edges before,
-    and set the forces that keep edges where they are led. ``rigid``: torsion, `softness` and firmness; ``share``: of κ,
-    that of the material without damping; ``held``: whether tips are clamped; ``pressed``: as in `Scheme`."""
+    and set the forces that keep edges where they are led. ``rigid``: torsion and firmness; ``share``: of κ, that of
+    the material without damping; ``held``: whether tips are clamped; ``pressed``: as in `Scheme`."""
     n, joint = at.segments, material.joint
-    torsion, soft, firm = rigid
+    torsion, firm = rigid
     firm = firm * share * load(s, STIFFNESS)
     zero = broadcast(s, 0.0)
     sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after
@@ -189,7 +179,7 @@ def add_reactions(s, at, state, material, rigid, share, held, pressed):
         bz += fz + f * (nz - ez) + g * sz
         # this joint's rest vector
         bend = at.bend + (j + 1) * AXES
-        (x, y, z), square = rest_vector(s, o, free, (px, py, pz), (ex, ey, ez), now - past, soft, material.bends, bend)
+        (x, y, z), square = rest_vector(s, o, (px, py, pz), now - past, load(material.bends, bend))
         f = joint[j]
         sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
         turn = f * square
@@ -229,29 +219,12 @@ def keep_pressed(s, at, j, state, rigidity, beyond):
 
 
 @inlined
-def rest_vector(s, o, free, before, edge, turned, soft, bends, bend):
-    """The rest vector of the joint at place o, between the edges ``before`` and ``edge``, after its frame has
-    ``turned`` by an angle, and the square of what is across the edge before it. ``bend``: place of its bend in
-    ``bends``; ``free``: of the particle's gain, which becomes the thin axis of an oval section."""
+def rest_vector(s, o, before, turned, along):
+    """The rest vector of the joint at place o, after the edge ``before``, whose frame has ``turned`` by an angle, and
+    the square of what is across that edge; ``along``: what is along it."""
     px, py, pz = before
     x, y, z = load3(s, o + TARGET, 1)
     c, d = cosine_sine(turned)
     wx, wy, wz = cross(px, py, pz, x, y, z)
-    if soft is not None:
-        u, v, w = load3(bends, bend, PACK)
-        fx, fy, fz = c * wx - d * x, c * wy - d * y, c * wz - d * z  # the thin axis
-        f = fx * edge[0] + fy * edge[1] + fz * edge[2]
-        store3(s, free, 1, fx, fy, fz)
-        store(s, o + rod_oval.BEND, f)
-        square = v * v + w * w
-        w += soft * (f - w)
-        x = u * px + v * (c * x + d * wx) + w * fx
-        y = u * py + v * (c * y + d * wy) + w * fy
-        z = u * pz + v * (c * z + d * wz) + w * fz
-    else:
-        u = load(bends, bend)
-        square = x * x + y * y + z * z
-        x = u * px + c * x + d * wx
-        y = u * py + c * y + d * wy
-        z = u * pz + c * z + d * wz
-    return (x, y, z), square
+    square = x * x + y * y + z * z
+    return (along * px + c * x + d * wx, along * py + c * y + d * wy, along * pz + c * z + d * wz), square

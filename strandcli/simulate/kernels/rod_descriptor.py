@@ -102,11 +102,11 @@ def second_of(descriptor, second):
 
 
 @device
-def flags_of(descriptor, second, crowded, held, loose, oval):
+def flags_of(descriptor, second, crowded, held, loose):
     """`Flags` as booleans but for those that are as they are given, and ``second``, which may be None."""
     return Flags(
         second_of(descriptor, second), descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
-        descriptor[DEFORMING] != 0, crowded, held, loose, oval,
+        descriptor[DEFORMING] != 0, crowded, held, loose,
     )  # fmt: skip
 
 

@@ -1,10 +1,10 @@
 """What energy curled strands may have in steps in which nothing drives them.
 
 Rest shapes enter a step by their forces, not by its matrix (`rod_curl`). Where they change too fast for that, as those
-of curls with few segments a turn and of flat oval ones, steps may raise the energy of motion, weight, bending and
-twist. A strand may have what it had before its first step without a driver; one that has more in all takes the next
-step by Euler's method, which damps what is fast and hardly what is slow. Where motion and weight alone have more, all
-velocities are scaled (as by Dinev et al. 2018, "FEPR: Fast Energy Projection for Real-Time Simulation").
+of curls with few segments a turn, steps may raise the energy of motion, weight, bending and twist. A strand may have
+what it had before its first step without a driver; one that has more in all takes the next step by Euler's method,
+which damps what is fast and hardly what is slow. Where motion and weight alone have more, all velocities are scaled (as
+by Dinev et al. 2018, "FEPR: Fast Energy Projection for Real-Time Simulation").
 
 Twist follows bends by a step. So what the next iteration for ψ takes of its energy does not count, ½ gᵀ H⁻¹ g by the
 torques g and the matrix H of that iteration, as the elimination has it.
@@ -15,7 +15,7 @@ from __future__ import annotations
 from ...jit import device, function
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
 from ...simd.turning import cosine_sine
-from . import rod_curl, rod_oval
+from . import rod_curl
 from .records import DRAG, FREE, GRAVITY, ROOT_TWIST, TORSION, VELOCITY_STEP
 from .rod_frames import CLAMP, carried, first_normal
 from .rod_scratch import AXES, PACK
@@ -32,18 +32,17 @@ SLACK = 0.004
 
 
 @function
-def begin(s, at, state, material, forcing, scheme):
+def begin(s, at, state, material, forcing):
     """Before a step set `State.energy` of strands that have been driven up to then and are no more."""
     most = load(state.energy, at.strand)
     driven = most >= 0.5 * UNKNOWN
     if forcing.numbers[FREE] > 0 and any_lane(driven):
-        soft = rod_curl.softness(forcing.numbers, scheme.oval)
-        kinetic, height, elastic, _ = energies(s, at, state, material, forcing, soft)
+        kinetic, height, elastic, _ = energies(s, at, state, material, forcing)
         store(state.energy, at.strand, where(driven, kinetic + height + elastic, most))
 
 
 @function
-def keep(s, at, state, material, forcing, scheme, solids):
+def keep(s, at, state, material, forcing, solids):
     """Keep the energy of strands at the end of a step from growing: set `State.energy` and `State.calmed`, and scale
     velocities."""
     numbers, strand = forcing.numbers, at.strand
@@ -52,7 +51,7 @@ def keep(s, at, state, material, forcing, scheme, solids):
         store(state.energy, strand, broadcast(s, UNKNOWN))
         store(state.calmed, strand, zero)
         return
-    kinetic, height, elastic, scale = energies(s, at, state, material, forcing, rod_curl.softness(numbers, scheme.oval))
+    kinetic, height, elastic, scale = energies(s, at, state, material, forcing)
     found = kinetic + height + elastic
     most = load(state.energy, strand)
     if solids:
@@ -78,8 +77,8 @@ def slow_down(at, state, share):
 
 
 @device
-def energies(s, at, state, material, forcing, soft):
-    """Energies of strands, of motion, of weight, and of bending and twist; and m g L. ``soft``: `rod_curl.softness`."""
+def energies(s, at, state, material, forcing):
+    """Energies of strands, of motion, of weight, and of bending and twist; and m g L."""
     numbers = forcing.numbers
     n, bend, joint, torsion = at.segments, at.bend, material.joint, numbers[TORSION]
     zero = broadcast(s, 0.0)
@@ -105,10 +104,8 @@ def energies(s, at, state, material, forcing, soft):
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
         f, g = ax * ex + ay * ey + az * ez, bx * ex + by * ey + bz * ez
         x, y, z = tx * (ex - tx) + ty * (ey - ty) + tz * (ez - tz) - u, c * f + d * g, c * g - d * f
-        turn, stiff = rod_oval.torque(y, z, v, w, soft)
+        turn, stiff = rod_curl.torque(y, z, v, w)
         y, z = y - v, z - w
-        if soft is not None:
-            z *= sqrt(broadcast(s, 1.0 - soft))
         elastic += joint[j] * (x * x + y * y + z * z)
         following = load(state.twist, at.tension + j * PACK)
         if j > 0:

@@ -8,63 +8,50 @@ second order.
 from __future__ import annotations
 
 from ...jit import device, inlined
-from ...simd import any_lane, load, load3, sqrt, where
-from .records import LEAD, LED, MOVED
+from ...simd import any_lane, broadcast, load, load3, sqrt, where
+from .records import MOVED
 from .rod_frames import NEARLY
 from .rod_scratch import AXES, INVERSE_LENGTH, MOVED_SHARE, PACK, ROOT_SHIFT
 from .rod_tension import TINY
 
 GREATEST_TURN = 1.0
 """Tangent of the angle that an edge is led by at the most."""
+LEAD = 0.8
+"""Share of the way to the edges by which rests are set that follows velocities, not the last step. By velocities alone
+motion keeps its amplitude best, but curls gain energy; with half of it they lose twice as much."""
 
 
 @device
-def led_of(able, curled, numbers):
-    """`Scheme.led`; None where what is ``able`` to is None."""
-    if able is None:
+def led_of(second, curled, numbers):
+    """`Scheme.led`."""
+    if second is None:
         return None
-    return curled and numbers[LED] > 0
-
-
-@device
-def either(a, b):
-    """The first of two flags that is not None, else None."""
-    if a is None:
-        return b
-    return a
+    return curled and numbers[MOVED] > 0
 
 
 @device
 def way_of(s, at, forcing, scheme):
-    """Factors of velocities and of last displacements in how far particles go on, in segments, and whether the latter
-    are read; and how far the root comes in this step.
+    """Factors of velocities and of last displacements in how far particles go on, in segments; and how far the root
+    comes in this step.
 
-    By BDF2 particles move on as in the step before; a share `LEAD` of the way is that of their velocities. By Euler's
-    method, which both are the same for, it is the latter; lanes that go by it among others stay.
+    By BDF2 particles move on as in the step before; a share `LEAD` of the way is that of their velocities. Lanes that
+    go by Euler's method stay.
     """
-    numbers = forcing.numbers
-    before = numbers[MOVED] > 0 and numbers[LEAD] < 1.0  # else there may be no step before
-    on = load(s, INVERSE_LENGTH) * load(forcing.led, at.strand)
-    if numbers[MOVED] > 0:
-        on *= 3.0 * load(s, MOVED_SHARE)  # 1, or 0 in lanes that go by Euler's method
-    far = on * scheme.duration
-    if before:
-        far *= numbers[LEAD]
+    lead = broadcast(s, LEAD)
+    on = load(s, INVERSE_LENGTH) * load(forcing.led, at.strand) * (3.0 * load(s, MOVED_SHARE))
     x, y, z = load3(s, ROOT_SHIFT, 1)
-    return (far, on * (1.0 - numbers[LEAD]), before), (on * x, on * y, on * z)
+    return (on * scheme.duration * lead, on * (1.0 - lead)), (on * x, on * y, on * z)
 
 
 @inlined
 def led_edge(at, j, state, way, last, rounding):
     """Edge j of a strand that goes on as it moves, of unit length, and how far its end comes. ``way``: of `way_of`;
     ``last``: how far its beginning comes."""
-    far, near, before = way
+    far, near = way
     row = at.edge + j * AXES
     u, v, w = load3(state.velocity, row, PACK)
-    u, v, w = far * u, far * v, far * w
-    if before:
-        x, y, z = load3(state.moved, row, PACK)
-        u, v, w = u + near * x, v + near * y, w + near * z
+    x, y, z = load3(state.moved, row, PACK)
+    u, v, w = far * u + near * x, far * v + near * y, far * w + near * z
     x, y, z = load3(state.edges, row, PACK)
     px, py, pz = last
     return turned(x, y, z, u - px, v - py, w - pz, rounding), (u, v, w)

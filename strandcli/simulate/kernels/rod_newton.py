@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...jit import device
 from ...simd import any_lane, broadcast, load, sqrt, store, where
-from . import rod, rod_elimination, rod_oval, rod_start, rod_tension
+from . import rod, rod_elimination, rod_start, rod_tension
 from .records import TOLERANCE
 from .rod_scratch import AXES, FIRST_SEGMENT, INDEFINITE, SEGMENT, TENSION
 
@@ -63,7 +63,9 @@ def iterate(s, at, state, material, forcing, scheme, iterations, again):
         quadratic = count > 0 and (indefinite or quadratic)
         if count > 0:
             far = quadratic or any_lane(worst > rod.FAR)
-            corrected = count == 1 and correct(s, n, mass, joint, forcing.numbers, scheme, again)
+            loaded = count == 1 and again
+            if loaded:
+                set_loads(s, n, mass, joint, ends, False)
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR
@@ -72,7 +74,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations, again):
                 if quadratic:
                     step = next_step(s, step, chosen, energy > past_energy * RISE, count)
                     past_energy = where(chosen, energy, past_energy)
-            rod_tension.filter_forward(s, n, mass, ends.loose, far or corrected, True, None)
+            rod_tension.filter_forward(s, n, mass, ends.loose, far or loaded, True, None)
             if quadratic:
                 indefinite = rod_elimination.change_tension(s, n, mass, joint, ends)
                 worst, total = apply_step(s, n, ends, step)
@@ -87,18 +89,6 @@ def iterate(s, at, state, material, forcing, scheme, iterations, again):
     if quadratic:
         rod_elimination.factorise_bounded(s, n, mass, joint, ends)
     return worst
-
-
-@device
-def correct(s, n, mass, joint, numbers, scheme, again):
-    """Before the first iteration, set the loads by other forces, or correct rests of oval sections; returns whether
-    there are loads by that."""
-    if again:
-        set_loads(s, n, mass, joint, scheme.ends, False)
-        return True
-    if scheme.oval is None:
-        return False
-    return scheme.led and rod_oval.correct(s, n, joint, numbers)
 
 
 @device

@@ -73,7 +73,6 @@ CONTESTANTS = {
                     "inertia",
                     "tip mass",
                     "two ends",
-                    "section",
                     "twist",
                     "turned end",
                     "contact",

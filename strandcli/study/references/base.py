@@ -24,7 +24,6 @@ NEEDS = {
     "inertia": "inertia",
     "tip mass": "a mass on the tip",
     "two ends": "a strand held at both ends",
-    "section": "oval sections",
     "twist": "twist",
     "turned end": "an end that is turned",
     "sliding end": "an end that is turned and slides along its axis",

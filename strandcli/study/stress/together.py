@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...errors import UsageError
 from ...scene.faults import shown
-from ...scene.model import EndKey, Rod, RuleUse, Scene, Section
+from ...scene.model import EndKey, Rod, RuleUse, Scene
 from ...simulate.rules import registry
 from . import sheets
 from .axes import Case, case_named
@@ -67,8 +67,6 @@ TWIST: dict[str, dict[str, Any]] = {
     "sag-free": {"rest": "sag_free"},
     "turned": TURNED,
     "coil-turned": {"rest": "shape", **TURNED},
-    "oval": {"section": Section(wide=1.2, thin=0.8, angle=30.0)},
-    "coil-flat": {"rest": "shape", "section": Section(wide=2.0, thin=0.5, angle=-20.0)},
 }
 """What strands twist by: settings of rod. Those of coils begin as such."""
 OWN: dict[str, tuple[str, ...]] = {
@@ -89,11 +87,9 @@ TURN, AXIS = 0.6, (0.8, 0.6, 0.0)
 def valid(row: Row) -> bool:
     """Whether the product takes such a combination."""
     given = dict(zip(OWN, row, strict=True))
-    rod, touching = TWIST[given["twist"]], "contact" in BETWEEN[given["between"]]
+    rod = TWIST[given["twist"]]
     return not (
-        (touching and "section" in rod)
-        or (rod.get("end") and given["end"] != "free")
-        or (rod.get("rest") == "sag_free" and given["root"] == "hinged")
+        (rod.get("end") and given["end"] != "free") or (rod.get("rest") == "sag_free" and given["root"] == "hinged")
     )
 
 
@@ -167,7 +163,7 @@ def kernels_of(task: Task) -> tuple[Any, ...]:
     """What the kernels of a case depend on, but for double precision."""
     (case,), given = task.cases, dict(zip(OWN, task.labels, strict=True))
     rod, rules = TWIST[given["twist"]], tuple(BETWEEN[given["between"]])
-    return rules, "section" in rod, "end" in rod, given["integrator"], case.label("contact") == "none"
+    return rules, "end" in rod, given["integrator"], case.label("contact") == "none"
 
 
 def has_own_axes(name: str) -> bool:

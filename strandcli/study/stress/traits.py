@@ -1,5 +1,5 @@
-"""What strands may be and do beyond the matrix, with its extremes: they interact or touch, twist, are oval, are pinned
-or turned at their tips.
+"""What strands may be and do beyond the matrix, with its extremes: they interact or touch, twist, are pinned or turned
+at their tips.
 
 Every combination of these traits meets every two values of any two other axes. What solvers refuse by name counts as
 refused, where it is known that they do; anything else that they raise has failed.
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...groom.record import Groom
 from ...scene.checks_of_rod import rod_clashes
-from ...scene.model import EndKey, RuleUse, Scene, Section
+from ...scene.model import EndKey, RuleUse, Scene
 from ...simulate import solver_of
 from ...simulate.rod_pinned import tips
 from ...simulate.rules import registry
@@ -43,14 +43,10 @@ BETWEEN: dict[str, tuple[str, dict[str, Any]]] = {
 """What strands do to each other: a rule and its settings, lengths in L."""
 TURNED = (EndKey(0.0, ease="linear"), EndKey(1.0, turns=2.0, ease="linear"))
 """How clamped tips turn."""
-SECTION = {
-    "round": None, "oval": Section(wide=1.2, thin=0.8, angle=30.0), "flat": Section(wide=2.0, thin=0.5, angle=-20.0),
-}  # fmt: skip
 TRAITS: dict[str, tuple[str, ...]] = {
     "between": tuple(BETWEEN),
     "rest": ("straight", "shape", "sag_free"),
     "end": ("free", "pinned", "turned"),
-    "section": tuple(SECTION),
 }
 OTHERS: dict[str, tuple[str, ...]] = {
     "dt": ("1e-4", "240Hz", "60Hz", "24Hz", "0.5", "10", "noisy"),
@@ -86,15 +82,8 @@ OWN = (*TRAITS, "integrator", "root", "torsion")
 
 def refusal(labels: dict[str, str]) -> str:
     """The words that the product refuses such a scene with; "" where it runs."""
-    touching = BETWEEN[labels["between"]][0] == "contact"
-    if labels["root"] == "hinged" and labels["rest"] == "sag_free":
-        return "rod.root: hinged roots hold no strand up"
-    if labels["section"] != "round":
-        if labels["end"] == "turned":
-            return "rod.section: clamped tips know of no section"
-        if touching:
-            return "rod.section: does not go with the rule contact"
-    return ""
+    hanging = labels["root"] == "hinged" and labels["rest"] == "sag_free"
+    return "rod.root: hinged roots hold no strand up" if hanging else ""
 
 
 def prepared(labels: dict[str, str]) -> tuple[Scene, Groom, Case, NDArray[np.float64]]:
@@ -109,7 +98,7 @@ def prepared(labels: dict[str, str]) -> tuple[Scene, Groom, Case, NDArray[np.flo
         rest=labels["rest"], root=labels["root"],
         end="clamped" if labels["end"] == "turned" else labels["end"],
         end_keys=TURNED if labels["end"] == "turned" else (),
-        torsion=None if labels["torsion"] == "none" else float(labels["torsion"]), section=SECTION[labels["section"]],
+        torsion=None if labels["torsion"] == "none" else float(labels["torsion"]),
     )  # fmt: skip
     name, given = BETWEEN[labels["between"]]
     rules = scene.rules
@@ -195,31 +184,19 @@ def _conservative(labels: dict[str, str]) -> bool:
 
 
 def combinations() -> Iterator[dict[str, str]]:
-    """Every combination of traits with every row of a covering of the other axes; of what contact or sections refuse,
-    one."""
+    """Every combination of traits with every row of a covering of the other axes."""
     rows, quiet, loose = covering(OTHERS), covering(QUIET), covering(LOOSE)
     for labels in product(*TRAITS.values()):
         traits = dict(zip(TRAITS, labels, strict=True))
-        if _left_out(**traits):
-            continue
         found = rows + quiet if traits["between"] == "none" else rows
         if _held_by_nothing(**traits):
             found = found + loose
         yield from ({**{axis: row[axis] for axis in OTHERS}, **traits} for row in found)
 
 
-def _held_by_nothing(rest: str, end: str, section: str, **more: str) -> bool:
+def _held_by_nothing(rest: str, end: str, **more: str) -> bool:
     """Whether roots may be free: of straight strands whose tips nothing turns."""
-    return (rest, section) == ("straight", "round") and end != "turned"
-
-
-def _left_out(between: str, rest: str, end: str, section: str) -> bool:
-    touching = BETWEEN[between][0] == "contact"
-    if section != "round":
-        refused = (touching, end == "turned")
-        first = section == "oval" and rest == "straight" and end != "pinned" and between in ("none", "thin")
-        return all(refused) or (any(refused) and not first)
-    return False
+    return rest == "straight" and end != "turned"
 
 
 def _name(row: dict[str, str]) -> str:
@@ -236,7 +213,7 @@ def table() -> dict[str, Callable[[str], Metrics]]:
 def quick() -> list[str]:
     """Names of those of the table that are cheap: pinned tips, which need no kernel of their own, and refusals."""
     plain = {"between": "none", "rest": "straight", "end": "pinned",
-             "integrator": "auto", "section": "round"}  # fmt: skip
+             "integrator": "auto"}  # fmt: skip
     found, words = [], set()
     for name, row in zip(table(), combinations(), strict=True):
         told = refusal(row)

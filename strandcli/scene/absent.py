@@ -1,0 +1,31 @@
+"""Settings that presets had once or that people look for, and what to do instead."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .faults import shown
+
+GONE: Mapping[str, tuple[str, str]] = {
+    "rod.section": ("0.1.0", "strands are round; give the radius that bends as they should as rod.radius"),
+    "rod.yield_strain": ("0.1.0", "strands spring back to their rest shape; take it out"),
+}
+"""By dotted path, with the value where only that is gone: the last version that had it, and what to do instead."""
+NEVER: Mapping[str, str] = {
+    "rod.twist": "how much strands resist it is torsion; ends are turned by end: clamped and end_keys",
+    "rod.mass": "mass follows from density and radius; write those",
+    "rod.stiffness": "bending stiffness follows from young and radius; write those",
+    "rod.stretch": "rods do not stretch",
+}
+"""What to do instead of settings that no version had, by dotted path."""
+
+
+def why_absent(path: str, value: str = "") -> str | None:
+    """Return why there is no setting at a dotted path, or around it, or no such ``value`` of it; None where nobody
+    looks for one."""
+    if value:
+        found = GONE.get(f"{path}: {value}")
+        return None if found is None else f"{shown(value)} is gone after {found[0]}; {found[1]}"
+    while path and path not in GONE and path not in NEVER:
+        path = path.rpartition(".")[0]
+    return f"gone after {GONE[path][0]}; {GONE[path][1]}" if path in GONE else NEVER.get(path)
