@@ -213,14 +213,13 @@ class SimulationStage:
 
     def _examine(self, number: int, error: dict[str, Any]) -> None:
         """Stop, or go on, where a frame with these errors has gone wrong."""
-        from .simulate.health import LINES, examine
+        from .simulate.health import examine, interpenetration
 
         if self._wrong:
             return
-        for name, line_of in LINES.items():
-            if name not in self._told and (words := line_of(self.solver, number, error)):
-                self._told.add(name)
-                self._warn(words)
+        if "closeness" not in self._told and (words := interpenetration(self.solver, number, error)):
+            self._told.add("closeness")
+            self._warn(words)
         trouble = examine(self.solver, number, error, simulated=self._given is None and not self.solver.independent)
         if trouble is None:
             return

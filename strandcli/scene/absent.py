@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from .faults import shown
 
 GONE: Mapping[str, tuple[str, str]] = {
+    "rod.root: free": ("0.1.0", "roots are held; use hinged, which lets strands turn, and move the emitter"),
     "rod.section": ("0.1.0", "strands are round; give the radius that bends as they should as rod.radius"),
     "rod.yield_strain": ("0.1.0", "strands spring back to their rest shape; take it out"),
 }

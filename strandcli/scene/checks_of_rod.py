@@ -29,8 +29,6 @@ def _clashes(scene: Scene) -> Iterator[Clash]:
             ("rod.root", "rod.rest"),
             "hinged roots hold no strand up, as rest: sag_free asks of them; use root: clamped, or rest: shape",
         )
-    if rod.root == "free":
-        yield from _of_free_roots(scene)
     if rod.end != "free" and "emitter_motion" in listed and deforming_ground(scene) is not None:
         yield ("rod.end", "emitter", "rules"), f"tips cannot be {rod.end} on an emitter that deforms; use end: free"
     if rod.end == "free" and rod.end_keys:
@@ -38,14 +36,3 @@ def _clashes(scene: Scene) -> Iterator[Clash]:
     for index, key in enumerate(rod.end_keys):
         if rod.end == "pinned" and key.turns:
             yield (f"rod.end_keys.{index}.turns", "rod.end"), "a pinned tip turns freely; use end: clamped"
-
-
-def _of_free_roots(scene: Scene) -> Iterator[Clash]:
-    rod = scene.rod
-    if rod.rest == "sag_free":
-        yield (
-            ("rod.root", "rod.rest"),
-            "free roots hold no strand up, as rest: sag_free asks of them; use straight",
-        )
-    if rod.end == "clamped":
-        yield ("rod.root", "rod.end"), "a clamped tip needs a root that is held; use end: pinned, or root: clamped"

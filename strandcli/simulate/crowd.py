@@ -21,8 +21,7 @@ from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.touched import touched
 from ..solids import Solids
-from .crowd_apart import Apart
-from .crowd_box import extent_of, moved, require_few
+from .crowd_box import MOST_CELLS, extent_of, moved, require_few
 from .crowd_moment import Moment
 from .crowd_overlap import Overlap
 from .crowd_samples import samples_of
@@ -95,9 +94,8 @@ class Crowd:
         self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
         count = max(len(self.parts), numba.get_num_threads())
         self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
-        self.strands = CrowdStrands(self.samples, n, metres, len(self.boxes), dtype, scene.rod.root == "free")
+        self.strands = CrowdStrands(self.samples, n, metres, len(self.boxes), dtype)
         self.overlap = Overlap(packs, len(self.samples.first), dtype)
-        self.apart = Apart(metres, groom.strands, scene.rod.root == "free", dtype)
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
@@ -136,10 +134,10 @@ class Crowd:
         lattice = strands.lattice(self.cell, dt, self._last_step)
         strands.note(moving, lattice, self.parts, self._last_step == 0)
         if not self._press(moving, lattice, moment):
-            state.crowd[...], state.root_crowd[...], state.jolted[...] = 0, 0, 0
+            state.crowd[...], state.jolted[...] = 0, 0
             self._last_step = 0.0
             return NOTHING
-        if self.overlap.begin(self.apart.taken(moving), lattice, self.parts, self._found(moment), self.scratch[0]):
+        if self.overlap.begin(moving, lattice, self.parts, self._found(moment), self.scratch[0]):
             self.pressure[...] = 0
             self._press(moving, lattice, moment)
         if moment.solids is not None or any(moment.wind):
@@ -148,9 +146,9 @@ class Crowd:
             self.given += float(self._numbers[SPEED] * self._numbers[FULL]) * np.array(back)
         self.density, self._last_step = self.found if self.density is None else self.density, dt
         given = self.boxes[-1], self.targets, self.scratch, strands.shares(lattice, mass)
-        if later and self.overlap.roots is None and self.apart.left_out is None:
+        if later and self.overlap.roots is None:
             return strands.beside(moving, lattice, given, state.crowd)
-        moving = self.overlap.taken(self.apart.taken(moving))
+        moving = self.overlap.taken(moving)
         crowd_forces.accelerate(moving, lattice, self.parts, *given, state.crowd, strands.handed)
         found = self.boxes[-1], self.grid, self.pressure.reshape(-1), self._numbers
         self.overlap.advance(moving, lattice, self.parts, found, self.scratch[0])
@@ -158,9 +156,9 @@ class Crowd:
 
     def _press(self, moving: Moving, lattice: Lattice, moment: Moment) -> bool:
         """Set pressure, and what it does to cells, in a step; False where a coordinate is not finite."""
-        if not self._lay(moving, lattice):
+        if not self._lay(lattice):
             return False
-        moving = self.overlap.taken(self.apart.taken(moving))
+        moving = self.overlap.taken(moving)
         most = crowd_grid.deposit(
             moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
             self.near,
@@ -278,16 +276,13 @@ class Crowd:
             self.shares[:] = 1
             crowd_pressure.find_room(whole, self.cell, met, self._along, self.near, self.shares)
 
-    def _lay(self, moving: Moving, lattice: Lattice) -> bool:
+    def _lay(self, lattice: Lattice) -> bool:
         """Set the boxes about the strands of each part and of all, and their origins; False where a coordinate is not
-        finite. Raises `UsageError` where they take too many cells, even without strands that are apart."""
-        reach, margin = self.overlap.reach, self._margin
-
-        def find(ends: NDArray[Any], most: float) -> tuple[float, int, bool]:
-            whole = self._ends, self.boxes, self._before, lattice.origins
-            return crowd_boxes.find_boxes(ends, self.cell, reach, self.parts, margin, most, *whole)
-
-        cells, count, changed = self.apart.lay(find, self.strands.ends, moving.positions, (self.cell, reach, margin))
+        finite. Raises `UsageError` where they take too many cells."""
+        margin, found = self._margin, (self._ends, self.boxes, self._before, lattice.origins)
+        cells, count, changed = crowd_boxes.find_boxes(
+            self.strands.ends, self.cell, self.overlap.reach, self.parts, margin, float(MOST_CELLS), *found
+        )
         if math.isnan(cells):
             return False
         require_few(self.where, cells, self.cell, self._ends, margin)

@@ -14,17 +14,13 @@ from .kernels import crowd_excess, crowd_nodes, crowd_pack, work_queue
 from .kernels.crowd_records import HANDED, NODE, Lattice, Moving
 from .kernels.records import State
 from .kernels.rod_scratch import AXES, PACK
-from .rod_numbers import ROOT_SHARE
 
 
 class CrowdStrands:
     """The strands of a `Crowd`. A step that is run with `beside` leaves the nodes of the next one."""
 
-    def __init__(
-        self, samples: Samples, segments: int, metres: NDArray[np.float32], boxes: int, dtype: Any, loose: bool
-    ) -> None:
-        """``metres``: as `Moving` has them; ``boxes``: how many there are, of all parts and of all; ``loose``: whether
-        roots are free."""
+    def __init__(self, samples: Samples, segments: int, metres: NDArray[np.float32], boxes: int, dtype: Any) -> None:
+        """``metres``: as `Moving` has them; ``boxes``: how many there are, of all parts and of all."""
         self._samples, self._metres, self._kind = samples, metres, np.dtype(dtype).type
         nodes = nodes_of(samples, segments)
         self._lattice = [one.astype(dtype) if one.dtype.kind == "f" else one for one in nodes]
@@ -44,7 +40,6 @@ class CrowdStrands:
         """What strands around have handed to each in this frame so far, as `HANDED` says."""
         self.roots = np.zeros((packs, AXES), dtype)
         """What a step's velocities of roots may be kept in."""
-        self._root_mass = np.full(int(loose), ROOT_SHARE, dtype)
         self._numbers = np.empty(crowd_pack.NUMBERS, dtype)
         self._shares: tuple[tuple[Any, ...], NDArray[Any]] = (), self._numbers
         self._moving: Moving | None = None
@@ -58,11 +53,9 @@ class CrowdStrands:
         """Return what kernels take of strands."""
         last = self._moving
         if last is None or last.roots is not roots or last.positions is not state.positions or last.mass is not mass:
-            free = len(self._metres) * len(self._root_mass)
             self._moving = last = Moving(
                 state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
-                self._metres, mass, state.root_velocity[:free], state.root_crowd[:free], self._root_mass,
-                None, None, None,
+                self._metres, mass, None, None,
             )  # fmt: skip
         return last
 

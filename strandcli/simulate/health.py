@@ -97,22 +97,6 @@ def interpenetration(solver: Any, frame: int, error: dict[str, Any]) -> str:
     )
 
 
-def beyond_the_grid(solver: Any, frame: int, error: dict[str, Any]) -> str:
-    """Say that strands are too far from the others for the grid of interaction, if some are."""
-    count = error.get("left_out")
-    if not count:
-        return ""
-    where = f"{solver.scene.label}: frame {frame}" if solver.scene.label else f"frame {frame}"
-    return (
-        f"{where}: {count} of {solver.strands} strands are so far off that the grid of rule interaction "
-        "has no room for them, and go without it until they are back; a greater interaction.cell leaves out fewer"
-    )
-
-
-LINES = {"strand_penetration_max": interpenetration, "left_out": beyond_the_grid}
-"""What is said once of errors that end no run."""
-
-
 def stretches(solver: Any) -> NDArray[np.float64]:
     """Return (strands,) the greatest error of a segment's length as a share of it, less the rounding of coordinates."""
     x = solver.particles().astype(np.float64)

@@ -21,15 +21,13 @@ if TYPE_CHECKING:
 
 def errors_between_strands(solver: RodSolver) -> dict[str, float | None]:
     """Return the errors that a ``solver`` has by its rules. ``density_max``, where strands interact: the greatest
-    density when the last step began, over the one allowed; ``left_out``, where its grid had no room for some, how many;
-    ``strand_penetration_max``, with contact: by how much strands were closer than their thickness, or than their roots
-    allow, at its end, metres; with either, `momentum_lost`."""
+    density when the last step began, over the one allowed; ``strand_penetration_max``, with contact: by how much
+    strands were closer than their thickness, or than their roots allow, at its end, metres; with either,
+    `momentum_lost`."""
     out: dict[str, float | None] = {}
     crowd, contact = solver.crowd, solver.contact
     if crowd is not None and crowd.density is not None:
         out["density_max"] = crowd.found / crowd.density
-    if crowd is not None and crowd.apart.left_out is not None:
-        out["left_out"] = crowd.apart.count
     if contact is not None:
         out["strand_penetration_max"] = contact.penetration
     return out if crowd is None and contact is None else {**out, "momentum_lost": momentum_lost(solver)}

@@ -23,12 +23,11 @@ in steps cut for coils, too. Rounding of the moments moves longer ones more: by 
 
 
 def needs_double(scene: Scene, shortest: float) -> bool:
-    """Return whether rods are solved in double precision: where the scene or its numbers ask for it, and for free
-    roots, whose momentum single precision would change by some 1e-5 a second. ``shortest``: of all segments, metres."""
+    """Return whether rods are solved in double precision: where the scene or its numbers ask for it. ``shortest``: of
+    all segments, metres."""
     rod, n = scene.rod, scene.emitter.particles - 1
-    asked = rod.precision == "double" or rod.root == "free"
     unsteady = rod.rest == "sag_free" and n > STEADIEST
-    return asked or unsteady or contrast(rod, n) > CONTRAST or _fall(scene) > THROW * shortest
+    return rod.precision == "double" or unsteady or contrast(rod, n) > CONTRAST or _fall(scene) > THROW * shortest
 
 
 def contrast(rod: Rod, n: int) -> float:

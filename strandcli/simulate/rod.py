@@ -81,7 +81,7 @@ class RodSolver(Solver):
         rod, matter = scene.rod, matter_of(scene, groom)
         self.dtype = precision_of(scene, matter)
         self.surroundings = Surroundings(scene, self.dtype)
-        self.motion = Motion(scene, groom, self.surroundings, scene.rod.root == "free")
+        self.motion = Motion(scene, groom, self.surroundings)
         self.pose = self.motion.pose(0.0)
         shape = shape_of(scene, groom, self.dtype)
         matter = hinged(scene, matter, shape)
@@ -94,7 +94,7 @@ class RodSolver(Solver):
         touching = [use.parameters for use in scene.rules if use.name == "contact"]
         self.contact = StrandContact(scene, groom, touching[0]) if touching else None
         flags = flags_of(scene, shape, self.surroundings, self.deforming is not None)
-        self.second, self.curled, self.loose = flags.second, flags.curled, flags.loose
+        self.second, self.curled = flags.second, flags.curled
         self._coil_rate = coil_rate(scene, rest, shape)
         self._swing_rate = swing_rate(scene, matter.lengths, rest.stiffness, shape, np.array(self.pose.rotation))
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
@@ -150,9 +150,7 @@ class RodSolver(Solver):
 
     def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
         """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
-        self.pins = self.pins or Pins(
-            self.state, self.material, self.forcing, self.pose, loose=self.loose
-        )  # fmt: skip
+        self.pins = self.pins or Pins(self.state, self.material, self.forcing, self.pose)
         self.pins.bring(at, seconds)
 
     def begin_frame(self) -> None:
@@ -226,7 +224,7 @@ class RodSolver(Solver):
             short = self.contact.step(partial(self._run, pose, moved.change), dt, self)
         if self.state.positions is not self.positions:
             self.positions[...] = self.state.positions
-        if self.loose or self.roots.hinged:
+        if self.roots.hinged:
             begin_before_roots(self.positions)
         self.pose, self._last_step = pose, dt
         return short
@@ -246,12 +244,11 @@ class RodSolver(Solver):
         tension = state.tension.copy()
         self.forcing.drift[...] = 0
         self.surroundings.solids(time, 0.0)
-        stop(state.crowd, state.root_crowd, state.jolted)
+        stop(state.crowd, state.jolted)
         self.numbers.set_moment(self.pins is not None)
         self._run(self.pose, change_of(self.pose, self.pose, self.dtype))
         state.tension[...] = tension
         stop(state.velocity, state.before, state.ahead, state.moved, state.push, state.touching)
-        stop(state.root_velocity, state.root_before, state.root_ahead, state.root_moved, state.root_push)
         if self.crowd is not None:
             self.crowd.begin_anew()
 
@@ -267,7 +264,7 @@ class RodSolver(Solver):
     def take(self, frame: int, particles: NDArray[np.floating]) -> None:
         """As for any solver."""
         super().take(frame, particles)
-        if self.loose or self.roots.hinged:
+        if self.roots.hinged:
             begin_before_roots(self.positions)
 
     def errors(self, frame: int) -> dict[str, float | None]:

@@ -69,4 +69,4 @@ def pins_of(state: State, material: Material, forcing: Forcing, rod: Rod, pose: 
     """Return what holds the tips, where a preset asks for it."""
     if rod.end == "clamped":
         return Clamps(state, material, forcing, rod, pose)
-    return Pins(state, material, forcing, pose, rod.end_keys, rod.root == "free") if rod.end == "pinned" else None
+    return Pins(state, material, forcing, pose, rod.end_keys) if rod.end == "pinned" else None

@@ -39,14 +39,14 @@ class Moved(NamedTuple):
 
 
 class Motion:
-    """What moves in the steps of a scene. ``loose``: whether roots are free, which never jump."""
+    """What moves in the steps of a scene."""
 
-    def __init__(self, scene: Scene, groom: Groom, surroundings: Surroundings, loose: bool) -> None:
+    def __init__(self, scene: Scene, groom: Groom, surroundings: Surroundings) -> None:
         self._scene, self._surroundings = scene, surroundings
         self.carried = any(use.name == "emitter_motion" for use in scene.rules)
         """Whether roots follow the emitter."""
         self._still = emitter_pose(scene.emitter, 0.0)
-        self._jumps = None if loose else Jumps(groom)
+        self._jumps = Jumps(groom)
         self._known: dict[tuple[float, float], Moved] = {}
 
     def pose(self, time: float) -> Pose:
@@ -73,7 +73,7 @@ class Motion:
 
     def _moved(self, time: float, dt: float, last: Pose, before: Poses) -> Moved:
         around, pose = self._surroundings, self.pose(time)
-        jumps = self._jumps is not None and self._jumps.between(last, pose)
+        jumps = self._jumps.between(last, pose)
         air = around.air(time)
         solids = around.placed(time, dt, self.outer(pose), before)
         change = change_of(pose if jumps else last, pose, around.dtype)

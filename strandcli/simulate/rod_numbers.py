@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels.records import DRAG, FRICTION, ROOT_MASS, VELOCITY_STEP, Forcing, Material
+from .kernels.records import DRAG, FRICTION, VELOCITY_STEP, Forcing, Material
 from .kernels.rod_pinned import HEAVY
 from .kernels.rod_start import VELOCITY_RATE
 
@@ -15,12 +15,8 @@ if TYPE_CHECKING:
     from ..scene.model import Rod
     from .rod_coils import CoilSteps
 
-ROOT_SHARE = 0.5
-"""Relative mass of a free root."""
 TINY = 1e-9
 """Of rates and angles, what counts as none."""
-LOOSE = 100.0
-"""Factor of a pin's mass where roots are free: the strand hangs on it alone, and precision is double."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
 
@@ -33,7 +29,6 @@ class StepNumbers:
         self, rod: Rod, material: Material, forcing: Forcing, mass: NDArray[Any], gravity: tuple[float, ...],
         coils: CoilSteps | None,
     ) -> None:  # fmt: skip
-        self._heavy = HEAVY * (LOOSE if rod.root == "free" else 1.0)
         self._mass = mass
         self._rod, self._material, self._forcing = rod, material, forcing
         self._gravity, self.coils = gravity, coils
@@ -64,7 +59,6 @@ class StepNumbers:
         dragged = numbers[VELOCITY_STEP] * up_to_friction[DRAG]
         if dragged != self._dragged:
             np.multiply(self._mass, 1 + dragged, out=self._material.mass)
-            numbers[ROOT_MASS] = ROOT_SHARE * (1 + dragged)
             if pinned:
-                self._material.mass[-1] *= self._heavy
+                self._material.mass[-1] *= HEAVY
             self._dragged = dragged

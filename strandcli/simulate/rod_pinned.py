@@ -35,12 +35,9 @@ class Pins:
     """Where tips are pinned: ``places`` (P, 3, `PACK`) metres in the emitter's frame."""
 
     def __init__(
-        self, state: State, material: Material, forcing: Forcing, pose: Pose, keys: Sequence[EndKey] = (),
-        loose: bool = False,
-    ) -> None:  # fmt: skip
-        """Pins tips where they are, with the emitter in a pose; keys move them on. ``loose``: whether roots are free,
-        which are where no pose tells and come along."""
-        self._loose = loose
+        self, state: State, material: Material, forcing: Forcing, pose: Pose, keys: Sequence[EndKey] = ()
+    ) -> None:
+        """Pins tips where they are, with the emitter in a pose; keys move them on."""
         self._keys, self._lengths = keys, material.lengths
         self._longest = material.lengths.astype(np.float64) * state.edges.shape[1]
         away = self._ends(state, forcing, pose) - np.array(pose.translation)[:, None]
@@ -66,11 +63,10 @@ class Pins:
             local = np.einsum("ij,pjk->pik", np.array(moved.rotation), local) + np.array(moved.translation)[:, None]
         pose = poses[1]
         goals = np.einsum("ij,pjk->pik", np.array(pose.rotation), local) + np.array(pose.translation)[:, None]
-        if not self._loose:
-            roots = self._roots(forcing, pose)
-            far, most = np.linalg.norm(goals - roots, axis=1), self._longest
-            # no iteration finds lengths for a place out of reach, nor with slack for a taut strand that is shaken
-            goals = roots + (goals - roots) * np.minimum(1, most / np.maximum(far, most))[:, None]
+        roots = self._roots(forcing, pose)
+        far, most = np.linalg.norm(goals - roots, axis=1), self._longest
+        # no iteration finds lengths for a place out of reach, nor with slack for a taut strand that is shaken
+        goals = roots + (goals - roots) * np.minimum(1, most / np.maximum(far, most))[:, None]
         way = goals - self._ends(state, forcing, poses[0])
         numbers = forcing.numbers.astype(np.float64)
         h, g, drag = numbers[STEP], numbers[VELOCITY_STEP], numbers[DRAG]  # h_x, h_v and γ of docs/solvers.md
@@ -96,9 +92,7 @@ class Pins:
 
     def _ends(self, state: State, forcing: Forcing, pose: Pose) -> NDArray[np.float64]:
         """Return (P, 3, `PACK`) where edges lead from roots. Positions are rounded more far from the origin, and a taut
-        strand has no way to go by that, but one whose root is free."""
-        if self._loose:
-            return tips(state)
+        strand has no way to go by that."""
         edges = state.edges.sum(1, dtype=np.float64).reshape(len(state.edges), 3, PACK)
         return self._roots(forcing, pose) + edges * self._lengths[:, None]
 

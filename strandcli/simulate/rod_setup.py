@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..blocks import aligned, lanes, on_large_pages
-from ..errors import UsageError
 from ..groom.record import Groom
 from ..scene.motion import Pose
 from .kernels.records import (
@@ -125,7 +124,7 @@ def flags_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) 
     return Flags(
         integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming,
         "interaction" in rules or "contact" in rules,
-        scene.rod.end == "clamped", scene.rod.root == "free",
+        scene.rod.end == "clamped",
     )  # fmt: skip
 
 
@@ -133,11 +132,6 @@ def hinged(scene: Scene, matter: Matter, shape: Shape) -> Matter:
     """Return the material with the root's joint as ``rod.root`` asks for."""
     if scene.rod.root == "clamped":
         return matter
-    if scene.rod.root == "free" and shape.curled:
-        raise UsageError(
-            f"{scene.source or 'scene'}: rod.root: free roots have no frame that curled strands could be at rest in; "
-            "use rest: straight, or root: hinged"
-        )
     joint = matter.joint.copy()
     joint[0] = HINGE if shape.curled else 0.0
     return matter._replace(joint=joint)
@@ -193,9 +187,6 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
     def of_strands(needed: bool) -> NDArray[Any]:
         return aligned((packs if needed else 1, PACK), dtype)
 
-    def of_roots(needed: bool) -> NDArray[Any]:
-        return aligned((packs if needed else 1, 1, 3 * PACK), dtype)
-
     if dtype != np.float32:
         single = positions
         positions = on_large_pages(single.shape, dtype)
@@ -217,12 +208,6 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),
         turned=of_strands(bool(flags.held)),
-        root_velocity=of_roots(flags.loose),
-        root_before=of_roots(flags.loose and flags.second),
-        root_ahead=of_roots(flags.loose and flags.second),
-        root_moved=of_roots(flags.loose and flags.second),
-        root_push=of_roots(flags.loose and flags.solids),
-        root_crowd=of_roots(flags.loose and flags.crowded),
         energy=energy,
         calmed=of_strands(flags.curled),
     )

@@ -128,7 +128,7 @@ def swing_rate(scene: Scene, lengths: Floats, stiffness: Floats, shape: Shape, t
     What drag and damping take of a swing needs no short steps: of one that they leave a share k of, steps may take
     `LOSS` / k."""
     rod = scene.rod
-    if rod.integrator != "auto" or rod.root == "free" or rod.end != "free":
+    if rod.integrator != "auto" or rod.end != "free":
         return 0.0
     square, bending = frequencies(scene, lengths, stiffness, shape, turn)
     decay = (rod.drag + rod.damping * bending) / 2

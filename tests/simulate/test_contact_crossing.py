@@ -58,7 +58,5 @@ def test_segments_that_pass_through_each_other_are_kept_on_their_sides() -> None
 
 def looked_at(start: Floats, end: Floats, pair: NDArray[np.int64]) -> tuple[Any, Any]:
     numbers, vectors = np.zeros((1, NUMBERS)), np.zeros((1, VECTORS))
-    contact_approach.look(
-        start, end, np.ones(2), pair, (1e-3, 0.2, 1.05e-3, 0.0), numbers, vectors, np.zeros((6, 2, 3))
-    )  # fmt: skip
+    contact_approach.look(start, end, np.ones(2), pair, (1e-3, 0.2, 1.05e-3), numbers, vectors, np.zeros((6, 2, 3)))
     return numbers[0], vectors[0]

@@ -19,19 +19,15 @@ CELL = 0.02
 CURLED = ", curl_turns: 6, curl_angle: 50"
 
 
-def bundle(
-    fps: int, curled: str = "", groom: Groom | None = None, density: float = 1e4, loose: bool = False
-) -> RodSolver:
-    """300 strands, or as many as a groom has, from a disc of a tenth of a cell, twenty or thirty times too dense; loose
-    ones weigh nothing."""
+def bundle(fps: int, curled: str = "", groom: Groom | None = None, density: float = 1e4) -> RodSolver:
+    """300 strands, or as many as a groom has, from a disc of a tenth of a cell, twenty or thirty times too dense."""
     rest = "rest: shape, " if curled else "rest: straight, "
-    rest += "root: free, " if loose else ""
     scene = scene_of(
         f"solver: rod\nrod: {{{rest}radius: 1.0e-4, drag: 5}}\ntime: {{fps: {fps}}}\n"
         "emitter: {shape: {kind: disc, radius: 0.001}, "
         f"strands: {groom.strands if groom else 300}, particles: 12, length: 0.2, jitter: 2, "
         f"rotation: [180, 0, 0]{curled}}}\n"
-        f"rules: [{'' if loose else 'gravity, '}interaction: {{cell: {CELL}, density: {density}}}]"
+        f"rules: [gravity, interaction: {{cell: {CELL}, density: {density}}}]"
     )
     return RodSolver(scene, groom or emit(scene.emitter, scene.seed))
 
@@ -104,17 +100,6 @@ def test_thousands_in_one_line_are_led_apart_without_a_jump(steps: int) -> None:
     solver = bundle(24 * steps, groom=alike(3000), density=7500)
     assert max(moves(solver, steps, 96)) < 1
     assert widths(solver).min() > 5
-
-
-def test_it_is_over_where_nothing_holds_strands() -> None:
-    solver = bundle(24, loose=True)
-    assert solver.crowd is not None
-    overlap = solver.crowd.overlap
-    assert max(moves(solver, 1, 4)) < 0.5
-    assert overlap.roots is not None
-    moves(solver, 1, 92)
-    assert overlap.roots is None
-    assert solver.crowd.found < 2 * solver.crowd.density
 
 
 def test_a_later_run_goes_on_from_a_checkpoint_while_strands_part() -> None:

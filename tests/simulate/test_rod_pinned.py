@@ -13,7 +13,6 @@ from strandcli.groom.emit import emit
 from strandcli.scene import SceneError
 from strandcli.simulate.kernels.records import CHANGED
 from strandcli.simulate.rod import RodSolver
-from strandcli.simulate.rod_pinned import tips as places
 from strandcli.study.exactness import scene_of as reference_scene
 from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
 from strandcli.study.references import catenary
@@ -79,22 +78,6 @@ def test_tips_stay_where_the_emitter_carries_them(more: str) -> None:
         assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
         assert np.abs(tips(solver) - start).max() < 2e-4 * 0.3
     assert np.abs(tips(free) - start).max() > 0.1
-
-
-def test_free_roots_follow_tips_that_the_emitter_carries_off() -> None:
-    scene = scene_of(
-        "solver: rod\nrod: {root: free, end: pinned, rest: straight}\ntime: {fps: 60}\n"
-        "rules: [emitter_motion, gravity]\n"
-        "emitter: {shape: {kind: disc, radius: 0.1}, strands: 8, particles: 11, length: 0.3, "
-        "keys: [{time: 0, ease: linear}, {time: 1, position: [2, 0, 0], rotation: [0, 0, 170]}]}\n"
-    )
-    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
-    assert solver.pins is not None
-    for i in range(60):
-        solver.step((i + 1) / 60, 1 / 60)
-        turn, shift = np.array(solver.pose.rotation), np.array(solver.pose.translation)
-        goals = np.einsum("ij,pjk->pik", turn, solver.pins.places) + shift[:, None]
-        assert np.abs((goals - places(solver.state))[0, :, :8]).max() < 1e-5
 
 
 def test_a_state_in_the_middle_goes_on_to_the_same_bits() -> None:

@@ -21,10 +21,9 @@ BENDING, SCALE = 0.7, 0.3
 def work_of(address, n, mass, joint, work):
     """Set Σ M a·u of each lane."""
     scratch = vector_pointer_at(np.float64, address)
-    ends = Ends(None, None, False)
-    rod_elimination.factorise(scratch, n, mass, joint, ends, None)
-    contact_response.respond(scratch, n, mass, ends)
-    store(vector_pointer_at(np.float64, work), 0, contact_response.responded(scratch, n, mass, ends))
+    rod_elimination.factorise(scratch, n, mass, joint, Ends(None, False), None)
+    contact_response.respond(scratch, n, mass)
+    store(vector_pointer_at(np.float64, work), 0, contact_response.responded(scratch, n, mass))
 
 
 @pytest.mark.parametrize("n", [1, 2, 9, 40])

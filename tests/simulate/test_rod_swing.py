@@ -199,7 +199,6 @@ def test_steps_are_cut_where_a_swing_asks_for_it_and_nowhere_else() -> None:
         {"rod.integrator": "bdf2"},
         {"rod.integrator": "euler"},
         {"rod.end": "pinned"},
-        {"rod.root": "free"},
     ):
         assert solver_of(*short, **changes)._swing_rate == 0
     assert swing.parts(30.0, 10.0) == 1  # no film has such steps

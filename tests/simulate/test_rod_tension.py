@@ -28,8 +28,8 @@ LANES = VECTOR // 8
 def change(address, n, mass, joint):
     """Add to τ what the Newton step asks for."""
     pile = vector_pointer_at(np.float64, address)
-    rod_tension.filter_forward(pile, n, mass, None, False, True, None)
-    rod_elimination.change_tension(pile, n, mass, joint, Ends(None, None, False))
+    rod_tension.filter_forward(pile, n, mass, False, True, None)
+    rod_elimination.change_tension(pile, n, mass, joint, Ends(None, False))
 
 
 @pytest.mark.parametrize("n", [1, 2, 9, 40])

@@ -46,9 +46,8 @@ class Rod:
     )
     root: str = choice(
         "clamped",
-        ("clamped", "hinged", "free"),
-        doc="clamped: along the direction of emission; hinged: turns freely about its place; free: held by nothing, it "
-        "moves as all else of the strand",
+        ("clamped", "hinged"),
+        doc="clamped: along the direction of emission; hinged: turns freely about its place",
     )
     end: str = choice(
         "free",

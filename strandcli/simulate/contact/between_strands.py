@@ -66,10 +66,9 @@ class StrandContact:
         self.thickness = contact_thickness(scene, groom, parameters.thickness)
         self.groom = groom
         self.segments = scene.emitter.particles - 1
-        self._loose = int(scene.rod.root == "free")
         self.lengths = groom.emitted(groom.lengths.astype(np.float64)) / self.segments
         apart = 1 + math.ceil(2 * self.thickness / float(self.lengths.min()))
-        self._forces = Forces(groom, self.lengths, self.segments, self.thickness, parameters.friction, self._loose)
+        self._forces = Forces(groom, self.lengths, self.segments, self.thickness, parameters.friction)
         self._nearby = Nearby(self.segments, min(apart, self.segments))
         self._impacts = Impacts(groom, self.thickness)
         self.penetration = 0.0
@@ -92,7 +91,7 @@ class StrandContact:
         long."""
         self._forces.begin(dt, solver)
         self._impacts.begin()
-        self._moves = np.zeros((len(self.lengths), self.segments + self._loose, 3))  # by impacts
+        self._moves = np.zeros((len(self.lengths), self.segments, 3))  # by impacts
         self._loaded = NOTHING, np.zeros((0, 3))
         converged = self._rounds(run, dt, solver)
         self._time += dt
@@ -121,7 +120,7 @@ class StrandContact:
         state: State = solver.state
         if solver.crowd is not None:
             self._begin_with(state, dt, solver)
-        state.crowd[...], state.root_crowd[...] = 0, 0
+        state.crowd[...] = 0
         before = {name: one.copy() for name, one in state._asdict().items()}
         start, velocities = self._particles(state), self._velocities(state)
         held, forces, past = NOTHING, np.zeros((0, 3)), math.inf
@@ -132,8 +131,7 @@ class StrandContact:
             found = self._look(start, end, dt)
             if found is None:
                 return True
-            if not self._loose:
-                velocities[:, 0] = (end[:, 0] - start[:, 0]) / dt
+            velocities[:, 0] = (end[:, 0] - start[:, 0]) / dt
             found.numbers[:, IMPACT] = self._impacts.shares(found, velocities, dt)
             self.penetration = found.penetration()
             if math.isnan(self.emitted):
@@ -164,11 +162,6 @@ class StrandContact:
         change = state.crowd.dtype.type(dt) * state.crowd
         for one in (state.velocity, state.before, state.ahead) if solver.second else (state.velocity,):
             one += change
-        if solver.loose:
-            change = state.crowd.dtype.type(dt) * state.root_crowd
-            of_roots = state.root_velocity, state.root_before, state.root_ahead
-            for one in of_roots if solver.second else of_roots[:1]:
-                one += change
 
     def _load(self, held: Contacts, forces: Floats, solver: Any) -> None:
         """Have the next round made with these forces."""
@@ -227,7 +220,7 @@ class StrandContact:
         if not np.isfinite(end).all():
             return None
         pairs = self._nearby.find(start, end, (1 + MARGIN) * self.thickness)
-        sizes = self.thickness, min(EASE * dt, MOST_EASE), (1 + MARGIN) * self.thickness, float(self._loose)
+        sizes = self.thickness, min(EASE * dt, MOST_EASE), (1 + MARGIN) * self.thickness
         parts = [self._near(start, end, pairs[i : i + AT_ONCE], sizes) for i in range(0, len(pairs) or 1, AT_ONCE)]
         found = Contacts(*(np.concatenate(one) for one in zip(*parts, strict=True)))
         found.let_crowds_yield(self.thickness, sizes[1] * self.thickness, len(self.lengths), self.segments)
@@ -245,11 +238,8 @@ class StrandContact:
         return self._forces.emitted(state.positions[:, 1:], W)
 
     def _velocities(self, state: State) -> Floats:
-        """Return (S, N + 1, 3) velocities of particles, m/s, but for roots that are held."""
-        velocities = np.pad(self._forces.emitted(state.velocity), ((0, 0), (1, 0), (0, 0)))
-        if self._loose:
-            velocities[:, :1] = self._forces.emitted(state.root_velocity)
-        return velocities
+        """Return (S, N + 1, 3) velocities of particles, m/s, but for roots."""
+        return np.pad(self._forces.emitted(state.velocity), ((0, 0), (1, 0), (0, 0)))
 
 
 def in_parts(solver: Any, step: Callable[[float, float], bool], time: float, dt: float, halvings: int = 0) -> None:

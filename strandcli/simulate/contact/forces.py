@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from ...blocks import lanes
 from ...groom.record import Groom
-from ..kernels.records import DAMPING, DRAG, ROOT_MASS, STEP, VELOCITY_STEP, State
+from ..kernels.records import DAMPING, DRAG, STEP, VELOCITY_STEP, State
 from ..kernels.rod_scratch import PACK
-from ..rod_numbers import ROOT_SHARE
 from .kernels import contact_response, contact_solve
 from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, IMPACT, NORMAL, SECOND, SECOND_SEGMENT, URGENCY
 from .kernels.contact_response import BAND, BLOCK
@@ -53,12 +52,9 @@ class Method(NamedTuple):
 class Forces:
     """Forces between the strands of a groom whose segments have ``lengths`` (S,), metres, ``segments`` a strand."""
 
-    def __init__(
-        self, groom: Groom, lengths: Floats, segments: int, thickness: float, friction: float, loose: int = 0
-    ) -> None:
-        """``loose``: 1 where roots are free, and among the particles that move, else 0."""
+    def __init__(self, groom: Groom, lengths: Floats, segments: int, thickness: float, friction: float) -> None:
         self.groom, self.lengths, self.segments = groom, lengths, segments
-        self.thickness, self.friction, self._loose = thickness, friction, loose
+        self.thickness, self.friction = thickness, friction
 
     def begin(self, dt: float, solver: Any) -> None:
         """Begin a step of ``dt`` seconds of the ``solver``."""
@@ -66,7 +62,7 @@ class Forces:
 
     def solve(self, found: Contacts, forces: Floats, solver: Any) -> float:
         """Change ``forces`` (m, 3) so that contacts hold; return by how much particles move by that, metres."""
-        n, loose = self.segments + self._loose, self._loose
+        n = self.segments
         responses, own = np.empty((len(forces), 2, n, 3, 3)), np.empty((len(forces), 3, 3))
         strands = np.unique(found.pairs[:, [FIRST, SECOND]])
         places = np.zeros(len(self.lengths), np.int64)
@@ -78,18 +74,17 @@ class Forces:
             bands,
             places,
             self.lengths / self.method.reach,
-            loose,
             responses,
             np.empty((BLOCK * n, 3)),
         )
         responses *= self._gains(found)[:, :, None, None, None]
         self._responses = responses
-        contact_solve.own_responses(found.pairs, found.numbers, responses, loose, own)
+        contact_solve.own_responses(found.pairs, found.numbers, responses, own)
         moves, after = np.zeros((len(self.lengths), n, 3)), forces.copy()
         sweeps = min(SWEEPS, max(LEAST_SWEEPS, UPDATES // len(forces)))
         if found.yielding():
             sweeps = CROWD_SWEEPS
-        settings = self.friction, sweeps, PRECISION * self.thickness, IMMOBILE / float(self.lengths.max()), loose
+        settings = self.friction, sweeps, PRECISION * self.thickness, IMMOBILE / float(self.lengths.max())
         contacts, rows = (found.numbers, found.vectors), np.zeros((7, 3))
         contact_solve.solve(found.pairs, contacts, (responses, own), settings, after, moves, rows)
         moved = float(np.abs(moves).max())
@@ -126,12 +121,9 @@ class Forces:
         return np.asarray(1 / (1 - impact + impact / self.method.gain[found.pairs[:, [FIRST, SECOND]]]))
 
     def impacts(self, found: Contacts, forces: Floats) -> Floats:
-        """Return (S, P, 3) by how much impacts among the forces of contacts that were last solved for move particles of
+        """Return (S, N, 3) by how much impacts among the forces of contacts that were last solved for move particles of
         strands that go by BDF2, metres."""
-        moves, impacts = (
-            np.zeros((len(self.lengths), self.segments + self._loose, 3)),
-            forces * found.numbers[:, IMPACT, None],
-        )
+        moves, impacts = np.zeros((len(self.lengths), self.segments, 3)), forces * found.numbers[:, IMPACT, None]
         if impacts.any():
             contact_solve.move(found.pairs, self._responses, impacts, moves)
             moves[self.method.euler] = 0
@@ -145,9 +137,8 @@ class Forces:
         tension = self.emitted(state.tension)[:, :, 0] * square[:, None]
         if solver.curled:
             tension = np.maximum(tension, 0) + self._kept(solver) * (stiffness / (1 + damping))[:, None]
-        bands = np.empty((len(strands), BLOCK * (self.segments + self._loose), BAND))
+        bands = np.empty((len(strands), BLOCK * self.segments, BAND))
         mass, joint = material.mass.astype(np.float64), material.joint.astype(np.float64)
-        mass = np.append(np.full(self._loose, numbers[ROOT_MASS], np.float64), mass)
         loads = stiffness, tension, self._held(state)
         contact_response.factorise(strands, self.emitted(state.edges), loads, mass, joint, bands)
         return bands
@@ -171,9 +162,6 @@ class Forces:
         rows = self.groom.placed(added.reshape(count, n + 1, 3)[:, 1:] / (masses * self._step**2))
         for j in range(n):
             crowd[:, j] = lanes(rows[:, j], crowd.dtype, PACK)
-        if self._loose:
-            roots = added.reshape(count, n + 1, 3)[:, 0] / (ROOT_SHARE * self.lengths[:, None] * self._step**2)
-            solver.state.root_crowd[:, 0] = lanes(self.groom.placed(roots), crowd.dtype, PACK)
 
     def handed(self, found: Contacts, forces: Floats, solver: Any) -> Floats:
         """Return the sum of what contact changes the strands' momentum by in a step that was made with these forces
@@ -184,13 +172,10 @@ class Forces:
         loads = self.emitted(solver.state.crowd)
         mass = self._step * self.lengths[:, None] * solver.mass.astype(np.float64)
         each = np.einsum("ij,ijc->ic", mass, loads)
-        if self._loose:
-            each += (self._step * ROOT_SHARE) * self.lengths[:, None] * self.emitted(solver.state.root_crowd)[:, 0]
         gains, impact = self._gains(found), found.numbers[:, IMPACT]
         for side, strand, segment, share in ((0, FIRST, FIRST_SEGMENT, ALPHA), (1, SECOND, SECOND_SEGMENT, BETA)):
             strands, force = found.pairs[:, strand], (2 * side - 1) / self._step * gains[:, side, None] * forces
-            held = (found.pairs[:, segment] == 0) & (self._loose == 0)
-            at_root = np.where(held, 1 - found.numbers[:, share], 0)
+            at_root = np.where(found.pairs[:, segment] == 0, 1 - found.numbers[:, share], 0)
             back = impact * (1 - 1 / self.method.gain[strands])
             for c in range(3):
                 each[:, c] += np.bincount(strands, (at_root - back) * force[:, c], len(each))
@@ -206,12 +191,10 @@ class Forces:
         return np.asarray(self.emitted(solver.forcing.firmness[:, None])[:, :, 0] * turn)
 
     def _held(self, state: State) -> Floats:
-        """Return (S, P, 3) the unit normals of solids that particles touch, or 0."""
+        """Return (S, N, 3) the unit normals of solids that particles touch, or 0."""
         if len(state.push) != len(state.edges):
-            return np.zeros((len(self.lengths), self.segments + self._loose, 3))
+            return np.zeros((len(self.lengths), self.segments, 3))
         push = self.emitted(state.push)
-        if self._loose:
-            push = np.concatenate([self.emitted(state.root_push), push], 1)
         size = np.linalg.norm(push, axis=2, keepdims=True)
         return np.asarray(push / np.where(size > 0, size, 1))
 

@@ -69,7 +69,7 @@ class Impacts:
 
     def finish(self, solver: Any, moves: Floats, dt: float) -> None:
         """Set velocities of a ``solver`` at the end of a step of ``dt`` seconds, in which impacts have moved particles
-        by ``moves`` metres, (S, N, 3) or with free roots (S, N + 1, 3)."""
+        by ``moves`` (S, N, 3) metres."""
         self.past = self._now
         state, numbers = solver.state, solver.forcing.numbers
         if not (solver.second and numbers[MOVED] > 0 and moves.any()):  # Euler's method makes c / Δt of itself
@@ -79,17 +79,11 @@ class Impacts:
         c = np.stack([lanes(rows[:, j], np.float64, PACK) for j in range(rows.shape[1])], 1)
         # forces that no step can carry would by a linear response move without limit; before: when the step began
         most = _greatest(state.moved) + dt * _greatest(state.before) + self._thickness
-        if solver.loose:  # what would be taken from one of two would be momentum that all lose
-            most = np.full_like(most, most.max())
         c *= np.tile(np.minimum(1, most / np.maximum(_greatest(c), TINY)), 3)[:, None]
-        n = state.velocity.shape[1]
-        parts = [(c[:, -n:], state.before, state.velocity, state.ahead)]
-        if solver.loose:
-            parts.append((c[:, :1], state.root_before, state.root_velocity, state.root_ahead))
-        for part, before, velocity, ahead in parts:
-            part[before == velocity] = 0  # with what has met a solid BDF2 starts anew from u / Δt
-            for one, share in (before, own), (velocity, own - rate), (ahead, own - rate - rate * GAIN):
-                one += (share * part).astype(one.dtype)
+        c[state.before == state.velocity] = 0  # with what has met a solid BDF2 starts anew from u / Δt
+        shares = (state.before, own), (state.velocity, own - rate), (state.ahead, own - rate - rate * GAIN)
+        for one, share in shares:
+            one += (share * c).astype(one.dtype)
 
     def _codes(self, contacts: Contacts) -> NDArray[np.int64]:
         return np.asarray(contacts.pairs[:, FIRST] * self._groom.strands + contacts.pairs[:, SECOND])

@@ -74,24 +74,23 @@ def begin(s, at, push, pressed):
 
 
 @device
-def search(s, at, length, state, contact, root, held_root):
+def search(s, at, length, state, contact):
     """Find where particles are in solids or leave them: set their `NORMAL` and, in place of their gain, the
     displacement by which contact should move them. Those without a force yet get a `FAINT` one. Returns whether there
     are any in the vector, whether some are nearer to a solid than `CLEAR`, and in which lanes some are `DEEP` in one or
     `HOVER` above one, and in which `ASTRAY`.
 
-    Particles are where the last sweep of the step will see them, with edges of exact length. ``root``: where that of
-    the strand is; ``held_root``: whether it is held, and not free.
+    Particles are where the last sweep of the step will see them, with edges of exact length.
     """
     reach = load(s, REACH)
     margin = CLEAR * length
-    q = root
+    q = load3(state.positions, at.position + ROW, W)
     left = broadcast(s, 0.0), broadcast(s, 0.0), broadcast(s, 0.0)
     acted, near, deep, astray = False, False, reach < 0.0, reach < 0.0
     corners = several(contact.solids)
     for j in range(at.segments):
         o = FIRST_SEGMENT + j * SEGMENT
-        segment = Segment(o, at.edge + j * AXES, at.position + (j + 2) * ROW, length, held_root and j == 0)
+        segment = Segment(o, at.edge + j * AXES, at.position + (j + 2) * ROW, length, j == 0)
         e = add_scaled(load3(s, o + EDGE, 1), -1.0, left)
         d = scaled(1.0 / sqrt(max(dot(e, e), TINY)), e)
         end = add_scaled(q, length, d)
@@ -153,13 +152,12 @@ def set_wanted(s, at, segment, found, place, depth, inside, state, contact):
 
 
 @device
-def update(s, at, length, state, contact, mass, gain, along, of_root):
+def update(s, at, length, state, contact, mass, gain, along):
     """Update forces by what `search` has found, with the mobilities that `rod.begin_mobility` has begun, and take what
     they change from the inertial residuals; in lanes that go ``along`` the last change, by what that says. ``gain``:
-    factor of what `search` has found; ``of_root``: the mobility of a free root, and sums of what forces on it are, what
-    they change, and their work. Returns whether the forces on some strand are not found yet."""
-    y, sums = of_root
-    z = broadcast(s, 0.0)
+    factor of what `search` has found. Returns whether the forces on some strand are not found yet."""
+    y, z = broadcast(s, 0.0), broadcast(s, 0.0)
+    sums = y, y, y
     factors = load(s, REACH), gain, contact.friction, direction_of(s, along)
     corners = several(contact.solids)
     for j in range(at.segments):

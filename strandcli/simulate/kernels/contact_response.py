@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
-from . import contact_root, rod, rod_loose, rod_tension
+from . import rod, rod_tension
 from .contact_spots import lengthen_spot, spot_of
 from .rod_scratch import (
     ACCELERATION_SCALE,
@@ -81,14 +81,12 @@ def begin(s):
 
 
 @device
-def bracket(s, n, mass, worst, ends):
+def bracket(s, n, mass, worst):
     """Return where, and how, to search along the last change (`Along`), from what it has left of the work. ``worst``:
     error of |e|² after it; a change for which iterations find no lengths has gone too far."""
     begun, beyond, left = load(s, CONTACT_WORK), load(s, BEYOND), broadcast(s, 0.0)
     for j in range(n):
         left += mass[j] * dot(load3(s, force_change(n, j), 1), load3(s, particle_gain(n, j), 1))
-    if ends.loose is not None:
-        left += dot(contact_root.pushed(s, n), contact_root.wanted(s, n))
     left = where(worst > LOST, -begun, load(s, INVERSE_LENGTH) * left)
     bracketed = (beyond < 0.0) & (load(s, WIDTH) > NARROW)
     reached = where(bracketed, load(s, REACHED), 1.0)
@@ -111,24 +109,22 @@ def bracket(s, n, mass, worst, ends):
 
 
 @device
-def lengthen(s, at, state, mass, ends, along):
+def lengthen(s, at, state, mass, along):
     """Take the change of pressures of this round α times, but in lanes that go ``along`` the one before. Pressures do
     not become negative."""
     n, work = at.segments, load(s, CONTACT_WORK)
-    respond(s, n, mass, ends)
-    given = responded(s, n, mass, ends)
-    most = min(BOW / sqrt(rod.greatest_change_squared(s, n, ends)), MOST)
+    respond(s, n, mass)
+    given = responded(s, n, mass)
+    most = min(BOW / sqrt(rod.greatest_change_squared(s, n)), MOST)
     able = ~along.going & (work > 0.0) & (given > 0.0)
     more = where(able, max(min(work / max(given, rod.TINY), most), 1.0) - 1.0, 0.0)
     store(s, CONTACT_WORK, (1.0 + more) * work)
     for j in range(n):
         lengthen_spot(s, spot_of(n, j, at.edge + j * AXES), state.push, more)
-    if ends.loose is not None:
-        lengthen_spot(s, contact_root.spot_of_root(n, rod_loose.row_of(at)), state.root_push, more)
 
 
 @device
-def respond(s, n, mass, ends):
+def respond(s, n, mass):
     """Set loads so that back substitution gives the response to the last change of pressures."""
     zero = broadcast(s, 0.0)
     none = zero, zero, zero
@@ -136,8 +132,7 @@ def respond(s, n, mass, ends):
     for j in range(n - 1, -1, -1):
         p = add_scaled(p, -mass[j], pushed(s, n, j))
         p, q = set_load(s, FIRST_SEGMENT + j * SEGMENT, p, q)
-    set_root_load(s, n, p, ends)
-    rod_tension.filter_forward(s, n, mass, ends.loose, True, None, None)
+    rod_tension.filter_forward(s, n, mass, True, None, None)
     p, q, force = none, none, none
     ahead = none, none, (zero, zero)
     for j in range(n - 1, -1, -1):
@@ -147,7 +142,6 @@ def respond(s, n, mass, ends):
         p = add_scaled(add_scaled(sum_of(p, pull), -1.0, force), -mass[j], pushed(s, n, j))
         p, q = set_load(s, o, p, q)
         force = pull
-    set_root_load(s, n, add_scaled(p, -1.0, force), ends)
 
 
 @inlined
@@ -165,28 +159,15 @@ def set_load(s, o, p, q):
     return add_scaled(p, -load(s, o + PARTICLE_FACTOR), sum), scaled(load(s, o + EDGE_FACTOR), sum)
 
 
-@inlined
-def set_root_load(s, n, p, ends):
-    """Set the load of a free root, given p of V before the first of n edges, less the force of that edge."""
-    if ends.loose is not None:
-        p = add_scaled(p, -load(s, ACCELERATION_SCALE), contact_root.pushed(s, n))
-        x, y, z = scaled(load(s, rod_loose.ROOT + INVERSE_PIVOT), p)
-        store3(s, rod_loose.ROOT + LOAD, 1, x, y, z)
-
-
 @device
-def responded(s, n, mass, ends):
+def responded(s, n, mass):
     """Σ M a·u of each lane, by back substitution."""
     zero = broadcast(s, 0.0)
     x, y, z = zero, zero, zero
     u, v, w = zero, zero, zero
-    if ends.loose is not None:
-        u, v, w = rod_loose.change(s)
     total = zero
     for j in range(n):
         x, y, z = rod.edge_change(s, FIRST_SEGMENT + j * SEGMENT, x, y, z, u, v, w)
         u, v, w = u + x, v + y, w + z
         total += mass[j] * dot((u, v, w), load3(s, force_change(n, j), 1))
-    if ends.loose is not None:
-        total += dot(rod_loose.change(s), contact_root.pushed(s, n))
     return total

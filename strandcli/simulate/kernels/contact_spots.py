@@ -1,4 +1,4 @@
-"""What contact with solids keeps of one particle of a rod, and its updates: of any particle, free roots among them.
+"""What contact with solids keeps of one particle of a rod, and its updates.
 
 See `contact_forces` for what forces are.
 """
@@ -38,7 +38,7 @@ class Spot(NamedTuple):
     """Places of what contact keeps of a particle: in the scratch, but for ``row``."""
 
     scratch: Any
-    """Of its segment, or of the root."""
+    """Of its segment."""
     row: Any
     """In the arrays of forces."""
     wanted: Any

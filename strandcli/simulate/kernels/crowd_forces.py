@@ -13,7 +13,6 @@ import numpy as np
 
 from ...jit import device, parallel, prange
 from ...simd import gather4, half_width_pointer, lane_count, load, load3, pointer, sqrt, store, store3
-from .crowd_apart import leave_alone
 from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
 from .crowd_homes import read_home, settle
@@ -41,7 +40,7 @@ from .crowd_records import (
 from .crowd_rows import COUNTED
 from .crowd_shelter import shelter
 from .crowd_targets import find_targets
-from .rod_scratch import AXES, PACK
+from .rod_scratch import PACK
 
 
 @parallel
@@ -111,8 +110,8 @@ def accelerate(moving, lattice, parts, box, targets, work, shares, crowd, handed
 @device
 def accelerate_pack(moving, lattice, packs, box, targets, work, shares, crowd):
     """Set the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
-    is a mean, by their shares. What goes to the root is left in the rows of scratch: the emitter takes it up, where the
-    root is not free. ``packs``: as `locate` takes them."""
+    is a mean, by their shares. What goes to the root is left in the rows of scratch: the emitter takes it up.
+    ``packs``: as `locate` takes them."""
     wide = np.uint64(box[SIZE] * CELL)
     layer = wide * np.uint64(box[SIZE + 1])
     cells, (rows, found), begun = half_width_pointer(targets), work, np.int64(0)
@@ -125,19 +124,6 @@ def accelerate_pack(moving, lattice, packs, box, targets, work, shares, crowd):
             store(read, k * CELL, blend(cells, cell_of(rows, k), wide, layer, a, c, d))
         sort_columns(found, rows)
         begun = share_out(lattice, packs[0], sample, rows, shares[sample], begun, crowd)
-    leave_alone(moving.left_out, packs[0], rows, crowd)
-    if len(moving.root_velocity) > 0:
-        move_root(moving, packs[0], rows)
-
-
-@device
-def move_root(moving, pack, rows):
-    """Set the accelerations of a pack's free roots by what rows of scratch have of them."""
-    read, out = pointer(rows), pointer(moving.root_change)
-    share = moving.mass[0] / moving.root_mass[0]
-    for k in range(0, PACK, lane_count(read)):
-        x, y, z = load3(read, OF_ROOT * PACK + k, PACK)
-        store3(out, pack * AXES + k, PACK, share * x, share * y, share * z)
 
 
 @device

@@ -27,7 +27,6 @@ from ...simd import (
     store3,
     store_records,
 )
-from .crowd_apart import within
 from .crowd_overlap import beside, counting
 from .crowd_records import (
     BELOW,
@@ -151,7 +150,7 @@ def locate(moving, lattice, packs, sample, box, origins, rows):
     is read once: LLVM does not know that scratch is none of them."""
     nodes, others, out = pointer(moving.nodes), pointer(moving.others), pointer(rows)
     first, count, again, inverse = lattice.begin[sample], lattice.blend.shape[1], lattice.again, lattice.inverse
-    at_root = lattice.first[sample] == 0 and len(moving.root_velocity) == 0
+    at_root = lattice.first[sample] == 0
     of_root = lattice.weights[sample, 0]
     o, p, q = origins[0], origins[1], origins[2]
     pack, ahead = packs[0], (packs[1] - packs[0]) * moving.nodes.shape[1]
@@ -178,7 +177,6 @@ def locate(moving, lattice, packs, sample, box, origins, rows):
         at = pack, sample, lane
         counts = wide, high, deep
         x, y, z = beside(moving.overlap, moving, at, rows, (x * inverse, y * inverse, z * inverse), counts)
-        x, y, z = within(moving.left_out, at, (x, y, z))
         below, above, behind = cell_before(x, wide), cell_before(y, high), cell_before(z, deep)
         store3(out, SHARE * PACK + lane, PACK, x - below, y - above, z - behind)
         store(out, BELOW * PACK + lane, below + above * wide + behind * (wide * high))

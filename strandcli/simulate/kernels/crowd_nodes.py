@@ -58,7 +58,6 @@ def note_pack(moving, lattice, pack):
     """Set `Moving.nodes` and `Moving.ends` of a pack."""
     positions, velocity, out = pointer(moving.positions), pointer(moving.velocity), pointer(moving.nodes)
     n, nodes = moving.velocity.shape[1], moving.nodes.shape[1]
-    loose = len(moving.root_velocity) > 0
     for lane in range(0, PACK, lane_count(positions)):
         none = broadcast(positions, 0.0)
         begin = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W + lane
@@ -75,9 +74,6 @@ def note_pack(moving, lattice, pack):
                 x, y, z = x + weight * a, y + weight * b, z + weight * c
                 if particle > 0:
                     a, b, c = load3(velocity, (pack * n + particle - 1) * AXES + lane, PACK)
-                    u, v, w = u + weight * a, v + weight * b, w + weight * c
-                elif loose:
-                    a, b, c = load3(pointer(moving.root_velocity), pack * AXES + lane, PACK)
                     u, v, w = u + weight * a, v + weight * b, w + weight * c
             place = (pack * nodes + node) * NODE * PACK + lane
             store3(out, place, PACK, x, y, z)
@@ -105,7 +101,7 @@ def keep_others(moving, lattice, packs, step, time, crowd):
     packs: that one, and the one that is prefetched; step: its length, seconds; time: `Lattice.seen` of that."""
     nodes, out, pushed = pointer(moving.nodes), pointer(moving.others), pointer(moving.pushed)
     count, pack = moving.nodes.shape[1], packs[0]
-    ahead, loose = (packs[1] - pack) * count * AXES, len(moving.root_velocity) > 0
+    ahead = (packs[1] - pack) * count * AXES
     most = FARTHEST / (lattice.inverse * step)
     share = min(step / LONGEST, 1.0)
     least, slight = share * CHANGE, share * SLIGHT
@@ -116,7 +112,7 @@ def keep_others(moving, lattice, packs, step, time, crowd):
         of_tip = load3(nodes, last * NODE * PACK + AXES + lane, PACK)
         for node in range(count):
             at = (first + node) * AXES + lane
-            u, v, w = change_of_node(moving, lattice, pack, node, lane, crowd)
+            u, v, w = change_of_node(lattice, pack, node, lane, crowd)
             a, b, c = load3(nodes, (first + node) * NODE * PACK + AXES + lane, PACK)
             d, e, f = within(time * u, most), within(time * v, most), within(time * w, most)
             store3(out, at, PACK, d + a, e + b, f + c)
@@ -125,7 +121,7 @@ def keep_others(moving, lattice, packs, step, time, crowd):
             store3(pushed, at, PACK, u, v, w)
             past += x * x + y * y + z * z
             changed += (u - x) * (u - x) + (v - y) * (v - y) + (w - z) * (w - z)
-            if lattice.node_first[node] > 0 or loose:  # else a part of it is the root's velocity, which is not in it
+            if lattice.node_first[node] > 0:  # else a part of it is the root's velocity, which is not in it
                 a, b, c = a - of_tip[0], b - of_tip[1], c - of_tip[2]
                 speed += a * a + b * b + c * c
         much = (changed > least * least * past) & (step * step * changed > slight * slight * speed)
@@ -139,7 +135,7 @@ def within(velocity, most):
 
 
 @device
-def change_of_node(moving, lattice, pack, node, lane, crowd):
+def change_of_node(lattice, pack, node, lane, crowd):
     """What accelerates a node of strands from ``lane`` of a pack on, m/s²: the mean over its particles."""
     change, n = pointer(crowd), crowd.shape[1]
     u = broadcast(change, 0.0)
@@ -148,9 +144,6 @@ def change_of_node(moving, lattice, pack, node, lane, crowd):
         weight, particle = lattice.node_weights[node, i], lattice.node_first[node] + i
         if particle > 0:
             a, b, c = load3(change, (pack * n + particle - 1) * AXES + lane, PACK)
-            u, v, w = u + weight * a, v + weight * b, w + weight * c
-        elif len(moving.root_velocity) > 0:
-            a, b, c = load3(pointer(moving.root_change), pack * AXES + lane, PACK)
             u, v, w = u + weight * a, v + weight * b, w + weight * c
     return u, v, w
 

@@ -33,8 +33,6 @@ ORIGIN = 31
 """Address of the last row of `Lattice.origins`."""
 MASS_OF, HANDED_OF = 32, 33
 """Addresses of `Moving.mass`, and of what strands have been handed, as `HANDED` says."""
-ROOT_VELOCITY, ROOT_CHANGE, ROOT_MASS, LOOSE = range(34, 38)
-"""Addresses of `Moving.root_velocity`, `Moving.root_change` and `Moving.root_mass`, and for how many packs."""
 INVERSE, AGAIN, STEP, TIME, NUMBERS = 0, 1, 2, 3, 4
 """Numbers: `Lattice.inverse`, `Lattice.again`, `Lattice.step`, and `Lattice.seen` of it; and how many."""
 
@@ -55,9 +53,8 @@ def descriptor_of(
         *moving.velocity.shape[:2], len(moving.positions), *lattice.node_weights.shape, *lattice.weights.shape,
         lattice.blend.shape[1],
     )  # fmt: skip
-    roots = moving.root_velocity, moving.root_change, moving.root_mass
-    last = *work[:2], lattice.origins[-1], moving.mass, work[2], *roots
-    return np.array([*(one.ctypes.data for one in arrays), *sizes, *(one.ctypes.data for one in last), len(roots[0])])
+    last = *work[:2], lattice.origins[-1], moving.mass, work[2]
+    return np.array([*(one.ctypes.data for one in arrays), *sizes, *(one.ctypes.data for one in last)])
 
 
 @function
@@ -98,9 +95,7 @@ def moving_of(kind, descriptor):
         array_at(kind, descriptor[PUSHED], (packs, nodes, AXES)),
         array_at(kind, descriptor[JOLTED], (packs, PACK)), array_at(kind, descriptor[ENDS], (packs, 6)),
         array_at(kind, descriptor[ROOTS], (packs, AXES)), None, array_at(kind, descriptor[MASS_OF], (n,)),
-        array_at(kind, descriptor[ROOT_VELOCITY], (descriptor[LOOSE], 1, AXES)),
-        array_at(kind, descriptor[ROOT_CHANGE], (descriptor[LOOSE], 1, AXES)),
-        array_at(kind, descriptor[ROOT_MASS], (1,)), None, None, None,
+        None, None,
     )  # fmt: skip
 
 

@@ -60,7 +60,7 @@ class Moving(NamedTuple):
     velocity: Any
     """(P, N, 3 S) m/s."""
     nodes: Any
-    """(P, M, `NODE` S) of M nodes: place, metres, and velocity, m/s, without what a held root has in it."""
+    """(P, M, `NODE` S) of M nodes: place, metres, and velocity, m/s, without what the root has in it."""
     others: Any
     """(P, M, 3 S) as `Crowd.others`: of the step before, and then of this one."""
     pushed: Any
@@ -70,24 +70,16 @@ class Moving(NamedTuple):
     ends: Any
     """(P, 6) least coordinates of particles times −1, and greatest; infinite where one is not finite."""
     roots: Any
-    """(P, 3 S) velocity of held roots, m/s."""
+    """(P, 3 S) velocity of roots, m/s."""
     metres: Any
     """(P, S) float32, what a segment at the root counts for: its length times the strands that it stands for, metres; 0
     of padding."""
     mass: Any
     """(N,) relative mass of a particle."""
-    root_velocity: Any
-    """(P, 1, 3 S) m/s, of free roots, which nodes have their part of; no packs where roots are held."""
-    root_change: Any
-    """(P, 1, 3 S) acceleration of free roots by the strands around, m/s²; no packs where roots are held."""
-    root_mass: Any
-    """(1,) relative mass of a free root."""
     overlap: Any
     """(P, samples, S) root of the share with which samples count as too dense, None where that is 1."""
     offsets: Any
     """(P, 3 S) by how much the grid takes strands beside themselves that do not count as too dense, in cells."""
-    left_out: Any
-    """(P, S) 1 of strands that the grid has no room for, which have no ``metres``, else 0; None where it has all."""
 
 
 class Lattice(NamedTuple):

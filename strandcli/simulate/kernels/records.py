@@ -10,13 +10,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
-VELOCITY_STEP, TURN, TIP_JOINT, ROOT_MASS, LASTING, ROOT_TWIST, FREE = range(14, 21)
-NUMBERS = 21
+VELOCITY_STEP, TURN, TIP_JOINT, LASTING, ROOT_TWIST, FREE = range(14, 20)
+NUMBERS = 20
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
 bending rigidity, h of velocities in s, angle in radians by which clamped tips are turned, relative rigidity of their
-joint, relative mass of free roots times 1 + drag h, above 0 where `State.crowd` are accelerations by contact, which act
+joint, above 0 where `State.crowd` are accelerations by contact, which act
 all through a step as gravity does, the relative rigidity against twist about the root, and above 0 where nothing but
 solids can give strands energy (`rod_energy`)."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
@@ -68,18 +68,6 @@ class State(NamedTuple):
     """(P, S) greatest | |e| − 1 | before lengths are made exact."""
     turned: Any
     """(P, S) angle from the transported frame to the axis of the clamp, radians; needed by clamped tips."""
-    root_velocity: Any
-    """(P, 1, 3 S) as ``velocity``, of roots; this and the next three needed by free roots."""
-    root_before: Any
-    """(P, 1, 3 S) as ``before``."""
-    root_ahead: Any
-    """(P, 1, 3 S) as ``ahead``."""
-    root_moved: Any
-    """(P, 1, 3 S) as ``moved``."""
-    root_push: Any
-    """(P, 1, 3 S) as ``push``, of free roots."""
-    root_crowd: Any
-    """(P, 1, 3 S) as ``crowd``, of free roots; all of them, with code beside the step, too."""
     energy: Any
     """(P, S) what strands may have, m²/s² times relative masses, `rod_energy.UNKNOWN` where it is not known; this and
     the next one needed by curled strands."""
@@ -148,8 +136,6 @@ class Flags(NamedTuple):
     """Whether strands interact."""
     held: Any
     """Whether tips are clamped."""
-    loose: Any
-    """Whether roots are free."""
 
 
 class Place(NamedTuple):
@@ -176,8 +162,6 @@ class Ends(NamedTuple):
 
     held: Any
     """Whether tips are clamped: True, or None."""
-    loose: Any
-    """Whether roots are free: True, or None."""
     firm: Any
     """Whether forces keep edges where motion leads them (`rod_tension.firm_force`)."""
 

@@ -35,7 +35,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
-from . import rod_held, rod_loose
+from . import rod_held
 from .rod_scratch import (
     AXES,
     EDGE,
@@ -70,15 +70,13 @@ def edge_change(s, o, x, y, z, u, v, w):
 
 
 @device
-def apply_change(s, n, ends, step):
+def apply_change(s, n, step):
     """Add y to the displacements and z to the edges, times ``step`` where that is not None. Returns the greatest
     | |e|² − 1 | of each lane and their sum."""
     worst = broadcast(s, 0.0)
     total = worst
     x, y, z = worst, worst, worst
     u, v, w = worst, worst, worst
-    if ends.loose is not None:
-        u, v, w = rod_loose.move(s, broadcast(s, 1.0) if step is None else step)
     for j in range(n):
         o = FIRST_SEGMENT + j * SEGMENT
         x, y, z = edge_change(s, o, x, y, z, u, v, w)
@@ -148,20 +146,16 @@ def retract(s, n, mass, joint, ends, chosen):
             energy += 2.0 * (sqrt(fx * fx + fy * fy + fz * fz) - (fx * x + fy * y + fz * z))
     if ends.held is not None:
         energy += rod_held.energy_beyond(s, n)
-    if ends.loose is not None:
-        energy += rod_loose.energy(s)
     return energy
 
 
 @device
-def greatest_change_squared(s, n, ends):
+def greatest_change_squared(s, n):
     """The greatest |z_j|² of each lane."""
     worst = broadcast(s, TINY)
     x = broadcast(s, 0.0)
     y, z = x, x
     u, v, w = x, x, x
-    if ends.loose is not None:
-        u, v, w = rod_loose.change(s)
     for j in range(n):
         x, y, z = edge_change(s, FIRST_SEGMENT + j * SEGMENT, x, y, z, u, v, w)
         u += x
@@ -174,7 +168,7 @@ def greatest_change_squared(s, n, ends):
 @device
 def scale_loads(s, n, factor):
     """Multiply all loads g_j, and with them the change that they lead to."""
-    for j in range(-1, n):  # the root has one where it is free
+    for j in range(n):
         for c in range(3):
             o = FIRST_SEGMENT + j * SEGMENT + LOAD + c
             store(s, o, load(s, o) * factor)
@@ -184,7 +178,7 @@ def scale_loads(s, n, factor):
 def begin_mobility(s, n, edge, mass, push):
     """Begin H⁻¹ M χ by a sweep from the tip to the root, which `finish_mobility` ends; χ is 1 for particles with a
     force of contact. H⁻¹ M χ is how far such forces move a particle, as a share of how far they would move each
-    alone. Returns what of −M χ a free root would be moved by."""
+    alone."""
     p = broadcast(s, 0.0)
     q = p
     for j in range(n - 1, -1, -1):
@@ -195,7 +189,6 @@ def begin_mobility(s, n, edge, mass, push):
         store(s, o + MOBILITY, load(s, o + INVERSE_PIVOT) * sum)
         p -= load(s, o + PARTICLE_FACTOR) * sum
         q = load(s, o + EDGE_FACTOR) * sum
-    return p
 
 
 @inlined

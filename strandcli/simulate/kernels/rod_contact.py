@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...constants import W
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, where
-from . import contact_corner, contact_forces, contact_response, contact_root, rod, rod_loose, rod_newton, rod_pinned
+from . import contact_corner, contact_forces, contact_response, rod, rod_newton, rod_pinned
 from .contact_shapes import edges_of, nearest
 from .records import Contact, Scheme
 from .rod_scratch import FIRST_SEGMENT, INVERSE_LENGTH, REACH
@@ -54,27 +54,24 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
     length, pressed, mass = load(material.lengths, at.strand), scheme.pressed, material.mass
     contact_forces.begin(s, at, state.push, pressed)
     contact_response.begin(s)
-    ends, lost = scheme.ends, worst < 0.0
-    if ends.loose is not None:
-        contact_root.begin(s, at, state, pressed)
+    lost = worst < 0.0
     rounds, pinned = WHOLE_ROUNDS if contact.segments else MOST_ROUNDS, rod_pinned.pinned(mass, at.segments)
     for count in range(rounds):
-        acted, near, deep, astray = search(s, at, length, state, scheme, contact, mass)
+        acted, near, deep, astray = contact_forces.search(s, at, length, state, contact)
         pressed = pressed or acted
         # where pressures have been lengthened friction has to follow, so rounds go on
         asked = count > PLAIN and not contact.segments
         if not acted or (count >= ROUNDS and not any_lane(deep) and not asked):
             break
-        of_root = rod.begin_mobility(s, at.segments, at.edge, mass, state.push)
+        rod.begin_mobility(s, at.segments, at.edge, mass, state.push)
         gain = HALF if contact.segments and count >= LIVELY else 1.0
         along = contact_response.nowhere(s)
         if asked:
-            along = contact_response.bracket(s, at.segments, mass, worst, ends)
-        known = update_root(s, at, state, ends, contact, gain, along, of_root)
-        if not contact_forces.update(s, at, length, state, contact, mass, gain, along, known):
+            along = contact_response.bracket(s, at.segments, mass, worst)
+        if not contact_forces.update(s, at, length, state, contact, mass, gain, along):
             break
         if PLAIN <= count < MOST_ROUNDS - CALM and not contact.segments:
-            contact_response.lengthen(s, at, state, mass, ends, along)
+            contact_response.lengthen(s, at, state, mass, along)
         worst = rod_newton.iterate(s, at, state, material, forcing, pressed_by(scheme, True), iterations, True)
         if count == rounds - 1:
             lost = unfound(s, at, state, contact, (deep, astray), pinned)
@@ -84,8 +81,6 @@ def find(s, at, state, material, forcing, scheme, contact, iterations, worst):
             sprung = contact_forces.sprung(s, at, length, state)
             if any_lane(sprung):
                 lost = lost | (sprung & ends_outside(s, at, length, state, contact))
-        if ends.loose is not None:
-            contact_root.mark_released(s, at, state)
     return worst, pressed, near or pressed, lost  # those that solids have just left are to be marked, too
 
 
@@ -117,27 +112,3 @@ def ends_outside(s, at, length, state, contact):
         depth, _ = nearest(s, load3(state.positions, place, W), edges, (state.positions, place), zero, contact.solids)
         most = max(most, depth)
     return most < contact_forces.DEEP * length
-
-
-@inlined
-def search(s, at, length, state, scheme, contact, mass):
-    """`contact_forces.search`, of free roots too."""
-    root, held = load3(state.positions, at.position + contact_forces.ROW, W), True
-    acted, near, deep = False, False, load(s, contact_forces.REACH) < 0.0
-    if scheme.ends.loose is not None:
-        rod_loose.find_shift(s, at.segments, mass)
-        root, acted, near, deep = contact_root.search(s, at, length, state, pressed_by(scheme, True), contact)
-        held = False
-    more_acted, more_near, deeper, astray = contact_forces.search(s, at, length, state, contact, root, held)
-    return acted or more_acted, near or more_near, deep | deeper, astray
-
-
-@inlined
-def update_root(s, at, state, ends, contact, gain, along, of_root):
-    """What `contact_forces.update` takes of roots, after an update of those that are free; ``of_root``: as
-    `rod.begin_mobility` returns it."""
-    zero = broadcast(s, 0.0)
-    known = zero, (zero, zero, zero)
-    if ends.loose is not None:
-        known = contact_root.update(s, at, state, contact, gain, along, of_root)
-    return known

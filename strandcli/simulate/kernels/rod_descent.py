@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
-from . import rod, rod_elimination, rod_held, rod_loose, rod_newton, rod_start, rod_tension
+from . import rod, rod_elimination, rod_held, rod_newton, rod_start, rod_tension
 from .records import ROUNDING, TOLERANCE
 from .rod_scratch import (
     AXES,
@@ -73,10 +73,10 @@ def descend(s, at, state, material, forcing, scheme, iterations, worst, least):
     going = lost
     for _ in range(max(iterations, 1)):
         rod_elimination.factorise_bounded(s, n, mass, joint, ends)
-        rod_tension.filter_forward(s, n, mass, ends.loose, True, True, 4.0 * forcing.numbers[ROUNDING])
+        rod_tension.filter_forward(s, n, mass, True, True, 4.0 * forcing.numbers[ROUNDING])
         rod_elimination.change_tension(s, n, mass, joint, ends)
         set_point(s, n)
-        error, _ = rod.apply_change(s, n, ends, None)
+        error, _ = rod.apply_change(s, n, None)
         found = where(going, error, found)
         advance(s, n, mass, joint, ends, going)
         going = going & (error > forcing.numbers[TOLERANCE])
@@ -98,7 +98,7 @@ def advance(s, n, mass, joint, ends, going):
         go_to_point(s, n)
         if count == HALVINGS - 1:
             step = where(fell, step, 0.0)
-        rod.apply_change(s, n, ends, where(going, step, 0.0))
+        rod.apply_change(s, n, where(going, step, 0.0))
         rod.retract(s, n, mass, joint, ends, going)
         fell = ~going | merit_falls(s, n, mass, joint, ends, firm)
         if not any_lane(~fell):
@@ -116,11 +116,6 @@ def merit_falls(s, n, mass, joint, ends, firm):
     moved, change, before = (zero, zero, zero), (zero, zero, zero), load3(s, FIRST_SEGMENT - SEGMENT + EDGE, 1)
     before_then = before
     total, size = zero, zero
-    if ends.loose is not None:
-        was, now = load3(s, point(n, -1) + INERTIAL, 1), load3(s, rod_loose.ROOT + INERTIAL, 1)
-        moved = add_scaled(was, -1.0, now)
-        total = -load(s, rod_loose.ROOT + rod_loose.MASS) * dot(moved, sum_of(was, now))
-        size = abs(total)
     for j in range(n):
         o = FIRST_SEGMENT + j * SEGMENT
         edge, then, rest = load3(s, o + EDGE, 1), load3(s, point(n, j) + EDGE, 1), load3(s, o + REST_BEND, 1)
@@ -167,12 +162,7 @@ def begin(s, at, state, scheme, worst):
     """Begin with edges of unit length, those before the step where errors are ``worst`` than `rod.FAR`, and without
     tension."""
     near = worst < rod.FAR
-    inverse_length = load(s, INVERSE_LENGTH)
-    moved = scaled(inverse_length, load3(s, ROOT_SHIFT, 1))
-    if scheme.ends.loose is not None:
-        free = rod_start.predict(s, rod_loose.row_of(at), rod_loose.body_of(state), scheme)
-        store3(s, rod_loose.ROOT + INERTIAL, 1, free[0], free[1], free[2])
-        moved = broadcast(s, 0.0), broadcast(s, 0.0), broadcast(s, 0.0)
+    moved = scaled(load(s, INVERSE_LENGTH), load3(s, ROOT_SHIFT, 1))
     store(s, INDEFINITE, 0.0)
     for j in range(at.segments):
         o, row = FIRST_SEGMENT + j * SEGMENT, at.edge + j * AXES
@@ -190,7 +180,7 @@ def begin(s, at, state, scheme, worst):
 def keep(s, n):
     """Keep what the lanes have."""
     store(s, spare(n, n), load(s, INDEFINITE))
-    for j in range(-1, n):
+    for j in range(n):
         o, place = FIRST_SEGMENT + j * SEGMENT, spare(n, j)
         for c in range(6):
             store(s, place + c, load(s, o + c))
@@ -203,7 +193,7 @@ def keep(s, n):
 def restore(s, n, lost):
     """Give all lanes but the ``lost`` ones what `keep` has kept."""
     store(s, INDEFINITE, where(lost, load(s, INDEFINITE), load(s, spare(n, n))))
-    for j in range(-1, n):
+    for j in range(n):
         o, place = FIRST_SEGMENT + j * SEGMENT, spare(n, j)
         for c in range(6):
             store(s, o + c, where(lost, load(s, o + c), load(s, place + c)))
@@ -215,7 +205,7 @@ def restore(s, n, lost):
 @device
 def set_point(s, n):
     """Keep edges and inertial residuals as the point that a line search starts from."""
-    for j in range(-1, n):
+    for j in range(n):
         for c in range(6):
             store(s, point(n, j) + c, load(s, FIRST_SEGMENT + j * SEGMENT + c))
 
@@ -223,6 +213,6 @@ def set_point(s, n):
 @device
 def go_to_point(s, n):
     """Go back to the point."""
-    for j in range(-1, n):
+    for j in range(n):
         for c in range(6):
             store(s, FIRST_SEGMENT + j * SEGMENT + c, load(s, point(n, j) + c))

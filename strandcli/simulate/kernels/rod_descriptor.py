@@ -65,9 +65,6 @@ def state_of(kind, descriptor, rows=0):
         pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
         pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
         pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
-        pointer_at(kind, descriptor[STATE + 16]), pointer_at(kind, descriptor[STATE + 17]),
-        pointer_at(kind, descriptor[STATE + 18]), pointer_at(kind, descriptor[STATE + 19]),
-        pointer_at(kind, descriptor[STATE + 20]), pointer_at(kind, descriptor[STATE + 21]),
     )  # fmt: skip
 
 
@@ -102,11 +99,11 @@ def second_of(descriptor, second):
 
 
 @device
-def flags_of(descriptor, second, crowded, held, loose):
+def flags_of(descriptor, second, crowded, held):
     """`Flags` as booleans but for those that are as they are given, and ``second``, which may be None."""
     return Flags(
         second_of(descriptor, second), descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
-        descriptor[DEFORMING] != 0, crowded, held, loose,
+        descriptor[DEFORMING] != 0, crowded, held,
     )  # fmt: skip
 
 

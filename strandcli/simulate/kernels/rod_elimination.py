@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
-from . import rod_held, rod_loose, rod_tension
+from . import rod_held, rod_tension
 from .rod_scratch import (
     EDGE,
     EDGE_FACTOR,
@@ -104,8 +104,6 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
             held = t
             if bounded is not None and bounded:
                 held = bounded_tension(s, t, min(mass[max(j - 1, 0)], mass[j]), k)
-                if ends.loose is not None and j == 0:
-                    held = bounded_at_root(s, held)
             a += mass[j]
             g = a + b
             rigid = g + b + c + held
@@ -129,17 +127,6 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
         q = x[1], y[1], z[1]
         bend = x[2], y[2], z[2]
         force = x[3], y[3], z[3]
-    if ends.loose is not None:
-        lost = end_at_root(s, a, lost, (p, force), bounded, judged)
-    return lost
-
-
-@inlined
-def end_at_root(s, a, lost, load, bounded, judged):
-    """End the sweep at a free root: judge its pivot as `sweep_to_root` does others, and set its ``load``."""
-    if bounded is not None or judged is not None:
-        lost = judge_root(s, a, lost, bounded)
-    rod_loose.set_load(s, load[0], load[1])
     return lost
 
 
@@ -160,23 +147,6 @@ def bounded_tension(s, tension, light, stiffness):
     by_mass = broadcast(s, -MASS_SHARE * light)
     by_beam = min(by_mass, -BEAM_SHARE * sqrt(light * stiffness))
     return where(given > 0.0, max(tension, where(given > 1.0, by_mass, by_beam)), tension)
-
-
-@inlined
-def bounded_at_root(s, held):
-    """The bounded τ of the edge at a free root, which is lighter than other particles."""
-    least = -MASS_SHARE * load(s, rod_loose.ROOT + rod_loose.MASS)
-    return where(load(s, INDEFINITE) > 0.0, max(held, least), held)
-
-
-@inlined
-def judge_root(s, a, lost, bounded):
-    """Judge the pivot of a free root, from a of V, and set it where ``bounded`` is not None; return 1 in lanes that are
-    ``lost`` or in which it is too small."""
-    least = (MARGIN - 1.0) * load(s, rod_loose.ROOT + rod_loose.MASS)
-    if bounded is not None:
-        rod_loose.set_pivot(s, max(a, least))
-    return where(a >= least, lost, 1.0)
 
 
 @inlined

@@ -74,18 +74,18 @@ def iterate(s, at, state, material, forcing, scheme, iterations, again):
                 if quadratic:
                     step = next_step(s, step, chosen, energy > past_energy * RISE, count)
                     past_energy = where(chosen, energy, past_energy)
-            rod_tension.filter_forward(s, n, mass, ends.loose, far or loaded, True, None)
+            rod_tension.filter_forward(s, n, mass, far or loaded, True, None)
             if quadratic:
                 indefinite = rod_elimination.change_tension(s, n, mass, joint, ends)
-                worst, total = apply_step(s, n, ends, step)
+                worst, total = apply_step(s, n, step)
             else:
                 indefinite = rod_elimination.factorise(s, n, mass, joint, ends, True)
                 if count > PATIENCE:
-                    limit_change(s, n, ends, STRIDES / (count - PATIENCE))
-                worst, total = rod.apply_change(s, n, ends, None)
+                    limit_change(s, n, STRIDES / (count - PATIENCE))
+                worst, total = rod.apply_change(s, n, None)
         else:
             indefinite = rod_elimination.factorise(s, n, mass, joint, ends, None)
-            worst, total = rod.apply_change(s, n, ends, None)
+            worst, total = rod.apply_change(s, n, None)
     if quadratic:
         rod_elimination.factorise_bounded(s, n, mass, joint, ends)
     return worst
@@ -101,15 +101,15 @@ def set_loads(s, n, mass, joint, ends, refactorise):
 
 
 @device
-def limit_change(s, n, ends, most):
+def limit_change(s, n, most):
     """Scale the loads so that no edge changes by more than ``most``."""
-    rod.scale_loads(s, n, min(1.0, most / sqrt(rod.greatest_change_squared(s, n, ends))))
+    rod.scale_loads(s, n, min(1.0, most / sqrt(rod.greatest_change_squared(s, n))))
 
 
 @device
-def apply_step(s, n, ends, step):
+def apply_step(s, n, step):
     """`rod.apply_change`; the errors that it returns are over step², what they would be of a whole step."""
-    worst, total = rod.apply_change(s, n, ends, step)
+    worst, total = rod.apply_change(s, n, step)
     return worst / (step * step), total / (step * step)
 
 

@@ -30,7 +30,7 @@ assert PUSH + 3 == KEPT
 def able(scheme, numbers):
     """Whether steps may be made in parts: of straight strands that are held at their roots alone. The rule contact asks
     how strands answer in a whole step."""
-    return not scheme.curled and scheme.ends.loose is None and scheme.ends.held is None and numbers[LASTING] == 0.0
+    return not scheme.curled and scheme.ends.held is None and numbers[LASTING] == 0.0
 
 
 @device

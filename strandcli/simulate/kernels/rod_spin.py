@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
-from . import rod_loose, rod_start
+from . import rod_start
 from .rod_scratch import (
     AXES,
     DEGENERATE,
@@ -56,12 +56,7 @@ def find_spins(s, at, state, scheme):
     n = at.segments
     tip = rod_start.predict(s, at.edge + (n - 1) * AXES, state, scheme)
     way = add_scaled(tip, -1.0, load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + INERTIAL, 1))
-    if scheme.ends.loose is not None:
-        root = rod_start.predict(s, rod_loose.row_of(at), rod_loose.body_of(state), scheme)
-        root = add_scaled(root, -1.0, load3(s, rod_loose.ROOT + INERTIAL, 1))
-    else:
-        root = scaled(load(s, INVERSE_LENGTH), load3(s, ROOT_SHIFT, 1))
-    way = add_scaled(way, -1.0, root)
+    way = add_scaled(way, -1.0, scaled(load(s, INVERSE_LENGTH), load3(s, ROOT_SHIFT, 1)))
     spun = dot(way, way) > (SPIN * n) ** 2
     if not any_lane(spun):
         return False

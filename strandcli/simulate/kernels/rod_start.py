@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, store, store3, where
-from . import rod_loose
 from .records import AIR, CHANGED, DAMPING, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP
 from .rod_scratch import (
     ACCELERATION_SCALE,
@@ -155,8 +154,6 @@ def fill_scratch(s, at, state, material, forcing, scheme):
         pz = z
         x, y, z = predict(s, row, state, scheme)
         store3(s, o + INERTIAL, 1, x, y, z)
-    if scheme.ends.loose is not None:
-        rod_loose.begin(s, forcing, predict(s, rod_loose.row_of(at), rod_loose.body_of(state), scheme))
 
 
 @device

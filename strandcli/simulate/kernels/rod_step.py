@@ -28,7 +28,6 @@ from . import (
     rod_energy,
     rod_held,
     rod_lead,
-    rod_loose,
     rod_newton,
     rod_parts,
     rod_start,
@@ -70,41 +69,41 @@ from .work_queue import TASKS, call_beside, take
 @function
 def single(descriptor, worker):
     """Run the step in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True, None, None, None)
+    work(np.float32, descriptor, worker, solids_of, True, None, None)
 
 
 @function
 def single_euler(descriptor, worker):
     """Run the step of Euler's method alone in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, None, None, None, None)
+    work(np.float32, descriptor, worker, solids_of, None, None, None)
 
 
 @function
 def double(descriptor, worker):
     """Run the step in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True, None, None, None)
+    work(np.float64, descriptor, worker, solids_of, True, None, None)
 
 
 @function
 def single_crowded(descriptor, worker):
     """Run the step of strands that interact in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True, True, None, None)
+    work(np.float32, descriptor, worker, solids_of, True, True, None)
 
 
 @function
 def double_crowded(descriptor, worker):
     """Run the step of strands that interact in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True, True, None, None)
+    work(np.float64, descriptor, worker, solids_of, True, True, None)
 
 
 @inlined  # machine code that hands on a function's address could not be kept in the cache
-def work(kind, descriptor, worker, solids_of, second, crowded, held, loose):
+def work(kind, descriptor, worker, solids_of, second, crowded, held):
     """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
-    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``second``, ``crowded``,
-    ``held`` and ``loose``: as in `Flags`, None compiles nothing of it."""
+    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``second``, ``crowded``
+    and ``held``: as in `Flags`, None compiles nothing of it."""
     scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
     state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
-    flags, solids = flags_of(descriptor, second, crowded, held, loose), solids_of(kind, descriptor)
+    flags, solids = flags_of(descriptor, second, crowded, held), solids_of(kind, descriptor)
     pack, segments = take(descriptor), descriptor[SEGMENTS]
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
@@ -140,14 +139,13 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
             2 * pack * AXES + lane,
             position,
         )
-        if flags.loose is None:
-            place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
+        place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
         led = rod_lead.led_of(flags.second, flags.curled, numbers)
         disturbs = rod_start.disturbs(scratch, state, strand, flags.crowded, touched, flags.curled, numbers)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, disturbs, flags.crowded, contact.duration, led, flags.curled,
-            Ends(flags.held, flags.loose, flags.curled),
+            Ends(flags.held, flags.curled),
         )  # fmt: skip
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
         if flags.held is not None:
@@ -169,8 +167,6 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
             again = rod_parts.able(scheme, numbers) and any_lane(lost)
         worst = rod_descent.mend(scratch, at, state, material, forcing, scheme, iterations, worst)
         store(state.residuals, strand, rod_contact.residual_of(worst))
-        if flags.loose is not None:
-            rod_loose.find_shift(scratch, n, material.mass)
         if again:
             rod_parts.keep(scratch, at, state, scheme)
         rod_sweep.sweep(scratch, at, next_pack, state, material, numbers, scheme, met)

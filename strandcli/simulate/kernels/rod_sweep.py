@@ -18,7 +18,7 @@ from ...simd import (
     store3,
     where,
 )
-from . import contact_forces, contact_root, rod, rod_loose, rod_spin, rod_start
+from . import contact_forces, rod, rod_spin, rod_start
 from .contact import keep_out
 from .contact_spots import keep_spot, spot_of
 from .records import FREE, ROUNDING, Segment
@@ -77,8 +77,6 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
     spun, degenerate = False, False
     if scheme.second:
         spun, degenerate = rod_spin.find(s, at, state, scheme, numbers[FREE] > 0)
-    if scheme.ends.loose is not None:
-        px, py, pz = move_root(s, at, state, length, scheme, spun, contact)
     least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
     rate = 1.0 / load(s, SQUARE)
     fetched, ahead = next_pack * PACK + strand % PACK, 0
@@ -98,14 +96,13 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         t = max(tension_of(s, n, j, scheme.curled), least)
         store(state.tension, at.tension + j * PACK, where(abs(t) < HUGE, t * rate, 0.0))
         if contact.any_solids:
-            held_root = scheme.ends.loose is None and j == 0
-            keep_out(s, Segment(o, row, here, length, held_root), (px, py, pz), state.positions, contact)
+            keep_out(s, Segment(o, row, here, length, j == 0), (px, py, pz), state.positions, contact)
             keep_spot(s, spot_of(n, j, row), state.push)
-        x, y, z = correction(s, scheme.ends)
+        x, y, z = load3(s, CORRECTION, 1)
         ax, ay, az = load3(s, o + DISPLACEMENT, 1)
         store3(s, o + DISPLACEMENT, 1, ax + x, ay + y, az + z)
         if degenerate:
-            displace_degenerate(s, o, j, row, state.edges, inverse_length, scheme.ends)
+            displace_degenerate(s, o, j, row, state.edges, inverse_length)
         x, y, z = load3(s, o + EDGE, 1)
         store3(state.edges, row, PACK, x, y, z)
         px += length * x
@@ -127,40 +124,6 @@ def tension_of(s, n, j, curled):
     if curled:
         t -= load(s, firm_force(n, j) + 3)
     return t
-
-
-@inlined
-def correction(s, ends):
-    """By how much normalisation and contact have moved the particle, less by how much the strand is shifted where its
-    root is free."""
-    x, y, z = load3(s, CORRECTION, 1)
-    if ends.loose is not None:
-        u, v, w = load3(s, rod_loose.ROOT + rod_loose.SHIFT, 1)
-        x, y, z = x - u, y - v, z - w
-    return x, y, z
-
-
-@device
-def move_root(s, at, state, length, scheme, spun, contact):
-    """Move a free root, out of solids too: set its velocity, store where it is, and return that."""
-    o, row, body = rod_loose.ROOT, rod_loose.row_of(at), rod_loose.body_of(state)
-    x, y, z = rod_start.predict(s, row, body, scheme)
-    dx, dy, dz = load3(s, o + INERTIAL, 1)
-    u, v, w = load3(s, o + rod_loose.SHIFT, 1)
-    x, y, z = x - dx - u, y - dy - v, z - dz - w
-    place = load3(state.positions, at.position + ROW, W)
-    if contact.any_solids:
-        end = place[0] + length * x, place[1] + length * y, place[2] + length * z
-        u, v, w = contact_root.keep_out(s, at, end, length, state, contact)
-        x, y, z = x + u, y + v, z + w
-    store3(s, o + DISPLACEMENT, 1, x, y, z)
-    if scheme.second:
-        update_velocity(s, o, row, length, body, scheme, spun)
-    else:
-        set_velocity(s, o, row, length, body)
-    x, y, z = place[0] + length * x, place[1] + length * y, place[2] + length * z
-    store3(state.positions, at.position + ROW, W, x, y, z)
-    return x, y, z
 
 
 @inlined
@@ -246,12 +209,12 @@ def normalise(s, o, row, edges, rounding):
 
 
 @device
-def displace_degenerate(s, o, j, row, edges, inverse_length, ends):
+def displace_degenerate(s, o, j, row, edges, inverse_length):
     """Set the displacement of a particle in `DEGENERATE` lanes: that of the one before it plus its edge's change."""
     degenerate = load(s, DEGENERATE) > 0.0
     for c in range(3):
         past = load(s, o - SEGMENT + DISPLACEMENT + c)
-        if ends.loose is None and j == 0:
+        if j == 0:
             past = load(s, ROOT_SHIFT + c) * inverse_length
         u = past + load(s, o + EDGE + c) - load(edges, row + c * PACK)
         store(s, o + DISPLACEMENT + c, where(degenerate, u, load(s, o + DISPLACEMENT + c)))

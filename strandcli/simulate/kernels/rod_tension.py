@@ -52,18 +52,16 @@ FORCE = 4
 """Vectors of scratch a segment after those: `firm_force`."""
 CHANGE = 6
 """Vectors of scratch a segment after `lasting_share`: `force_change`."""
-OF_ROOT = GAIN + 1 + CHANGE
-"""Vectors of scratch after those of all segments: a gain, a lasting share and a change of force of a free root."""
 KEPT = 22
 """Vectors of scratch a segment after those: `kept`."""
 
 SPARE, POINT = 10, 6
-"""Vectors of scratch a segment, the root and one more after those: `spare`, and then `point`."""
+"""Vectors of scratch a segment after those, and of one more segment: `spare`, and then `point`."""
 
 
 def scratch_size(n: int) -> int:
     """Vectors of scratch for ``n`` segments."""
-    return vectors_for(n) + n * (GAIN + FORCE + 1 + CHANGE + KEPT) + OF_ROOT + (n + 2) * (SPARE + POINT)
+    return vectors_for(n) + n * (GAIN + FORCE + 1 + CHANGE + KEPT) + (n + 1) * (SPARE + POINT)
 
 
 @inlined
@@ -93,38 +91,32 @@ def force_change(n, j):
 
 
 @inlined
-def of_root(n):
-    """Place of what `OF_ROOT` says of a free root."""
-    return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE + 1 + CHANGE)
-
-
-@inlined
 def kept(n, j):
     """Place of what `rod_parts` keeps of segment j; nothing else reads it."""
-    return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE + 1 + CHANGE) + OF_ROOT + j * KEPT
+    return FIRST_SEGMENT + (n + 2) * SEGMENT + n * (GAIN + FORCE + 1 + CHANGE) + j * KEPT
 
 
 @inlined
 def spare(n, j):
-    """Place of what `rod_descent` keeps of segment j, of the root where that is -1; nothing else reads it."""
-    return kept(n, n) + (j + 1) * SPARE
+    """Place of what `rod_descent` keeps of segment j; nothing else reads it."""
+    return kept(n, n) + j * SPARE
 
 
 @inlined
 def point(n, j):
     """Place of the edge and the inertial residual of segment j that a line search of `rod_descent` starts from."""
-    return spare(n, n + 1) + (j + 1) * POINT
+    return spare(n, n + 1) + j * POINT
 
 
 @device
-def filter_forward(s, n, mass, loose, foreseen, inexact, rounding):
+def filter_forward(s, n, mass, foreseen, inexact, rounding):
     """Kalman filter from the root to the tip: set `INNOVATION` and the gains, `EDGE_GAIN` taking the place of the
     loads.
 
     ``foreseen``: loads are subtracted from the means, which follow the same recurrence, so that r is what is left after
-    the change that they lead to. ``loose``: whether roots are free, None where not. ``inexact``: None where edges count
-    as of exact length, and r is of loads alone. ``rounding``: None, or a share of the edge's variance that an
-    observation has at least: where stiff joints leave it less, it is rounding, which would grow from one to the next.
+    the change that they lead to. ``inexact``: None where edges count as of exact length, and r is of loads alone.
+    ``rounding``: None, or a share of the edge's variance that an observation has at least: where stiff joints leave it
+    less, it is rounding, which would grow from one to the next.
     """
     zero = broadcast(s, 0.0)
     noise = load(s, FIRST_SEGMENT + INVERSE_PIVOT)
@@ -136,8 +128,6 @@ def filter_forward(s, n, mass, loose, foreseen, inexact, rounding):
     if foreseen:
         mean_edge = load3(s, FIRST_SEGMENT + LOAD, 1)
     mean_particle = mean_edge
-    if loose is not None:
-        (particle, mixed, edge), mean_particle, mean_edge = begin_loose(s, mean_edge, noise, foreseen)
     for j in range(n):
         o = FIRST_SEGMENT + j * SEGMENT
         direction = load3(s, o + EDGE, 1)
@@ -165,24 +155,6 @@ def filter_forward(s, n, mass, loose, foreseen, inexact, rounding):
         particle = less_symmetric(particle, gain, h)
         mixed = less_outer(mixed, gain, k)
         edge = less_symmetric(edge, edge_gain, k)
-
-
-@inlined
-def begin_loose(s, mean_edge, noise, foreseen):
-    """Covariances and means of the first segment's state where the root is free (`rod_loose`): a particle before it."""
-    zero = broadcast(s, 0.0)
-    root = FIRST_SEGMENT - SEGMENT
-    v = load(s, root + INVERSE_PIVOT)
-    f, g = load(s, FIRST_SEGMENT + EDGE_FACTOR), load(s, FIRST_SEGMENT + PARTICLE_FACTOR)
-    none = zero, zero, zero, zero, zero, zero
-    covariances = transport_covariance(
-        (v, zero, zero, v, zero, v), (zero, zero, zero, zero, zero, zero, zero, zero, zero), none, f, g, noise
-    )
-    mean = zero, zero, zero
-    if foreseen:
-        mean = load3(s, root + LOAD, 1)
-    mean_edge = add_scaled(mean_edge, -g, mean)
-    return covariances, sum_of(mean, mean_edge), mean_edge
 
 
 @inlined

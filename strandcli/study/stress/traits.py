@@ -70,12 +70,6 @@ QUIET: dict[str, tuple[str, ...]] = {
     "gamma": ("10", "1e4"), "wind": ("calm",), "emitter": ("still",), "contact": ("none",),
 }  # fmt: skip
 """Where nothing but weight works, so that energy may not grow: pairs of what is left."""
-LOOSE: dict[str, tuple[str, ...]] = {
-    **OTHERS, "root": ("free",), "dt": ("1e-4", "240Hz", "60Hz", "24Hz", "noisy"), "B": ("0", "1e-2", "1"),
-    "gamma": ("0", "10"), "wind": ("calm",),
-}  # fmt: skip
-"""Where roots are free. Strands of which some are blown away, or fall by tens of their lengths in a step, while solids
-hold others up, take more cells than a grid may have, which is told."""
 OWN = (*TRAITS, "integrator", "root", "torsion")
 """Axes that the matrix does not have."""
 
@@ -185,18 +179,11 @@ def _conservative(labels: dict[str, str]) -> bool:
 
 def combinations() -> Iterator[dict[str, str]]:
     """Every combination of traits with every row of a covering of the other axes."""
-    rows, quiet, loose = covering(OTHERS), covering(QUIET), covering(LOOSE)
+    rows, quiet = covering(OTHERS), covering(QUIET)
     for labels in product(*TRAITS.values()):
         traits = dict(zip(TRAITS, labels, strict=True))
         found = rows + quiet if traits["between"] == "none" else rows
-        if _held_by_nothing(**traits):
-            found = found + loose
         yield from ({**{axis: row[axis] for axis in OTHERS}, **traits} for row in found)
-
-
-def _held_by_nothing(rest: str, end: str, **more: str) -> bool:
-    """Whether roots may be free: of straight strands whose tips nothing turns."""
-    return rest == "straight" and end != "turned"
 
 
 def _name(row: dict[str, str]) -> str:
@@ -217,7 +204,7 @@ def quick() -> list[str]:
     found, words = [], set()
     for name, row in zip(table(), combinations(), strict=True):
         told = refusal(row)
-        same = row["B"] != "1e6" and row["root"] != "free" and all(row[axis] == label for axis, label in plain.items())
+        same = row["B"] != "1e6" and all(row[axis] == label for axis, label in plain.items())
         if same if not told else told not in words:
             found.append(name)
             words.add(told)

@@ -150,10 +150,10 @@ def aside(pair, p, way):
 
 
 @device
-def kept_distance(start, pair, lengths, thickness, loose):
-    """The distance that segments should keep: that of their roots, which hold them there where they are not free, and
-    more the further from these, up to the thickness."""
-    if pair[FIRST] == pair[SECOND] or loose > 0:
+def kept_distance(start, pair, lengths, thickness):
+    """The distance that segments should keep: that of their roots, which hold them there, and more the further from
+    these, up to the thickness."""
+    if pair[FIRST] == pair[SECOND]:
         return thickness
     total = 0.0
     for k in range(AXES):
@@ -208,9 +208,8 @@ def stand_off(p, q, side, found):
 def look(start, end, lengths, pairs, sizes, numbers, vectors, scratch):
     """Set the contacts of ``pairs``: their ``numbers`` and ``vectors`` as in `contact_columns`. ``start`` and ``end``
     (S, N + 1, 3): particles when the step begins, and where it would end. ``sizes``: the distance that strands keep,
-    how much of it they come apart in a step at the most, where they begin closer, the distance at the end from
-    which on a contact does not count, and 1 where roots are free, else 0. ``lengths`` (S,): of a segment. ``scratch``
-    (6, 2, 3)."""
+    how much of it they come apart in a step at the most, where they begin closer, and the distance at the end from
+    which on a contact does not count. ``lengths`` (S,): of a segment. ``scratch`` (6, 2, 3)."""
     for i in range(len(pairs)):
         look_at(start, end, lengths, pairs[i], sizes, numbers[i], vectors[i], scratch)
 
@@ -218,7 +217,7 @@ def look(start, end, lengths, pairs, sizes, numbers, vectors, scratch):
 @device
 def look_at(start, end, lengths, pair, sizes, number, vector, scratch):
     """Set a contact of a pair."""
-    thickness, ease, far, loose = sizes
+    thickness, ease, far = sizes
     found = scratch[2].reshape(-1)
     distance = nearest_at(start, end, pair, 0.0, scratch)
     begin = number[BEGIN] = distance
@@ -228,8 +227,8 @@ def look_at(start, end, lengths, pair, sizes, number, vector, scratch):
         return
     size = max(begin, TINY)
     x, y, z = found[2] / size, found[3] / size, found[4] / size
-    free = min(1.0, loose + max(0.0, min(pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]) - 1.0) / BOUND)
-    number[KEPT] = kept = kept_distance(start, pair, lengths, thickness, loose)
+    free = min(1.0, max(0.0, min(pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]) - 1.0) / BOUND)
+    number[KEPT] = kept = kept_distance(start, pair, lengths, thickness)
     number[WANTED] = min(kept, begin + free * ease * thickness)
     least = NEAR * min(begin, thickness)
     t = 0.0

@@ -41,11 +41,10 @@ def add_square(matrix, j, k, factors):
 
 @function
 def factorise(strands, edges, loads, mass, joint, bands):
-    """Set the factors of ``strands`` (m,), ``bands`` (m, 4 P, `BAND`), of P particles that move, ``mass`` (P,): more by
-    one than segments where roots are free. ``edges`` (S, N, 3) unit vectors; ``loads``: stiffness (S,) and tension
-    (S, N), both times h², and contact of solids (S, P, 3), unit normals or 0; ``joint`` (N,)."""
+    """Set the factors of ``strands`` (m,), ``bands`` (m, 4 N, `BAND`). ``edges`` (S, N, 3) unit vectors; ``loads``:
+    stiffness (S,) and tension (S, N), both times h², and contact of solids (S, N, 3), unit normals or 0; ``mass`` and
+    ``joint`` (N,)."""
     stiffness, tension, normals = loads
-    loose = len(mass) - len(joint)
     for i in range(len(strands)):
         s = strands[i]
         matrix = bands[i]
@@ -57,15 +56,11 @@ def factorise(strands, edges, loads, mass, joint, bands):
                 for d in range(c + 1):
                     held = HELD * mass[j] * normals[s, j, c] * normals[s, j, d]
                     add(matrix, BLOCK * j + c, BLOCK * j + d, held)
-                if j >= loose:
-                    add(matrix, BLOCK * j + MULTIPLIER, BLOCK * j + c, edges[s, j - loose, c])
-                    if j > 0:
-                        add(matrix, BLOCK * j + MULTIPLIER, BLOCK * (j - 1) + c, -edges[s, j - loose, c])
-            if j >= loose:
-                add_square(matrix, j, stiffness[s] * joint[j - loose], (1.0, -2.0, 1.0))
-                add_square(matrix, j, max(tension[s, j - loose], 0.0), (1.0, -1.0, 0.0))
-            else:
-                add(matrix, MULTIPLIER, MULTIPLIER, -1.0)  # no edge ends at a free root
+                add(matrix, BLOCK * j + MULTIPLIER, BLOCK * j + c, edges[s, j, c])
+                if j > 0:
+                    add(matrix, BLOCK * j + MULTIPLIER, BLOCK * (j - 1) + c, -edges[s, j, c])
+            add_square(matrix, j, stiffness[s] * joint[j], (1.0, -2.0, 1.0))
+            add_square(matrix, j, max(tension[s, j], 0.0), (1.0, -1.0, 0.0))
         eliminate(matrix)
 
 
@@ -108,15 +103,14 @@ def substitute(matrix, x):
 
 
 @function
-def respond(pairs, numbers, bands, places, lengths, loose, out, x):
-    """Set ``out`` (m, 2, P, 3, 3): by how much particles of a pair's first and of its second strand move (metres, next
+def respond(pairs, numbers, bands, places, lengths, out, x):
+    """Set ``out`` (m, 2, N, 3, 3): by how much particles of a pair's first and of its second strand move (metres, next
     to last index) by a unit of force on it at the contact (last index). ``places`` (S,): where each strand's factors
-    are; ``lengths`` (S,) of a segment; ``loose``: 1 where roots are free, and among the P particles, else 0; ``x``
-    (4 P, 3) is scratch."""
+    are; ``lengths`` (S,) of a segment; ``x`` (4 N, 3) is scratch."""
     for i in range(len(pairs)):
         for side in range(2):
             strand = pairs[i, FIRST if side == 0 else SECOND]
-            place = pairs[i, FIRST_SEGMENT if side == 0 else SECOND_SEGMENT] + loose
+            place = pairs[i, FIRST_SEGMENT if side == 0 else SECOND_SEGMENT]
             share = numbers[i, ALPHA if side == 0 else BETA]
             x[...] = 0.0
             for c in range(AXES):

@@ -34,7 +34,7 @@ SOFT = 1e-7
 @device
 def moved(moves, strand, end, share, c):
     """Coordinate c of the displacement of a place on the segment that ends at particle ``end`` of those that move;
-    roots that are held do not."""
+    roots do not."""
     x = share * moves[strand, end, c]
     if end > 0:
         x += (1.0 - share) * moves[strand, end - 1, c]
@@ -51,11 +51,10 @@ def moved_by(response, end, share, c, d):
 
 
 @function
-def own_responses(pairs, numbers, responses, loose, out):
-    """Set ``out`` (m, 3, 3): how the way between both places of a contact changes by its own force. ``loose``: as
-    `contact_response.respond` takes it."""
+def own_responses(pairs, numbers, responses, out):
+    """Set ``out`` (m, 3, 3): how the way between both places of a contact changes by its own force."""
     for i in range(len(pairs)):
-        a, b = pairs[i, FIRST_SEGMENT] + loose, pairs[i, SECOND_SEGMENT] + loose
+        a, b = pairs[i, FIRST_SEGMENT], pairs[i, SECOND_SEGMENT]
         same = pairs[i, FIRST] == pairs[i, SECOND]
         alpha, beta = numbers[i, ALPHA], numbers[i, BETA]
         one, other = responses[i, 0], responses[i, 1]
@@ -115,12 +114,11 @@ def force_of(vector, wanted, friction, w, rows):
 
 @function
 def solve(pairs, contacts, responses, settings, forces, moves, rows):
-    """Change ``forces`` (m, 3) and with them ``moves`` (S, P, 3), displacements against `END` of the contacts'
+    """Change ``forces`` (m, 3) and with them ``moves`` (S, N, 3), displacements against `END` of the contacts'
     ``vectors``, until no contact changes its way by more than the tolerance. ``contacts``: numbers and vectors;
     ``responses``: those of `contact_response.respond` and `own_responses`; ``settings``: friction, sweeps at the most,
-    tolerance in metres, response of contacts that are left out, and ``loose`` as these take it; ``rows`` (7, 3) is
-    scratch. Returns the sweeps."""
-    _, sweeps, tolerance, _, _ = settings
+    tolerance in metres, and response of contacts that are left out; ``rows`` (7, 3) is scratch. Returns the sweeps."""
+    _, sweeps, tolerance, _ = settings
     for sweep in range(sweeps):
         worst = 0.0
         for i in range(len(pairs)):
@@ -132,7 +130,7 @@ def solve(pairs, contacts, responses, settings, forces, moves, rows):
 
 @function
 def move(pairs, responses, forces, moves):
-    """Add to ``moves`` (S, P, 3) what ``forces`` (m, 3) move particles by."""
+    """Add to ``moves`` (S, N, 3) what ``forces`` (m, 3) move particles by."""
     for i in range(len(pairs)):
         apply(pairs[i], responses[i], forces[i, 0], forces[i, 1], forces[i, 2], moves)
 
@@ -153,15 +151,15 @@ def solve_one(i, pairs, contacts, responses, settings, forces, moves, rows):
     """Solve for the force of one contact, with what the others do; return by how much its way changes, metres."""
     numbers, vectors = contacts
     response, own = responses
-    a, b, loose = pairs[i, FIRST], pairs[i, SECOND], settings[4]
+    a, b = pairs[i, FIRST], pairs[i, SECOND]
     soft = own[i, 0, 0] + own[i, 1, 1] + own[i, 2, 2]
     if soft <= settings[3]:
         return 0.0
     w = rows[4:7]
     soft *= SOFT + numbers[i, YIELDING] / AXES
     for c in range(AXES):
-        x = vectors[i, END + c] + moved(moves, b, pairs[i, SECOND_SEGMENT] + loose, numbers[i, BETA], c)
-        x -= moved(moves, a, pairs[i, FIRST_SEGMENT] + loose, numbers[i, ALPHA], c)
+        x = vectors[i, END + c] + moved(moves, b, pairs[i, SECOND_SEGMENT], numbers[i, BETA], c)
+        x -= moved(moves, a, pairs[i, FIRST_SEGMENT], numbers[i, ALPHA], c)
         rows[0, c] = x - own[i, c, 0] * forces[i, 0] - own[i, c, 1] * forces[i, 1] - own[i, c, 2] * forces[i, 2]
         for d in range(AXES):
             w[c, d] = own[i, c, d]
