@@ -31,7 +31,7 @@ max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help=
 @click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--reference", type=ListType("NAMES", word, "elastica,beam"), metavar="NAMES",
               help="Exact solutions in place of a preset: elastica, tip_load, buckling, beam, chain, swing, "
-              "catenary, pendulum, spring, michell, writhe, twist, incline, tuft, layer, or all.")  # fmt: skip
+              "catenary, pendulum, spring, incline, tuft, layer, or all.")  # fmt: skip
 @click.option("--axis", metavar="NAME", help="What to study of a preset: motion, interaction, or of pictures curves, "
               "coverage, shadow, occlusion, lod, tables, end-to-end, quality.  [default: motion]")  # fmt: skip
 @max_error

@@ -73,8 +73,8 @@ def with_followers(scene: Scene) -> Scene:
     metres = pixels * metres_a_pixel(scene, found)
     strands = found.groom.strands
     moving = emitter.moving and any(use.name == "emitter_motion" for use in scene.rules)
-    if moving and scene.solver == "rod" and scene.rod.end != "free":
-        raise UsageError(f"{given.file}: moves; tips cannot be {scene.rod.end} where roots move so; use rod.end: free")
+    if moving and scene.solver == "rod" and scene.rod.end == "pinned":
+        raise UsageError(f"{given.file}: moves; tips cannot be pinned where roots move so; use rod.end: free")
     first = Followers(
         strands, strands, found.points, found.points, metres, pixels, 0.0, 0.0, (middle[0], middle[1], middle[2]),
         float(np.sqrt(((roots - middle) ** 2).sum(1).max())),

@@ -18,7 +18,7 @@ from .libraries import known_bytes
 from .sizes import map_rows, share_in_maps, side_of
 
 if TYPE_CHECKING:
-    from ..scene.model import Rod, Scene
+    from ..scene.model import Scene
     from .make import Plan
 
 PRIVATE = 57_500_000
@@ -96,12 +96,7 @@ def _rod_bytes(scene: Scene) -> int:
     total = ROD + (DOUBLE if double else 0)
     if any(use.name == "interaction" for use in scene.rules):
         total += CROWDED + (DOUBLE_CROWDED if double else 0)
-    return total + (FRAMED * (1 + double) if _framed(scene.rod) else 0)
-
-
-def _framed(rod: Rod) -> bool:
-    """Whether rods have frames by their settings, whatever shape they are emitted in."""
-    return rod.rest == "sag_free" or rod.end == "clamped"
+    return total + (FRAMED * (1 + double) if scene.rod.rest == "sag_free" else 0)
 
 
 def _mesh_bytes(scene: Scene) -> int:

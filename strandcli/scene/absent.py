@@ -7,13 +7,15 @@ from collections.abc import Mapping
 from .faults import shown
 
 GONE: Mapping[str, tuple[str, str]] = {
+    "rod.end: clamped": ("0.1.0", "use pinned, which holds the tip where it is emitted and lets it turn"),
+    "rod.end_keys": ("0.1.0", "pinned tips go where the emitter carries them; take it out"),
     "rod.root: free": ("0.1.0", "roots are held; use hinged, which lets strands turn, and move the emitter"),
     "rod.section": ("0.1.0", "strands are round; give the radius that bends as they should as rod.radius"),
     "rod.yield_strain": ("0.1.0", "strands spring back to their rest shape; take it out"),
 }
 """By dotted path, with the value where only that is gone: the last version that had it, and what to do instead."""
 NEVER: Mapping[str, str] = {
-    "rod.twist": "how much strands resist it is torsion; ends are turned by end: clamped and end_keys",
+    "rod.twist": "how much strands resist it is torsion; write that",
     "rod.mass": "mass follows from density and radius; write those",
     "rod.stiffness": "bending stiffness follows from young and radius; write those",
     "rod.stretch": "rods do not stretch",

@@ -17,7 +17,6 @@ from .model import (
     Children,
     DiscShape,
     Emitter,
-    EndKey,
     Image,
     MeshKey,
     MeshShape,
@@ -61,7 +60,6 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from _locks(scene.children)
     yield from _fringe(scene.children, scene.emitter)
     yield from _times(scene.emitter.keys, "emitter.keys")
-    yield from _times(scene.rod.end_keys, "rod.end_keys")
     yield from _solid_names(scene.solids)
     for index, solid in enumerate(scene.solids):
         yield from _times(solid.keys, f"solids.{index}.keys")
@@ -173,7 +171,7 @@ def _fringe(children: Children | None, emitter: Emitter) -> Iterator[Finding]:
         yield Finding((path,), message, (path, "emitter.shape", "emitter.parting"))
 
 
-def _times(keys: Sequence[PoseKey | CameraKey | MeshKey | EndKey], path: str) -> Iterator[Finding]:
+def _times(keys: Sequence[PoseKey | CameraKey | MeshKey], path: str) -> Iterator[Finding]:
     for index in range(1, len(keys)):
         if keys[index].time <= keys[index - 1].time:
             yield Finding(

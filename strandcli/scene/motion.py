@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from .fields import Vector
-from .model import Camera, CameraKey, Emitter, EndKey, PoseKey, Scene, Solid
+from .model import Camera, CameraKey, Emitter, PoseKey, Scene, Solid
 
 Matrix = tuple[Vector, Vector, Vector]
 """Three rows."""
@@ -198,16 +198,7 @@ def sine_cosine(degrees: float) -> tuple[float, float]:
     return -cosine, sine
 
 
-def end_pose(keys: Sequence[EndKey], time: float) -> tuple[Pose, float]:
-    """How ends of strands are moved in the emitter's frame at ``time`` (seconds), and turns about their directions."""
-    pose = _pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), keys, time)
-    if not keys:
-        return pose, 0.0
-    before, after, share = _between(keys, time)
-    return pose, _mix(before.turns, after.turns, share)
-
-
-def _pose(position: Vector, rotation: Vector, keys: Sequence[PoseKey | EndKey], time: float) -> Pose:
+def _pose(position: Vector, rotation: Vector, keys: Sequence[PoseKey], time: float) -> Pose:
     """The pose of a thing that stands at position and rotation, or moves by its keys."""
     if not keys:
         return Pose(rotation_matrix(rotation), position)

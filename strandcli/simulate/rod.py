@@ -26,7 +26,6 @@ from .kernels.records import AIR, FREE, LASTING, TOLERANCE, TURNED
 from .kernels.rod_scratch import PACK
 from .material import COIL_STEP, MOST_INNER
 from .momentum import errors_between_strands
-from .rod_clamped import pins_of
 from .rod_coils import CoilSteps
 from .rod_kernel import NOTHING, StepKernel
 from .rod_motion import Motion, change_of
@@ -108,12 +107,12 @@ class RodSolver(Solver):
         self._air, self._change = memoryview(self.forcing.numbers)[AIR : AIR + 3], memoryview(self.forcing.pose)
         coils = CoilSteps(*arrays[1:], self.state.edges) if shape.curled else None
         self.numbers = StepNumbers(rod, *arrays[1:], self.mass, self._gravity, coils)
-        self.pins = pins_of(self.state, self.material, self.forcing, rod, self.pose)
+        self.pins = Pins(self.state, self.material, self.forcing, self.pose) if rod.end == "pinned" else None
         self.roots = Roots(self.deforming, self.strands, rod, arrays, shape.curled)
         self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
         self._steady = not self._coil_rate and self.contact is None and self.deforming is None
         """Whether a step is one of the kernel's."""
-        self._alone = self.crowd is self.contact is self.deforming is None and not flags.held
+        self._alone = self.crowd is self.contact is self.deforming is None
         """Whether nothing but the emitter, air and solids drives strands."""
         self._last_step = 0.0
         self.place_roots(1)

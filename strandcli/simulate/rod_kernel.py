@@ -69,13 +69,13 @@ class StepKernel:
 
     def _compiled(self) -> int:
         """Return the address of the step that the scene needs: a shipped one, or one of a module written for it."""
-        wanted = self._flags[rod_descriptor.SETTLED :]
-        if self._others or any(wanted[1:]):
-            return _address(module_among(self._others, self._data, self._kind, wanted), "step")
+        crowded = self._flags.crowded
+        if self._others:
+            return _address(module_among(self._others, self._data, self._kind, crowded), "step")
         kind = "double" if self._kind == "float64" else "single"
-        if kind == "single" and not self._flags.second and not wanted[0]:
+        if kind == "single" and not self._flags.second and not crowded:
             return _address(rod_step, "single_euler")
-        return _address(rod_step, kind + ("_crowded" if wanted[0] else ""))
+        return _address(rod_step, kind + ("_crowded" if crowded else ""))
 
     def __deepcopy__(self, memo: Any) -> StepKernel:
         raise TypeError("a rod solver cannot be copied, for its kernel holds addresses of arrays: make another one")

@@ -1,5 +1,4 @@
-"""Steps of rods that few scenes need: modules written for them, among solids without kernels of their own or for
-strands with more than bending."""
+"""Steps of rods among solids without kernels of their own: modules written for them."""
 
 from __future__ import annotations
 
@@ -53,23 +52,20 @@ STEP = """\
 
 @function
 def step(descriptor, worker):
-    work(np.{kind}, descriptor, worker, {among}, True, {flags})
+    work(np.{kind}, descriptor, worker, all_of, True, {crowded})
 """
 
 
-def module_among(others: Sequence[Any], data: Sequence[NDArray[Any]], kind: str, wanted: Sequence[Any]) -> Any:
+def module_among(others: Sequence[Any], data: Sequence[NDArray[Any]], kind: str, crowded: bool) -> Any:
     """The module whose ``step`` is that among solids of these kinds with such arrays, as those of
-    `strandcli.simulate.kernels.rod_step`: of a floating type, with those ``wanted`` of `Flags` that are compiled in."""
-    among, solids = "", "solids_of"
-    if others:
-        arrays, place = "", 0
-        for one in data:
-            shape = "".join(f"descriptor[DATA + {place + 1 + axis}], " for axis in range(one.ndim))
-            arrays += f", array_at(np.{one.dtype}, descriptor[DATA + {place}], ({shape}))"
-            place += 1 + one.ndim
-        among, solids = AMONG.format(solids=module_for(others).__name__, data=arrays), "all_of"
-    flags = ", ".join(str(True if flag else None) for flag in wanted)
-    return _load(HEAD + among + STEP.format(kind=kind, among=solids, flags=flags))
+    `strandcli.simulate.kernels.rod_step`: of a floating type; ``crowded``: as in `Flags`."""
+    arrays, place = "", 0
+    for one in data:
+        shape = "".join(f"descriptor[DATA + {place + 1 + axis}], " for axis in range(one.ndim))
+        arrays += f", array_at(np.{one.dtype}, descriptor[DATA + {place}], ({shape}))"
+        place += 1 + one.ndim
+    among = AMONG.format(solids=module_for(others).__name__, data=arrays)
+    return _load(HEAD + among + STEP.format(kind=kind, crowded=True if crowded else None))
 
 
 @functools.cache

@@ -6,20 +6,13 @@ place. So the compiled step knows of no pins, and strands without them are stepp
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..constants import W
-from ..scene.motion import Pose, end_pose
+from ..scene.motion import Pose
 from .kernels.records import AIR, CHANGED, DRAG, GRAVITY, LASTING, STEP, VELOCITY_STEP, Forcing, Material, State
 from .kernels.rod_scratch import PACK
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..scene.model import EndKey
 
 TOLERANCE = 1e-6
 """Error of |e|² at which iterations stop, in single precision: what is left moves tips off their places."""
@@ -34,11 +27,9 @@ def tips(state: State) -> NDArray[np.float64]:
 class Pins:
     """Where tips are pinned: ``places`` (P, 3, `PACK`) metres in the emitter's frame."""
 
-    def __init__(
-        self, state: State, material: Material, forcing: Forcing, pose: Pose, keys: Sequence[EndKey] = ()
-    ) -> None:
-        """Pins tips where they are, with the emitter in a pose; keys move them on."""
-        self._keys, self._lengths = keys, material.lengths
+    def __init__(self, state: State, material: Material, forcing: Forcing, pose: Pose) -> None:
+        """Pins tips where they are, with the emitter in a pose."""
+        self._lengths = material.lengths
         self._longest = material.lengths.astype(np.float64) * state.edges.shape[1]
         away = self._ends(state, forcing, pose) - np.array(pose.translation)[:, None]
         self.places = np.einsum("ji,pjk->pik", np.array(pose.rotation), away)
@@ -48,19 +39,12 @@ class Pins:
         """Bring all tips to a place of the emitter's frame, metres, in so many seconds."""
         self.places, self._seconds = np.broadcast_to(np.array(place)[:, None], self._starts.shape), seconds
 
-    def moved(self, time: float) -> tuple[Pose, float]:
-        """Return how the keys move ends in the emitter's frame, and by how many turns about their directions."""
-        return end_pose(self._keys, time)
-
     def aim(self, state: State, forcing: Forcing, poses: tuple[Pose, Pose], time: float, dt: float) -> None:
         """Give tips the velocity that leads to their places at the end of a step of ``dt`` seconds at ``time``, with
         the emitter in two ``poses``, at the begin and the end. `kernels.rod_start` predicts u* = h / (1 + γ g) (v + g
         (gravity + γ wind)), with the rate γ of drag: solved for v, where u* is the way to go."""
         share = min(max(time, 0.0) / self._seconds, 1.0) if self._seconds > 0 else 1.0
         local = self._starts + share * (self.places - self._starts)
-        moved, _ = self.moved(time)
-        if self._keys:
-            local = np.einsum("ij,pjk->pik", np.array(moved.rotation), local) + np.array(moved.translation)[:, None]
         pose = poses[1]
         goals = np.einsum("ij,pjk->pik", np.array(pose.rotation), local) + np.array(pose.translation)[:, None]
         roots = self._roots(forcing, pose)

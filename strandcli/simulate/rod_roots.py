@@ -41,7 +41,7 @@ class Roots:
         self._deforming = deforming
         self._state, material, self._forcing = arrays
         self._normals = material.bends[:, 0]
-        self.hinged, self._held = rod.root == "hinged" and curled, rod.end == "clamped"
+        self.hinged = rod.root == "hinged" and curled
         """Whether frames begin with the first edges."""
         self._across: NDArray[Any] | None = None
         """(strands, 3) unit vectors across the clamped directions at the start, where roots and rest shapes turn."""
@@ -95,8 +95,6 @@ class Roots:
         a /= np.maximum(np.sqrt(_dot(a, a)), kind.type(TINY))
         directions[...], self._normals[...] = (turned(back, one).reshape(directions.shape) for one in (e, a))
         twist -= angle
-        if self._held:
-            self._state.turned[...] -= angle[:, 0]
 
 
 def _dot(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:

@@ -114,7 +114,7 @@ def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
         mended = mended or dtype == np.float32
         edges = [edge / np.linalg.norm(edge, axis=1, keepdims=True) for edge in edges]
     bent = rest != "straight" and not straight([axes, *edges])
-    curled = bent or rest == "sag_free" or scene.rod.end == "clamped"
+    curled = bent or rest == "sag_free"
     return Shape(axes, edges, mended, curled, curled and coiled(edges))
 
 
@@ -124,7 +124,6 @@ def flags_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) 
     return Flags(
         integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming,
         "interaction" in rules or "contact" in rules,
-        scene.rod.end == "clamped",
     )  # fmt: skip
 
 
@@ -154,8 +153,6 @@ def rest_of(scene: Scene, shape: Shape, matter: Matter, pose: Pose, dtype: Any) 
         return Rest(bends, twist, tension, matter.stiffness)
     edges = np.stack(shape.edges)
     targets = np.diff(np.concatenate([shape.axes[None], edges]), axis=0)
-    if scene.rod.rest == "straight":
-        targets = np.zeros_like(targets)
     angles, stiffer = np.zeros((n, strands)), matter.stiffness
     if scene.rod.rest == "sag_free":
         pull = np.array(pose.rotation).T @ gravity(scene) / matter.lengths[:, None]
@@ -207,7 +204,6 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
         jolted=of_strands(flags.crowded),
         positions=positions,
         residuals=np.zeros((packs, PACK), dtype),
-        turned=of_strands(bool(flags.held)),
         energy=energy,
         calmed=of_strands(flags.curled),
     )
@@ -232,8 +228,7 @@ def forcing_of(groom: Groom, packs: int, dtype: Any, flags: Flags, rod: Rod, coi
     return Forcing(
         packed(groom.roots, dtype), packed(groom.directions, dtype), np.ones((packs, PACK), dtype),
         np.zeros(POSE, dtype), numbers, packed(np.zeros_like(drifting), dtype),
-        aligned((packs if flags.held else 1, 2, 3 * PACK), dtype), aligned((of_curls, PACK), dtype),
-        aligned((of_curls, PACK), dtype),
+        aligned((of_curls, PACK), dtype), aligned((of_curls, PACK), dtype),
     )  # fmt: skip
 
 

@@ -148,7 +148,7 @@ def test_a_rule_that_is_not_listed_is_added_with_its_parameters(rules: str) -> N
         ("lights.key.intensity=3", "no entry of this list has the name 'key'; none has a name; count them from 0"),
         ("solids.hed.radius=3", "no entry of this list has the name 'hed'; did you mean 'head'?"),
         ("solids.head.size=[1, 1, 1]", "unknown key; the keys are kind, name, position"),
-        ("rod.twist=1", "ends are turned by end: clamped"),
+        ("rod.twist=1", "how much strands resist it is torsion"),
         ("rod.young=1e308", "above 0 and of at most 1e+13 (Pa), not '1e308'"),
         ("panels.0.label=a", "single panels are changed in the preset itself"),
         ("extends=hair", "unknown key"),

@@ -10,7 +10,6 @@ from strandcli.blocks import aligned
 from strandcli.constants import VECTOR
 from strandcli.simd import store, vector_pointer_at
 from strandcli.simulate.kernels import contact_response, rod_elimination, rod_tension
-from strandcli.simulate.kernels.records import Ends
 from strandcli.simulate.kernels.rod_scratch import ACCELERATION_SCALE, EDGE, FIRST_SEGMENT, SEGMENT, STIFFNESS, TENSION
 
 LANES = VECTOR // 8
@@ -21,7 +20,7 @@ BENDING, SCALE = 0.7, 0.3
 def work_of(address, n, mass, joint, work):
     """Set Σ M a·u of each lane."""
     scratch = vector_pointer_at(np.float64, address)
-    rod_elimination.factorise(scratch, n, mass, joint, Ends(None, False), None)
+    rod_elimination.factorise(scratch, n, mass, joint, False, None)
     contact_response.respond(scratch, n, mass)
     store(vector_pointer_at(np.float64, work), 0, contact_response.responded(scratch, n, mass))
 

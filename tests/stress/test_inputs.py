@@ -42,7 +42,7 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
 @pytest.mark.parametrize(
     ("key", "words"),
     [
-        ("twist: 1", "ends are turned by end: clamped and end_keys"),
+        ("twist: 1", "how much strands resist it is torsion"),
         ("mass: 1", "mass follows from density and radius"),
         ("stiffness: 3", "young and radius"),
         ("yung: 3", "did you mean 'young'?"),

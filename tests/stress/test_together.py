@@ -70,7 +70,7 @@ def test_contact_is_tried_with_every_value_of_the_axes(matrix: list[Task]) -> No
         missing = {"offset": {"1e6"}, "strands": {"129", "700"}, "n": {"32", "100", "1000"}}.get(axis, set())
         assert found == labels - missing
     for axis, place in (("between", 0), ("twist", 1)):
-        assert len({task.labels[place] for task in mine}) >= (3 if axis == "between" else 4)
+        assert len({task.labels[place] for task in mine}) >= (3 if axis == "between" else 2)
 
 
 def test_no_combination_is_one_that_the_product_refuses() -> None:
@@ -81,7 +81,7 @@ def test_no_combination_is_one_that_the_product_refuses() -> None:
         assert len(groom.lengths) == int(together.STRANDS)
     refused = [row for row in product(*together.OWN.values()) if not together.valid(row)]
     for row in refused:
-        assert list(rod_clashes(together.prepared(case, row)[0])) or row[2] == "pinned"
+        assert list(rod_clashes(together.prepared(case, row)[0]))
 
 
 @pytest.mark.parametrize("start", AXES["start"])
@@ -159,7 +159,7 @@ def test_a_solver_that_leaves_nan_or_raises_fails_its_case(monkeypatch: pytest.M
     "name",
     [
         "rod/gamma=0/emitter=teleport/start=coincident/between=grid-fine/twist=sag-free/end=pinned/torsion=0.7",
-        "rod/dt=1e-4/B=1e-6/wind=gale/emitter=teleport/start=coincident/between=grid-fine/twist=turned/integrator=euler",
+        "rod/dt=1e-4/B=1e-6/wind=gale/emitter=teleport/start=coincident/between=grid-fine/twist=sag-free/end=pinned/integrator=euler",
         "rod/dt=1e-4/gamma=1e4/emitter=flip/start=coincident/between=grid-fine/twist=sag-free/end=pinned/integrator=euler",
         "rod/dt=1e-4/gamma=7.7/emitter=shake/between=grid-coarse/twist=coil/end=pinned/root=hinged/torsion=0.7",
     ],

@@ -8,7 +8,6 @@ import math
 import numpy as np
 import pytest
 
-from strandcli.errors import UsageError
 from strandcli.study.references import (
     NEEDS,
     REFERENCES,
@@ -134,14 +133,6 @@ def test_pendulum_periods() -> None:
     series = 1 + angle**2 / 16 + 11 * angle**4 / 3072 + 173 * angle**6 / 737280
     assert pendulum.period(angle) == pytest.approx(small * series, rel=1e-6)
     assert pendulum.exact()["period"] == pytest.approx(7.416298709205487)
-
-
-def test_twist_reads_not_represented() -> None:
-    reference = REFERENCES["twist"]
-    assert reference.exact()["M L / B"] == pytest.approx(8.98682, abs=1e-5)
-    assert "twist" in reference.needs
-    with pytest.raises(UsageError, match="twist"):
-        reference.measure(Track(np.zeros(1), np.zeros((1, 1, 2, 3))))
 
 
 @pytest.mark.parametrize("name", REFERENCES)

@@ -16,7 +16,7 @@ from .emitter import DiscShape, Emitter, Followers, GroomFile, PlaneShape, Spher
 from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light, PointLight, Shadow
 from .mesh_shape import MeshKey, MeshShape
 from .pose import PoseKey
-from .rod import EndKey, Rod
+from .rod import Rod
 from .scene import RuleUse, Scene, Time
 from .solids import SOLIDS, BoxSolid, CapsuleSolid, PlaneSolid, Solid, SolidSettings, SphereSolid
 from .strands import PIGMENTS, Curves, Detail, Material
@@ -39,7 +39,6 @@ __all__ = [
     "DirectionalLight",
     "DiscShape",
     "Emitter",
-    "EndKey",
     "Environment",
     "Followers",
     "Fringe",

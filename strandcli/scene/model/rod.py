@@ -4,29 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..fields import Vector, choice, integer, items, number, vector
-
-
-@dataclass(frozen=True, slots=True, repr=False)
-class EndKey:
-    """How far the ends of strands are moved and turned at one moment, in the emitter's frame: all of them as one thing,
-    from where they are emitted."""
-
-    time: float = number(0.0, unit="s", doc="when; frame 1 is at 0")
-    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="translation")
-    rotation: Vector = vector(
-        (0.0, 0.0, 0.0), unit="deg", doc="about the emitter's origin by x, then y, then z; may exceed 360"
-    )
-    turns: float = number(
-        0.0, low=-1e4, high=1e4, doc="of each clamped tip about its own direction: the strand is twisted by so many"
-    )
-    ease: str = choice("smooth", ("smooth", "linear", "step"), doc="how this key is left for the next one")
+from ..fields import choice, integer, number
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Rod:
-    """The strands' matter and how the solver `rod` moves them. Strands whose rest shape is curved or whose tip is
-    clamped twist; others do not.
+    """The strands' matter and how the solver `rod` moves them. Strands whose rest shape is curved twist; others do not.
 
     A material by name gives density, radius and Young's modulus; a number written beside it replaces its own.
     """
@@ -51,11 +34,9 @@ class Rod:
     )
     end: str = choice(
         "free",
-        ("free", "pinned", "clamped"),
-        doc="of the tip: free; pinned where it is emitted, as the emitter carries it, about which it turns freely; or "
-        "clamped there, along its last segment, with the frame that twist ends in",
+        ("free", "pinned"),
+        doc="of the tip: free; or pinned where it is emitted, as the emitter carries it, about which it turns freely",
     )
-    end_keys: tuple[EndKey, ...] = items(EndKey, doc="motion of pinned or clamped ends beside the emitter's")
     torsion: float | None = number(
         None, above=0, high=10,
         doc="torsional over bending rigidity of curled strands as round ones, 1 / (1 + Poisson's ratio), about 0.7: "

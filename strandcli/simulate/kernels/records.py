@@ -10,15 +10,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 STEP, GRAVITY, AIR, DRAG, DAMPING, MOVED, FRICTION, TOLERANCE, ROUNDING, TORSION = 0, 1, 4, 7, 8, 9, 10, 11, 12, 13
-VELOCITY_STEP, TURN, TIP_JOINT, LASTING, ROOT_TWIST, FREE = range(14, 20)
-NUMBERS = 20
+VELOCITY_STEP, LASTING, ROOT_TWIST, FREE = range(14, 18)
+NUMBERS = 18
 """Columns of ``Forcing.numbers``: h of displacements in s, gravity (3) in m/s², velocity of the air (3) in m/s, drag in
 1/s, material damping in s times h over the step, share of the last displacement that goes on, 1/3 for BDF2 and 0 for
 Euler's method, friction, error of |e|² at which iterations stop, error that is no more than rounding, torsional over
-bending rigidity, h of velocities in s, angle in radians by which clamped tips are turned, relative rigidity of their
-joint, above 0 where `State.crowd` are accelerations by contact, which act
-all through a step as gravity does, the relative rigidity against twist about the root, and above 0 where nothing but
-solids can give strands energy (`rod_energy`)."""
+bending rigidity, h of velocities in s, above 0 where `State.crowd` are accelerations by contact, which act all through
+a step as gravity does, the relative rigidity against twist about the root, and above 0 where nothing but solids can
+give strands energy (`rod_energy`)."""
 ROTATION, TRANSLATION, TURNED, SHIFTED = 0, 9, 12, 21
 POSE = 24
 """Columns of ``Forcing.pose``: the emitter's rotation by rows and its translation, and the change of both in this
@@ -66,8 +65,6 @@ class State(NamedTuple):
     """(blocks, N + 2, 3 W) world, metres: row 0 one segment before the root, row 1 the root."""
     residuals: Any
     """(P, S) greatest | |e| − 1 | before lengths are made exact."""
-    turned: Any
-    """(P, S) angle from the transported frame to the axis of the clamp, radians; needed by clamped tips."""
     energy: Any
     """(P, S) what strands may have, m²/s² times relative masses, `rod_energy.UNKNOWN` where it is not known; this and
     the next one needed by curled strands."""
@@ -107,8 +104,6 @@ class Forcing(NamedTuple):
     """(`NUMBERS`,)"""
     drift: Any
     """(P, 3 S) displacement of roots in the step beside that of the emitter, metres; needed by roots that deform."""
-    tips: Any
-    """(P, 2, 3 S) unit vectors along which tips are clamped and across that, in the world; needed by clamped tips."""
     firmness: Any
     """(P, S) rigidity that keeps edges where they are led, in units of κ θ² of the joints at both ends; needed, with
     the next one, by curled strands."""
@@ -134,8 +129,6 @@ class Flags(NamedTuple):
     """Whether roots move in the emitter's frame."""
     crowded: Any
     """Whether strands interact."""
-    held: Any
-    """Whether tips are clamped."""
 
 
 class Place(NamedTuple):
@@ -151,19 +144,8 @@ class Place(NamedTuple):
     """In (P, N, S), of the first segment."""
     bend: Any
     """In (P, N + 1, 3 S), of the first row."""
-    tip: Any
-    """In (P, 2, 3 S), of the first row."""
     position: Any
     """In the positions, of row 0."""
-
-
-class Ends(NamedTuple):
-    """How strands are held otherwise than by clamped roots alone."""
-
-    held: Any
-    """Whether tips are clamped: True, or None."""
-    firm: Any
-    """Whether forces keep edges where motion leads them (`rod_tension.firm_force`)."""
 
 
 class Scheme(NamedTuple):
@@ -184,9 +166,7 @@ class Scheme(NamedTuple):
     led: Any
     """Whether rest shapes are those of edges to which motion leads (`rod_lead`); None without BDF2."""
     curled: Any
-    """Whether rest shapes are curved."""
-    ends: Any
-    """`Ends`."""
+    """Whether rest shapes are curved, and forces keep edges where motion leads them (`rod_tension.firm_force`)."""
 
 
 class Contact(NamedTuple):

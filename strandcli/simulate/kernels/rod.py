@@ -35,7 +35,6 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
-from . import rod_held
 from .rod_scratch import (
     AXES,
     EDGE,
@@ -104,7 +103,7 @@ def apply_change(s, n, step):
 
 
 @device
-def retract(s, n, mass, joint, ends, chosen):
+def retract(s, n, mass, joint, curled, chosen):
     """Bring the edges of the ``chosen`` lanes back to unit length, root to tip; one without a length takes the
     direction of the edge before it. Returns twice the energy of each lane, the sum that a step minimises."""
     stiffness = load(s, STIFFNESS)
@@ -140,12 +139,10 @@ def retract(s, n, mass, joint, ends, chosen):
         z -= sz
         store3(s, o + INERTIAL, 1, x, y, z)
         energy += mass[j] * (x * x + y * y + z * z)
-        if ends.firm:
+        if curled:
             x, y, z = load3(s, o + EDGE, 1)
             fx, fy, fz = load3(s, firm_force(n, j), 1)
             energy += 2.0 * (sqrt(fx * fx + fy * fy + fz * fz) - (fx * x + fy * y + fz * z))
-    if ends.held is not None:
-        energy += rod_held.energy_beyond(s, n)
     return energy
 
 

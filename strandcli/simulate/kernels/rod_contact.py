@@ -28,7 +28,7 @@ def pressed_by(scheme, pressed):
     """A `Scheme` with ``pressed``."""
     return Scheme(
         scheme.share, scheme.second, pressed, scheme.mixed, scheme.crowded, scheme.duration, scheme.led,
-        scheme.curled, scheme.ends,
+        scheme.curled,
     )  # fmt: skip
 
 

@@ -29,8 +29,8 @@ from ...constants import FOLD
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, sqrt, store, store3, where
 from ...simd.turning import cosine_sine
-from . import rod_held, rod_lead
-from .records import DAMPING, ROOT_TWIST, ROUNDING, STEP, TIP_JOINT, TORSION
+from . import rod_lead
+from .records import DAMPING, ROOT_TWIST, ROUNDING, STEP, TORSION
 from .rod_frames import CLAMP, carried, cross, first_normal
 from .rod_scratch import AXES, EDGE, FIRST_SEGMENT, INNOVATION, LOAD, PACK, REST_BEND, SEGMENT, STIFFNESS
 from .rod_tension import firm_force, particle_gain
@@ -61,7 +61,7 @@ def set_rest(s, at, state, material, forcing, scheme):
     transport_frames(s, at, state, material, forcing, scheme)
     share = 1 / (1 + numbers[DAMPING] / numbers[STEP])
     rigid = numbers[TORSION], load(forcing.firmness, at.strand)
-    add_reactions(s, at, state, material, rigid, share, scheme.ends.held, scheme.pressed)
+    add_reactions(s, at, state, material, rigid, share, scheme.pressed)
 
 
 @inlined
@@ -81,7 +81,6 @@ def torque(x, y, v, w):
 def transport_frames(s, at, state, material, forcing, scheme):
     """Set edges as `first_edge` has them, and transport frames along them from the root to the tip: set `TARGET` by the
     ψ before the step, and eliminate the torques about edges, linear in ψ."""
-    held = scheme.ends.held
     torsion = forcing.numbers[TORSION]
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
     tx, ty, tz = load3(s, CLAMP, 1)
@@ -105,9 +104,7 @@ def transport_frames(s, at, state, material, forcing, scheme):
         store3(s, o + TARGET, 1, v * ax + w * bx, v * ay + w * by, v * az + w * bz)
         if j > 0:
             before = torsion * (joint[j - 1] if j > 1 else forcing.numbers[ROOT_TWIST])
-            after = torsion * joint[j]
-            if held is None and j + 1 == n:
-                after = 0.0
+            after = torsion * joint[j] if j + 1 < n else 0.0
             stiff = joint[j] * stiff
             over = 1.0 / (before * (1.0 - b) + after + stiff)
             a = (joint[j] * turn + stiff * angle + before * a) * over
@@ -122,9 +119,6 @@ def transport_frames(s, at, state, material, forcing, scheme):
         tx = ex
         ty = ey
         tz = ez
-    if held is not None:
-        rigid = torsion * joint[n - 1], torsion * forcing.numbers[TIP_JOINT]
-        rod_held.turn_tip(s, at, state, forcing, rigid, ((tx, ty, tz), (ax, ay, az)), (a, b))
 
 
 @inlined
@@ -136,10 +130,10 @@ def first_edge(at, j, state, way, far, numbers, led):
 
 
 @device
-def add_reactions(s, at, state, material, rigid, share, held, pressed):
+def add_reactions(s, at, state, material, rigid, share, pressed):
     """From the tip to the root: set the new ψ, and add rest vectors by it to c̄, with their reaction on edges before,
     and set the forces that keep edges where they are led. ``rigid``: torsion and firmness; ``share``: of κ, that of
-    the material without damping; ``held``: whether tips are clamped; ``pressed``: as in `Scheme`."""
+    the material without damping; ``pressed``: as in `Scheme`."""
     n, joint = at.segments, material.joint
     torsion, firm = rigid
     firm = firm * share * load(s, STIFFNESS)
@@ -152,8 +146,6 @@ def add_reactions(s, at, state, material, rigid, share, held, pressed):
     turn_after = zero  # κ θ² of the joint after
     leaning = zero > 0.0
     ex, ey, ez = load3(s, FIRST_SEGMENT + (n - 1) * SEGMENT + EDGE, 1)
-    if held is not None:
-        (nx, ny, nz), after, angle = rod_held.beyond(s, n)
     for j in range(n - 1, -1, -1):
         o = FIRST_SEGMENT + j * SEGMENT
         free = particle_gain(n, j)
@@ -166,7 +158,7 @@ def add_reactions(s, at, state, material, rigid, share, held, pressed):
             now = past + min(max(now - past, -GREATEST_TWIST_CHANGE), GREATEST_TWIST_CHANGE)
             store(state.twist, at.tension + (j - 1) * PACK, now)
         rate = min(load(s, free + FOLD_RATE), 1.0 / FOLD)
-        if held is not None or j + 1 < n:
+        if j + 1 < n:
             q = (torsion * joint[j]) * (now - angle)
         q = q * rate
         angle = now

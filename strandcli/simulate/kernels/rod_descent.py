@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
-from . import rod, rod_elimination, rod_held, rod_newton, rod_start, rod_tension
+from . import rod, rod_elimination, rod_newton, rod_start, rod_tension
 from .records import ROUNDING, TOLERANCE
 from .rod_scratch import (
     AXES,
@@ -66,29 +66,29 @@ def descend(s, at, state, material, forcing, scheme, iterations, worst, least):
     """Take the iterations of a step anew in lanes whose errors ``worst`` of |e|² are beyond the ``least``; others keep
     all that they have. Returns the errors."""
     lost = worst > least
-    n, mass, joint, ends = at.segments, material.mass, material.joint, scheme.ends
+    n, mass, joint, curled = at.segments, material.mass, material.joint, scheme.curled
     keep(s, n)
     begin(s, at, state, scheme, worst)
     found = where(lost, rod.GREATEST_ERROR, worst)
     going = lost
     for _ in range(max(iterations, 1)):
-        rod_elimination.factorise_bounded(s, n, mass, joint, ends)
+        rod_elimination.factorise_bounded(s, n, mass, joint, curled)
         rod_tension.filter_forward(s, n, mass, True, True, 4.0 * forcing.numbers[ROUNDING])
-        rod_elimination.change_tension(s, n, mass, joint, ends)
+        rod_elimination.change_tension(s, n, mass, joint, curled)
         set_point(s, n)
         error, _ = rod.apply_change(s, n, None)
         found = where(going, error, found)
-        advance(s, n, mass, joint, ends, going)
+        advance(s, n, mass, joint, curled, going)
         going = going & (error > forcing.numbers[TOLERANCE])
         if not any_lane(going):
             break
-    rod_elimination.factorise_bounded(s, n, mass, joint, ends)
+    rod_elimination.factorise_bounded(s, n, mass, joint, curled)
     restore(s, n, lost)
     return found
 
 
 @device
-def advance(s, n, mass, joint, ends, going):
+def advance(s, n, mass, joint, curled, going):
     """After a whole step from a point, take as much of it as lets the merit function fall, in the lanes that are
     ``going``; others stay."""
     step, fell = broadcast(s, 1.0), ~going
@@ -99,15 +99,15 @@ def advance(s, n, mass, joint, ends, going):
         if count == HALVINGS - 1:
             step = where(fell, step, 0.0)
         rod.apply_change(s, n, where(going, step, 0.0))
-        rod.retract(s, n, mass, joint, ends, going)
-        fell = ~going | merit_falls(s, n, mass, joint, ends, firm)
+        rod.retract(s, n, mass, joint, curled, going)
+        fell = ~going | merit_falls(s, n, mass, joint, curled, firm)
         if not any_lane(~fell):
             break
         step = where(fell, step, 0.5 * step)
 
 
 @device
-def merit_falls(s, n, mass, joint, ends, firm):
+def merit_falls(s, n, mass, joint, curled, firm):
     """In which lanes the merit function is no more than at the point, but for rounding. Twice the energies are compared
     by their changes, for free displacements may be many orders greater than strands are long. ``firm``: force from
     which on the tip's share is linear."""
@@ -131,17 +131,10 @@ def merit_falls(s, n, mass, joint, ends, firm):
             of_mass = of_tip(mass[j], square, sqrt(dot(was, was)), sqrt(dot(now, now)), firm)
         total += of_joint + of_mass
         size += abs(of_joint) + abs(of_mass)
-        if ends.firm:
+        if curled:
             pulled = -2.0 * dot(load3(s, firm_force(n, j), 1), change)
             total += pulled
             size += abs(pulled)
-    if ends.held is not None:
-        o = FIRST_SEGMENT + n * SEGMENT
-        clamp, rest = load3(s, o + EDGE, 1), load3(s, o + REST_BEND, 1)
-        bends = sum_of(scaled(2.0, add_scaled(clamp, -1.0, rest)), scaled(-1.0, sum_of(before, before_then)))
-        of_joint = -load(s, o + rod_held.RIGIDITY) * dot(change, bends)
-        total += of_joint
-        size += abs(of_joint)
     return total <= NOISE * size
 
 

@@ -64,7 +64,7 @@ def state_of(kind, descriptor, rows=0):
         pointer_at(kind, descriptor[STATE + 8]), pointer_at(kind, descriptor[CROWD] + rows * descriptor[CROWD_BYTES]),
         pointer_at(kind, descriptor[STATE + 10]), pointer_at(kind, descriptor[STATE + 11]),
         pointer_at(kind, descriptor[STATE + 12]), pointer_at(kind, descriptor[STATE + 13]),
-        pointer_at(kind, descriptor[STATE + 14]), pointer_at(kind, descriptor[STATE + 15]),
+        pointer_at(kind, descriptor[STATE + 14]),
     )  # fmt: skip
 
 
@@ -86,7 +86,6 @@ def forcing_of(kind, descriptor):
         pointer_at(kind, descriptor[FORCING + 2]), pointer_at(kind, descriptor[FORCING + 3]),
         pointer_at(kind, descriptor[FORCING + 4]), pointer_at(kind, descriptor[FORCING + 5]),
         pointer_at(kind, descriptor[FORCING + 6]), pointer_at(kind, descriptor[FORCING + 7]),
-        pointer_at(kind, descriptor[FORCING + 8]),
     )  # fmt: skip
 
 
@@ -99,11 +98,11 @@ def second_of(descriptor, second):
 
 
 @device
-def flags_of(descriptor, second, crowded, held):
+def flags_of(descriptor, second, crowded):
     """`Flags` as booleans but for those that are as they are given, and ``second``, which may be None."""
     return Flags(
         second_of(descriptor, second), descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
-        descriptor[DEFORMING] != 0, crowded, held,
+        descriptor[DEFORMING] != 0, crowded,
     )  # fmt: skip
 
 

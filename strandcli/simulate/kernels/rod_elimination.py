@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, store, where
-from . import rod_held, rod_tension
+from . import rod_tension
 from .rod_scratch import (
     EDGE,
     EDGE_FACTOR,
@@ -35,46 +35,46 @@ MARGIN = 0.5
 
 
 @device
-def factorise(s, n, mass, joint, ends, changed):
+def factorise(s, n, mass, joint, curled, changed):
     """Set the pivots of H and the loads for the present τ, or where ``changed`` is not None for the τ that
     `rod_tension.filter_forward` leads to. Lanes where H is indefinite take the bounded τ instead; returns whether there
     are any."""
     store(s, INDEFINITE, 0.0)
-    lost = sweep_to_root(s, n, mass, joint, ends, changed, False, None)
+    lost = sweep_to_root(s, n, mass, joint, curled, changed, False, None)
     indefinite = any_lane(lost > 0.0)
     if indefinite:
         store(s, INDEFINITE, lost)
-        factorise_bounded(s, n, mass, joint, ends)
+        factorise_bounded(s, n, mass, joint, curled)
     return indefinite
 
 
 @device
-def factorise_bounded(s, n, mass, joint, ends):
+def factorise_bounded(s, n, mass, joint, curled):
     """Set pivots and loads with bounded τ in `INDEFINITE` lanes; lanes that are indefinite even so are marked by 2, and
     get the stricter bound of masses alone."""
-    still = sweep_to_root(s, n, mass, joint, ends, None, True, None)
+    still = sweep_to_root(s, n, mass, joint, curled, None, True, None)
     if any_lane(still > 0.0):
         store(s, INDEFINITE, load(s, INDEFINITE) + still)
-        sweep_to_root(s, n, mass, joint, ends, None, True, None)
+        sweep_to_root(s, n, mass, joint, curled, None, True, None)
 
 
 @device
-def change_tension(s, n, mass, joint, ends):
+def change_tension(s, n, mass, joint, curled):
     """Change τ as `rod_tension.filter_forward` leads to, and set the loads with the pivots that there are. Marks lanes
     in `INDEFINITE` where the new τ makes H indefinite; returns whether there are any."""
-    lost = sweep_to_root(s, n, mass, joint, ends, True, None, True)
+    lost = sweep_to_root(s, n, mass, joint, curled, True, None, True)
     store(s, INDEFINITE, lost)
     return any_lane(lost > 0.0)
 
 
 @device
-def set_loads(s, n, mass, joint, ends):
+def set_loads(s, n, mass, joint, curled):
     """Set the loads of the present edges and τ with the pivots that there are."""
-    sweep_to_root(s, n, mass, joint, ends, None, None, None)
+    sweep_to_root(s, n, mass, joint, curled, None, None, None)
 
 
 @device
-def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
+def sweep_to_root(s, n, mass, joint, curled, changed, bounded, judged):
     """Sweep from the tip to the root: change τ where ``changed``, factorise H where ``bounded`` is not None, and set
     the loads. Returns 1 in lanes with a pivot that is too small.
 
@@ -90,8 +90,6 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
     lost = zero
     a, b, c = none
     p, q, bend, force = none, none, none, none
-    if ends.held is not None:
-        c, bend = rod_held.joint_beyond(s, n)
     stiffness = load(s, STIFFNESS)
     for j in range(n - 1, -1, -1):
         o = FIRST_SEGMENT + j * SEGMENT
@@ -119,7 +117,7 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
             a -= g * h
             b = k * h
             c = raised * f
-        fx, fy, fz = firm_force_at(s, n, j, ends)
+        fx, fy, fz = firm_force_at(s, n, j, curled)
         x = set_load(s, o, 0, t, mass[j], k, (p[0], q[0], bend[0], force[0]), fx)
         y = set_load(s, o, 1, t, mass[j], k, (p[1], q[1], bend[1], force[1]), fy)
         z = set_load(s, o, 2, t, mass[j], k, (p[2], q[2], bend[2], force[2]), fz)
@@ -131,11 +129,11 @@ def sweep_to_root(s, n, mass, joint, ends, changed, bounded, judged):
 
 
 @inlined
-def firm_force_at(s, n, j, ends):
+def firm_force_at(s, n, j, curled):
     """The force that keeps edge j where motion leads it; none on strands that are not curled."""
     zero = broadcast(s, 0.0)
     x, y, z = zero, zero, zero
-    if ends.firm:
+    if curled:
         x, y, z = load3(s, rod_tension.firm_force(n, j), 1)
     return x, y, z
 

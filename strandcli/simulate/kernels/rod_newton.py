@@ -44,7 +44,7 @@ def iterate(s, at, state, material, forcing, scheme, iterations, again):
     ``again``: whether this goes on from the last τ and edges of the same step, with other forces.
     """
     n, mass, joint, tolerance = at.segments, material.mass, material.joint, forcing.numbers[TOLERANCE]
-    ends = scheme.ends
+    curled = scheme.curled
     worst = total = ever_indefinite = broadcast(s, 0.0)
     single_share = min(1.0, FINE / n)
     mean_share = EVEN / n
@@ -65,39 +65,39 @@ def iterate(s, at, state, material, forcing, scheme, iterations, again):
             far = quadratic or any_lane(worst > rod.FAR)
             loaded = count == 1 and again
             if loaded:
-                set_loads(s, n, mass, joint, ends, False)
+                set_loads(s, n, mass, joint, curled, False)
             if far:
                 ever_indefinite = max(ever_indefinite, load(s, INDEFINITE))
                 chosen = max(ever_indefinite, worst) > rod.FAR
-                energy = rod.retract(s, n, mass, joint, ends, chosen)
-                set_loads(s, n, mass, joint, ends, refactorise)
+                energy = rod.retract(s, n, mass, joint, curled, chosen)
+                set_loads(s, n, mass, joint, curled, refactorise)
                 if quadratic:
                     step = next_step(s, step, chosen, energy > past_energy * RISE, count)
                     past_energy = where(chosen, energy, past_energy)
             rod_tension.filter_forward(s, n, mass, far or loaded, True, None)
             if quadratic:
-                indefinite = rod_elimination.change_tension(s, n, mass, joint, ends)
+                indefinite = rod_elimination.change_tension(s, n, mass, joint, curled)
                 worst, total = apply_step(s, n, step)
             else:
-                indefinite = rod_elimination.factorise(s, n, mass, joint, ends, True)
+                indefinite = rod_elimination.factorise(s, n, mass, joint, curled, True)
                 if count > PATIENCE:
                     limit_change(s, n, STRIDES / (count - PATIENCE))
                 worst, total = rod.apply_change(s, n, None)
         else:
-            indefinite = rod_elimination.factorise(s, n, mass, joint, ends, None)
+            indefinite = rod_elimination.factorise(s, n, mass, joint, curled, None)
             worst, total = rod.apply_change(s, n, None)
     if quadratic:
-        rod_elimination.factorise_bounded(s, n, mass, joint, ends)
+        rod_elimination.factorise_bounded(s, n, mass, joint, curled)
     return worst
 
 
 @device
-def set_loads(s, n, mass, joint, ends, refactorise):
+def set_loads(s, n, mass, joint, curled, refactorise):
     """Set the loads of the present edges and τ, and the pivots too where ``refactorise``."""
     if refactorise:
-        rod_elimination.factorise_bounded(s, n, mass, joint, ends)
+        rod_elimination.factorise_bounded(s, n, mass, joint, curled)
     else:
-        rod_elimination.set_loads(s, n, mass, joint, ends)
+        rod_elimination.set_loads(s, n, mass, joint, curled)
 
 
 @device

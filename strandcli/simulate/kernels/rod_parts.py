@@ -28,9 +28,9 @@ assert PUSH + 3 == KEPT
 
 @inlined
 def able(scheme, numbers):
-    """Whether steps may be made in parts: of straight strands that are held at their roots alone. The rule contact asks
-    how strands answer in a whole step."""
-    return not scheme.curled and scheme.ends.held is None and numbers[LASTING] == 0.0
+    """Whether steps may be made in parts: of straight strands. The rule contact asks how strands answer in a whole
+    step."""
+    return not scheme.curled and numbers[LASTING] == 0.0
 
 
 @device
@@ -63,7 +63,7 @@ def make(s, at, next_pack, state, material, forcing, scheme, contact, iterations
     root = load3(s, ROOT_SHIFT, 1)
     root = rate * root[0], rate * root[1], rate * root[2]
     store3(s, ROOT_SHIFT, 1, 0.0, 0.0, 0.0)
-    own = Scheme(scheme.share, scheme.second, True, True, scheme.crowded, part, scheme.led, scheme.curled, scheme.ends)
+    own = Scheme(scheme.share, scheme.second, True, True, scheme.crowded, part, scheme.led, scheme.curled)
     set_coefficients(s, at, material, forcing, own, root)
     add_velocity(state, at, root, -1.0)
     most = broadcast(s, 0.0)

@@ -26,7 +26,6 @@ from . import (
     rod_curl,
     rod_descent,
     rod_energy,
-    rod_held,
     rod_lead,
     rod_newton,
     rod_parts,
@@ -43,7 +42,6 @@ from .records import (
     TRANSLATION,
     TURNED,
     Contact,
-    Ends,
     Place,
     Scheme,
 )
@@ -69,41 +67,41 @@ from .work_queue import TASKS, call_beside, take
 @function
 def single(descriptor, worker):
     """Run the step in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True, None, None)
+    work(np.float32, descriptor, worker, solids_of, True, None)
 
 
 @function
 def single_euler(descriptor, worker):
     """Run the step of Euler's method alone in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, None, None, None)
+    work(np.float32, descriptor, worker, solids_of, None, None)
 
 
 @function
 def double(descriptor, worker):
     """Run the step in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True, None, None)
+    work(np.float64, descriptor, worker, solids_of, True, None)
 
 
 @function
 def single_crowded(descriptor, worker):
     """Run the step of strands that interact in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True, True, None)
+    work(np.float32, descriptor, worker, solids_of, True, True)
 
 
 @function
 def double_crowded(descriptor, worker):
     """Run the step of strands that interact in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True, True, None)
+    work(np.float64, descriptor, worker, solids_of, True, True)
 
 
 @inlined  # machine code that hands on a function's address could not be kept in the cache
-def work(kind, descriptor, worker, solids_of, second, crowded, held):
+def work(kind, descriptor, worker, solids_of, second, crowded):
     """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
-    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``second``, ``crowded``
-    and ``held``: as in `Flags`, None compiles nothing of it."""
+    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``second`` and
+    ``crowded``: as in `Flags`, None compiles nothing of it."""
     scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
     state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
-    flags, solids = flags_of(descriptor, second, crowded, held), solids_of(kind, descriptor)
+    flags, solids = flags_of(descriptor, second, crowded), solids_of(kind, descriptor)
     pack, segments = take(descriptor), descriptor[SEGMENTS]
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
@@ -136,7 +134,6 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
             pack * n * AXES + lane,
             pack * n * PACK + lane,
             pack * (n + 1) * AXES + lane,
-            2 * pack * AXES + lane,
             position,
         )
         place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
@@ -145,11 +142,8 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         disturbs = rod_start.disturbs(scratch, state, strand, flags.crowded, touched, flags.curled, numbers)
         scheme = Scheme(
             numbers[MOVED], flags.second, touched, disturbs, flags.crowded, contact.duration, led, flags.curled,
-            Ends(flags.held, flags.curled),
         )  # fmt: skip
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
-        if flags.held is not None:
-            rod_held.place_clamp(scratch, at, state, material, forcing)
         if flags.second and flags.curled:
             rod_energy.begin(scratch, at, state, material, forcing)
         if scheme.curled:

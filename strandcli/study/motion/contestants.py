@@ -74,7 +74,6 @@ CONTESTANTS = {
                     "tip mass",
                     "two ends",
                     "twist",
-                    "turned end",
                     "contact",
                     "interaction",
                 }

@@ -13,13 +13,10 @@ from . import (
     free_swing,
     incline,
     layer,
-    michell,
     pendulum,
     spring,
     tip_load,
     tuft,
-    twist,
-    writhe,
 )
 from .base import NEEDS, Case, Reference, Track
 
@@ -35,9 +32,6 @@ REFERENCES: Mapping[str, Reference] = {
         catenary,
         pendulum,
         spring,
-        michell,
-        writhe,
-        twist,
         incline,
         layer,
         tuft,

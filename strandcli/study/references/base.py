@@ -25,8 +25,6 @@ NEEDS = {
     "tip mass": "a mass on the tip",
     "two ends": "a strand held at both ends",
     "twist": "twist",
-    "turned end": "an end that is turned",
-    "sliding end": "an end that is turned and slides along its axis",
     "contact": "contact between strands",
     "interaction": "strands that push each other apart",
 }

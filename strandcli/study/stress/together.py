@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...errors import UsageError
 from ...scene.faults import shown
-from ...scene.model import EndKey, Rod, RuleUse, Scene
+from ...scene.model import Rod, RuleUse, Scene
 from ...simulate.rules import registry
 from . import sheets
 from .axes import Case, case_named
@@ -60,13 +60,10 @@ BETWEEN: dict[str, dict[str, dict[str, Any]]] = {
     "grid-thin": {"interaction": GRID["grid"], "contact": CONTACT["thin"]},
 }
 """What strands do to each other: rules and their settings."""
-TURNED = {"end": "clamped", "end_keys": (EndKey(0.0, ease="linear"), EndKey(1.0, turns=2.0, ease="linear"))}
 TWIST: dict[str, dict[str, Any]] = {
     "none": {},
     "coil": {"rest": "shape"},
     "sag-free": {"rest": "sag_free"},
-    "turned": TURNED,
-    "coil-turned": {"rest": "shape", **TURNED},
 }
 """What strands twist by: settings of rod. Those of coils begin as such."""
 OWN: dict[str, tuple[str, ...]] = {
@@ -87,10 +84,7 @@ TURN, AXIS = 0.6, (0.8, 0.6, 0.0)
 def valid(row: Row) -> bool:
     """Whether the product takes such a combination."""
     given = dict(zip(OWN, row, strict=True))
-    rod = TWIST[given["twist"]]
-    return not (
-        (rod.get("end") and given["end"] != "free") or (rod.get("rest") == "sag_free" and given["root"] == "hinged")
-    )
+    return not (given["twist"] == "sag-free" and given["root"] == "hinged")
 
 
 @cache
@@ -162,8 +156,8 @@ def tasks(kinds: Sequence[str], quick: bool = False) -> list[Task]:
 def kernels_of(task: Task) -> tuple[Any, ...]:
     """What the kernels of a case depend on, but for double precision."""
     (case,), given = task.cases, dict(zip(OWN, task.labels, strict=True))
-    rod, rules = TWIST[given["twist"]], tuple(BETWEEN[given["between"]])
-    return rules, "end" in rod, given["integrator"], case.label("contact") == "none"
+    rules = tuple(BETWEEN[given["between"]])
+    return rules, given["integrator"], case.label("contact") == "none"
 
 
 def has_own_axes(name: str) -> bool:
@@ -202,11 +196,10 @@ def prepared(case: Case, row: Row) -> tuple[Scene, Started, NDArray[np.float64]]
         groom = replace(groom, edges=coil(groom.edges))
     if case.label("contact") == "none":
         groom = replace(groom, roots=groom.roots * np.float32(CLOSE))
-    more: dict[str, Any] = {"end": given["end"], **rod}
     matter: Rod = replace(
         scene.rod, radius=RADIUS * L, young=(scene.rod.young or 0.0) * (2 / (RADIUS * L)) ** 2,
         integrator=given["integrator"], root=given["root"],
-        torsion=None if given["torsion"] == "none" else float(given["torsion"]), **more,
+        torsion=None if given["torsion"] == "none" else float(given["torsion"]), end=given["end"], **rod,
     )  # fmt: skip
     uses = (
         RuleUse(name, registry()[name].Parameters(**_scaled(settings, L)), name) for name, settings in rules.items()

@@ -1,5 +1,5 @@
-"""What strands may be and do beyond the matrix, with its extremes: they interact or touch, twist, are pinned or turned
-at their tips.
+"""What strands may be and do beyond the matrix, with its extremes: they interact or touch, twist, are pinned at their
+tips.
 
 Every combination of these traits meets every two values of any two other axes. What solvers refuse by name counts as
 refused, where it is known that they do; anything else that they raise has failed.
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...groom.record import Groom
 from ...scene.checks_of_rod import rod_clashes
-from ...scene.model import EndKey, RuleUse, Scene
+from ...scene.model import RuleUse, Scene
 from ...simulate import solver_of
 from ...simulate.rod_pinned import tips
 from ...simulate.rules import registry
@@ -41,12 +41,10 @@ BETWEEN: dict[str, tuple[str, dict[str, Any]]] = {
     "thick": ("contact", {"thickness": 0.01, "friction": 1.0, "iterations": 3}),
 }
 """What strands do to each other: a rule and its settings, lengths in L."""
-TURNED = (EndKey(0.0, ease="linear"), EndKey(1.0, turns=2.0, ease="linear"))
-"""How clamped tips turn."""
 TRAITS: dict[str, tuple[str, ...]] = {
     "between": tuple(BETWEEN),
     "rest": ("straight", "shape", "sag_free"),
-    "end": ("free", "pinned", "turned"),
+    "end": ("free", "pinned"),
 }
 OTHERS: dict[str, tuple[str, ...]] = {
     "dt": ("1e-4", "240Hz", "60Hz", "24Hz", "0.5", "10", "noisy"),
@@ -90,8 +88,7 @@ def prepared(labels: dict[str, str]) -> tuple[Scene, Groom, Case, NDArray[np.flo
     rod = replace(
         scene.rod, radius=RADIUS, young=(scene.rod.young or 0.0) * (2 / RADIUS) ** 2, integrator=labels["integrator"],
         rest=labels["rest"], root=labels["root"],
-        end="clamped" if labels["end"] == "turned" else labels["end"],
-        end_keys=TURNED if labels["end"] == "turned" else (),
+        end=labels["end"],
         torsion=None if labels["torsion"] == "none" else float(labels["torsion"]),
     )  # fmt: skip
     name, given = BETWEEN[labels["between"]]
@@ -165,16 +162,9 @@ def _bearable(labels: dict[str, str], weight: float) -> bool:
 
 
 def _conservative(labels: dict[str, str]) -> bool:
-    """Whether nothing but weight works on strands that are not bent at the start; sag-free ones are, by their load, and
-    what turns a tip works too."""
+    """Whether nothing but weight works on strands that are not bent at the start; sag-free ones are, by their load."""
     unbent = labels["rest"] == "shape" or (labels["rest"] == "straight" and labels["start"] == "straight")
-    return (
-        unbent
-        and labels["end"] != "turned"
-        and _undisturbed(labels)
-        and labels["wind"] == "calm"
-        and labels["emitter"] == "still"
-    )
+    return unbent and _undisturbed(labels) and labels["wind"] == "calm" and labels["emitter"] == "still"
 
 
 def combinations() -> Iterator[dict[str, str]]:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene.model import Emitter, EndKey, Rod, RuleUse, Scene, Time
+from ...scene.model import Emitter, Rod, RuleUse, Scene, Time
 from ...simulate import solver_of
 from ...simulate.kernels.rod_scratch import PACK
 from ...simulate.rules import registry
@@ -47,10 +47,9 @@ REST = {
     "friction": ("0.3", "0", "1"),
     "integrator": ("bdf2", "euler"),
     "young": ("1e9", "1e6", "1e12"),
-    "twist": ("none", "coil", "turned"),
+    "twist": ("none", "coil"),
 }
-"""Axes of which each scene has one value, each in its turn; tips turn where strands are looped, for clamped ones hold a
-straight strand taut."""
+"""Axes of which each scene has one value, each in its turn."""
 RADIUS = 5e-5
 COIL = 0.5
 """Radians by which edges of coils turn from one to the next."""
@@ -59,13 +58,11 @@ COIL = 0.5
 def thrown(labels: dict[str, str]) -> tuple[Scene, Started]:
     """The scene of a throw, without its velocities: the last strand is the one that is thrown."""
     n, kind, twist = int(labels["n"]), labels["of"], labels["twist"]
-    clamped = twist == "turned"
-    end = "clamped" if clamped else "pinned" if kind == "looped" else "free"
+    end = "pinned" if kind == "looped" else "free"
     rest: Any = "shape" if kind == "looped" or twist == "coil" else "straight"
     rod = Rod(
         radius=RADIUS, density=1300.0, young=float(labels["young"]), rest=rest, drag=0.0, damping=0.0,
         integrator=labels["integrator"], end=end,
-        end_keys=(EndKey(0.0, ease="linear"), EndKey(1.0, turns=2.0, ease="linear")) if clamped else (),
     )  # fmt: skip
     touching = registry()["contact"].Parameters(
         thickness=THICKNESS[labels["thickness"]], friction=float(labels["friction"])
@@ -155,8 +152,7 @@ def rows() -> list[dict[str, str]]:
     for number, labels in enumerate(product(*AXES.values())):
         row = dict(zip(AXES, labels, strict=True))
         for place, (axis, values) in enumerate(REST.items()):
-            some = values if axis != "twist" or row["of"] == "looped" else values[:2]
-            row[axis] = some[(number // (1, 5, 2, 7, 3)[place] + place) % len(some)]
+            row[axis] = values[(number // (1, 5, 2, 7, 3)[place] + place) % len(values)]
         found.append(row)
     return found
 
