@@ -25,9 +25,9 @@ def strands(roots: Any, ways: Any, lengths: Any) -> Groom:
     )  # fmt: skip
 
 
-def solver_of(text: str, groom: Groom | None = None) -> RodSolver:
+def solver_of(text: str, groom: Groom | None = None, double: bool = False) -> RodSolver:
     one = scene_of("solver: rod\n" + text)
-    return RodSolver(one, groom or emit(one.emitter, one.seed))
+    return RodSolver(one, groom or emit(one.emitter, one.seed), double)
 
 
 def crossings(a: Floats, b: Floats) -> int:

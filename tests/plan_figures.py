@@ -75,7 +75,8 @@ def cases() -> list[tuple[str, ...]]:
         (("--set", "rules.contact={}"), ("1000", "3000", "8000", "20000")),
     ):  # fmt: skip
         found += [(*ROD, *more, "--strands", count, *shown) for count in counts]
-    found.append((*ROD, "--set", "rod.precision=double", "--strands", "30000", *shown))
+    double = ("--set", "rod.rest=sag_free", "--set", "emitter.particles=21")
+    found.append((*ROD, *double, "--strands", "30000", *shown))
     found += [(name, "-f", "1-4", "--threads", "2") for name in SETTLED]
     found += [("hair", "--quality", name, *shown) for name in ("draft", "best")]
     found.append(("hair", "--aov", "depth,mask,tangent,strand_id", *shown))

@@ -13,7 +13,7 @@ from ..errors import MismatchError, UsageError
 from . import complete, options
 from .progress import Progress, beginner, stepper
 from .say import say
-from .values import ErrorType, ListType, count, integrator, metres, step, word
+from .values import ErrorType, ListType, count, metres, step, word
 
 if TYPE_CHECKING:
     from ..study.axes import Axis, Request
@@ -42,8 +42,6 @@ max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help=
               help="Steps a frame to try.")  # fmt: skip
 @click.option("--iterations", type=ListType("COUNTS", count(1, 1000), "2,8"), metavar="COUNTS",
               help="Iterations a step to try, of solvers that have them; axis interaction, too.")  # fmt: skip
-@click.option("--integrators", type=ListType("NAMES", integrator, "euler,bdf2"), metavar="NAMES",
-              help="Integrators to try, of solvers that have them: auto, euler, bdf2.")  # fmt: skip
 @click.option("--particles", type=ListType("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
               help="Particles a strand to try.")  # fmt: skip
 @click.option("--cells", type=ListType("METRES", metres, "0.01,0.02"), metavar="METRES",
@@ -186,7 +184,7 @@ def _requests(
 
 
 STEPPED = {"solvers": "--solver", "steps": "--dt", "substeps": "--substeps", "iterations": "--iterations",
-           "integrators": "--integrators", "particles": "--particles"}  # fmt: skip
+           "particles": "--particles"}  # fmt: skip
 CROWDED = {"cells": "--cells", "guides": "--guides"}
 DRAWN = {"frame": "--frame", "size": "--size"}
 """Options of motion, of interaction and of pictures."""

@@ -160,13 +160,6 @@ def metres(word: str) -> float:
     return length
 
 
-def integrator(text: str) -> str:
-    """The name of an integrator."""
-    if text not in ("auto", "euler", "bdf2"):
-        raise ValueError(f"'{text}' is not an integrator; they are auto, euler and bdf2")
-    return text
-
-
 def word(text: str) -> str:
     """A name."""
     if not text:

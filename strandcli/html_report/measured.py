@@ -26,7 +26,7 @@ def of_study(study: Study, max_error: float | None, machine: Mapping[str, Any]) 
 
     missed = max_error is not None and bool(study.offered) and not study.recommended
     rows = list(csv.reader(to_csv(study).splitlines()))
-    numbers = [i for i, name in enumerate(rows[0]) if name not in ("solver", "rod.integrator")]
+    numbers = [i for i, name in enumerate(rows[0]) if name != "solver"]
     shown = [[_short(cell) for cell in row] for row in rows[1 : MOST_ROWS + 1]]
     drawing = chart(study, max_error).svg()
     return page.page(f"{study.title}: strandcli", [

@@ -35,7 +35,7 @@ def cause(solver: Any, frame: int, strand: int) -> tuple[str, str]:
     """Return the cause of a strand's divergence at a frame and a remedy, as texts."""
     scene = solver.scene
     if scene.solver != "thesis":
-        return f"the solver {scene.solver} diverged", f"{SMALLER_STEPS}, or rod.precision: double"
+        return f"the solver {scene.solver} diverged", SMALLER_STEPS
     path, name = diverging_rule(solver, frame, strand)
     if not path:
         return f"under the rules {', '.join(use.name for use in scene.rules)}", f"{SMALLER_STEPS}, or weaker ones"

@@ -52,11 +52,6 @@ def matter(rod: Rod) -> tuple[float, float, float]:
     )
 
 
-def integrator_of(scene: Scene) -> str:
-    """Return the integrator of a scene's rods, ``euler`` or ``bdf2``, where the preset leaves the choice."""
-    return "bdf2" if scene.rod.integrator == "auto" else scene.rod.integrator
-
-
 MARGIN = 0.5
 """Thicknesses beyond that of the rule contact at which pairs are looked at: a round of forces may bring them nearer."""
 

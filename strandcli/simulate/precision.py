@@ -23,11 +23,11 @@ in steps cut for coils, too. Rounding of the moments moves longer ones more: by 
 
 
 def needs_double(scene: Scene, shortest: float) -> bool:
-    """Return whether rods are solved in double precision: where the scene or its numbers ask for it. ``shortest``: of
-    all segments, metres."""
+    """Return whether rods are solved in double precision, for single would not be enough. ``shortest``: of all
+    segments, metres."""
     rod, n = scene.rod, scene.emitter.particles - 1
     unsteady = rod.rest == "sag_free" and n > STEADIEST
-    return rod.precision == "double" or unsteady or contrast(rod, n) > CONTRAST or _fall(scene) > THROW * shortest
+    return unsteady or contrast(rod, n) > CONTRAST or _fall(scene) > THROW * shortest
 
 
 def contrast(rod: Rod, n: int) -> float:

@@ -56,9 +56,9 @@ if TYPE_CHECKING:
 
 FEWEST_BY_EDGES = 12
 """Segments beyond which stretch is measured at the solver's own edges: positions in single precision do not tell."""
-TOLERANCES = {(False, False): 1.8e-3, (True, False): 1.8e-3, (False, True): 1e-10, (True, True): 1e-12}
-"""Error of |e|² at which iterations stop, as `kernels.rod_newton` measures it, for (BDF2, double precision asked for).
-Of most strands the error is far less than of the worst."""
+TOLERANCES = {False: 1.8e-3, True: 1e-12}
+"""Error of |e|² at which iterations stop, as `kernels.rod_newton` measures it; True: where double precision is asked
+for. Of most strands the error is far less than of the worst."""
 APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "contact", "collision")
 REPLACED = ("elasticity", "stiffness")
 """Rules that the solver applies, and those that it has its own form of."""
@@ -66,10 +66,11 @@ REPLACED = ("elasticity", "stiffness")
 
 class RodSolver(Solver):
     """Strands as rods, with ``state``, ``material`` and ``forcing`` as `kernels.records` describes them, in single or
-    double precision. ``mass`` (N,) is that of particles without what drag adds. Raises `UsageError` for a rule that the
-    solver does not apply."""
+    double precision: double where single would not be enough, or where ``double`` asks for it, to measure with.
+    ``mass`` (N,) is that of particles without what drag adds. Raises `UsageError` for a rule that the solver does not
+    apply."""
 
-    def __init__(self, scene: Scene, groom: Groom) -> None:
+    def __init__(self, scene: Scene, groom: Groom, double: bool = False) -> None:
         super().__init__(scene, groom)
         for use in scene.rules:
             if use.name not in APPLIED + REPLACED:
@@ -78,7 +79,7 @@ class RodSolver(Solver):
                     "take it out, or use solver: thesis"
                 )
         rod, matter = scene.rod, matter_of(scene, groom)
-        self.dtype = precision_of(scene, matter)
+        self.dtype = np.float64 if double else precision_of(scene, matter)
         self.surroundings = Surroundings(scene, self.dtype)
         self.motion = Motion(scene, groom, self.surroundings)
         self.pose = self.motion.pose(0.0)
@@ -93,13 +94,13 @@ class RodSolver(Solver):
         touching = [use.parameters for use in scene.rules if use.name == "contact"]
         self.contact = StrandContact(scene, groom, touching[0]) if touching else None
         flags = flags_of(scene, shape, self.surroundings, self.deforming is not None)
-        self.second, self.curled = flags.second, flags.curled
+        self.curled = flags.curled
         self._coil_rate = coil_rate(scene, rest, shape)
         self._swing_rate = swing_rate(scene, matter.lengths, rest.stiffness, shape, np.array(self.pose.rotation))
         self.state = state_of(self.positions, world_edges(shape, self.pose), rest, flags, self.dtype)
         self.material = material_of(matter, rest, self.dtype)
         self.forcing = forcing_of(groom, len(self.state.edges), self.dtype, flags, rod, shape.coiled)
-        self.forcing.numbers[TOLERANCE] = TOLERANCES[flags.second, rod.precision == "double"]
+        self.forcing.numbers[TOLERANCE] = TOLERANCES[double]
         self.forcing.numbers[LASTING] = self.contact is not None
         self.mass = self.material.mass.copy()
         self._gravity = tuple(self.surroundings.gravity.tolist())
@@ -198,7 +199,7 @@ class RodSolver(Solver):
             self._put_outside(time - dt)
         self.roots.deform(time, self.pose)
         self.roots.begin_frames(self.pose, pose)
-        bdf2 = self.second and dt == self._last_step and not moved.jumps
+        bdf2 = dt == self._last_step and not moved.jumps
         gust = around.gust(time, self.positions)
         if gust is not None:
             self.forcing.gust[...] = gust.reshape(-1, PACK)[: len(self.forcing.gust)]

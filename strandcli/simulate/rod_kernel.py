@@ -73,8 +73,6 @@ class StepKernel:
         if self._others:
             return _address(module_among(self._others, self._data, self._kind, crowded), "step")
         kind = "double" if self._kind == "float64" else "single"
-        if kind == "single" and not self._flags.second and not crowded:
-            return _address(rod_step, "single_euler")
         return _address(rod_step, kind + ("_crowded" if crowded else ""))
 
     def __deepcopy__(self, memo: Any) -> StepKernel:

@@ -52,7 +52,7 @@ STEP = """\
 
 @function
 def step(descriptor, worker):
-    work(np.{kind}, descriptor, worker, all_of, True, {crowded})
+    work(np.{kind}, descriptor, worker, all_of, {crowded})
 """
 
 

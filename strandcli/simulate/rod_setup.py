@@ -27,7 +27,7 @@ from .kernels.records import (
 )
 from .kernels.rod_energy import UNKNOWN
 from .kernels.rod_scratch import PACK
-from .material import coil_rates, integrator_of, matter_along, stiffness, torsion
+from .material import coil_rates, matter_along, stiffness, torsion
 from .precision import needs_double
 from .rest_shape import coiled, straight, transported, unit_edges
 from .sag_free import hold
@@ -100,7 +100,7 @@ def matter_of(scene: Scene, groom: Groom) -> Matter:
 
 
 def precision_of(scene: Scene, matter: Matter) -> Any:
-    """The floating type to compute in."""
+    """The floating type to compute in where none is asked for."""
     return np.float64 if needs_double(scene, float(matter.lengths.min())) else np.float32
 
 
@@ -122,7 +122,7 @@ def flags_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) 
     """What a step of the scene needs."""
     rules = {use.name for use in scene.rules}
     return Flags(
-        integrator_of(scene) == "bdf2", shape.curled, around.any_solids, around.segments, deforming,
+        shape.curled, around.any_solids, around.segments, deforming,
         "interaction" in rules or "contact" in rules,
     )  # fmt: skip
 
@@ -193,9 +193,9 @@ def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, flags
     return State(
         edges=rows,
         velocity=zeros(True),
-        before=zeros(flags.second),
-        ahead=zeros(flags.second),
-        moved=zeros(flags.second),
+        before=zeros(True),
+        ahead=zeros(True),
+        moved=zeros(True),
         tension=rest.tension,
         push=zeros(flags.solids),
         touching=of_strands(flags.solids),

@@ -1,4 +1,4 @@
-"""How fast strands swing, and how short steps are for that, where presets leave the integrator to the solver."""
+"""How fast strands swing, and how short steps are for that."""
 
 from __future__ import annotations
 
@@ -122,13 +122,13 @@ def frequencies(scene: Scene, lengths: Floats, stiffness: Floats, shape: Shape, 
 
 def swing_rate(scene: Scene, lengths: Floats, stiffness: Floats, shape: Shape, turn: Floats) -> float:
     """Return what a step is multiplied by to have the number of parts, rounded up, that it is cut into for swings to
-    keep their amplitude, 1/s; 0 where none asks for it, where the preset names an integrator, and of strands that do
-    not hang from their roots alone. Arguments are those of `frequencies`.
+    keep their amplitude, 1/s; 0 where none asks for it, and of strands that do not hang from their roots alone.
+    Arguments are those of `frequencies`.
 
     What drag and damping take of a swing needs no short steps: of one that they leave a share k of, steps may take
     `LOSS` / k."""
     rod = scene.rod
-    if rod.integrator != "auto" or rod.end != "free":
+    if rod.end != "free":
         return 0.0
     square, bending = frequencies(scene, lengths, stiffness, shape, turn)
     decay = (rod.drag + rod.damping * bending) / 2

@@ -28,7 +28,7 @@ from .registry import find
 
 MOVING = ("seed", "solver", "rod", "time", "emitter", "rules", "solids")
 """The settings of a scene that its motion depends on."""
-KNOBS = ("time.substeps", "rod.iterations", "rod.integrator", "emitter.particles")
+KNOBS = ("time.substeps", "rod.iterations", "emitter.particles")
 """The knobs that are turned, unless the user has set them."""
 
 

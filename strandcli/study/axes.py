@@ -12,7 +12,6 @@ from typing import Any, Protocol
 
 from ..errors import UsageError
 from ..scene.model import Scene
-from ..simulate.material import integrator_of
 from .points import Knobs, Point
 
 Notify = Callable[[str], None]
@@ -39,7 +38,6 @@ class Request:
     substeps: tuple[int, ...] | None = None
     iterations: tuple[int, ...] | None = None
     particles: tuple[int, ...] | None = None
-    integrators: tuple[str, ...] | None = None
     cells: tuple[float, ...] | None = None
     """Of the rule interaction, metres."""
     guides: tuple[int, ...] | None = None
@@ -58,7 +56,6 @@ def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:
     knobs: dict[str, tuple[str, Any]] = {
         "time.substeps": ("substeps", scene.time.substeps),
         "rod.iterations": ("iterations", scene.rod.iterations),
-        "rod.integrator": ("integrators", integrator_of(scene)),
         "emitter.particles": ("particles", scene.emitter.particles),
     }
     return {name: (value,) for path, (name, value) in knobs.items() if path in set(paths)}

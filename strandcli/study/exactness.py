@@ -50,7 +50,7 @@ class Exactness:
         return {}
 
     def settings(self) -> list[dict[str, Any]]:
-        """Steps, particles, and iterations or integrators where a solver has them."""
+        """Steps, particles, and iterations where a solver has them."""
         request, reference = self.request, self.reference
         particles = request.particles if request.particles and len(reference.particles) > 1 else reference.particles
         out: list[dict[str, Any]] = []
@@ -59,8 +59,6 @@ class Exactness:
             if request.substeps:
                 steps = tuple(FRAME / count for count in request.substeps)
             choices: dict[str, Any] = {"solver": (one.name,), "emitter.particles": particles}
-            if one.integrators and reference.moving:
-                choices["rod.integrator"] = request.integrators or one.integrators
             if one.iterations:  # a motion in small steps asks for few: the most will do
                 usual = one.iterations[-1:] if reference.moving else one.iterations
                 choices["rod.iterations"] = request.iterations or usual
@@ -103,7 +101,7 @@ def scene_of(case: Case, contestant: Contestant, knobs: Knobs) -> Scene:
 AXIS = Axis(
     name="reference",
     doc="solvers against exact solutions",
-    knobs=("solver", "dt", "emitter.particles", "rod.iterations", "rod.integrator"),
+    knobs=("solver", "dt", "emitter.particles", "rod.iterations"),
     metric="each reference's own",
     of_preset=False,
     open=Exactness,

@@ -37,11 +37,8 @@ class Point:
 
     @property
     def line(self) -> str:
-        """The solver, with its integrator where there is a choice: points that lie on one line of the chart."""
-        if self.series:
-            return self.series
-        integrator = self.knobs.get("rod.integrator")
-        return self.solver if integrator is None else f"{self.solver} {integrator}"
+        """What points that lie on one line of the chart have in common."""
+        return self.series or self.solver
 
 
 def pareto(costs: Sequence[float], errors: Sequence[float | None]) -> list[bool]:
@@ -142,16 +139,15 @@ def grid(choices: Mapping[str, Sequence[Hashable]]) -> list[dict[str, Any]]:
 
 
 def described(knobs: Knobs) -> str:
-    """A setting in a few words, such as "rod bdf2, 16 particles, 8 substeps"."""
-    who = [str(knobs[name]) for name in ("solver", "rod.integrator") if name in knobs]
-    words = [" ".join(who)] if who else []
+    """A setting in a few words, such as "rod, 16 particles, 8 substeps"."""
+    words = [str(knobs["solver"])] if "solver" in knobs else []
     for path, value in knobs.items():
         name = path.rpartition(".")[2]
         if path == "dt":
             words.append(f"steps of {value:.3g} s")
         elif path in COUNTED:
             words.append(f"{value} {name}")
-        elif path not in ("solver", "rod.integrator"):
+        elif path != "solver":
             words.append(f"{name} {value}")
     return ", ".join(words)
 

@@ -15,7 +15,6 @@ HEADS = {
     "emitter.particles": "particles",
     "time.substeps": "substeps",
     "rod.iterations": "iterations",
-    "rod.integrator": "integrator",
     "dt": "step",
     "emitter.strands": "guides",
     "children.count": "each for",

@@ -257,7 +257,7 @@ def test_what_does_not_go_together_is_told(settings: dict[str, Any], words: str,
 def test_motion_of_guides_is_studied_and_pictures_are_not(tmp_path: Path) -> None:
     """Guides have as many particles as a study asks for; fewer of them are simulated where fewer are asked for."""
     given = moving(write(tmp_path / "a.data", hanging([8] * 20)))
-    wishes: dict[str, Any] = {"solvers": ("rod",), "substeps": (1, 2), "integrators": ("bdf2",), "span": 0.1}
+    wishes: dict[str, Any] = {"solvers": ("rod",), "substeps": (1, 2), "iterations": (200,), "span": 0.1}
     study = sweep.run(find("motion"), Request(given, "a", strands=5, particles=(4, 7), **wishes))
     errors = {(p.knobs["emitter.particles"], p.knobs["time.substeps"]): p.error["median"] for p in study.points[:4]}
     assert set(errors) == {(4, 1), (4, 2), (7, 1), (7, 2)}

@@ -124,8 +124,7 @@ def test_presets_go_on_to_the_bit(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("more", [
     {},
     {"time.loop": True},
-    {**ROD, "rod.integrator": "bdf2"},
-    {**ROD, "rod.precision": "double"},
+    {**ROD, "rod.rest": "straight", "rod.tip": 0.05},
     {**ROD, "rod.rest": "sag_free", "time.substeps": 2},
     {**ROD, "solids.0.keys": KEYS, "solids.3.follow": "emitter", "rod.rest": "straight"},
     {**ROD, "rules": ["emitter_motion", {"wind": {"gust": 1, "wavelength": 2}}, "collision"]},

@@ -105,14 +105,13 @@ def close_tips(x: NDArray[Any]) -> int:
     return int((apart[np.triu_indices(len(tips), 1)] < 0.00075).sum())
 
 
-@pytest.mark.parametrize(("integrator", "share"), [("euler", 0.0), ("bdf2", 2e-3)])
-def test_contact_without_friction_adds_no_energy(integrator: str, share: float) -> None:
+def test_contact_without_friction_adds_no_energy() -> None:
     """Two crossed strands, one of which falls on the other: kinetic and potential energy, and that of bending, never
-    grow above the least so far by more than a share of gL. BDF2, which does not damp, leaves a wave of
+    grow above the least so far by more than .002 of gL. BDF2, which does not damp, leaves a wave of
     .0009 of it at 24 steps a second; at others and of other stiffness up to .0055."""
     groom = strands([[-0.1, -0.02, 0], [0, 0.05, -0.5]], [[1, 0, 0], [0, 0, 1]], [0.2, 1])
     text = CROSS.format(young="5.0e+9") + RULE.format(d=0.01).replace("friction: 0.5", "friction: 0")
-    solver = solver_of(text.replace("rod: {", f"rod: {{integrator: {integrator}, "), groom)
+    solver = solver_of(text, groom)
     lengths = groom.lengths.astype(float) / 10
     stiffness = solver.material.stiffness[0, :2].astype(float)
 
@@ -133,7 +132,7 @@ def test_contact_without_friction_adds_no_energy(integrator: str, share: float) 
         solver.advance(frame)
         touched = touched or bool(solver.state.crowd.any())
         now = energy()
-        assert now <= past + share * 9.81
+        assert now <= past + 2e-3 * 9.81
         past = min(past, now)
     assert touched
 

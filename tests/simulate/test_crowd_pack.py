@@ -12,17 +12,17 @@ from tests.simulate.test_crowd import BALL, solver_of
 
 
 @pytest.mark.parametrize(
-    ("precision", "cell"), [("single", 0.03), ("single", 0.1), pytest.param("double", 0.1, marks=pytest.mark.long)]
+    ("double", "cell"), [(False, 0.03), (False, 0.1), pytest.param(True, 0.1, marks=pytest.mark.long)]
 )
-def test_they_are_those_of_all_packs_at_once(precision: str, cell: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_they_are_those_of_all_packs_at_once(double: bool, cell: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each of which finds its nodes anew; with samples of several segments too, and where the emitter jumps."""
     keys = "[{time: 0.042}, {time: 0.09, position: [0.1, 0, 0]}, {time: 0.12, position: [9, 0, 0]}]"
     text = (
-        f"emitter: {{{BALL}, strands: 900, keys: {keys}}}\nrod: {{precision: {precision}}}\n"
+        f"emitter: {{{BALL}, strands: 900, keys: {keys}}}\n"
         "solids: [{kind: sphere, radius: 0.1, follow: emitter}]\nrules: [emitter_motion, gravity, "
         f"wind: {{strength: 1}}, collision, interaction: {{friction: 0.3, cell: {cell}, density: 3000}}]"
     )
-    packs, at_once = solver_of(text), solver_of(text)
+    packs, at_once = (solver_of(text, double=double) for _ in range(2))
     assert at_once.crowd is not None
     assert (len(at_once.crowd.samples.first) < 5) == (cell > 0.03)
     packs.advance(4)

@@ -25,7 +25,7 @@ FALLING = (
     "rules: [emitter_motion, gravity, wind: {strength: 3}, collision, interaction: {cell: 0.03, density: 8000}%s]"
 )
 BRISTLES = (
-    "rod: {radius: 4.0e-4, young: 1.2e+9, integrator: %s}\ntime: {fps: 24}\n"
+    "rod: {radius: 4.0e-4, young: 1.2e+9}\ntime: {fps: 24}\n"
     "emitter: {shape: {kind: disc, radius: 0.01}, strands: 40, particles: 7, length: 0.1, jitter: 12}\n"
     "rules: [gravity: {acceleration: [9.81, 0, 3]}, contact: {thickness: 0.001}]"
 )
@@ -96,10 +96,9 @@ def test_wind_solids_and_roots_are_not_among_it(rules: str) -> None:
     assert np.linalg.norm(solver.crowd.given) > 0.01 * solver.crowd.momentum()[1]
 
 
-@pytest.mark.parametrize("integrator", ["euler", "bdf2"])
-def test_what_a_strand_gets_by_contact_another_loses(integrator: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_a_strand_gets_by_contact_another_loses(monkeypatch: pytest.MonkeyPatch) -> None:
     """Impacts among it, and strands that go by Euler's method beside others; not so where one gets less."""
-    solver = solver_of(BRISTLES % integrator)
+    solver = solver_of(BRISTLES)
     found = lost(solver, 6)
     assert solver.contact is not None
     assert solver.contact.handed[3] > 0
@@ -111,7 +110,7 @@ def test_what_a_strand_gets_by_contact_another_loses(integrator: str, monkeypatc
         solver.state.crowd[solver.state.crowd > 0] *= 0.9
 
     monkeypatch.setattr(Forces, "load", weak)
-    assert max(lost(solver_of(BRISTLES % integrator), 6)) > 1e-4
+    assert max(lost(solver_of(BRISTLES), 6)) > 1e-4
 
 
 def test_a_frame_has_its_own_steps_alone() -> None:

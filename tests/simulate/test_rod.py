@@ -214,9 +214,7 @@ def test_rules_of_other_packages_are_refused_by_name() -> None:
 
 
 def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = scene(
-        1e3, **{"emitter.strands": 64, "emitter.jitter": 60.0, "emitter.particles": 200, "rod.integrator": "euler"}
-    )
+    one = scene(1e3, **{"emitter.strands": 64, "emitter.jitter": 60.0, "emitter.particles": 200})
 
     def fallen() -> tuple[np.ndarray, float]:
         solver = RodSolver(one, emit(one.emitter, one.seed))
@@ -229,9 +227,9 @@ def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch
 
     films, left = fallen()
     # | |e| − 1 | is half of | |e|² − 1 |; single edges may be off by more, by their share of 199 and not of 32
-    bound = rod_solver.TOLERANCES[False, False] / 2
+    bound = rod_solver.TOLERANCES[False] / 2
     assert bound < left <= 1.01 * bound * 199 / 32
-    monkeypatch.setitem(rod_solver.TOLERANCES, (False, False), 1e-7)
+    monkeypatch.setitem(rod_solver.TOLERANCES, False, 1e-7)
     exact, left = fallen()
     assert left < 1e-6
     off = np.linalg.norm(films - exact, axis=3).max(2)  # of a metre, which strands are long
@@ -239,23 +237,7 @@ def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch
     assert off.mean() < 6e-5
 
 
-def test_the_kernel_of_eulers_method_alone_moves_strands_to_the_bits_of_the_one_that_has_both() -> None:
-    """Curled ones among solids, so that every part of the step is there."""
-    given = scene(
-        3.0, **{"rod.integrator": "euler", "emitter.curl_turns": 2.0, "emitter.strands": 20, "emitter.jitter": 40.0},
-        rules=[{"gravity": {}}, {"collision": {}}], solids=[{"kind": "sphere", "radius": 0.4}],
-    )  # fmt: skip
-    found = []
-    for second in (False, True):
-        solver = RodSolver(given, groom_of(given))
-        assert not solver.kernel._flags.second
-        solver.kernel._flags = solver.kernel._flags._replace(second=second)
-        solver.advance(12)
-        found.append(solver.particles())
-    np.testing.assert_array_equal(*found)
-
-
-@pytest.mark.parametrize("step", [rod_step.single, rod_step.double, rod_step.single_euler])
+@pytest.mark.parametrize("step", [rod_step.single, rod_step.double])
 def test_the_compiled_step_can_be_kept_in_the_cache(step: Any) -> None:
     """Machine code that holds addresses of this process is compiled anew by every run."""
     work_queue.address(step)

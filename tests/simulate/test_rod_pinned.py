@@ -18,19 +18,18 @@ from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
 from strandcli.study.references import catenary
 
 
-def hanging(particles: int, integrator: str) -> float:
+def hanging(particles: int) -> float:
     """Greatest distance from the catenary, as a share of the length."""
     case = catenary.case(particles)
-    scene = reference_scene(case, CONTESTANTS["rod"], {"rod.integrator": integrator})
+    scene = reference_scene(case, CONTESTANTS["rod"], {})
     track, _ = follow(lambda: prepare(CONTESTANTS["rod"], scene, case), 1 / 24, 10.0, False)
     error = catenary.measure(track)["shape"]
     assert error is not None
     return error
 
 
-@pytest.mark.parametrize("integrator", ["euler", "bdf2"])
-def test_a_limp_strand_between_two_points_is_a_catenary(integrator: str) -> None:
-    coarse, fine = hanging(7, integrator), hanging(21, integrator)
+def test_a_limp_strand_between_two_points_is_a_catenary() -> None:
+    coarse, fine = hanging(7), hanging(21)
     assert fine < 6e-4
     assert math.log(coarse / fine) / math.log(20 / 6) > 1.8
 
@@ -52,10 +51,9 @@ def tips(solver: RodSolver) -> np.ndarray:
     return away @ np.array(solver.pose.rotation)
 
 
-@pytest.mark.parametrize("integrator", ["euler", "bdf2"])
-def test_tips_among_strands_that_interact_stay_there_too(integrator: str) -> None:
+def test_tips_among_strands_that_interact_stay_there_too() -> None:
     """Whatever the grid does to the rest of the strand, and whichever method it takes for that."""
-    solver = slack(f"integrator: {integrator}", rule="gravity, interaction: {cell: 0.02, density: 200, friction: 0.5}")
+    solver = slack(rule="gravity, interaction: {cell: 0.02, density: 200, friction: 0.5}")
     start = tips(solver)
     jolted = False
     for frame in range(2, 30):
@@ -66,7 +64,7 @@ def test_tips_among_strands_that_interact_stay_there_too(integrator: str) -> Non
     assert solver.errors(29)["density_max"] > 1
 
 
-@pytest.mark.parametrize("more", ["integrator: euler", "integrator: bdf2", "drag: 30"])
+@pytest.mark.parametrize("more", ["", "drag: 30"])
 def test_tips_stay_where_the_emitter_carries_them(more: str) -> None:
     solver, free = slack(more), slack(more, "free")
     start = tips(solver)

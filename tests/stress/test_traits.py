@@ -16,7 +16,7 @@ from strandcli.study.stress.task import Task
 
 PINNED = {
     "dt": "60Hz", "B": "1", "gamma": "10", "wind": "calm", "emitter": "still", "contact": "none", "n": "10",
-    "start": "straight", "integrator": "auto", "root": "clamped", "torsion": "none", "between": "none",
+    "start": "straight", "root": "clamped", "torsion": "none", "between": "none",
     "rest": "straight", "end": "pinned",
 }  # fmt: skip
 

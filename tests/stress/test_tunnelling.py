@@ -10,7 +10,7 @@ from strandcli.study.stress import checks, run, tunnelling, verdicts
 from strandcli.study.stress.crossing import linking, passed
 
 FAST = {
-    "speed": "200", "dt": "24Hz", "thickness": "0.2mm", "n": "10", "friction": "0.3", "integrator": "bdf2",
+    "speed": "200", "dt": "24Hz", "thickness": "0.2mm", "n": "10", "friction": "0.3",
     "young": "1e6", "twist": "none",
 }  # fmt: skip
 

@@ -154,7 +154,6 @@ def test_references_of_the_foil(run: Runner) -> None:
         (["still.yaml", "--substeps", "1,x"], "'x' is not a whole number"),
         (["still.yaml", "--particles", "1"], "from 2 to"),
         (["still.yaml", "--iterations", "1001"], "from 1 to 1000"),
-        (["still.yaml", "--integrators", "rk4"], "they are auto, euler and bdf2"),
         (["still.yaml", "--dt", "0"], "not a step"),
         (["still.yaml", "--dt", "-1/24"], "not a step"),
         (["still.yaml", "--dt", "1/0"], "not a step"),

@@ -105,16 +105,6 @@ def test_orders_are_fitted_with_all_else_at_its_best() -> None:
     assert only["order"] == pytest.approx(1.5)
 
 
-def test_integrators_are_lines_of_their_own() -> None:
-    points = [
-        made("rod", 9, dt, dt**power, **{"rod.integrator": name})
-        for name, power in (("euler", 1), ("bdf2", 2))
-        for dt in (4e-3, 2e-3, 1e-3)
-    ]
-    found = {one["line"]: one["order"] for one in orders(points, "e")}
-    assert found == {"rod euler": pytest.approx(1), "rod bdf2": pytest.approx(2)}
-
-
 @given(st.floats(0.6, 2.0), st.floats(1e-6, 1))
 def test_the_distance_to_the_limit_is_covered(power: float, size: float) -> None:
     """Runs at 4 h, 2 h and h whose distance from the limit is size · h ** power."""

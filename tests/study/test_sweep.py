@@ -90,7 +90,6 @@ def test_knobs_can_be_chosen() -> None:
         {"solver": "rod", "emitter.particles": n, "rod.iterations": 3, "dt": 1 / 48} for n in (8, 9)
     ]
     moving = Exactness(axes.Request(name="pendulum", solvers=("rod",), steps=(0.01,), particles=(30,)))
-    assert {knobs["rod.integrator"] for knobs in moving.settings()} == {"euler", "bdf2"}
     assert {knobs["emitter.particles"] for knobs in moving.settings()} == {2}
 
 
@@ -124,19 +123,18 @@ def test_the_limit_is_sought_twice_as_fine_as_all_that_is_tried() -> None:
     assert opened.frames[-1] == 6
 
 
-def test_iterations_are_turned_for_the_own_integrator_alone() -> None:
+def test_iterations_are_few_and_as_many_as_the_preset_allows() -> None:
     opened = motion(solvers=("rod",), substeps=(1, 2), particles=(5,))
-    found = [(one["rod.integrator"], one["rod.iterations"], one["time.substeps"]) for one in opened.settings()]
-    assert found == [(name, 200, n) for name in ("euler", "bdf2") for n in (1, 2)] + [("bdf2", 2, n) for n in (1, 2)]
-    finest = opened.finer(opened.contestants[0])[-1]
-    assert (finest["rod.integrator"], finest["rod.iterations"]) == ("bdf2", 400)
+    found = [(one["rod.iterations"], one["time.substeps"]) for one in opened.settings()]
+    assert found == [(2, 1), (2, 2), (200, 1), (200, 2)]
+    assert opened.finer(opened.contestants[0])[-1]["rod.iterations"] == 400
     own = Motion(axes.Request(scene=with_knobs(opened.scene, {"rod.iterations": 700}), solvers=("rod",)))
     assert {one["rod.iterations"] for one in own.settings()} == {2, 700}
     finest = own.finer(own.contestants[0])[-1]
     assert validate_iterations(finest["rod.iterations"]) == 1000
-    kept = motion(solvers=("rod",), integrators=("euler",), iterations=(3,))
-    assert {(one["rod.integrator"], one["rod.iterations"]) for one in kept.settings()} == {("euler", 3)}
-    assert axes.settled(opened.scene, ["rod.integrator", "wind.strength"]) == {"integrators": ("bdf2",)}
+    kept = motion(solvers=("rod",), iterations=(3,))
+    assert {one["rod.iterations"] for one in kept.settings()} == {3}
+    assert axes.settled(opened.scene, ["rod.iterations", "wind.strength"]) == {"iterations": (200,)}
 
 
 def test_rods_bend_within_a_length_that_segments_should_not_exceed() -> None:

@@ -45,10 +45,4 @@ class Rod:
     drag: float = number(1.0, low=0, high=1e6, unit="1/s", doc="rate at which strands take on the velocity of the air")
     damping: float = number(0.001, low=0, high=1e3, unit="s", doc="inner damping: bending moment a rate of bending")
     friction: float = number(0.3, low=0, high=10, doc="Coulomb's coefficient against solids")
-    integrator: str = choice(
-        "auto", ("auto", "bdf2", "euler"),
-        doc="bdf2: second order, strands that swing freely keep at it; euler: first order, calms motion down; "
-        "auto: bdf2, in shorter steps where a swing that the film shows would lose more than 3 % a cycle",
-    )  # fmt: skip
     iterations: int = integer(200, low=1, high=1000, doc="Newton iterations a step at the most; two are usual")
-    precision: str = choice("single", ("single", "double"), doc="of the solver's numbers")

@@ -160,7 +160,7 @@ class StrandContact:
         """Begin a step of ``dt`` seconds with velocities that the grid of strands that interact has changed, and those
         of the steps before, so that BDF2 goes on without the change. The kernel has `State.crowd` for contact then."""
         change = state.crowd.dtype.type(dt) * state.crowd
-        for one in (state.velocity, state.before, state.ahead) if solver.second else (state.velocity,):
+        for one in (state.velocity, state.before, state.ahead):
             one += change
 
     def _load(self, held: Contacts, forces: Floats, solver: Any) -> None:

@@ -110,7 +110,7 @@ class Forces:
         square, reach, gain = np.full(count, h * g), np.full(count, h * g / dt**2), np.full(count, dt**2 / (h * g))
         euler = np.zeros(count, bool)
         for marks in (solver.state.touching, solver.state.jolted):
-            if solver.second and len(marks) == len(solver.state.edges):  # arrays that a scene does not need are empty
+            if len(marks) == len(solver.state.edges):  # arrays that a scene does not need are empty
                 euler |= self.emitted(marks[:, None])[:, 0, 0] > 0
         square[euler], reach[euler], gain[euler] = dt * dt * mass, mass, 1
         return Method(euler, square, reach, gain)

@@ -72,7 +72,7 @@ class Impacts:
         by ``moves`` (S, N, 3) metres."""
         self.past = self._now
         state, numbers = solver.state, solver.forcing.numbers
-        if not (solver.second and numbers[MOVED] > 0 and moves.any()):  # Euler's method makes c / Δt of itself
+        if not (numbers[MOVED] > 0 and moves.any()):  # Euler's method makes c / Δt of itself
             return
         rate, own = 1 / float(numbers[STEP]), 1 / dt
         rows = self._groom.placed(moves)

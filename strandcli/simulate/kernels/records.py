@@ -40,11 +40,11 @@ class State(NamedTuple):
     velocity: Any
     """(P, N, 3 S) of particles, m/s."""
     before: Any
-    """(P, N, 3 S) velocity one step before, m/s; needed by BDF2."""
+    """(P, N, 3 S) velocity one step before, m/s."""
     ahead: Any
-    """(P, N, 3 S) velocity extrapolated from the last three, m/s; needed by BDF2."""
+    """(P, N, 3 S) velocity extrapolated from the last three, m/s."""
     moved: Any
-    """(P, N, 3 S) last displacement, metres; needed by BDF2."""
+    """(P, N, 3 S) last displacement, metres."""
     tension: Any
     """(P, N, S) force densities of the last step over h², 1/s²."""
     push: Any
@@ -112,13 +112,10 @@ class Forcing(NamedTuple):
 
 
 class Flags(NamedTuple):
-    """What a scene needs. Tested at run time, for each variant of the kernel takes seconds to compile; but those
-    after ``deforming``, which are True, or None that leaves what they need out of a kernel, and ``second``. Without
-    ``crowded`` a step takes a fourteenth less; without ``second`` the kernel of Euler's method is smaller, which
-    counts where it has to come back into the caches, as from frame to frame."""
+    """What a scene needs. Tested at run time, for each variant of the kernel takes seconds to compile; but for
+    ``crowded``, which is True, or None that leaves what it needs out of a kernel: a step takes a fourteenth less
+    then."""
 
-    second: Any
-    """Whether the state has what BDF2 needs; in kernels None where it is left out."""
     curled: Any
     """Whether rest shapes are curved."""
     solids: Any
@@ -153,8 +150,6 @@ class Scheme(NamedTuple):
 
     share: Any
     """Of the last displacement that goes on, 1/3 for BDF2."""
-    second: Any
-    """Whether the state has what BDF2 needs, to be written for the next step."""
     pressed: Any
     """Whether solids press some strand of the vector."""
     mixed: Any
@@ -164,7 +159,7 @@ class Scheme(NamedTuple):
     duration: Any
     """Of the step, seconds."""
     led: Any
-    """Whether rest shapes are those of edges to which motion leads (`rod_lead`); None without BDF2."""
+    """Whether rest shapes are those of edges to which motion leads (`rod_lead`)."""
     curled: Any
     """Whether rest shapes are curved, and forces keep edges where motion leads them (`rod_tension.firm_force`)."""
 

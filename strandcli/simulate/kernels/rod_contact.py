@@ -27,7 +27,7 @@ WHOLE_ROUNDS = 24
 def pressed_by(scheme, pressed):
     """A `Scheme` with ``pressed``."""
     return Scheme(
-        scheme.share, scheme.second, pressed, scheme.mixed, scheme.crowded, scheme.duration, scheme.led,
+        scheme.share, pressed, scheme.mixed, scheme.crowded, scheme.duration, scheme.led,
         scheme.curled,
     )  # fmt: skip
 

@@ -16,10 +16,10 @@ from .rod_scratch import PACK
 # columns of a descriptor after those of the work queue: numbers, what `call_beside` takes, an address for each array,
 # and solids: addresses of the four kinds, their sizes, and where there are any, address, size and columns of solids
 # without kernels of their own, and the address and shape of each array of their data
-SEGMENTS, ITERATIONS, SECOND, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 9)
-SETTLED = 5
+SEGMENTS, ITERATIONS, CURLED, ANY_SOLIDS, WHOLE, DEFORMING = range(2, 8)
+SETTLED = 4
 """Flags that are tested at run time."""
-SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, CROWD, CROWD_BYTES, STATE = range(9, 17)
+SCRATCH, SCRATCH_BYTES, BEFORE, AFTER, BESIDE, CROWD, CROWD_BYTES, STATE = range(8, 16)
 MATERIAL = STATE + len(State._fields)
 FORCING = MATERIAL + len(Material._fields)
 SOLIDS = FORCING + len(Forcing._fields)
@@ -90,19 +90,11 @@ def forcing_of(kind, descriptor):
 
 
 @device
-def second_of(descriptor, second):
-    """Whether steps are BDF2's; None where ``second`` is, which leaves that out."""
-    if second is None:
-        return None
-    return descriptor[SECOND] != 0
-
-
-@device
-def flags_of(descriptor, second, crowded):
-    """`Flags` as booleans but for those that are as they are given, and ``second``, which may be None."""
+def flags_of(descriptor, crowded):
+    """`Flags` as booleans, ``crowded`` as it is given."""
     return Flags(
-        second_of(descriptor, second), descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0,
-        descriptor[DEFORMING] != 0, crowded,
+        descriptor[CURLED] != 0, descriptor[ANY_SOLIDS] != 0, descriptor[WHOLE] != 0, descriptor[DEFORMING] != 0,
+        crowded,
     )  # fmt: skip
 
 

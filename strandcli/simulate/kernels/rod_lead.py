@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load, load3, sqrt, where
-from .records import MOVED
 from .rod_frames import NEARLY
 from .rod_scratch import AXES, INVERSE_LENGTH, MOVED_SHARE, PACK, ROOT_SHIFT
 from .rod_tension import TINY
@@ -19,14 +18,6 @@ GREATEST_TURN = 1.0
 LEAD = 0.8
 """Share of the way to the edges by which rests are set that follows velocities, not the last step. By velocities alone
 motion keeps its amplitude best, but curls gain energy; with half of it they lose twice as much."""
-
-
-@device
-def led_of(second, curled, numbers):
-    """`Scheme.led`."""
-    if second is None:
-        return None
-    return curled and numbers[MOVED] > 0
 
 
 @device

@@ -57,13 +57,13 @@ def copy3(s, o, rows, place, stride):
 def make(s, at, next_pack, state, material, forcing, scheme, contact, iterations, lost):
     """Make the step anew in the lanes that are ``lost``, after `keep` and a sweep of the step as a whole."""
     pinned, goal = rod_pinned.pinned(material.mass, at.segments), load3(s, kept(at.segments, 0) + WAY, 1)
-    begin_anew(s, at, state, scheme, lost)
+    begin_anew(s, at, state, lost)
     touching, residual = load(state.touching, at.strand), load(state.residuals, at.strand)
     part, rate = scheme.duration / PARTS, 1.0 / scheme.duration
     root = load3(s, ROOT_SHIFT, 1)
     root = rate * root[0], rate * root[1], rate * root[2]
     store3(s, ROOT_SHIFT, 1, 0.0, 0.0, 0.0)
-    own = Scheme(scheme.share, scheme.second, True, True, scheme.crowded, part, scheme.led, scheme.curled)
+    own = Scheme(scheme.share, True, True, scheme.crowded, part, scheme.led, scheme.curled)
     set_coefficients(s, at, material, forcing, own, root)
     add_velocity(state, at, root, -1.0)
     most = broadcast(s, 0.0)
@@ -81,7 +81,7 @@ def make(s, at, next_pack, state, material, forcing, scheme, contact, iterations
         most = max(most, worst)
         rod_sweep.sweep(s, at, next_pack, state, material, forcing.numbers, own, met)
     add_velocity(state, at, root, 1.0)
-    end(s, at, state, scheme, lost)
+    end(s, at, state, lost)
     store(state.touching, at.strand, where(lost, broadcast(s, CHANGED), touching))
     store(state.residuals, at.strand, where(lost, rod_contact.residual_of(most), residual))
 
@@ -110,7 +110,7 @@ def add_velocity(state, at, velocity, factor):
 
 
 @device
-def begin_anew(s, at, state, scheme, lost):
+def begin_anew(s, at, state, lost):
     """Have the ``lost`` lanes begin the step anew, without forces of contact, and keep what the others end it with."""
     for j in range(at.segments):
         o, row = kept(at.segments, j), at.edge + j * AXES
@@ -122,14 +122,13 @@ def begin_anew(s, at, state, scheme, lost):
         for c in range(3):
             p = row + c * PACK
             store(state.push, p, where(lost, 0.0, load(state.push, p)))
-        if scheme.second:
-            copy3(s, o + BEFORE, state.before, row, PACK)
-            copy3(s, o + AHEAD, state.ahead, row, PACK)
-            copy3(s, o + WAY, state.moved, row, PACK)
+        copy3(s, o + BEFORE, state.before, row, PACK)
+        copy3(s, o + AHEAD, state.ahead, row, PACK)
+        copy3(s, o + WAY, state.moved, row, PACK)
 
 
 @device
-def end(s, at, state, scheme, lost):
+def end(s, at, state, lost):
     """Have all lanes but the ``lost`` ones end the step as they have before."""
     for j in range(at.segments):
         o, row = kept(at.segments, j), at.edge + j * AXES
@@ -138,10 +137,9 @@ def end(s, at, state, scheme, lost):
         exchange(s, o + SPEED, state.velocity, row, PACK, 3, ~lost)
         exchange(s, o + PULL, state.tension, at.tension + j * PACK, 1, 1, ~lost)
         exchange(s, o + PUSH, state.push, row, PACK, 3, ~lost)
-        if scheme.second:
-            exchange(s, o + BEFORE, state.before, row, PACK, 3, ~lost)
-            exchange(s, o + AHEAD, state.ahead, row, PACK, 3, ~lost)
-            exchange(s, o + WAY, state.moved, row, PACK, 3, ~lost)
+        exchange(s, o + BEFORE, state.before, row, PACK, 3, ~lost)
+        exchange(s, o + AHEAD, state.ahead, row, PACK, 3, ~lost)
+        exchange(s, o + WAY, state.moved, row, PACK, 3, ~lost)
 
 
 @inlined

@@ -48,7 +48,7 @@ def set_coefficients(s, at, state, material, forcing, scheme):
     numbers = forcing.numbers
     h, g = numbers[STEP], numbers[VELOCITY_STEP]
     mass = 1 + numbers[DRAG] * g  # that `Material.mass` has been multiplied by
-    if scheme.second and scheme.mixed and scheme.share > 0:
+    if scheme.mixed and scheme.share > 0:
         calm = disturbed(s, state, at.strand, scheme.crowded, scheme.pressed, scheme.curled, numbers) > 0.0
         step = where(calm, broadcast(s, scheme.duration), h)
         velocity_step = where(calm, broadcast(s, scheme.duration), g)
@@ -173,14 +173,9 @@ def predict(s, row, state, scheme):
     before has left (`rod_sweep.update_velocity`).
     """
     # computed anew where it is needed: to keep it would cost more, by the room that it takes in the scratch
-    if scheme.second or scheme.crowded:
-        x = predict_along(s, row, 0, state, scheme)
-        y = predict_along(s, row, 1, state, scheme)
-        z = predict_along(s, row, 2, state, scheme)
-    else:
-        x = predict_alone(s, row, 0, state)
-        y = predict_alone(s, row, 1, state)
-        z = predict_alone(s, row, 2, state)
+    x = predict_along(s, row, 0, state, scheme)
+    y = predict_along(s, row, 1, state, scheme)
+    z = predict_along(s, row, 2, state, scheme)
     if scheme.pressed:
         px, py, pz = load3(state.push, row, PACK)
         scale = load(s, ACCELERATION_SCALE)
@@ -191,20 +186,13 @@ def predict(s, row, state, scheme):
 
 
 @inlined
-def predict_alone(s, row, c, state):
-    """Coordinate c of the free displacement by Euler's method, where strands do not interact."""
-    u = load(s, VELOCITY_SCALE) * (load(state.velocity, row + c * PACK) + load(s, ADDED_VELOCITY + c))
-    return min(max(u, -FARTHEST), FARTHEST)
-
-
-@inlined
 def predict_along(s, row, c, state, scheme):
-    """Coordinate c of the free displacement by either method, among strands that interact too."""
+    """Coordinate c of the free displacement, by the method of the step or of its lane."""
     place = row + c * PACK
     scale, added = load(s, VELOCITY_SCALE), load(s, ADDED_VELOCITY + c)
     if scheme.crowded:
         added += load(s, CROWD_STEP) * load(state.crowd, place)
-    if scheme.second and scheme.share > 0:
+    if scheme.share > 0:
         v = load(state.ahead, place)
         if scheme.mixed:
             v = where(load(s, MOVED_SHARE) > 0.0, v, load(state.velocity, place))

@@ -26,7 +26,6 @@ from . import (
     rod_curl,
     rod_descent,
     rod_energy,
-    rod_lead,
     rod_newton,
     rod_parts,
     rod_start,
@@ -67,41 +66,35 @@ from .work_queue import TASKS, call_beside, take
 @function
 def single(descriptor, worker):
     """Run the step in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True, None)
-
-
-@function
-def single_euler(descriptor, worker):
-    """Run the step of Euler's method alone in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, None, None)
+    work(np.float32, descriptor, worker, solids_of, None)
 
 
 @function
 def double(descriptor, worker):
     """Run the step in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True, None)
+    work(np.float64, descriptor, worker, solids_of, None)
 
 
 @function
 def single_crowded(descriptor, worker):
     """Run the step of strands that interact in single precision, as one of the threads."""
-    work(np.float32, descriptor, worker, solids_of, True, True)
+    work(np.float32, descriptor, worker, solids_of, True)
 
 
 @function
 def double_crowded(descriptor, worker):
     """Run the step of strands that interact in double precision, as one of the threads."""
-    work(np.float64, descriptor, worker, solids_of, True, True)
+    work(np.float64, descriptor, worker, solids_of, True)
 
 
 @inlined  # machine code that hands on a function's address could not be kept in the cache
-def work(kind, descriptor, worker, solids_of, second, crowded):
+def work(kind, descriptor, worker, solids_of, crowded):
     """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
-    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``second`` and
-    ``crowded``: as in `Flags`, None compiles nothing of it."""
+    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``crowded``: as
+    in `Flags`, None compiles nothing of it."""
     scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
     state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
-    flags, solids = flags_of(descriptor, second, crowded), solids_of(kind, descriptor)
+    flags, solids = flags_of(descriptor, crowded), solids_of(kind, descriptor)
     pack, segments = take(descriptor), descriptor[SEGMENTS]
     while pack < descriptor[TASKS]:
         next_pack = take(descriptor)
@@ -138,13 +131,13 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         )
         place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
-        led = rod_lead.led_of(flags.second, flags.curled, numbers)
+        led = flags.curled and numbers[MOVED] > 0
         disturbs = rod_start.disturbs(scratch, state, strand, flags.crowded, touched, flags.curled, numbers)
         scheme = Scheme(
-            numbers[MOVED], flags.second, touched, disturbs, flags.crowded, contact.duration, led, flags.curled,
+            numbers[MOVED], touched, disturbs, flags.crowded, contact.duration, led, flags.curled,
         )  # fmt: skip
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
-        if flags.second and flags.curled:
+        if flags.curled:
             rod_energy.begin(scratch, at, state, material, forcing)
         if scheme.curled:
             rod_curl.set_rest(scratch, at, state, material, forcing, scheme)
@@ -164,7 +157,7 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         if again:
             rod_parts.keep(scratch, at, state, scheme)
         rod_sweep.sweep(scratch, at, next_pack, state, material, numbers, scheme, met)
-        if flags.second and flags.curled:
+        if flags.curled:
             rod_energy.keep(scratch, at, state, material, forcing, flags.solids)
         if again:
             rod_parts.make(scratch, at, next_pack, state, material, forcing, scheme, contact, iterations, lost)

@@ -74,9 +74,7 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
     store3(positions, at.position, W, px - no_fma(length * ex), py - no_fma(length * ey), pz - no_fma(length * ez))
     store3(s, CORRECTION, 1, 0.0, 0.0, 0.0)
     store(s, DEGENERATE, 0.0)
-    spun, degenerate = False, False
-    if scheme.second:
-        spun, degenerate = rod_spin.find(s, at, state, scheme, numbers[FREE] > 0)
+    spun, degenerate = rod_spin.find(s, at, state, scheme, numbers[FREE] > 0)
     least = where(load(s, INDEFINITE) > 0.0, broadcast(s, 0.0), -HUGE)
     rate = 1.0 / load(s, SQUARE)
     fetched, ahead = next_pack * PACK + strand % PACK, 0
@@ -109,10 +107,7 @@ def sweep(s, at, next_pack, state, material, numbers, scheme, contact):
         py += length * y
         pz += length * z
         store3(positions, here, W, px, py, pz)
-        if scheme.second:
-            update_velocity(s, o, row, length, state, scheme, spun)
-        else:
-            set_velocity(s, o, row, length, state)
+        update_velocity(s, o, row, length, state, scheme, spun)
     if contact.any_solids:
         contact_forces.mark(s, at, state.touching, contact.duration)
 
@@ -152,10 +147,9 @@ def prefetch_segment(n, j, strand, state, bends, scheme, solids):
     row = segment * AXES + strand % PACK
     prefetch3(state.edges, row, PACK)
     prefetch3(state.velocity, row, PACK)
-    if scheme.second:
-        prefetch3(state.before, row, PACK)
-        prefetch3(state.ahead, row, PACK)
-        prefetch3(state.moved, row, PACK)
+    prefetch3(state.before, row, PACK)
+    prefetch3(state.ahead, row, PACK)
+    prefetch3(state.moved, row, PACK)
     if solids:
         prefetch3(state.push, row, PACK)
     prefetch(state.tension, segment * PACK + strand % PACK)
@@ -218,13 +212,6 @@ def displace_degenerate(s, o, j, row, edges, inverse_length):
             past = load(s, ROOT_SHIFT + c) * inverse_length
         u = past + load(s, o + EDGE + c) - load(edges, row + c * PACK)
         store(s, o + DISPLACEMENT + c, where(degenerate, u, load(s, o + DISPLACEMENT + c)))
-
-
-@inlined  # as a function of its own, Euler's method takes 7 % longer; `update_velocity`, which is long, BDF2 less
-def set_velocity(s, o, row, length, state):
-    """Set the velocity u / h that led to the displacement, by Euler's method."""
-    for c in range(3):
-        store(state.velocity, row + c * PACK, length * load(s, o + DISPLACEMENT + c) * load(s, INVERSE_STEP))
 
 
 @device

@@ -31,8 +31,6 @@ class Contestant:
     """Steps a frame to try on a preset."""
     iterations: tuple[int, ...] = ()
     """Iterations a step to try; none where the solver does not iterate."""
-    integrators: tuple[str, ...] = ()
-    """Integrators to try, of a reference only where the motion is measured."""
 
     def lacks(self, needs: Sequence[str]) -> str:
         """What it cannot represent of some needs, in words; nothing where it can all."""
@@ -82,7 +80,6 @@ CONTESTANTS = {
             (1 / 24, 1 / 60, 1 / 240),
             (1, 2, 4, 8),
             (2, Rod().iterations),
-            ("euler", "bdf2"),
         ),
         Contestant(
             "foil",

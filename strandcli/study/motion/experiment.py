@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...groom.record import Groom
 from ...scene.model import Scene
-from ...simulate.material import integrator_of, rigidity
+from ...simulate.material import rigidity
 from ...simulate.surroundings import gravity
 from ..axes import STRANDS, Axis, Request, chosen_solvers
 from ..points import Knobs, Limit, Point, described, grid, limit
@@ -103,20 +103,13 @@ class Motion:
         return self.request.iterations or tuple(sorted({*one.iterations[:-1], self.scene.rod.iterations}))
 
     def settings(self) -> list[dict[str, Any]]:
-        """Substeps and particles; of a solver that has them integrators as well, and fewer iterations with the preset's
-        own one."""
+        """Substeps, particles, and iterations where a solver has them."""
         out: list[dict[str, Any]] = []
         for one in self.contestants:
             choices: dict[str, Any] = {"solver": (one.name,), "emitter.particles": self.particles()}
-            steps = {"time.substeps": self.substeps(one)}
-            if not one.iterations:
-                out += grid({**choices, **steps})
-                continue
-            *fewer, most = self.iterations(one)
-            integrators = self.request.integrators or one.integrators
-            out += grid({**choices, "rod.integrator": integrators, "rod.iterations": (most,), **steps})
-            own = [name for name in integrators if name == integrator_of(self.scene)] or integrators[:1]
-            out += grid({**choices, "rod.integrator": own, "rod.iterations": fewer, **steps})
+            if one.iterations:
+                choices["rod.iterations"] = self.iterations(one)
+            out += grid({**choices, "time.substeps": self.substeps(one)})
         return out
 
     def finer(self, one: Contestant) -> list[dict[str, Any]]:
@@ -124,8 +117,6 @@ class Motion:
         steps, segments = 2 * max(self.substeps(one)), 2 * (max(self.particles()) - 1)
         more: dict[str, Any] = {}
         if one.iterations:
-            integrators = self.request.integrators or one.integrators
-            more["rod.integrator"] = "bdf2" if "bdf2" in integrators else integrators[0]
             more["rod.iterations"] = min(MOST_ITERATIONS, 2 * max(self.iterations(one)))
         return [
             {
@@ -222,7 +213,7 @@ def with_knobs(scene: Scene, knobs: Knobs) -> Scene:
 AXIS = Axis(
     name="motion",
     doc="positions against each solver's own limit",
-    knobs=("solver", "time.substeps", "emitter.particles", "rod.iterations", "rod.integrator"),
+    knobs=("solver", "time.substeps", "emitter.particles", "rod.iterations"),
     metric="median",
     of_preset=True,
     open=Motion,

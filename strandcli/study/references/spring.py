@@ -107,7 +107,7 @@ def case(particles: int) -> Case:
         np.array([length], np.float32), np.zeros(1, np.float32), ways=edges[None],
     )  # fmt: skip
     settings = preset(bending(arm), 1, len(corners), drag=120.0)
-    settings["rod"] |= {"rest": "shape", "torsion": TORSION, "precision": "double"}
+    settings["rod"] |= {"rest": "shape", "torsion": TORSION}
     settings["time"]["fps"] = 480
     return Case(settings, made, tip_mass=MASS)
 

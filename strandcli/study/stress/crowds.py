@@ -34,12 +34,11 @@ AXES = {
     "contact": ("none", "inside", "through", "overlap", "small", "moving"),
     "n": ("1", "2", "10", "32"),
     "start": ("straight", "zero", "coincident", "folded", "random"),
-    "integrator": ("euler", "bdf2"),
     "density": tuple(DENSITY),
     "friction": tuple(FRICTION),
     "cell": tuple(CELL),
 }
-OWN = ("integrator", "density", "friction", "cell")
+OWN = ("density", "friction", "cell")
 """Axes that the matrix does not have."""
 
 
@@ -54,7 +53,7 @@ def check_crowd(solver: str, *, labels: dict[str, str]) -> Metrics:
         density=DENSITY[labels["density"]], friction=FRICTION[labels["friction"]], cell=CELL[labels["cell"]]
     )
     # the matrix has strands of 2 L radius, which no cell could be smaller than
-    rod = replace(scene.rod, radius=0.02, young=(scene.rod.young or 0.0) * 1e4, integrator=labels["integrator"])
+    rod = replace(scene.rod, radius=0.02, young=(scene.rod.young or 0.0) * 1e4)
     scene = replace(scene, rules=(*scene.rules, RuleUse("interaction", rule, "interaction")), rod=rod)
     meter = Meter(scene, groom.lengths.astype(float) / case.value("n"), 1.0, touching=labels["contact"] != "none")
     one: Any = solver_of(scene)(scene, groom)

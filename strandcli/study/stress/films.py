@@ -12,7 +12,6 @@ from ...scene import load
 from ...simulate import solver_of
 from ...simulate.rules import registry
 from .drive import Meter
-from .physics import MASSLESS
 from .strand import Metrics, NotRepresented
 
 UNTIED = "a preset written for rods lists no rule that keeps its lengths"
@@ -21,13 +20,9 @@ SECONDS = 1.0
 """Of the film, after its pre-roll."""
 
 
-def check_film(solver: str, *, preset: str, particles: int, substeps: int, integrator: str) -> Metrics:
+def check_film(solver: str, *, preset: str, particles: int, substeps: int) -> Metrics:
     """All that is measured of the matrix's scenes, but for depths: the presets' solids overlap."""
     settings: dict[str, Any] = {"emitter.particles": particles, "time.substeps": substeps, "emitter.strands": STRANDS}
-    if solver == "rod":
-        settings["rod.integrator"] = integrator
-    elif integrator != "euler":
-        raise NotRepresented(MASSLESS)
     scene = replace(load(preset, rules=registry(), settings=settings), solver=solver)
     if solver != "rod" and all(use.name != "elasticity" for use in scene.rules):
         raise NotRepresented(UNTIED)

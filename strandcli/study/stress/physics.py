@@ -57,10 +57,10 @@ def check_buckling(solver: str, *, gamma: str, dt: str) -> Metrics:
     return {"upright" if gamma == "7.7" else "tilted": float(np.hypot(tip[0], tip[2]))}
 
 
-def check_energy(solver: str, *, B: str, dt: str, integrator: str) -> Metrics:
+def check_energy(solver: str, *, B: str, dt: str) -> Metrics:
     """A level rod let go without any damping: the most energy that it ever gains, over m g L."""
     only(solver, "rod", MASSLESS)
-    scene, groom = prepared(solver, B=float(B), integrator=integrator)
+    scene, groom = prepared(solver, B=float(B))
     rod: Any = solver_of(scene)(scene, groom)
     pull, most = 10 * (float(B) or 1.0), 0.0
     for step in range(240):
@@ -83,11 +83,11 @@ def energy(rod: Any, pull: float) -> float:
 
 
 def check_swing(solver: str) -> Metrics:
-    """A pendulum of one segment and two seconds, ten degrees aside, ten cycles at 60 Hz with BDF2."""
+    """A pendulum of one segment and two seconds, ten degrees aside, ten cycles at 60 Hz."""
     only(solver, "rod", MASSLESS)
     tilt = np.radians(10.0)
     way = (float(np.sin(tilt)), -float(np.cos(tilt)), 0.0)
-    scene, groom = prepared(solver, gamma=np.pi**2, B=0.0, n=1, way=way, integrator="bdf2")
+    scene, groom = prepared(solver, gamma=np.pi**2, B=0.0, n=1, way=way)
     rod = solver_of(scene)(scene, groom)
     angle = [tilt]
     for step in range(1320):
@@ -107,12 +107,12 @@ def crests(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def check_mode(solver: str, *, of: str) -> Metrics:
-    """The first mode of a beam or a chain of nine segments with BDF2, as `strandcli study` measures it: at 120 steps a
+    """The first mode of a beam or a chain of nine segments, as `strandcli study` measures it: at 120 steps a
     swing, as 60 Hz are for the pendulum of two seconds (what BDF2 takes away grows with the cube of the step)."""
     only(solver, "rod", MASSLESS)
     swings = {"beam": beam.SLOWEST, "chain": math.sqrt(G) * chain.shapes().frequencies[0]}
     step = 2 * math.pi / swings[of] / 120
-    knobs = {"solver": "rod", "emitter.particles": 10, "dt": step, "rod.integrator": "bdf2"}
+    knobs = {"solver": "rod", "emitter.particles": 10, "dt": step}
     loss = Exactness(Request(name=of)).measure(knobs).error["loss"]
     return {"amplitude_kept": np.nan if loss is None else 1 - loss}
 

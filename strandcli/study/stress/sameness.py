@@ -6,7 +6,6 @@ Each is a function of the solver's name that returns metrics.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -25,12 +24,12 @@ DRAPED: dict[str, Solid] = {
 SINGLE = "it is single precision throughout"
 
 
-def check_rest(solver: str, *, contact: str = "", dt: str = "60Hz", n: int = 10, precision: str = "single") -> Metrics:
+def check_rest(solver: str, *, contact: str = "", dt: str = "60Hz", n: int = 10, double: bool = False) -> Metrics:
     """How far anything moves within a second, once it has come to rest; in contact, draped over a ball, or with whole
     segments over an edge of a box."""
-    if precision == "double":
+    if double:
         only(solver, "rod", SINGLE)
-    scene, groom = prepared(solver, gamma=100.0 if contact else 10.0, n=n, drag=2.0, precision=precision)
+    scene, groom = prepared(solver, gamma=100.0 if contact else 10.0, n=n, drag=2.0)
     if contact:
         touching = RuleUse("collision", registry()["collision"].Parameters(segments=contact == "edge"), "collision")
         rules = tuple(use for use in scene.rules if use.name != "collision")
@@ -40,7 +39,7 @@ def check_rest(solver: str, *, contact: str = "", dt: str = "60Hz", n: int = 10,
             solids=(DRAPED[contact],),
         )  # fmt: skip
     step = STEPS[dt]
-    one = stepped(scene, groom, step, round(30 / step))
+    one = stepped(scene, groom, step, round(30 / step), double)
     seen = []
     for i in range(round(1 / step)):
         one.step(30 + (i + 1) * step, step)
@@ -92,9 +91,7 @@ def check_double(solver: str, *, n: int) -> Metrics:
     only(solver, "rod", SINGLE)
     case = Case.of(solver, {"n": str(n), "start": "random", "wind": "gale"})
     times = times_of(case)
-    scene = scene_of(case, times)
-    scene = replace(scene, rod=replace(scene.rod, precision="double"))
-    one: Any = stepped(scene, groom_of([case]), 1 / 60, len(times))
+    one = stepped(scene_of(case, times), groom_of([case]), 1 / 60, len(times), double=True)
     edges = one.state.edges[0].reshape(n, 3, -1)[..., 0]
     if edges.dtype != np.float64:
         raise NotRepresented(f"its state is {edges.dtype} at {n} segments")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...scene.model import RuleUse, Scene
 from ...simulate import solver_of
+from ...simulate.rod import RodSolver
 from ...simulate.rules import registry
 from .axes import Case
 from .scenes import Started, groom_of, scene_of, times_of
@@ -55,9 +56,9 @@ def pulled(rules: tuple[RuleUse, ...], pull: float) -> tuple[RuleUse, ...]:
     return tuple(replace(use, parameters=gravity) if use.name == "gravity" else use for use in rules)
 
 
-def stepped(scene: Scene, groom: Started, dt: float, steps: int) -> Any:
-    """The solver after so many steps."""
-    solver = solver_of(scene)(scene, groom)
+def stepped(scene: Scene, groom: Started, dt: float, steps: int, double: bool = False) -> Any:
+    """The solver after so many steps; ``double``: rods in double precision."""
+    solver: Any = RodSolver(scene, groom, double) if double else solver_of(scene)(scene, groom)
     for step in range(steps):
         solver.step((step + 1) * dt, dt)
     return solver

@@ -70,7 +70,6 @@ OWN: dict[str, tuple[str, ...]] = {
     "between": tuple(BETWEEN),
     "twist": tuple(TWIST),
     "end": ("free", "pinned"),
-    "integrator": ("auto", "euler"),
     "root": ("clamped", "hinged"),
     "torsion": ("none", "0.7"),
 }
@@ -157,7 +156,7 @@ def kernels_of(task: Task) -> tuple[Any, ...]:
     """What the kernels of a case depend on, but for double precision."""
     (case,), given = task.cases, dict(zip(OWN, task.labels, strict=True))
     rules = tuple(BETWEEN[given["between"]])
-    return rules, given["integrator"], case.label("contact") == "none"
+    return rules, case.label("contact") == "none"
 
 
 def has_own_axes(name: str) -> bool:
@@ -198,7 +197,7 @@ def prepared(case: Case, row: Row) -> tuple[Scene, Started, NDArray[np.float64]]
         groom = replace(groom, roots=groom.roots * np.float32(CLOSE))
     matter: Rod = replace(
         scene.rod, radius=RADIUS * L, young=(scene.rod.young or 0.0) * (2 / (RADIUS * L)) ** 2,
-        integrator=given["integrator"], root=given["root"],
+        root=given["root"],
         torsion=None if given["torsion"] == "none" else float(given["torsion"]), end=given["end"], **rod,
     )  # fmt: skip
     uses = (

@@ -55,7 +55,6 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "contact": ("none", "inside", "through", "overlap", "small", "moving"),
     "n": ("1", "2", "10"),
     "start": ("straight", "zero", "coincident", "folded", "random"),
-    "integrator": ("auto", "euler", "bdf2"),
     "root": ("clamped", "hinged"),
     "torsion": ("none", "0.7"),
 }
@@ -64,11 +63,11 @@ FALL = 100.0
 """Steps, and ways that a strand would fall in one, L, beyond which its pull moves a pinned tip, whose mass is finite,
 by more than a thousandth of L."""
 QUIET: dict[str, tuple[str, ...]] = {
-    **{axis: OTHERS[axis] for axis in ("dt", "B", "n", "start", "integrator", "root", "torsion")},
+    **{axis: OTHERS[axis] for axis in ("dt", "B", "n", "start", "root", "torsion")},
     "gamma": ("10", "1e4"), "wind": ("calm",), "emitter": ("still",), "contact": ("none",),
 }  # fmt: skip
 """Where nothing but weight works, so that energy may not grow: pairs of what is left."""
-OWN = (*TRAITS, "integrator", "root", "torsion")
+OWN = (*TRAITS, "root", "torsion")
 """Axes that the matrix does not have."""
 
 
@@ -86,7 +85,7 @@ def prepared(labels: dict[str, str]) -> tuple[Scene, Groom, Case, NDArray[np.flo
     if labels["contact"] == "none":
         groom = replace(groom, roots=groom.roots * np.float32(CLOSE))
     rod = replace(
-        scene.rod, radius=RADIUS, young=(scene.rod.young or 0.0) * (2 / RADIUS) ** 2, integrator=labels["integrator"],
+        scene.rod, radius=RADIUS, young=(scene.rod.young or 0.0) * (2 / RADIUS) ** 2,
         rest=labels["rest"], root=labels["root"],
         end=labels["end"],
         torsion=None if labels["torsion"] == "none" else float(labels["torsion"]),
@@ -133,8 +132,8 @@ def check_traits(solver: str, *, labels: dict[str, str]) -> Metrics:
     if one.pins is not None:
         found["pinned_off" if _undisturbed(labels) and _bearable(labels, weight) else "pinned_off_told"] = off
     if weight and _conservative(labels):
-        second = labels["integrator"] != "euler"  # it bounds no energy of curled strands that turn far in a step
-        found["energy_gained_told" if second and labels["dt"] in LONG else "energy_gained"] = max(energy) - energy[0]
+        # in long steps nothing bounds the energy of curled strands that turn far in one
+        found["energy_gained_told" if labels["dt"] in LONG else "energy_gained"] = max(energy) - energy[0]
     if one.contact is not None:
         found["closeness"] = one.contact.penetration / one.contact.thickness
     return found
@@ -189,8 +188,7 @@ def table() -> dict[str, Callable[[str], Metrics]]:
 
 def quick() -> list[str]:
     """Names of those of the table that are cheap: pinned tips, which need no kernel of their own, and refusals."""
-    plain = {"between": "none", "rest": "straight", "end": "pinned",
-             "integrator": "auto"}  # fmt: skip
+    plain = {"between": "none", "rest": "straight", "end": "pinned"}
     found, words = [], set()
     for name, row in zip(table(), combinations(), strict=True):
         told = refusal(row)

@@ -80,7 +80,7 @@ MEANING = {
     "pinned_off": "distance of pinned tips from their places, L",
     "pinned_off_told": "the same in long steps, or with anything in the way, L",
     "energy_gained": "energy gained where only weight works, m g L",
-    "energy_gained_told": "the same in long steps of bdf2, m g L",
+    "energy_gained_told": "the same in long steps, m g L",
     "closeness": "strands closer than their thickness, over it",
     "passed": "segments that have passed through others in contact",
     "passed_told": "the same where strands begin inside each other",
