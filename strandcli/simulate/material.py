@@ -12,12 +12,10 @@ from ..groom.record import Groom
 from ..scene.model import Rod, Scene
 
 MATERIALS = {
-    # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; wool: Feughelman 1997; grass: a ryegrass
-    # blade as a round stalk, Vincent 1991; wire: spring steel of half a millimetre.
+    # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; grass: a ryegrass blade as a round
+    # stalk, Vincent 1991
     "hair": (1320.0, 3.5e-5, 4.0e9),
-    "wool": (1310.0, 1.2e-5, 3.0e9),
     "grass": (700.0, 6.0e-4, 5.0e8),
-    "wire": (7850.0, 2.5e-4, 2.0e11),
 }
 STIFFEST = 1e30
 """Upper bound of a joint's rigidity, 1/s²: beyond it no step of time shows a bend, and single precision overflows

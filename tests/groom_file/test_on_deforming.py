@@ -110,7 +110,9 @@ def test_rods_turn_with_their_triangles(tmp_path: Path) -> None:
     rod = {
         "solver": "rod",
         "rod.rest": "shape",
-        "rod.material": "wire",
+        "rod.density": 7850.0,
+        "rod.radius": 2.5e-4,
+        "rod.young": 2.0e11,
         "rod.damping": 0.05,
         "emitter.groom.guides": 60,
         "emitter.particles": 8,

@@ -14,9 +14,7 @@ class Rod:
     A material by name gives density, radius and Young's modulus; a number written beside it replaces its own.
     """
 
-    material: str = choice(
-        "hair", ("hair", "wool", "grass", "wire"), doc="hair, wool: keratin fibres; grass: a blade; wire: thin steel"
-    )
+    material: str = choice("hair", ("hair", "grass"), doc="hair: a keratin fibre; grass: a blade")
     density: float | None = number(None, above=0, unit="kg/m³", doc="mass a volume; absent: the material's")
     radius: float | None = number(None, above=0, unit="m", doc="radius at the root; absent: the material's")
     young: float | None = number(None, above=0, high=1e13, unit="Pa", doc="Young's modulus; absent: the material's")
