@@ -119,7 +119,7 @@ class StrandContact:
         """As `step`, but for velocities after impacts."""
         state: State = solver.state
         if solver.crowd is not None:
-            self._begin_with(state, dt, solver)
+            self._begin_with(state, dt)
         state.crowd[...] = 0
         before = {name: one.copy() for name, one in state._asdict().items()}
         start, velocities = self._particles(state), self._velocities(state)
@@ -156,7 +156,7 @@ class StrandContact:
         return True
 
     @staticmethod
-    def _begin_with(state: State, dt: float, solver: Any) -> None:
+    def _begin_with(state: State, dt: float) -> None:
         """Begin a step of ``dt`` seconds with velocities that the grid of strands that interact has changed, and those
         of the steps before, so that BDF2 goes on without the change. The kernel has `State.crowd` for contact then."""
         change = state.crowd.dtype.type(dt) * state.crowd

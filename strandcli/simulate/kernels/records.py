@@ -158,8 +158,6 @@ class Scheme(NamedTuple):
     """Whether the strands around accelerate particles (`rod_start.set_steps_of_crowd`): True, or None."""
     duration: Any
     """Of the step, seconds."""
-    led: Any
-    """Whether rest shapes are those of edges to which motion leads (`rod_lead`)."""
     curled: Any
     """Whether rest shapes are curved, and forces keep edges where motion leads them (`rod_tension.firm_force`)."""
 

@@ -26,10 +26,7 @@ WHOLE_ROUNDS = 24
 @inlined
 def pressed_by(scheme, pressed):
     """A `Scheme` with ``pressed``."""
-    return Scheme(
-        scheme.share, pressed, scheme.mixed, scheme.crowded, scheme.duration, scheme.led,
-        scheme.curled,
-    )  # fmt: skip
+    return Scheme(scheme.share, pressed, scheme.mixed, scheme.crowded, scheme.duration, scheme.curled)
 
 
 @inlined

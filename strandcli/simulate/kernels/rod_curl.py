@@ -96,7 +96,7 @@ def transport_frames(s, at, state, material, forcing, scheme):
         _, v, w = load3(bends, bend + (j + 1) * AXES, PACK)
         c, d = cosine_sine(angle)
         bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
-        (ex, ey, ez), far = first_edge(at, j, state, way, far, forcing.numbers, scheme.led)
+        (ex, ey, ez), far = first_edge(at, j, state, way, far, forcing.numbers[ROUNDING], scheme.share > 0)
         store3(s, o + EDGE, 1, ex, ey, ez)
         f, g = ax * ex + ay * ey + az * ez, bx * ex + by * ey + bz * ez
         v, w = v * c - w * d, v * d + w * c
@@ -122,10 +122,10 @@ def transport_frames(s, at, state, material, forcing, scheme):
 
 
 @inlined
-def first_edge(at, j, state, way, far, numbers, led):
-    """The edge that a step's rest shapes are set by, and how far its end is led."""
+def first_edge(at, j, state, way, far, rounding, led):
+    """The edge that a step's rest shapes are set by, and how far its end is led, where the step is BDF2's."""
     if led:
-        return rod_lead.led_edge(at, j, state, way, far, numbers[ROUNDING])
+        return rod_lead.led_edge(at, j, state, way, far, rounding)
     return load3(state.edges, at.edge + j * AXES, PACK), far
 
 

@@ -63,7 +63,7 @@ def make(s, at, next_pack, state, material, forcing, scheme, contact, iterations
     root = load3(s, ROOT_SHIFT, 1)
     root = rate * root[0], rate * root[1], rate * root[2]
     store3(s, ROOT_SHIFT, 1, 0.0, 0.0, 0.0)
-    own = Scheme(scheme.share, True, True, scheme.crowded, part, scheme.led, scheme.curled)
+    own = Scheme(scheme.share, True, True, scheme.crowded, part, scheme.curled)
     set_coefficients(s, at, material, forcing, own, root)
     add_velocity(state, at, root, -1.0)
     most = broadcast(s, 0.0)

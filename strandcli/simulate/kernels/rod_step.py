@@ -90,8 +90,8 @@ def double_crowded(descriptor, worker):
 @inlined  # machine code that hands on a function's address could not be kept in the cache
 def work(kind, descriptor, worker, solids_of, crowded):
     """Move strands by one step in place, pack by pack from the work queue. ``descriptor`` comes from `descriptor_of`,
-    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``crowded``: as
-    in `Flags`, None compiles nothing of it."""
+    all of its arrays of the floating type ``kind``; ``solids_of`` reads the solids from it; ``crowded``: as in `Flags`,
+    None compiles nothing of it."""
     scratch = vector_pointer_at(kind, descriptor[SCRATCH] + worker * descriptor[SCRATCH_BYTES])
     state, material, forcing = state_of(kind, descriptor), material_of(kind, descriptor), forcing_of(kind, descriptor)
     flags, solids = flags_of(descriptor, crowded), solids_of(kind, descriptor)
@@ -131,15 +131,11 @@ def run(scratch, state, material, forcing, flags, solids, iterations, pack, next
         )
         place_root(scratch, pack * AXES + lane, position + ROW, state.positions, forcing, flags.deforming)
         touched = flags.solids and any_lane(load(state.touching, strand) > 0.0)
-        led = flags.curled and numbers[MOVED] > 0
         disturbs = rod_start.disturbs(scratch, state, strand, flags.crowded, touched, flags.curled, numbers)
-        scheme = Scheme(
-            numbers[MOVED], touched, disturbs, flags.crowded, contact.duration, led, flags.curled,
-        )  # fmt: skip
+        scheme = Scheme(numbers[MOVED], touched, disturbs, flags.crowded, contact.duration, flags.curled)
         rod_start.set_coefficients(scratch, at, state, material, forcing, scheme)
         if flags.curled:
             rod_energy.begin(scratch, at, state, material, forcing)
-        if scheme.curled:
             rod_curl.set_rest(scratch, at, state, material, forcing, scheme)
         rod_start.fill_scratch(scratch, at, state, material, forcing, scheme)
         rod_start.give_way(scratch)
