@@ -8,6 +8,7 @@ from strandcli.simulate.kernels.crowd_nodes import CHANGE, SLIGHT
 from tests.simulate.test_crowd import BALL, rows, solver_of
 
 FPS = 30
+BY_EULER = 0.121
 BRUSH = """
 time: {fps: 30}
 emitter: {shape: {kind: sphere, radius: 1}, strands: 1000, particles: 15, length: 0.9, jitter: 4}
@@ -39,16 +40,12 @@ def test_they_are_those_whose_push_changes_much() -> None:
 
 
 def test_a_brush_that_falls_does_not_boil() -> None:
-    """BDF2 alone would go on with every push of the grid, now here and now there, and turn edges from frame to frame by
-    half as much again."""
-    turned = []
-    for marked in (1, 0):
-        solver, found = solver_of(BRUSH), []
-        for frame in range(2, 32):
-            before = rows(solver.state.edges, 1000)
-            solver.state.jolted[...] *= marked
-            solver.advance(frame)
-            if frame > 12:
-                found.append(np.sqrt(((rows(solver.state.edges, 1000) - before) ** 2).sum(2).mean()))
-        turned.append(float(np.mean(found)))
-    assert turned[0] < turned[1] / 1.4
+    """Of strands that the grid pushes now here and now there, edges turn from frame to frame by hardly more than with
+    Euler's method alone, `BY_EULER`; BDF2 alone would go on with every push, and turn them by twice as much."""
+    solver, found = solver_of(BRUSH), []
+    for frame in range(2, 32):
+        before = rows(solver.state.edges, 1000)
+        solver.advance(frame)
+        if frame > 12:
+            found.append(np.sqrt(((rows(solver.state.edges, 1000) - before) ** 2).sum(2).mean()))
+    assert np.mean(found) < 1.4 * BY_EULER

@@ -141,7 +141,7 @@ def test_edges_are_kept_as_firmly_and_led_as_far_as_steps_ask_for() -> None:
         firm = min(0.5, 10 / turning * math.cos(math.radians(form[0])))
         for steps, led in ((0.02, 1.0), (0.2, 1.0), (0.3, 1.0), (3.0, 0.0)):
             solver = kicked(form, steps, "torsion: 0.7")
-            solver._coil_rate = 0.0
+            solver._coil_rate = solver._swing_rate = 0.0
             solver.step(1 / 24, 1 / 24)
             solver.step(2 / 24, 1 / 24)  # the first is one of Euler's method
             wanted = 0.5 * (0.7 + FIRMEST) * min(max(steps / firm - 0.6, 0.0), 1.0)

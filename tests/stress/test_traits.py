@@ -29,7 +29,7 @@ def test_every_combination_of_traits_meets_every_pair_of_the_other_axes() -> Non
     wanted = set(covering.all_pairs(traits.OTHERS))
     assert set(found) == set(product(*traits.TRAITS.values()))
     assert all(met == wanted for met in found.values())
-    assert len(traits.table()) == len(list(traits.combinations())) > 2000
+    assert len(traits.table()) == len(list(traits.combinations())) > 1000
 
 
 def test_scenes_are_what_their_labels_say() -> None:

@@ -188,7 +188,7 @@ def table() -> dict[str, Callable[[str], Metrics]]:
 
 def quick() -> list[str]:
     """Names of those of the table that are cheap: pinned tips, which need no kernel of their own, and refusals."""
-    plain = {"between": "none", "rest": "straight", "end": "pinned"}
+    plain = {"between": "none", "rest": "straight", "end": "pinned", "root": "clamped", "torsion": "none"}
     found, words = [], set()
     for name, row in zip(table(), combinations(), strict=True):
         told = refusal(row)
