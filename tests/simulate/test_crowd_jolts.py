@@ -9,6 +9,8 @@ from tests.simulate.test_crowd import BALL, rows, solver_of
 
 FPS = 30
 BY_EULER = 0.121
+"""Root mean square by which edges of `BRUSH` turn from frame 12 to 31, in a frame, where Euler's method makes every
+step: as measured with a solver all of whose steps were that method's. BDF2 with it where pushes change gives .158."""
 BRUSH = """
 time: {fps: 30}
 emitter: {shape: {kind: sphere, radius: 1}, strands: 1000, particles: 15, length: 0.9, jitter: 4}
