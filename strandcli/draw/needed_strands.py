@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..scene.model import DirectionalLight, PlaneSolid
+from ..solids import pack_all
 from .geometry.extent import extents_of
 from .geometry.kernels import sweeps
 from .geometry.kernels.curves import longest_segment
@@ -23,7 +24,7 @@ from .lighting.kernels.mirror import DULL
 from .shadows.kernels.filter_window import WIDEST
 from .shadows.shadow_model import casts_map, model_of, shades_vertices
 from .shadows.strands_in_map import chances_of, mark_sketched
-from .solids.solids import packed, rows_of
+from .solids.solids import rows_of
 from .view.camera import corners_of
 from .view.lens import is_sampled
 
@@ -131,7 +132,7 @@ def _lights(scene: Scene, maps: ShadowMaps) -> list[tuple[int, float]]:
 def _grounds(scene: Scene, at: float, eye: NDArray[np.float64]) -> NDArray[np.float32]:
     """Return the planes (F, 4) of visible solids that hide from the eye what is below them."""
     planes = [solid for solid in scene.solids if isinstance(solid, PlaneSolid) and solid.visible and solid.fade == 0]
-    rows = [row for _, row in rows_of(packed(planes, scene.emitter, at))] if planes else []
+    rows = [row for _, row in rows_of(pack_all(planes, scene.emitter, at))] if planes else []
     above = [[*row[:3], -row[3]] for row in rows if row[:3] @ eye > row[3]]
     return np.array(above, np.float32).reshape(-1, 4)
 

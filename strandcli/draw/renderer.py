@@ -13,7 +13,7 @@ from ..groom.combed import Combed
 from ..groom.followers import Followers
 from ..groom.record import Groom
 from ..scene.model import Scene
-from ..solids import Solids
+from ..solids import Solids, pack_all
 from .canvas import Canvas, Exposed
 from .common.drawing import Drawing
 from .common.scratch import IN_LIGHT, POSITIONS, Scratch
@@ -36,7 +36,6 @@ from .shadows.shadow import ShadowMaps, map_arrays, plan_maps
 from .shadows.shadow_model import casts_map, counts_strands, model_of, shades_vertices
 from .shadows.strands_in_map import chances_of
 from .shadows.vertex_shadows import StrandsInLight
-from .solids.solids import packed as pack_solids
 from .strand_batches import StrandBatch, StrandBatches, Strands, divide
 from .view import lens
 from .view.camera import View, camera_view
@@ -258,7 +257,7 @@ class Renderer:
     def solids(self, at: float) -> Solids | None:
         """Return the visible solids at a time, seconds, packed; None if there are none."""
         seen = [solid for solid in self.scene.solids if solid.visible]
-        return pack_solids(seen, self.scene.emitter, at) if seen else None
+        return pack_all(seen, self.scene.emitter, at) if seen else None
 
     def _view(self, shot: lens.Exposure, bounds: NDArray[np.float64], pinhole: bool) -> View:
         """Return the camera's view at an exposure's time, through its point of the lens, within the crop window."""

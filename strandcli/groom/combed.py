@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 BATCH = 1 << 16
 """Strands that are combed at once, which bounds the memory."""
-CLEAR = 0.06
-"""Distance of strands from blended solids, in blending distances, because those are drawn slightly thicker."""
 BOW_POWER = 6
 """Power of a uniform random number that gives a strand's bow: half of them are below a sixtieth of the greatest."""
 
@@ -116,7 +114,6 @@ class _Over:
         self.shape = scene.emitter.shape
         # only spheres and capsules: checked with the scene
         named: list[Any] = [solid for solid in scene.solids if solid.name and solid.name in tie.over]
-        named.sort(key=lambda solid: solid.kind != "sphere")  # the first blended one gives the distance
         outer = emitter_pose(scene.emitter, 0.0)
         turn, centre = np.array(outer.rotation), np.array(outer.translation)
         rows = []
@@ -126,11 +123,8 @@ class _Over:
             numbers = solids.numbers(solid, Pose((a, b, c), tuple(turn.T @ (pose.translation - centre))))
             if solid.kind == "sphere":
                 numbers = [*numbers[: sphere.RADIUS], 0.0, 0.0, 0.0, solid.radius, 0.0, sphere.TINY]
-            numbers[capsule.RADIUS] += CLEAR * solid.blend
             rows.append(numbers)
         self.rows = np.array(rows, np.float64).reshape(-1, capsule.COLUMNS)
-        self.blended = np.array([solid.blend > 0 for solid in named], np.bool_)
-        self.distance = next((solid.blend for solid in named if solid.blend > 0), 1.0)
 
     def __call__(self, points: Floats, normals: Floats) -> Floats:
         """Return (N,) how far points (N, 3) must move along normals (N, 3), metres."""
@@ -138,7 +132,7 @@ class _Over:
         if len(self.rows):
             from .kernels import combed as kernel
 
-            kernel.lift(points, np.ascontiguousarray(normals), self.rows, self.blended, float(self.distance), out)
+            kernel.lift(points, np.ascontiguousarray(normals), self.rows, out)
         if isinstance(self.shape, MeshShape):
             from .off_mesh import rise
 

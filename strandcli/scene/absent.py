@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from .faults import shown
@@ -16,8 +17,10 @@ GONE: Mapping[str, tuple[str, str]] = {
     "rod.root: free": ("0.1.0", "roots are held; use hinged, which lets strands turn, and move the emitter"),
     "rod.section": ("0.1.0", "strands are round; give the radius that bends as they should as rod.radius"),
     "rod.yield_strain": ("0.1.0", "strands spring back to their rest shape; take it out"),
+    "solids.*.blend": ("0.1.0", "solids stay apart; use kind: mesh for one smooth body, or take it out"),
 }
-"""By dotted path, with the value where only that is gone: the last version that had it, and what to do instead."""
+"""By dotted path, `*` for any solid, with the value where only that is gone: the last version that had it, and what to
+do instead."""
 NEVER: Mapping[str, str] = {
     "rod.twist": "how much strands resist it is torsion; write that",
     "rod.mass": "mass follows from density and radius; write those",
@@ -30,6 +33,7 @@ NEVER: Mapping[str, str] = {
 def why_absent(path: str, value: str = "") -> str | None:
     """Return why there is no setting at a dotted path, or around it, or no such ``value`` of it; None where nobody
     looks for one."""
+    path = re.sub(r"^solids\.[^.]+", "solids.*", path)
     if value:
         found = GONE.get(f"{path}: {value}")
         return None if found is None else f"{shown(value)} is gone after {found[0]}; {found[1]}"

@@ -86,8 +86,6 @@ def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) 
     short for `rules.wind.strength`; `wind[2]` is the second wind. A null takes an entry out of a list, and a rule out
     of the rules. Raises Unreachable.
     """
-    if told := why_absent(path):
-        raise Unreachable(told)
     parts = path.split(".")
     known = settings_of(Scene)
     if parts[0] not in known:
@@ -95,7 +93,10 @@ def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) 
         if rule not in rules:
             raise Unreachable(f"unknown key; {hint_inside(parts[0], [*known, *rules], rules)}")
         parts.insert(0, "rules")
-    placed = _place(SCENE, root, parts, value, rules)
+    try:
+        placed = _place(SCENE, root, parts, value, rules)
+    except Unreachable as error:
+        raise Unreachable(why_absent(path) or str(error)) from None
     assert isinstance(placed, MapNode)
     return placed
 

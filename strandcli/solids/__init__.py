@@ -19,7 +19,7 @@ from ..scene.solid_shape import add as register
 from .shapes import box, capsule, other, other_code, plane, sphere
 
 __all__ = [
-    "COLUMNS", "SHAPES", "SeparateSolids", "Solids", "in_order", "joined", "joined_with", "numbers", "others", "pack",
+    "COLUMNS", "SHAPES", "Solids", "in_order", "joined", "joined_with", "numbers", "others", "pack",
     "pack_all", "register",
 ]  # fmt: skip
 
@@ -32,8 +32,7 @@ COLUMNS: dict[str, int] = {kind: shape.COLUMNS for kind, shape in SHAPES.items()
 class Solids(NamedTuple):
     """All solids at one moment, packed in world units, metres: (m, columns) of each kind, float32 where they are drawn.
 
-    Columns have their names in `strandcli.solids.shapes`. Solids are numbered through in the order of the fields. For
-    drawing, spheres and capsules have one more column: the distance over which they blend.
+    Columns have their names in `strandcli.solids.shapes`. Solids are numbered through in the order of the fields.
     """
 
     spheres: NDArray[Any]
@@ -44,13 +43,6 @@ class Solids(NamedTuple):
     """(m, 4) unit normal, its distance from the origin."""
     boxes: NDArray[Any]
     """(m, 16) centre, the rotation by rows, half extents, least squared length."""
-
-
-class SeparateSolids(Solids):
-    """`Solids` none of which blends with another: kernels for them are compiled without what blending takes."""
-
-    __slots__ = ()
-    blended = False
 
 
 def pack_all(solids: Sequence[Any], emitter: Any, time: float, dtype: Any = np.float32) -> Solids:
@@ -71,8 +63,7 @@ def joined_with(solids: Sequence[Any], rows: Sequence[NDArray[Any]], data: Seque
     """The packed rows of each kind of ``solids``, those of `others` last, with the data of their shapes."""
     found = others(solids)
     if not found:
-        blended = any(getattr(one, "blend", 0) > 0 for one in solids)
-        return (Solids if blended else SeparateSolids)(*rows)
+        return Solids(*rows)
     made: Solids = other_code.type_of(solids, found)(*rows, *data)
     return made
 

@@ -130,21 +130,21 @@ def test_strands_leave_the_tie_along_its_direction_and_fan_out() -> None:
 
 
 SOLIDS = """
-solids: [{kind: sphere, name: skull, radius: 0.09, follow: emitter, blend: 0.014},
+solids: [{kind: sphere, name: skull, radius: 0.09, follow: emitter},
   {kind: capsule, name: face, radius: 0.06, length: 0.07, position: [0, -0.05, 0.03], rotation: [25, 0, 0],
-   follow: emitter, blend: 0.014}, {kind: sphere, name: bump, radius: 0.02, position: [0.1, 0.03, 0], follow: emitter}]
+   follow: emitter}, {kind: sphere, name: bump, radius: 0.02, position: [0.1, 0.03, 0], follow: emitter}]
 """
 
 
 def test_strands_are_outside_of_all_that_they_lie_over() -> None:
     def inside(points: np.ndarray) -> np.ndarray:
-        """Depth in what blends, by the formula it is drawn by, and in the ball that does not."""
+        """Depth in the deepest of them."""
         turn = np.array(emitter_pose(Emitter(rotation=(25.0, 0.0, 0.0)), 0.0).rotation)
         along = np.clip((points - [0, -0.05, 0.03]) @ turn[:, 1], -0.035, 0.035)[..., None] * turn[:, 1]
-        both = np.stack([np.linalg.norm(points, axis=-1) - 0.09,
-                         np.linalg.norm(points - [0, -0.05, 0.03] - along, axis=-1) - 0.06])  # fmt: skip
-        smooth = -0.014 * np.log(np.exp(-both / 0.014).sum(0))
-        return -np.minimum(smooth, np.linalg.norm(points - [0.1, 0.03, 0], axis=-1) - 0.02)
+        away = np.stack([np.linalg.norm(points, axis=-1) - 0.09,
+                         np.linalg.norm(points - [0, -0.05, 0.03] - along, axis=-1) - 0.06,
+                         np.linalg.norm(points - [0.1, 0.03, 0], axis=-1) - 0.02])  # fmt: skip
+        return np.asarray(-away.min(0))
 
     scene = scene_of(SCENE.replace("lift: 0.012", "lift: 0.012, over: [skull, face, bump]") + SOLIDS)
     free = combed(dataclasses.replace(scene.emitter, tie=dataclasses.replace(scene.emitter.tie, over=())), scene)
@@ -207,59 +207,51 @@ def test_the_combed_parts_of_many_are_those_of_each() -> None:
 
 CHIN = """
 solids:
-- {kind: capsule, name: face, radius: 0.05, length: 0.1, position: [0, 0.02, 0.07], follow: emitter, blend: 0.03}
-- {kind: sphere, name: skull, radius: 0.11, follow: emitter, blend: 0.014}
+- {kind: capsule, name: face, radius: 0.05, length: 0.1, position: [0, 0.02, 0.07], follow: emitter}
+- {kind: sphere, name: skull, radius: 0.11, follow: emitter}
 """
 
 
 def test_strands_lie_on_what_is_wider_than_the_emitter() -> None:
-    """On a ball that blends they are .06 of its way of blending above it; of several, the first ball's way counts."""
-
     def on(solids: str, over: str, **emitter: Any) -> np.ndarray:
         scene = scene_of(SCENE.replace("lift: 0.012", f"lift: 0.012, over: {over}") + solids)
         one = dataclasses.replace(scene.emitter, **emitter)
         return combed(one, scene)[:, 1:]
 
-    for blend, high in ((0.0, 0.0), (0.02, 0.0012)):
-        one = on(f"solids: [{{kind: sphere, name: a, radius: 0.13, follow: emitter, blend: {blend}}}]\n", "[a]")
-        away = np.linalg.norm(one, axis=2)  # no hair is below that at its own root
-        np.testing.assert_allclose(away[:, 0], 0.13 + high, atol=2e-7)
+    one = on("solids: [{kind: sphere, name: a, radius: 0.13, follow: emitter}]\n", "[a]")
+    away = np.linalg.norm(one, axis=2)  # no hair is below that at its own root
+    np.testing.assert_allclose(away[:, 0], 0.13, atol=2e-7)
     both = on(CHIN, "[face, skull]")
     middle = both - np.array([0, 0.02, 0.07])
     middle[..., 1] -= np.clip(middle[..., 1], -0.05, 0.05)
-    apart = np.stack([np.linalg.norm(both, axis=2) - 0.11 - 0.06 * 0.014,
-                      np.linalg.norm(middle, axis=2) - 0.05 - 0.06 * 0.03])  # fmt: skip
-    joined = -0.014 * np.log(np.exp(-apart / 0.014).sum(0))
+    apart = np.stack([np.linalg.norm(both, axis=2) - 0.11, np.linalg.norm(middle, axis=2) - 0.05])
     # at the root, whose way out is the ball's own normal, and which nothing else lifts
-    assert np.abs(joined[:, 0]).max() < 2e-6
-    assert (np.abs(apart).min(0)[:, 0] > 0.004).sum() > 10
+    assert np.abs(apart.min(0)[:, 0]).max() < 2e-6
+    assert np.bincount(apart.argmin(0)[:, 0], minlength=2).min() > 10  # on either
     # as the emitter stands at first nothing is otherwise
     keys = tuple(dataclasses.replace(key, position=(0.5, -0.2, 0.1)) for key in scene_of(SCENE).emitter.keys)
     np.testing.assert_allclose(on(CHIN, "[face, skull]", keys=keys), both, atol=1e-7)
 
 
 def test_the_way_out_is_the_first_one() -> None:
-    """Of balls and capsules that blend, and of such that do not, for points and directions at random."""
+    """Of balls and capsules, for points and directions at random."""
     rng = np.random.default_rng(3)
     rows = np.zeros((6, capsule.COLUMNS))
     rows[:, :3] = rng.uniform(-0.1, 0.1, (6, 3))
     rows[:4, AXIS] = rng.uniform(-0.1, 0.1, (4, 3))
     rows[:4, capsule.PER_SQUARE] = 1 / (rows[:4, AXIS] ** 2).sum(1)
     rows[:, capsule.RADIUS] = rng.uniform(0.03, 0.06, 6)
-    blended = np.arange(6) % 2 == 0
-    k = 0.01
 
     def apart(points: np.ndarray) -> np.ndarray:
         from_ends = points[..., None, :] - rows[:, :3]
         along = np.clip((from_ends * rows[:, AXIS]).sum(-1) * rows[:, capsule.PER_SQUARE], 0, 1)
         each = np.linalg.norm(from_ends - along[..., None] * rows[:, AXIS], axis=-1) - rows[:, capsule.RADIUS]
-        union = -k * np.log(np.exp(-each[..., blended] / k).sum(-1))
-        return np.asarray(np.minimum(union, each[..., ~blended].min(-1)))
+        return np.asarray(each.min(-1))
 
     points, normals = rng.uniform(-0.15, 0.15, (400, 3)), rng.normal(size=(400, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     up = np.zeros(400)
-    lift(points, normals, rows, blended, k, up)
+    lift(points, normals, rows, up)
     outside = apart(points) >= 0
     assert 50 < outside.sum() < 350
     np.testing.assert_array_equal(up[outside], 0)

@@ -3,12 +3,38 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
+from cli_runs import Runner
 from scene_files import refused
 from scene_kit import complaint
 from strandcli.scene.absent import GONE, NEVER
+
+BALL = "solids:\n- {kind: sphere, name: head}\n"
+
+
+class Written(NamedTuple):
+    """How a preset has such a setting."""
+
+    text: str
+    column: int
+    path: str
+    told: str
+
+
+def written(path: str) -> Written:
+    """``path``: of the tables."""
+    setting, _, value = path.partition(": ")
+    group, *_, key = setting.split(".")
+    told = NEVER.get(path, "")
+    if path in GONE:
+        told = (f"'{value}' is " if value else "") + "gone after {}; {}".format(*GONE[path])
+    begin = "  - " if "*" in setting else "  "
+    column = 1 + len(begin) + (len(key) + 2 if value else 0)
+    text = f"{group}:\n{begin}{key}: {value or '{a: 1}'}\n" + ("    kind: sphere\n" if "*" in setting else "")
+    return Written(text, column, setting.replace("*", "0"), told)
 
 
 @pytest.mark.parametrize("path", [*GONE, *NEVER])
@@ -16,13 +42,25 @@ def test_each_is_told_in_a_preset_and_where_it_is_set(
     path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    setting, _, value = path.partition(": ")
-    group, key = setting.split(".")
-    told = NEVER.get(path, "")
-    if path in GONE:
-        told = (f"'{value}' is " if value else "") + "gone after {}; {}".format(*GONE[path])
-    column = 3 + (len(key) + 2 if value else 0)
-    assert complaint(f"{group}:\n  {key}: {value or '{a: 1}'}\n") == f"p.yaml:2:{column}: {setting}: {told}"
-    assert refused("seed: 1\n", f"{setting}={value or 1}") == f"--set {setting}={value or 1}: {told}"
-    if not value:
-        assert refused("seed: 1\n", f"{setting}.0.a=1") == f"--set {setting}.0.a=1: {told}"
+    one, value = written(path), path.partition(": ")[2]
+    assert complaint(one.text) == f"p.yaml:2:{one.column}: {one.path}: {one.told}"
+    for where in {one.path, one.path.replace(".0.", ".head.")}:
+        assert refused(BALL, f"{where}={value or 1}") == f"--set {where}={value or 1}: {one.told}"
+        if not value:
+            assert refused(BALL, f"{where}.0.a=1") == f"--set {where}.0.a=1: {one.told}"
+
+
+@pytest.mark.parametrize("path", GONE)
+def test_a_command_is_refused_with_the_version_and_what_to_do(
+    path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    one = written(path)
+    Path("old.yaml").write_text(one.text, encoding="utf-8")
+    result = Runner(tmp_path, capsys)("plan", "old.yaml")
+    assert result.code == 2
+    line = result.error()
+    assert line.endswith(f"old.yaml:2:{one.column}: {one.path}: {one.told}")
+    version, instead = GONE[path]
+    assert f"gone after {version}; " in line
+    assert len(instead.split()) > 3

@@ -29,7 +29,7 @@ from strandcli.scene.schema import json_schema
 from strandcli.simulate.rod import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis import ThesisSolver
-from strandcli.solids import SeparateSolids, Solids, pack_all, register
+from strandcli.solids import Solids, pack_all, register
 
 R, THICK = 0.5, 0.125
 STILL = Emitter()
@@ -192,8 +192,7 @@ def test_a_kind_that_is_taken_or_lacks_a_part_is_refused() -> None:
 
 
 def test_scenes_without_it_have_the_type_that_they_had() -> None:
-    assert type(pack_all([SphereSolid()], STILL, 0.0)) is SeparateSolids
-    assert type(pack_all([SphereSolid(blend=0.1)], STILL, 0.0)) is Solids
+    assert type(pack_all([SphereSolid()], STILL, 0.0)) is Solids
     assert type(packed(SphereSolid())) is not Solids
     assert type(packed(SphereSolid())) is type(packed(SphereSolid(), SphereSolid()))
     assert type(packed()) is not type(packed(SphereSolid()))  # kernels for it have none of the four shapes

@@ -10,54 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.motion import solid_pose
-from ...solids import COLUMNS, SHAPES, SeparateSolids, Solids, in_order, joined, pack
+from ...solids import COLUMNS, SHAPES, Solids, in_order
 from ...solids.shapes import other
 from ..view.camera import View
 
-NONE = SeparateSolids(*(np.zeros((0, 1), np.float32),) * len(COLUMNS))
+NONE = Solids(*(np.zeros((0, 1), np.float32),) * len(COLUMNS))
 """Packed solids of a scene without any; kernels compiled for solids take it too."""
-ROOM = 4.0
-"""Greatest growth of a blended solid, in blending distances."""
-
-
-def packed(solids: Sequence[Any], emitter: Any, time: float) -> Solids:
-    """Return solids packed for drawing: spheres and capsules have their blending distance as the last column."""
-    out = []
-    for kind in COLUMNS:
-        rows = pack(kind, list(solids), emitter, time)
-        if kind in ("sphere", "capsule"):
-            ways = [solid.blend for solid in solids if solid.kind == kind]
-            rows = np.column_stack([rows, np.array(ways, np.float32).reshape(len(rows), 1)]).astype(np.float32)
-        out.append(rows)
-    return joined(out, solids, emitter, time, np.float32)
-
-
-def _blend(kind: str, solid: NDArray[np.float64]) -> float:
-    """Return the blending distance of a packed solid, metres; 0 if it does not blend."""
-    blends = kind in ("sphere", "capsule") and len(solid) > COLUMNS[kind]
-    return float(solid[COLUMNS[kind]]) if blends else 0.0
 
 
 def frames_of(packed: Solids, view: View) -> NDArray[np.int64]:
     """Return the screen bounds (m, 4) of all solids, in the order of `COLUMNS`: left, right, top, bottom in pixels,
     right and bottom exclusive. They are the whole picture for a plane, and for a solid that extends behind the eye."""
-    width, height = int(view.width), int(view.height)
-    rows: list[tuple[int, int, int, int]] = []
-    nowhere = (2 * width + 2, 2 * width + 2, 2 * height + 2, 2 * height + 2)
-    group: list[tuple[int, int, int, int]] = []
-    first = -1
-    for kind, solid in rows_of(packed):
-        whole = (0, width, 0, height)
-        if _blend(kind, solid) > 0:  # all blended solids are drawn as one, under the number of the first
-            centre, radius = ball_of(kind, solid)
-            first = len(rows) if first < 0 else first
-            group.append(_frame(centre, radius + ROOM * _blend(kind, solid), view) or whole)
-            rows.append(nowhere)
-            continue
-        rows.append(whole if kind == "plane" else _frame(*ball_of(kind, solid), view) or whole)
-    if group:
-        left, right, top, bottom = zip(*group, strict=True)
-        rows[first] = (min(left), max(right), min(top), max(bottom))
+    whole = (0, int(view.width), 0, int(view.height))
+    rows = [
+        whole if kind == "plane" else _frame(*ball_of(kind, solid), view) or whole for kind, solid in rows_of(packed)
+    ]
     return np.array(rows, np.int64).reshape(-1, 4)
 
 

@@ -18,19 +18,18 @@ ENOUGH = 1e-7
 
 
 @parallel
-def lift(points, normals, capsules, blended, k, out):
+def lift(points, normals, capsules, out):
     """Write to out (N,) how far points (N, 3) must move along unit normals (N, 3) to be outside of capsules, metres.
 
-    capsules (m, 9) float64: columns of `strandcli.solids.shapes.capsule`; blended (m,) bool: those of the smooth union;
-    k: its blending distance, metres. The smooth union has the distance −k ln Σ e^(−dᵢ / k), which is never greater than
-    the distance along any line to its surface, so sphere tracing does not pass through the surface.
+    capsules (m, 9) float64: columns of `strandcli.solids.shapes.capsule`. Their distance is never greater than that
+    along any line to their surface, so sphere tracing (Hart 1996) does not pass through the surface.
     """
     for i in prange(points.shape[0]):
         up = 0.0
         for _ in range(STEPS):
             away = distance(
                 points[i, 0] + up * normals[i, 0], points[i, 1] + up * normals[i, 1], points[i, 2] + up * normals[i, 2],
-                capsules, blended, k,
+                capsules,
             )  # fmt: skip
             if away >= -ENOUGH:
                 break
@@ -56,11 +55,9 @@ def lift_off_mesh(points, normals, grid, clear, out):
 
 
 @device
-def distance(x, y, z, capsules, blended, k):
+def distance(x, y, z, capsules):
     """Return the signed distance of a point from the union of all capsules, metres, negative inside."""
     least = np.inf
-    plain = np.inf
-    total = 0.0
     for m in range(capsules.shape[0]):
         ox = x - capsules[m, X]
         oy = y - capsules[m, Y]
@@ -70,17 +67,8 @@ def distance(x, y, z, capsules, blended, k):
         ox -= t * capsules[m, AXIS_X]
         oy -= t * capsules[m, AXIS_Y]
         oz -= t * capsules[m, AXIS_Z]
-        away = math.sqrt(ox * ox + oy * oy + oz * oz) - capsules[m, RADIUS]
-        if not blended[m]:
-            plain = min(plain, away)
-        elif away < least:
-            total = total * math.exp((away - least) / k) + 1.0 if total > 0.0 else 1.0
-            least = away
-        else:
-            total += math.exp((least - away) / k)
-    if total > 0.0:
-        plain = min(plain, least - k * math.log(total))
-    return plain
+        least = min(least, math.sqrt(ox * ox + oy * oy + oz * oz) - capsules[m, RADIUS])
+    return least
 
 
 @parallel

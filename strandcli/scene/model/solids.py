@@ -45,19 +45,7 @@ class SolidSettings:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class _RoundSolid(SolidSettings):
-    """What runs into others of its kind, if wanted."""
-
-    blend: float = number(
-        0.0,
-        low=0,
-        unit="m",
-        doc="way over which it runs into other spheres and capsules that blend; all of them are drawn as the first",
-    )
-
-
-@dataclass(frozen=True, slots=True, repr=False)
-class SphereSolid(_RoundSolid):
+class SphereSolid(SolidSettings):
     """A ball."""
 
     kind: str = choice("sphere", ("sphere",))
@@ -65,7 +53,7 @@ class SphereSolid(_RoundSolid):
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class CapsuleSolid(_RoundSolid):
+class CapsuleSolid(SolidSettings):
     """A rounded cylinder along its own y axis."""
 
     kind: str = choice("capsule", ("capsule",))

@@ -30,9 +30,7 @@ class Kind(NamedTuple):
 def type_of(solids: Sequence[Any], others: Sequence[Any]) -> Any:
     """The named tuple's type for solids, of which ``others`` have no kernels of their own."""
     module = module_for(others)
-    if any(getattr(one, "blend", 0) > 0 for one in solids):
-        return module.Solids
-    return module.SeparateSolids if len(solids) > len(others) else module.LoneSolids
+    return module.Solids if len(solids) > len(others) else module.LoneSolids
 
 
 def together(solids: Sequence[Any], rows: NDArray[Any], time: float) -> Any:

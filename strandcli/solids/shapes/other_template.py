@@ -32,13 +32,7 @@ class Others_{name}(NamedTuple):
     rows: Any
 {fields}
 
-class Separate{name}({name}):
-    """The same, of which none blends with another."""
-
-    blended = False
-
-
-class Lone{name}(Separate{name}):
+class Lone{name}({name}):
     """The same where there are no solids but these."""
 
     built_in = False
@@ -91,7 +85,7 @@ def meet(p, m, x, y, z, dx, dy, dz, end):
 def hides(p, m, x, y, z, way, reach, skin):
     """Whether solid m stands between a point and a light at reach along a unit vector."""
 {ray}{hides}{look}{drift}
-Solids, SeparateSolids, LoneSolids = {name}, Separate{name}, Lone{name}
+Solids, LoneSolids = {name}, Lone{name}
 Solids.distance, Solids.normal, Solids.deepest, Solids.meet = distance, normal, deepest, meet
 Solids.hides, Solids.among, Solids.look, Solids.folds = hides, among, {has_look}, {folds}
 Solids.distance_in_own, Solids.distances_in_own = distance_in_own, {has_distances}

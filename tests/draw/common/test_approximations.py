@@ -44,12 +44,6 @@ def test_exp_relative_error_grows_only_with_the_argument():
     assert (np.abs(y / np.exp(x) - 1) / (3e-7 + 1.5e-7 * np.abs(x))).max() < 1
 
 
-def test_log_error_over_its_whole_range():
-    for x in (np.geomspace(1e-37, 1e38, 500_001), np.linspace(0.3, 20, 500_001)):
-        x, y = sample(ap.log, x)
-        assert (np.abs(y - np.log(x)) / np.maximum(1, np.abs(np.log(x)))).max() < 2e-7
-
-
 def test_exact_values():
     zero, one = np.float32(0), np.float32(1)
     assert ap.acos(one) == 0
@@ -58,8 +52,6 @@ def test_exact_values():
     assert ap.asin(one) == np.float32(np.pi / 2)
     assert [ap.exp2(np.float32(k)) for k in (-126, -1, 0, 1, 127)] == [2.0**k for k in (-126, -1, 0, 1, 127)]
     assert ap.exp(zero) == 1
-    assert ap.log(one) == 0
-    assert ap.log(zero) == ap.log(np.float32(1e-37))
 
 
 def test_results_keep_order():
@@ -72,7 +64,7 @@ def test_results_keep_order():
 @given(FLOATS)
 def test_nothing_that_can_be_passed_gives_nan_or_infinity(x):
     x = np.float32(x)
-    for function in (ap.acos, ap.asin, ap.exp2, ap.exp, ap.log):
+    for function in (ap.acos, ap.asin, ap.exp2, ap.exp):
         assert np.isfinite(function(x)), function
 
 
@@ -83,7 +75,7 @@ def test_clamp_puts_nan_and_everything_else_inside(x):
 
 def test_python_and_compiled_forms_agree_to_the_bit():
     for x in np.linspace(-1, 1, 257).astype(np.float32):
-        for function in (ap.acos, ap.asin, ap.exp2, ap.exp, ap.log):
+        for function in (ap.acos, ap.asin, ap.exp2, ap.exp):
             plain = getattr(function, "py_func", function)
             assert np.float32(plain(x)) == np.float32(function(x)), (function, x)
 

@@ -28,7 +28,7 @@ from strandcli.draw.shadows.kernels import (
     soft_shadows,
     splats,
 )
-from strandcli.draw.solids.kernels import rays, sphere_tracing
+from strandcli.draw.solids.kernels import rays
 from strandcli.draw.view.kernels import project
 from strandcli.draw.view.kernels.depth_slope import DepthSlope
 from strandcli.draw.view.kernels.project import to_view
@@ -137,7 +137,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "penumbra of a box": (penumbra.box, (TABLE, 1, RAY, ONE, ONE)),
     "lit solids": (rays.visibility, (SOLIDS, *[ONE] * 8)),
     "soft shadows": (soft_shadows.soft_shadows, (LIT, 1, TABLE, 1, SOLIDS, ONE, None)),
-    "met together": (sphere_tracing.meet, (np.ones(sphere_tracing.ROWS * W, np.float32), 3, TABLE, TABLE)),
     "ray": (rays.ray, (ROW, ONE, ONE)),
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
     "marschner": (

@@ -27,7 +27,7 @@ lights: [{kind: directional, direction: [0, -1, -1], intensity: %(light)g, size:
 solids: %(solids)s
 """
 BALL = "{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 0.9]}"
-ROD = "{kind: capsule, radius: 0.2, length: 1.5, rotation: [20, 0, 35], blend: 0.1}"
+ROD = "{kind: capsule, radius: 0.2, length: 1.5, rotation: [20, 0, 35]}"
 COATED = "{kind: sphere, radius: 0.5, colour: [0.2, 0.2, 0.9], coat: 0.5, roughness: 0.1}"
 GROUND = "{kind: plane, position: [0, -0.8, 0], rotation: [0, 0, 8], colour: [0.3, 0.7, 0.3], fade: 3}"
 USUAL: dict[str, Any] = {

@@ -14,8 +14,8 @@ from strandcli.draw.lighting.kernels import marked_vertices
 from strandcli.draw.lighting.kernels import mottle as mottle_kernel
 from strandcli.draw.shadows.kernels import hard_shadows as shadows_kernel
 from strandcli.draw.solids.kernels import coat, rays
-from strandcli.draw.solids.solids import packed
 from strandcli.scene.model import Emitter, PlaneSolid, SphereSolid
+from strandcli.solids import pack_all
 
 of_batch, past_solids, of_strand, visible = (
     mottle_kernel.mottle, shadows_kernel.hard_shadows, marked_vertices.find_marked, rays.visibility
@@ -63,7 +63,7 @@ def test_patches_of_a_batch_are_those_of_its_points(pixel: float) -> None:
 def test_a_batch_is_in_the_shadow_of_planes_where_its_points_are() -> None:
     rng = np.random.default_rng(2)
     tilted = PlaneSolid(name="b", position=(0.3, 0.2, 0.0), rotation=(20.0, 0.0, 120.0))
-    solids = packed([SphereSolid(name="a", radius=0.5), PlaneSolid(name="c"), tilted], Emitter(), 0.0)
+    solids = pack_all([SphereSolid(name="a", radius=0.5), PlaneSolid(name="c"), tilted], Emitter(), 0.0)
     work = rng.normal(0.0, 1.0, (batch.ROWS, W)).astype(np.float32)
     ways = rng.normal(0.0, 1.0, (3, W))
     work[batch.LX // W : batch.LX // W + 3] = ways / np.linalg.norm(ways, axis=0)

@@ -21,8 +21,9 @@ from strandcli.draw.common.kernels.keys import EMPTY, FIRST, LOW
 from strandcli.draw.solids import triangles
 from strandcli.draw.solids.kernels import edges, rasterise
 from strandcli.draw.solids.kernels import triangles as kernels
-from strandcli.draw.solids.solids import frames_of, packed
+from strandcli.draw.solids.solids import frames_of
 from strandcli.draw.view.camera import View, camera_view
+from strandcli.solids import pack_all
 
 SIZE = 97, 64
 SCENE = """
@@ -61,7 +62,7 @@ def of(files: tuple[Path, Path], camera: str) -> tuple[Any, View]:
     """The solids of the scene, and its view."""
     scene = scene_of(SCENE % (CAMERAS[camera], *files))
     bounds = np.array([[-1.0, -1, -1], [1, 1, 1]])
-    return packed(scene.solids, scene.emitter, 0.0), camera_view(scene.camera, 0.0, *SIZE, bounds)
+    return pack_all(scene.solids, scene.emitter, 0.0), camera_view(scene.camera, 0.0, *SIZE, bounds)
 
 
 def by_rays(solids: Any, view: View) -> NDArray[np.uint64]:

@@ -13,7 +13,6 @@ function       domain                     error
 acos, asin     [-1, 1]                    5e-7 rad, absolute
 exp2           [-126, 127]                2.5e-7, relative
 exp            [-87, 88]                  (3e-7 + 1.5e-7 |x|), relative (the scaling by log2 e rounds)
-log            [1e-37, 1e38]              2e-7 max(1, |log x|), absolute
 =============  =========================  ==========================================================
 
 Arguments outside of a domain, infinities and NaN are clamped to it: the result is always finite.
@@ -54,12 +53,6 @@ EXPONENT_HIGH = np.float32(127.0)
 EXPONENT_BIAS = np.float32(127.0)
 ROUNDING = np.float32(127.5)  # bias + 1/2, so that truncation rounds to the nearest biased exponent
 MANTISSA_BITS = np.int32(23)
-
-# log(m) = 2 (s + s³/3 + s⁵/5 + s⁷/7 + s⁹/9), s = (m - 1) / (m + 1), m in [2/3, 4/3]: the series of artanh
-THIRD, FIFTH, SEVENTH, NINTH = (np.float32(1 / n) for n in (3, 5, 7, 9))
-TWO_THIRDS = np.int32(np.float32(2 / 3).view(np.int32))
-LOG_2 = np.float32(math.log(2.0))
-LEAST = np.float32(1e-37)
 
 
 @function
@@ -120,17 +113,3 @@ def exp2_lanes(x):
     f = y - (biased - EXPONENT_BIAS)
     p = ((((E5 * f + E4) * f + E3) * f + E2) * f + E1) * f + ONE
     return p * power_of_two(biased - EXPONENT_BIAS)
-
-
-@function
-def log(x: np.float32) -> np.float32:
-    """Return the natural logarithm of ``x``; of 1e-37 if ``x`` is less."""
-    y = x if x > LEAST else LEAST
-    bits = np.float32(y).view(np.int32)
-    # an exponent that leaves the mantissa in [2/3, 4/3)
-    whole = np.int32(np.int32(bits - TWO_THIRDS) >> MANTISSA_BITS)
-    m = np.int32(bits - np.int32(whole << MANTISSA_BITS)).view(np.float32)
-    s = (m - ONE) / (m + ONE)
-    z = s * s
-    p = (((NINTH * z + SEVENTH) * z + FIFTH) * z + THIRD) * z + ONE
-    return np.float32(whole) * LOG_2 + (s + s) * p

@@ -15,7 +15,7 @@ from ....constants import VECTOR
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, lane_count, load, pointer, where
 from ...common.kernels.keys import EMPTY, FIRST, LOW
-from ...solids.kernels import appearance, blended
+from ...solids.kernels.appearance import folds
 from ...solids.kernels.surface_pixels import FOLD, bend, depth_at, folded, pixel_width
 
 ZERO, UNKNOWN = np.float32(0.0), np.float32(-1.0)
@@ -141,12 +141,6 @@ def smooth(keys, camera, at, step, right):
     return most <= FOLD * pixel_width(here, camera)
 
 
-@device
-def has_folds(solids, which):
-    """Return whether solid number `which` may have edges and creases in front of itself."""
-    return blended.blends(solids, which) or appearance.folds(solids, which)
-
-
 @parallel
 def smooth_blocks(keys, solids, asked, values, frame, hidden):
     """Set hidden to `SMOOTH` as `choose` does, at four pixels at once, where the lattice pixels about them agree about
@@ -172,7 +166,7 @@ def smooth_blocks(keys, solids, asked, values, frame, hidden):
                 continue
             own = np.int64((key & LOW) - FIRST)
             if own != solid:
-                solid, parts = own, has_folds(solids, own)
+                solid, parts = own, folds(solids, own)
             if parts or not one_solid(keys, asked, key, at, TWO * width):
                 continue
             o = ((y + frame.down) >> 1) * below + ((x + frame.right) >> 1) * along
@@ -240,7 +234,7 @@ def choose(keys, camera, solids, asked, values, frame, hidden):
                 continue
             own = np.int64((key & LOW) - FIRST)
             if own != solid:
-                solid, parts = own, has_folds(solids, own)
+                solid, parts = own, folds(solids, own)
             if parts and folded(keys, at, x, width, camera):
                 continue
             j, i = (y - down + frame.down) >> 1, (x - right + frame.right) >> 1

@@ -27,7 +27,6 @@ from ...solids.kernels.pixel_squares import find_pixels, places_in
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import mirror
 from .inputs import READ, WRITTEN, Coating
-from .lattice import has_folds
 from .reflection import deepest, gleam, reflect, reflect_from_below
 from .surface_light import arrive, as_computed, note, note_all, note_nothing, recall
 from .surface_points import cover, face, fade, light_around, look, patch, surroundings
@@ -45,8 +44,8 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
     """Composite the visible solids, with what is on and under their surface, over image (height, width, 3).
 
     screen, surround, strands, lights, coating: `Screen`, `Surround`, `StrandLight`, `Lights` and `Coating` of `inputs`;
-    shadows: `ShadowArrays`; solids: `Solids`. The image contains the background. Blended solids may have edges in front
-    of themselves, which z-buffer keys do not show; there a point on each side counts as much as 4×4 rays tell.
+    shadows: `ShadowArrays`; solids: `Solids`. The image contains the background. Meshes may have edges in front of
+    themselves, which z-buffer keys do not show; there a point on each side counts as much as 4×4 rays tell.
     """
     width = image.shape[1]
     picture = image.reshape(-1)
@@ -85,7 +84,7 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
 def is_even(coats, solids, which):
     """Return whether light on solid number `which` varies as little as its shadows do: it has neither creases nor light
     under its surface, which depends on its colour, and mirrors no solids."""
-    plain = not (has_folds(solids, which) or appearance.looks(solids, which))
+    plain = not (appearance.folds(solids, which) or appearance.looks(solids, which))
     return plain and deepest(coats, which) == ZERO and mirror.strength(coats, which) == ZERO
 
 

@@ -31,7 +31,7 @@ from ...common.kernels.surface_batch import (
     UNDER,
 )
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
-from ...solids.kernels import appearance, blended, coat, rays
+from ...solids.kernels import appearance, coat, rays
 from . import occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z
 from .light import SURFACE, around
@@ -76,7 +76,7 @@ def look(work, n, view):
 @device
 def face(work, n, solids, which):
     """Store the unit normals."""
-    if which < solids.spheres.shape[0] and not blended.blends(solids, which):
+    if which < solids.spheres.shape[0]:
         for k in range(n):
             x = work[X + k] - solids.spheres[which, sphere.X]
             y = work[Y + k] - solids.spheres[which, sphere.Y]
@@ -105,7 +105,7 @@ def face(work, n, solids, which):
 def is_plane(solids, which):
     """Return whether solid number `which` is a plane, whose normal is the same everywhere."""
     first = solids.spheres.shape[0] + solids.capsules.shape[0]
-    return first <= which and which < first + solids.planes.shape[0] and not blended.blends(solids, which)
+    return first <= which and which < first + solids.planes.shape[0]
 
 
 @device

@@ -27,7 +27,7 @@ def looks(solids, which):
 
 @device
 def folds(solids, which):
-    """Return whether solid number `which` may have edges in front of itself, besides those that blend."""
+    """Return whether solid number `which` may have edges in front of itself."""
     return which >= built_in.count(solids) and other.folds(solids, which - built_in.count(solids))
 
 

@@ -8,10 +8,9 @@ from ....constants import W
 from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
-from . import blended, sphere_tracing
 from .edges import meet_one, within
 from .rasterise import key_at
-from .rays import HALF, ONE, aim
+from .rays import BATCH, HALF, ONE, aim
 
 EVEN = np.uint64(0)
 
@@ -25,7 +24,7 @@ def look_outside(width, height, view, solids, frames, found):
     for task in prange((found.shape[0] + W - 1) // W):
         begin = np.int64(task) * W
         count = min(W, found.shape[0] - begin)
-        work = np.zeros(sphere_tracing.ROWS * W, np.float32)
+        work = np.zeros(BATCH, np.float32)
         for j in range(count):
             x, y = outside(begin + j, width, height)
             aim(
@@ -34,8 +33,6 @@ def look_outside(width, height, view, solids, frames, found):
             )  # fmt: skip
             found[begin + j] = EMPTY
         for m in range(frames.shape[0]):
-            if blended.blends(solids, m):
-                blended.meet_all(solids, work, count)
             for j in range(count):
                 x, y = outside(begin + j, width, height)
                 if within(x, y, frames, m):

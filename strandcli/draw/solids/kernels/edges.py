@@ -12,9 +12,8 @@ from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.pixel_rays import put_ray
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
-from . import blended, sphere_tracing
 from .rasterise import BOTTOM, LEFT, RIGHT, TOP, key_at
-from .rays import HALF, INF, ONE, ZERO, aim, meet, meet_rays, ray
+from .rays import BATCH, DX, DY, DZ, HALF, INF, MET, ONE, OX, OY, OZ, ZERO, aim, meet, meet_rays, ray
 
 SAMPLES = 4
 """Samples along each side of a pixel."""
@@ -24,9 +23,9 @@ IN_ROW, ROW_BITS = np.uint64(SAMPLES - 1), np.uint64(SAMPLES.bit_length() - 1)
 """Mask of a sample's column in its number, and bits below its row."""
 TOGETHER = W // WHOLE
 """Pixels whose samples fill one batch."""
-AT_OX, AT_OY, AT_OZ = (np.uint64(row) for row in (sphere_tracing.OX, sphere_tracing.OY, sphere_tracing.OZ))
-AT_DX, AT_DY, AT_DZ = (np.uint64(row) for row in (sphere_tracing.DX, sphere_tracing.DY, sphere_tracing.DZ))
-AT_MET = np.uint64(sphere_tracing.MET)
+AT_OX, AT_OY, AT_OZ = (np.uint64(row) for row in (OX, OY, OZ))
+AT_DX, AT_DY, AT_DZ = (np.uint64(row) for row in (DX, DY, DZ))
+AT_MET = np.uint64(MET)
 """Rows of a batch, for indices that cannot be negative."""
 SLOTS = 4
 """Solids that are distinguished within a pixel; further ones count as the last of them."""
@@ -52,7 +51,7 @@ def sample(pixels, width, view, solids, frames, keys, spots, counts):
     for task in prange((pixels.shape[0] + TOGETHER - 1) // TOGETHER):
         begin = np.int64(task) * TOGETHER
         end = min(begin + TOGETHER, pixels.shape[0])
-        work = np.zeros(sphere_tracing.ROWS * W, np.float32)
+        work = np.zeros(BATCH, np.float32)
         best = np.empty(W, np.uint64)
         for e in range(begin, end):
             x, y = np.float32(pixels[e] % width), np.float32(pixels[e] // width)
@@ -62,16 +61,13 @@ def sample(pixels, width, view, solids, frames, keys, spots, counts):
                 aim(work, j, view, (column - view[AXIS_X]) / view[FOCAL], (view[AXIS_Y] - row) / view[FOCAL])
                 best[j] = EMPTY
         for m in range(frames.shape[0]):
-            blends = blended.blends(solids, m)
-            if blends and any_inside(pixels, width, begin, end, frames, m):
-                blended.meet_all(solids, work, (end - begin) * WHOLE)
             for e in range(begin, end):
                 if inside(pixels, width, e, frames, m):
                     meet_pixel(work, (e - begin) * WHOLE, solids, m)
                     identity = FIRST + np.uint64(m)
                     for i in range(np.uint64(WHOLE)):
                         j = np.uint64((e - begin) * WHOLE) + i
-                        t = work[np.uint64(sphere_tracing.MET) + j]
+                        t = work[AT_MET + j]
                         best[j] = min(best[j], key_at(t, view, flat, far, identity))
         for e in range(begin, end):
             count_samples(pixels, width, e, best, (e - begin) * WHOLE, keys, spots, counts)
@@ -98,32 +94,16 @@ def within(x, y, frames, m):
 
 
 @device
-def any_inside(pixels, width, begin, end, frames, m):
-    """Return whether any of the pixels begin <= e < end can show solid number m."""
-    found = False
-    for e in range(begin, end):
-        found |= inside(pixels, width, e, frames, m)
-    return found
-
-
-@device
 def meet_one(work, j, solids, m):
-    """Return the depth at which ray number j of a batch meets solid number m. For blended solids `sphere_tracing.meet`
-    must have been called."""
-    if blended.blends(solids, m):
-        return work[sphere_tracing.MET + j]
+    """Return the depth at which ray number j of a batch meets solid number m."""
     return meet(
-        solids, m, work[sphere_tracing.OX + j], work[sphere_tracing.OY + j],
-        work[sphere_tracing.OZ + j],
-        work[sphere_tracing.DX + j], work[sphere_tracing.DY + j], work[sphere_tracing.DZ + j],
+        solids, m, work[OX + j], work[OY + j], work[OZ + j], work[DX + j], work[DY + j], work[DZ + j]
     )  # fmt: skip
 
 
 @device
 def meet_pixel(work, at, solids, m):
     """Store the depths at which the samples of a pixel, from ray number `at` on, meet solid number m, as `meet_one`."""
-    if blended.blends(solids, m):
-        return
     if m < built_in.count(solids):
         meet_built_in(solids, m, work, np.uint64(at))
         return
@@ -132,7 +112,7 @@ def meet_pixel(work, at, solids, m):
         put_ray(rays, k, ray_at(work, np.uint64(at + k)))
     meet_rays(solids, m, rays, found)
     for k in range(WHOLE):
-        work[sphere_tracing.MET + at + k] = found[k]
+        work[MET + at + k] = found[k]
 
 
 @device_if_built_in(lambda solids, m, work, at: None)

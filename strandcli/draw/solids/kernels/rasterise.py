@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....constants import W
 from ....jit import device, parallel, prange
 from ....solids.kernels import capsule, plane, sphere
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
-from . import blended, sphere_tracing
-from .rays import HALF, INF, ONE, ZERO, aim, meet, ray
+from .rays import HALF, INF, ONE, ZERO, meet, ray
 
 LEFT, RIGHT, TOP, BOTTOM = range(4)
 """Columns of a solid's screen bounds: pixels, right and bottom exclusive."""
@@ -37,17 +35,7 @@ def draw(solids, frames, view, width, height, keys):
             identity = FIRST + np.uint64(m)
             part = row[frames[m, LEFT] : frames[m, RIGHT]]
             begin = np.float32(frames[m, LEFT]) + HALF - view[AXIS_X]
-            if blended.blends(solids, m):
-                work = np.zeros(sphere_tracing.ROWS * W, np.float32)
-                for low in range(0, part.shape[0], W):
-                    count = min(part.shape[0] - low, W)
-                    for x in range(count):
-                        aim(work, x, view, (begin + np.float32(low + x)) / view[FOCAL], up)
-                    blended.meet_all(solids, work, count)
-                    for x in range(count):
-                        key = key_at(work[sphere_tracing.MET + x], view, flat, far, identity)
-                        part[low + x] = min(part[low + x], key)
-            elif m < spheres.shape[0]:
+            if m < spheres.shape[0]:
                 for x in range(part.shape[0]):
                     ox, oy, oz, dx, dy, dz = ray(view, (begin + np.float32(x)) / view[FOCAL], up)
                     key = key_at(sphere.meet(spheres, m, ox, oy, oz, dx, dy, dz), view, flat, far, identity)

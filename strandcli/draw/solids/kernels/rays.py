@@ -1,7 +1,7 @@
 """Rays against all solids, `strandcli.solids.Solids`: where one meets them, the normal there, and what hides a light.
 
 Solids are numbered through: spheres first, then capsules, planes, boxes, then those without kernels of their
-own. Each shape's own part is in `strandcli.solids.kernels`; what blends is met as one surface, by `smooth_union`.
+own. Each shape's own part is in `strandcli.solids.kernels`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from ....constants import W
 from ....jit import device, function
 from ....solids.kernels import box, built_in, capsule, other, pixel_rays, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
@@ -28,20 +29,21 @@ from ...common.kernels.view_columns import (
     UP_Y,
     UP_Z,
 )
-from . import blended, sphere_tracing
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-20)
 INF = np.float32(np.inf)
+OX, OY, OZ, DX, DY, DZ, MET = (row * W for row in range(7))
+"""Rows of a batch of up to W rays, float32: origin, direction, and where it meets a solid in units of that."""
+BATCH = 7 * W
+"""Numbers of a batch."""
 
 
 @function
 def meet(solids, which, ox, oy, oz, dx, dy, dz):
-    """Where a ray meets solid number `which`: its parameter, inf where it does not. What blends is met as one."""
-    if blended.blends(solids, which):
-        return blended.meet(solids, ox, oy, oz, dx, dy, dz)
+    """Where a ray meets solid number `which`: its parameter, inf where it does not."""
     first = built_in.count(solids)  # number of the first without kernels of its own
     if which < first:
         return meet_built_in(solids, which, ox, oy, oz, dx, dy, dz)
@@ -52,7 +54,7 @@ def meet(solids, which, ox, oy, oz, dx, dy, dz):
 def meet_rays(solids, which, rays, found):
     """Write to `found` what `meet` returns for each of the rays of a pixel (`pixel_rays`), which are lost."""
     first = built_in.count(solids)
-    if not blended.blends(solids, which) and which >= first:
+    if which >= first:
         other.trace_rays(solids, which - first, rays, found)
         return
     for k in range(pixel_rays.RAYS):
@@ -77,8 +79,6 @@ def meet_built_in(solids, m, ox, oy, oz, dx, dy, dz):
 @function
 def normal(solids, which, x, y, z):
     """Unit outward normal of solid number `which` at a point of its surface."""
-    if blended.blends(solids, which):
-        return blended.normal(solids, x, y, z)
     first = built_in.count(solids)  # number of the first without kernels of its own
     if which < first:
         return normal_built_in(solids, which, x, y, z)
@@ -167,14 +167,14 @@ def visibility_past_planes(solids, x, y, z, lx, ly, lz, reach, skin):
 
 @device
 def aim(work, j, view, right, up):
-    """`ray`, as number j of a batch of `sphere_tracing`."""
+    """`ray`, as number j of a batch."""
     ox, oy, oz, dx, dy, dz = ray(view, right, up)
-    work[sphere_tracing.OX + j] = ox
-    work[sphere_tracing.OY + j] = oy
-    work[sphere_tracing.OZ + j] = oz
-    work[sphere_tracing.DX + j] = dx
-    work[sphere_tracing.DY + j] = dy
-    work[sphere_tracing.DZ + j] = dz
+    work[OX + j] = ox
+    work[OY + j] = oy
+    work[OZ + j] = oz
+    work[DX + j] = dx
+    work[DY + j] = dy
+    work[DZ + j] = dz
 
 
 @device

@@ -14,7 +14,7 @@ from ...common.kernels.dither import dithered, noise_at
 from ...common.kernels.keys import FIRST, LOW, SHIFT
 from ...common.kernels.surface_batch import BEFORE, DISTANCE, NOISE, RAYS, SHARE, SX, SY, THERE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
-from . import appearance, blended, rays
+from . import appearance, rays
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -40,7 +40,7 @@ def fill_batch(screen, found, i, end, width, solids, work, which, bare):
     keys, view, spots = screen.keys, screen.camera, screen.spots
     n = np.int64(0)
     solid = np.int64(-1)
-    blends = fine = False
+    folds = fine = False
     for number in range(i, end):
         at = found[number]
         key = keys[at]
@@ -49,11 +49,10 @@ def fill_batch(screen, found, i, end, width, solids, work, which, bare):
             return number, n, solid, fine
         if own != solid:
             solid = own
-            blends = blended.blends(solids, own) or appearance.folds(solids, own)
-            blends = spots.shape[0] == 0 and blends
+            folds = spots.shape[0] == 0 and appearance.folds(solids, own)
         row = np.int64(np.uint32(at) // np.uint32(width))
         column = at - row * width
-        edge = blends and folded(keys, at, column, width, view)
+        edge = folds and folded(keys, at, column, width, view)
         fine |= edge
         if edge and not bare:
             n = fine_points(work, which, n, at, column, row, view, solids, own)
@@ -194,7 +193,7 @@ def dither(work, n, which, screen, width):
 
 @device
 def folded(keys, at, column, width, view):
-    """Return whether a blended solid has an edge in front of itself at pixel number `at`."""
+    """Return whether a solid has an edge in front of itself at pixel number `at`."""
     if at < width or at >= keys.shape[0] - width:
         return False
     if column < 1 or column > width - 2:
