@@ -179,8 +179,10 @@ def between(counts: Offsets, values: npt.NDArray[Any], basis: Basis, each: int) 
 
 def new_counts(counts: Offsets, basis: Basis, each: int) -> Offsets:
     """Points of each curve (S,); 0 of those without a piece."""
+    if basis.plain and each == 1:
+        return counts
     pieces = basis.pieces(counts)
-    return counts if basis.plain and each == 1 else np.where(pieces > 0, pieces * each + 1, 0)
+    return np.where(pieces > 0, pieces * each + 1, 0)
 
 
 def _made(

@@ -221,9 +221,11 @@ def offsets(counts: npt.NDArray[Any], more: int = 0) -> Offsets:
     """Offsets (S + 1,) of strands with so many points each (S,), and ``more``."""
     first = np.zeros(counts.shape[0] + 1, np.int64)
     for begin in range(0, counts.shape[0], CHUNK):
-        part = counts[begin : begin + CHUNK].astype(np.int64) + more
-        np.cumsum(part, out=first[begin + 1 : begin + 1 + part.size])
-        first[begin + 1 : begin + 1 + part.size] += first[begin]
+        part = counts[begin : begin + CHUNK]
+        found = first[begin + 1 : begin + 1 + part.size]
+        np.cumsum(part.astype(np.int64) + more if more else part, out=found)
+        if begin:
+            found += first[begin]
     return first
 
 
@@ -257,12 +259,12 @@ def counts_in(first: Offsets, rows: slice, points: slice) -> Offsets:
 
 def without_short(strands: Strands) -> Strands:
     """Strands that were just read without those of fewer than two points, which are counted as skipped."""
-    keep = np.empty(strands.count, np.bool_)
-    for begin in range(0, keep.size, CHUNK):
-        keep[begin : begin + CHUNK] = np.diff(strands.first[begin : begin + CHUNK + 1]) >= SHORTEST
-    few = int(keep.size - np.count_nonzero(keep))
-    if not few:
+    parts = [slice(begin, begin + CHUNK) for begin in range(0, strands.count, CHUNK)]
+    if all(np.diff(strands.first[part.start : part.stop + 1]).min() >= SHORTEST for part in parts):
         return strands
-    skipped = {**strands.source.skipped, SHORT: few}
+    keep = np.empty(strands.count, np.bool_)
+    for part in parts:
+        keep[part] = np.diff(strands.first[part.start : part.stop + 1]) >= SHORTEST
+    skipped = {**strands.source.skipped, SHORT: int(keep.size - np.count_nonzero(keep))}
     kept = replace(strands, spent=True).select(keep)
     return replace(kept, source=replace(strands.source, skipped=skipped), spent=False)

@@ -18,7 +18,7 @@ from ...counted import counted
 from ...output.files import write_pieces
 from ..bounded import Bounded, opened
 from ..files import ReadOptions
-from ..strands import SHORT, SHORTEST, Attribute, Offsets, Source, Strands, TimeSample, offsets, spans
+from ..strands import SHORT, SHORTEST, Attribute, Offsets, Source, Strands, TimeSample, even_offsets, offsets, spans
 from ..written import left_out, raw
 
 name = ".data"
@@ -46,11 +46,12 @@ def read(path: Path, options: ReadOptions) -> Strands:
             raise file.damaged(f"the file has {file.size:,} bytes, no whole number of 4-byte numbers")
         words = file.array("file", "<i4", (file.size // 4,))
         found = _layout(file, words)
-        begins, counts = np.frombuffer(found.begins, np.int64), np.frombuffer(found.counts, np.int64)
-        first = offsets(counts)
-        points = np.empty((int(first[-1]), PLAIN), "<f4")
-        more = np.empty((int(first[-1]) if found.width == MORE else 0, MORE - PLAIN), "<f4")
-        _gather(words.view("<f4"), found, (begins, first), (points, more))
+        begins, first = found.begins, found.first
+        numbers, count = words.view("<f4"), int(first[-1])
+        points, more = numbers[: PLAIN * count].reshape(count, PLAIN), np.empty((0, MORE - PLAIN), "<f4")
+        if found.width == MORE:
+            points, more = np.empty_like(points), np.empty((count, MORE - PLAIN), "<f4")
+        _gather(numbers, found, (points, more))
 
         def byte(row: int) -> int:
             strand = int(np.searchsorted(first, row, side="right")) - 1
@@ -64,13 +65,14 @@ def read(path: Path, options: ReadOptions) -> Strands:
 
 
 class _Layout(NamedTuple):
-    """Numbers a point; of strands of at least two points the first word and the number of points; and how many others
-    there are."""
+    """Numbers a point; of strands of at least two points the first word, and the first point (S + 1,); how many others
+    there are; and whether all have as many points."""
 
     width: int
-    begins: array[int]
-    counts: array[int]
+    begins: Offsets
+    first: Offsets
     skipped: int
+    even: bool = False
 
 
 def _layout(file: Bounded, words: npt.NDArray[np.int32]) -> _Layout:
@@ -95,8 +97,9 @@ def _walk(words: npt.NDArray[np.int32], width: int) -> _Layout | tuple[int, str]
         return 0, f"strands: {strands:,}, with a count each; the file holds {counted(size - 1, 'number')}"
     each = 1 + width * view[1] if strands else 0
     if each > SHORTEST * width and strands * each == size - 1 and (words[1::each] == view[1]).all():
-        every = np.arange(strands, dtype=np.int64) * each + 2
-        return _Layout(width, array("q", every.tobytes()), array("q", np.full_like(every, view[1]).tobytes()), 0)
+        begins_of_all = even_offsets(strands - 1, each)
+        begins_of_all += 2
+        return _Layout(width, begins_of_all, even_offsets(strands, view[1]), 0, even=True)
     for strand in range(strands):
         if at >= size:
             return at, f"points of strand {strand:,} of {strands:,}: the file ends before"
@@ -111,18 +114,18 @@ def _walk(words: npt.NDArray[np.int32], width: int) -> _Layout | tuple[int, str]
         at += step
     if at != size:
         return at, f"{4 * (size - at):,} bytes follow the {strands:,} strands that the file tells of"
-    return _Layout(width, begins, counts, strands - len(begins))
+    first = offsets(np.frombuffer(counts, np.int64))
+    return _Layout(width, np.frombuffer(begins, np.int64), first, strands - len(begins))
 
 
 def _gather(
     numbers: npt.NDArray[np.float32],
     found: _Layout,
-    places: tuple[Offsets, Offsets],
     out: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]],
 ) -> None:
-    """Copy what lies between the counts. ``places``: of each strand its first word, and its first point (S + 1,);
-    ``out``: the points, and the numbers more."""
-    begins, first = places
+    """Copy what lies between the counts. ``out``: the points, and the numbers more; points alone may take the place of
+    the words from the first on, which is never behind that of what is still to be copied."""
+    _, begins, first, _, even = found
     at, width = 0, found.width
     while at < begins.size:  # some strands at once: an index for each number would take more than the file
         stop = max(at + 1, int(np.searchsorted(first, first[at] + AT_ONCE, side="right")) - 1)
@@ -130,7 +133,7 @@ def _gather(
         step = int(begins[at + 1] - begins[at]) if stop > at + 1 else 0
         if stop == at + 1:
             rows = numbers[begins[at] : begins[at] + width * (high - low)]
-        elif (np.diff(begins[at:stop]) == step).all() and high - low == (step - 1) // width * (stop - at):
+        elif even or ((np.diff(begins[at:stop]) == step).all() and high - low == (step - 1) // width * (stop - at)):
             heads = numbers[begins[at] - 1 : begins[at] - 1 + step * (stop - at)]  # all with as many points
             rows = heads.reshape(stop - at, step)[:, 1:]
             if width == PLAIN:

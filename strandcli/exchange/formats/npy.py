@@ -55,6 +55,8 @@ def read(path: Path, options: ReadOptions) -> Strands:
 def _columns(file: Bounded, kind: np.dtype[Any], shape: tuple[int, ...], fortran: bool) -> dict[str, Any]:
     """Points (P, 3), and widths (P,) where there are any, single precision."""
     count = shape[0] * shape[1]
+    if kind == np.float32 and shape[2] == 3 and not fortran:
+        return {POINTS: file.array(POINTS, kind, (count, 3))}
     found: dict[str, Any] = {POINTS: np.empty((count, 3), np.float32)}
     if shape[2] == 4:
         found[WIDTH] = np.empty(count, np.float32)
