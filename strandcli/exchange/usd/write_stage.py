@@ -54,15 +54,17 @@ def _write(request: dict[str, Any], parts: Iterator[Message]) -> None:
     stage = Usd.Stage.Open(layer)
     told, arrays = next(parts)
     prims = _prims(stage, told, arrays)
+    arrays.clear()
     _describe(stage, told)
     waiting, codes = 0, []
     for told, points in parts:
         code = told["code"]
         moment = Usd.TimeCode.Default() if code is None else Usd.TimeCode(code)
-        for curves, own, extent in zip(prims, points, told["extents"], strict=True):
-            curves.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(own)), moment)
+        points.reverse()
+        for curves, extent in zip(prims, told["extents"], strict=True):
+            waiting += points[-1].nbytes
+            curves.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points.pop())), moment)
             curves.GetExtentAttr().Set([Gf.Vec3f(*corner) for corner in extent], moment)
-            waiting += own.nbytes
         codes += [] if code is None else [code]
         if waiting > SAVED and request["format"] == "usdc":
             layer.Save()
