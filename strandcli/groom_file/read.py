@@ -18,7 +18,7 @@ from ..exchange.edit.moving import ROW
 from ..exchange.edit.subsample import some
 from ..exchange.files import ReadOptions
 from ..exchange.moments import Moments, read_first
-from ..exchange.strands import Attribute, Offsets, Points, Strands, even_offsets
+from ..exchange.strands import CHUNK, Attribute, Offsets, Points, Strands, even_offsets
 from ..groom.arrange import spatial_order
 from ..groom.emit import stream
 from ..groom.file_roots import units
@@ -89,7 +89,7 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) ->
     notes: list[str] = []
     options = ReadOptions(given.stride, given.array or None, given.fix, given.object)
     strands, moments = read_first(Path(given.file), options, given.start)
-    in_file = strands.counts()
+    in_file = strands.first
     if moments is None and given.start is not None:
         notes.append(f"{given.file}: does not move, and has no emitter.groom.start")
     if moments is not None and head is not None:
@@ -107,7 +107,7 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) ->
     found = _made(strands, counts, given, seed, head, notes)
     if moments is None or rows is None:
         return replace(found, rows=None)
-    film = _film(moments, in_file, rows, strands, given, seed, found)
+    film = _film(moments, np.diff(in_file), rows, strands, given, seed, found)
     return replace(found, moments=moments, groom=replace(found.groom, film=film))
 
 
@@ -162,7 +162,7 @@ def _made(
     share = counts.size / strands.count
     widths = widths_of(strands, placement.factor, lengths, share * float(lengths.sum()), notes)
     colours = colours_of(strands) if given.colours == "file" else None
-    tones = (2.0 * stream(seed, TONES, strands.count) - 1.0).astype(np.float32)
+    tones = _tones(seed, strands.count)
     if colours is not None:
         tones = colours.tones
         notes.append(f"{given.file}: strands have the file's colours; emitter.groom.colours: none gives the material's")
@@ -182,26 +182,44 @@ def _made(
     if seen.apart:
         notes.append(f"{given.file}: some strands lie far from all others; the picture is not fitted to them")
     seen = replace(seen, length=share * seen.length)
+    directions = _directions(strands, roots, order)
+    roots, lengths, tones = roots[order], lengths[order].astype(np.float32), tones[order]
     rows = points = packed_widths = None
     if share == 1:
         rows = rows_in(strands.first, strands.points, most)
         points = packed(strands.first, strands.points, rows, order, most)
         packed_widths = None if widths is None else widths.packed(strands, placement.factor, rows, order, most)
-    way = strands.points[strands.first[:-1] + 1].astype(np.float64) - roots
     groom = Groom(
-        roots[order],
-        units(way)[order].astype(np.float32),
-        lengths[order].astype(np.float32),
-        tones[order],
+        roots,
+        directions,
+        lengths,
+        tones,
         places=order,
         points=points,
         widths=packed_widths,
         colours=None if colours is None else colours.palette,
-        anchors=anchors_on(head, roots[order]),
+        anchors=anchors_on(head, roots),
     )
     width = None if widths is None else widths.mean
     colour = None if colours is None else colours.mean
     return FromFile(counts.size, groom, most, seen, width, colour, tuple(notes), placement, rows)
+
+
+def _directions(strands: Strands, roots: Points, order: NDArray[np.int32]) -> NDArray[np.float32]:
+    """Unit vectors (S, 3) from the roots (S, 3) of strands to their next points, in an ``order``."""
+    found = np.empty((order.size, 3), np.float32)
+    for begin in range(0, order.size, CHUNK):
+        here = order[begin : begin + CHUNK]
+        found[begin : begin + CHUNK] = units(strands.points[strands.first[here] + 1].astype(np.float64) - roots[here])
+    return found
+
+
+def _tones(seed: int, strands: int) -> NDArray[np.float32]:
+    """From -1 to 1 for each strand (S,)."""
+    found = stream(seed, TONES, strands)
+    found *= 2.0
+    found -= 1.0
+    return found.astype(np.float32)
 
 
 def _chosen(
