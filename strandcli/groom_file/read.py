@@ -98,7 +98,7 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) ->
             "one moment of them ('strandcli convert IN OUT --frames 1')"
         )
     strands, rows = _chosen(strands, given, seed, notes, moments is not None)
-    counts = strands.counts()
+    counts = strands.counts(np.int32)
     step = strands.count // ROUGHLY if roughly else 1
     if step > 1 and most_points(counts) == counts.max():
         found = _made(strands.select(np.arange(strands.count) % step == 0), counts, given, seed, None, list(notes))
