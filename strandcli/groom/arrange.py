@@ -47,6 +47,7 @@ def spatial_order(points: NDArray[np.floating]) -> NDArray[np.int32]:
     count = len(points)
     order = np.arange(count, dtype=np.int32)
     columns = [np.array(points[:, axis]) for axis in range(points.shape[1])]
+    del points  # which nobody else may hold
     size = LEAF
     while size < count:
         size *= 2
@@ -55,7 +56,8 @@ def spatial_order(points: NDArray[np.floating]) -> NDArray[np.int32]:
         for begin, end, row in ((0, full, size), (full, count, count - full)):
             if begin < end and row > LEAF:
                 boxes = [column[begin:end].reshape(-1, row) for column in columns]
-                turn = _along_longest(boxes) + np.arange(begin, end, row)[:, None]
+                turn = _along_longest(boxes)
+                turn += np.arange(begin, end, row)[:, None]
                 for values in (order, *columns):
                     values[begin:end] = values[turn.reshape(-1)]
         size //= 2

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exchange.strands import CHUNK, Offsets, Points, Strands
-from .rows import most_points, places_of
+from .rows import counts_of, most_points, places_of
 
 MOST = 256
 """Colours of a palette."""
@@ -86,8 +86,8 @@ def along_of(strands: Strands, values: Floats) -> Floats:
     """(S, ALONG, 3): values (P, 3) of points where the same share of the points that are drawn is nearer to the root,
     linear between points."""
     out = np.empty((strands.count, ALONG, 3), np.float32)
-    counts = strands.counts()
-    most, some = most_points(counts), max(1, CHUNK // int(counts.max()))
+    counts = counts_of(strands)
+    most, some = most_points(counts), max(1, CHUNK // counts.most)
     for begin in range(0, strands.count, some):
         first = strands.first[begin : begin + some + 1]
         part = slice(int(first[0]), int(first[-1]))

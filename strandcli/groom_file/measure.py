@@ -49,7 +49,8 @@ def seen_of(strands: Strands, lengths: Floats) -> Seen:
     """The same of strands that are so long each (S,)."""
     step = max(strands.points.shape[0] // LOOKED_AT, 1)
     ends_step = max(strands.count // (LOOKED_AT // 4), 1)
-    few = np.concatenate([strands.points[::step], strands.roots()[::ends_step], strands.tips()[::ends_step]])
+    roots, tips = strands.first[:-1:ends_step], strands.first[1::ends_step] - 1
+    few = np.concatenate([strands.points[::step], strands.points[roots], strands.points[tips]])
     near = together(few)
     usual = np.minimum(lengths, APART * np.percentile(lengths, USUAL))
     return Seen(near, area_of(near), float(usual.sum()), few.shape[0] - near.shape[0])

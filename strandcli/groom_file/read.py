@@ -29,7 +29,18 @@ from .film import Edits, Film
 from .measure import Seen, seen_of
 from .on_solid import Head, anchors_on, head_of, put_on
 from .placing import Placement, placed, put
-from .rows import most_points, packed, places_left, points_at, rows_in, with_at_most
+from .rows import (
+    Counts,
+    Rows,
+    counts_of,
+    most_points,
+    packed,
+    places_left,
+    points_at,
+    points_in,
+    rows_in,
+    with_at_most,
+)
 from .widths import widths_of
 
 if TYPE_CHECKING:
@@ -61,7 +72,7 @@ class FromFile:
     notes: tuple[str, ...]
     """What a person should know of the file, a line each."""
     placement: Placement
-    rows: NDArray[np.int32] | None = None
+    rows: Rows | None = None
     """Of its points, as of `rows_in`, where the file moves: those of all moments."""
     moments: Moments | None = None
     """Of a file that moves."""
@@ -89,7 +100,7 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) ->
     notes: list[str] = []
     options = ReadOptions(given.stride, given.array or None, given.fix, given.object)
     strands, moments = read_first(Path(given.file), options, given.start)
-    in_file = strands.first
+    in_file = None if moments is None else strands.counts()
     if moments is None and given.start is not None:
         notes.append(f"{given.file}: does not move, and has no emitter.groom.start")
     if moments is not None and head is not None:
@@ -98,16 +109,18 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) ->
             "one moment of them ('strandcli convert IN OUT --frames 1')"
         )
     strands, rows = _chosen(strands, given, seed, notes, moments is not None)
-    counts = strands.counts(np.int32)
+    counts = counts_of(strands)
     step = strands.count // ROUGHLY if roughly else 1
-    if step > 1 and most_points(counts) == counts.max():
+    if step > 1 and most_points(counts) == counts.most:
         found = _made(strands.select(np.arange(strands.count) % step == 0), counts, given, seed, None, list(notes))
         if _tells_all(found, strands, given):
-            return replace(found, moments=moments)
+            return replace(found, moments=moments, rows=None)
+    if moments is None or rows is None or in_file is None:
+        held = [replace(strands, spent=True)]
+        del strands  # which are let go in there as soon as they are packed
+        return replace(_made(held.pop(), counts, given, seed, head, notes), rows=None)
     found = _made(strands, counts, given, seed, head, notes)
-    if moments is None or rows is None:
-        return replace(found, rows=None)
-    film = _film(moments, np.diff(in_file), rows, strands, given, seed, found)
+    film = _film(moments, in_file, rows, strands, given, seed, found)
     return replace(found, moments=moments, groom=replace(found.groom, film=film))
 
 
@@ -132,7 +145,7 @@ def _film(
 
     def anew(others: Strands) -> Groom:
         chosen, _ = _chosen(others, given, seed, [])
-        made = _made(chosen, chosen.counts(), given, seed, None, [], found.placement)
+        made = _made(chosen, counts_of(chosen), given, seed, None, [], found.placement)
         widths = made.groom.widths
         if widths is not None and made.width and found.width:
             widths = widths._replace(scale=widths.scale * np.float32(made.width / found.width))
@@ -150,68 +163,69 @@ def _tells_all(found: FromFile, strands: Strands, given: GroomFile) -> bool:
 
 
 def _made(
-    strands: Strands, counts: Offsets, given: GroomFile, seed: int, head: Head | None, notes: list[str],
+    strands: Strands, counts: Counts, given: GroomFile, seed: int, head: Head | None, notes: list[str],
     placement: Placement | None = None,
 ) -> FromFile:  # fmt: skip
-    """Strands of a file, placed and packed; ``counts``: points of all strands (S,), of which these are some;
-    ``placement``: where strands of this file are put, if that is known."""
+    """Strands of a file, placed and packed; ``counts``: of all strands, of which these are some; ``placement``: where
+    strands of this file are put, if that is known."""
     strands, placement = placed(strands, given, notes, placement)
+    strands = replace(strands, spent=False)
     if head is not None:
         strands = put_on(strands, head, given.file, notes, placement.up, given)
-    roots, lengths = strands.roots(), strands.lengths()
-    share = counts.size / strands.count
+    order = spatial_order(strands.roots())
+    lengths = strands.lengths()
+    share = counts.strands / order.size
     widths = widths_of(strands, placement.factor, lengths, share * float(lengths.sum()), notes)
     colours = colours_of(strands) if given.colours == "file" else None
-    tones = _tones(seed, strands.count)
     if colours is not None:
-        tones = colours.tones
         notes.append(f"{given.file}: strands have the file's colours; emitter.groom.colours: none gives the material's")
-    order = spatial_order(roots)
     most = most_points(counts)
     strands, fewer, off = with_at_most(strands, most)
     if fewer:
         notes.append(
-            f"{given.file}: {counted(fewer, 'strand')} of more than {most:,} points, up to {int(counts.max()):,}, "
+            f"{given.file}: {counted(fewer, 'strand')} of more than {most:,} points, up to {counts.most:,}, "
             f"drawn with {most:,}, at most {off:.3g} m off: for memory all strands have as many"
         )
-    if counts.min() < most:
+    if counts.least < most:
         notes.append(
-            f"{given.file}: strands have {counts.min():,} to {most:,} points; shorter ones get more on their segments"
+            f"{given.file}: strands have {counts.least:,} to {most:,} points; shorter ones get more on their segments"
         )
     seen = seen_of(strands, lengths)
     if seen.apart:
         notes.append(f"{given.file}: some strands lie far from all others; the picture is not fitted to them")
     seen = replace(seen, length=share * seen.length)
-    directions = _directions(strands, roots, order)
-    roots, lengths, tones = roots[order], lengths[order].astype(np.float32), tones[order]
-    rows = points = packed_widths = None
-    if share == 1:
-        rows = rows_in(strands.first, strands.points, most)
-        points = packed(strands.first, strands.points, rows, order, most)
-        packed_widths = None if widths is None else widths.packed(strands, placement.factor, rows, order, most)
+    lengths = lengths.astype(np.float32)[order]
+    rows = rows_in(strands.first, strands.points, most)
+    seconds = 1 if rows is None else rows[strands.first[order] + 1]
+    packed_widths = None
+    if widths is not None and share == 1:
+        packed_widths = widths.packed(strands, placement.factor, rows, order, most)
+    points = packed(strands.first, strands.points, rows, order, most)
+    del strands  # all else follows from what is packed
+    tones = (_tones(seed, order.size) if colours is None else colours.tones)[order]
+    roots = points_in(points, order.size, 0)
     groom = Groom(
         roots,
-        directions,
+        _directions(roots, points_in(points, order.size, seconds)),
         lengths,
         tones,
         places=order,
-        points=points,
+        points=points if share == 1 else None,
         widths=packed_widths,
         colours=None if colours is None else colours.palette,
         anchors=anchors_on(head, roots),
     )
     width = None if widths is None else widths.mean
     colour = None if colours is None else colours.mean
-    return FromFile(counts.size, groom, most, seen, width, colour, tuple(notes), placement, rows)
+    return FromFile(counts.strands, groom, most, seen, width, colour, tuple(notes), placement, rows)
 
 
-def _directions(strands: Strands, roots: Points, order: NDArray[np.int32]) -> NDArray[np.float32]:
-    """Unit vectors (S, 3) from the roots (S, 3) of strands to their next points, in an ``order``."""
-    found = np.empty((order.size, 3), np.float32)
-    for begin in range(0, order.size, CHUNK):
-        here = order[begin : begin + CHUNK]
-        found[begin : begin + CHUNK] = units(strands.points[strands.first[here] + 1].astype(np.float64) - roots[here])
-    return found
+def _directions(roots: Points, seconds: Points) -> Points:
+    """Unit vectors (S, 3) from the roots (S, 3) of strands to their next points, whose place they take."""
+    for begin in range(0, roots.shape[0], CHUNK):
+        part = seconds[begin : begin + CHUNK]
+        part[:] = units(part.astype(np.float64) - roots[begin : begin + CHUNK])
+    return seconds
 
 
 def _tones(seed: int, strands: int) -> NDArray[np.float32]:

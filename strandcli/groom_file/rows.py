@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,43 +11,71 @@ from numpy.typing import NDArray
 from ..blocks import aligned
 from ..constants import W
 from ..exchange.edit.resample import resampled
-from ..exchange.strands import CACHED, CHUNK, Attribute, Offsets, Points, Strands, offsets
+from ..exchange.strands import CACHED, CHUNK, Attribute, Mask, Offsets, Points, Strands, offsets
 from .kernels import rows as kernel
 
-PADDED = 4
+PADDED = 2
 """Points that all strands together may have in memory, over those of the file, where they are more than `ENOUGH`."""
 ENOUGH = 1 << 24
+Rows = NDArray[np.signedinteger[Any]]
+"""Numbers of rows, in 16 bits where these are enough."""
 
 
-def most_points(counts: Offsets) -> int:
-    """Points that strands of so many each (S,) all get: as many as the longest has, or fewer where that would take too
-    much memory."""
-    longest, total = int(counts.max()), int(counts.sum())
-    return max(min(longest, max(PADDED * total, ENOUGH) // counts.shape[0]), 2)
+class Counts(NamedTuple):
+    """How many strands there are, how many points they have together, and how many one has at least and at most."""
+
+    strands: int
+    points: int
+    least: int
+    most: int
+
+
+def counts_of(strands: Strands) -> Counts:
+    """The same of strands."""
+    parts = [np.diff(strands.first[begin : begin + CHUNK + 1]) for begin in range(0, strands.count, CHUNK)]
+    least, most = min(part.min() for part in parts), max(part.max() for part in parts)
+    return Counts(strands.count, strands.points.shape[0], int(least), int(most))
+
+
+def most_points(counts: Counts) -> int:
+    """Points that all strands get, and the lanes that fill their last block: as many as the longest has, or fewer
+    where that and the row before the root would take too much memory."""
+    lanes = -(-counts.strands // W) * W
+    return max(min(counts.most, max(PADDED * counts.points - lanes, ENOUGH) // lanes), 2)
 
 
 def with_at_most(strands: Strands, most: int) -> tuple[Strands, int, float]:
     """Strands of at most so many points each: those with more get that many at equal distances along them, and the
     attributes of points go with these. Returns how many these are, and how far they are off at most, too."""
-    counts = strands.counts()
+    counts = strands.counts(np.int32)
     over = counts > most
     if not over.any():
         return strands, 0, 0.0
     fewer, change = resampled(strands.select(over), most)
-    after = offsets(np.minimum(counts, most))
-    points = np.empty((int(after[-1]), 3), np.float32)
-    of_points = np.repeat(over, np.minimum(counts, most))
-    points[of_points] = fewer.points
-    points[~of_points] = strands.points[np.repeat(~over, counts)]
+    rest = strands.select(~over)
+    np.minimum(counts, most, out=counts)
+    of_points = np.repeat(over, counts)
     kept = dict(strands.attributes)
     for name, one in strands.attributes.items():
         if one.domain == "point":
-            values = np.empty((of_points.shape[0], *one.values.shape[1:]), one.values.dtype)
-            values[of_points] = fewer.attributes[name].values
-            values[~of_points] = one.values[np.repeat(~over, counts)]
+            values = _merged(of_points, fewer.attributes[name].values, rest.attributes[name].values)
             kept[name] = Attribute("point", values)
-    found = replace(strands, first=after, points=points, attributes=kept)
+    points = _merged(of_points, fewer.points, rest.points)
+    found = replace(strands, first=offsets(counts), points=points, attributes=kept)
     return found, int(over.sum()), float(change.facts["deviation_max"])
+
+
+def _merged(of_one: Mask, one: NDArray[Any], other: NDArray[Any]) -> NDArray[Any]:
+    """Rows of two arrays, in turns: ``of_one`` (P,) says of which the next is."""
+    found = np.empty((of_one.size, *one.shape[1:]), one.dtype)
+    done = 0
+    for begin in range(0, of_one.size, CHUNK):
+        here = of_one[begin : begin + CHUNK]
+        part, after = found[begin : begin + CHUNK], done + int(np.count_nonzero(here))
+        part[here] = one[done:after]
+        part[~here] = other[begin - done : begin + here.size - after]
+        done = after
+    return found
 
 
 def places_left(strands: Strands, most: int) -> tuple[Offsets, NDArray[np.float64] | None]:
@@ -70,13 +99,13 @@ def points_at(points: Points, places: NDArray[np.float64] | None) -> Points:
     return found
 
 
-def rows_in(first: Offsets, points: Points, most: int) -> NDArray[np.int32] | None:
+def rows_in(first: Offsets, points: Points, most: int) -> Rows | None:
     """(P,) the rows that points of strands get where all have ``most``; None where all do. After point j of n the share
     of its arc length of the rows that are added has been placed, rounded."""
     counts = np.diff(first)
     if (counts == most).all():
         return None
-    found = np.empty(points.shape[0], np.int32)
+    found: Rows = np.empty(points.shape[0], np.int16 if most <= np.iinfo(np.int16).max else np.int32)
     for count in np.unique(counts):
         n = int(count)
         begins = first[:-1][counts == n]
@@ -94,7 +123,7 @@ def _rows(points: Points, most: int) -> NDArray[np.int32]:
 
 
 def packed(
-    first: Offsets, points: Points, rows: NDArray[np.int32] | None, order: NDArray[np.int32], most: int
+    first: Offsets, points: Points, rows: Rows | None, order: NDArray[np.int32], most: int
 ) -> NDArray[np.float32]:
     """(blocks, most + 1, 3 W): strands in an ``order`` (S,), row 0 a segment before the root, as `strandcli.blocks` has
     it. Points have the ``rows`` of `rows_in`, in every bit; those between are on the straight segments."""
@@ -110,18 +139,22 @@ def packed(
         wide = out[block].reshape(most + 1, 3, W)
         wide[1:, :, : some.shape[0]] = here.transpose(1, 2, 0)
         wide[1:, :, some.shape[0] :] = here[-1, :, :, None]
-    out.reshape(blocks, most + 1, 3, W)[:, 0] = _before(out)
+        wide[0] = 2 * wide[1] - wide[2]
     return out
 
 
-def _before(packed_rows: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(blocks, 3, W): a segment before the roots of (blocks, n + 1, 3 W)."""
-    wide = packed_rows.reshape(*packed_rows.shape[:2], 3, W)
-    return np.asarray(2 * wide[:, 1] - wide[:, 2])
+def points_in(blocks: NDArray[np.float32], strands: int, rows: Rows | int) -> Points:
+    """(S, 3): of each strand of `packed` ones the point in a row, or in one of its own (S,)."""
+    wide = blocks.reshape(*blocks.shape[:2], 3, W)
+    found, own = np.empty((strands, 3), np.float32), np.broadcast_to(rows, strands)
+    for begin in range(0, strands, CACHED):
+        here = np.arange(begin, min(begin + CACHED, strands))
+        found[begin : begin + CACHED] = wide[here // W, 1 + own[begin : begin + CACHED], :, here % W]
+    return found
 
 
 def values_in(
-    first: Offsets, values: NDArray[np.float32], rows: NDArray[np.int32] | None, order: NDArray[np.int32], most: int
+    first: Offsets, values: NDArray[np.float32], rows: Rows | None, order: NDArray[np.int32], most: int
 ) -> NDArray[np.float32]:
     """(S, most): values (P,) of the points of strands in an ``order`` (S,), at the points that `packed` gives them."""
     if rows is None:
@@ -133,7 +166,7 @@ def values_in(
 
 
 def filled(
-    first: Offsets, values: NDArray[np.float32], rows: NDArray[np.int32], some: NDArray[np.int32], most: int
+    first: Offsets, values: NDArray[np.float32], rows: Rows, some: NDArray[np.int32], most: int
 ) -> NDArray[np.float32]:
     """(k, most, c): values (P, c) of the points of the strands ``some`` (k,), linear between their rows (P,)."""
     counts = first[some + 1] - first[some]
@@ -145,7 +178,7 @@ def filled(
     return out
 
 
-def _between(values: NDArray[np.float32], own: NDArray[np.int32], most: int) -> NDArray[np.float32]:
+def _between(values: NDArray[np.float32], own: Rows, most: int) -> NDArray[np.float32]:
     """(k, most, c): values (k, n, c) at their ``own`` rows (k, n), in every bit, and linear ones between."""
     strands, n, _ = values.shape
     if n == most:

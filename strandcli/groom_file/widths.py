@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..exchange.strands import WIDTHS, Strands
 from ..groom.record import Widths
 from .measure import box_of
-from .rows import values_in
+from .rows import Rows, values_in
 
 LEAST, MOST = 0.02, 200.0
 """How often strands of a believable width cover the box about them, on average."""
@@ -32,9 +32,7 @@ class FileWidths:
         """Of the greatest, metres."""
         return float(self.greatest.mean())
 
-    def packed(
-        self, strands: Strands, factor: float, rows: NDArray[np.int32] | None, order: NDArray[np.int32], most: int
-    ) -> Widths:
+    def packed(self, strands: Strands, factor: float, rows: Rows | None, order: NDArray[np.int32], most: int) -> Widths:
         """As factors of the mean, in an ``order`` (S,), at ``most`` points of each strand. ``strands``, ``factor``: as
         of `widths_of`; ``rows``: of `rows_in`."""
         own = self.greatest[order]

@@ -10,6 +10,7 @@ import pytest
 import exchange_kit as kit
 import groom_file_kit as groom_kit
 from strandcli.blocks import unpack
+from strandcli.constants import W
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import TimeSample
 from strandcli.groom_file import rows
@@ -30,7 +31,7 @@ def test_points_that_are_drawn_are_the_same_ones_at_all_moments(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Every fourth of an even strand, though it is uneven a moment later; all of the shorter ones."""
-    monkeypatch.setattr(rows, "ENOUGH", LEFT * len(COUNTS))
+    monkeypatch.setattr(rows, "ENOUGH", LEFT * W)
     monkeypatch.setattr(rows, "PADDED", 0)
     strands = [np.linspace((k, 0, 0), (k, 1, 0), n, dtype=np.float32) for k, n in enumerate(COUNTS)]
     held = kit.of(strands)
