@@ -11,7 +11,7 @@ import pytest
 
 from strandcli.constants import W
 from strandcli.exchange.files import read, write
-from strandcli.exchange.strands import Strands, even_offsets
+from strandcli.exchange.strands import Strands, TimeSample, even_offsets
 from strandcli.exchange.usd import process
 from strandcli.groom_file import rows
 from strandcli.groom_file.read import from_file
@@ -55,11 +55,15 @@ def test_lanes_without_a_strand_count(strands: int, most: int, monkeypatch: pyte
 
 
 def test_no_worker_waits_beside_many_strands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its memory would be missed there."""
+    """Its memory would be missed there; but each moment of a file that moves would wait for the next one to begin."""
     pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
     path, points = tmp_path / "a.usdc", np.zeros((8, 3), np.float32)
-    write(path, Strands(even_offsets(4, 2), points))
-    for bytes_kept, waiting in ((points.nbytes // 2, 0), (1 << 20, 1)):
+    strands = Strands(even_offsets(4, 2), points)
+    moments = [TimeSample(time, points + np.float32(time)) for time in (0.0, 1.0)]
+    for bytes_kept, samples, waiting in (
+        (points.nbytes // 2, None, 0), (points.nbytes // 2, moments, 1), (1 << 20, None, 1),
+    ):  # fmt: skip
         monkeypatch.setattr(process, "KEPT", bytes_kept)
+        write(path, strands, samples)
         assert read(path).count == 4
         assert len(process._kept) == waiting

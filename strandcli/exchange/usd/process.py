@@ -32,7 +32,7 @@ SPARE = 1 << 26
 """Bytes of arrays that are taken from a file beyond three times its size."""
 KEPT = 1 << 25
 """Bytes of arrays in an answer up to which the process waits for the next file: beside more of them its own memory is
-missed, and the second that the next one takes to begin is little."""
+missed, and the second that the next one takes to begin is little; but not for each moment of a file that moves."""
 ENVIRONMENT = {"PXR_WORK_THREAD_LIMIT": "1", "MALLOC_ARENA_MAX": "1"}
 """Threads of Pixar's library would each take memory of their own."""
 
@@ -130,7 +130,7 @@ def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None)
     with contextlib.suppress(OSError):
         size = path.stat().st_size
     process = _begun(path, {**told, "bytes": size})
-    done, taken = False, 0
+    done, moves, taken = False, False, 0
     try:
         for message in more or ():
             process.send(*message)
@@ -145,6 +145,7 @@ def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None)
                 raise _error(path, told["do"], found["error"])
             process.deadline = float("inf")  # what asks may take its time
             taken += sum(one.nbytes for one in arrays)
+            moves = moves or len(found.get("times", ())) > 1
             for layer in found.get("layers", ()):
                 note(layer)
             yield found, arrays
@@ -154,7 +155,7 @@ def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None)
     except EndedError:
         raise _error(path, told["do"], "ends Pixar's library, or keeps it busy for too long; it is damaged") from None
     finally:
-        if done and not _kept and taken <= KEPT:
+        if done and not _kept and (moves or taken <= KEPT):
             process.deadline = float("inf")
             _kept.append(process)
         else:
