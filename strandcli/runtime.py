@@ -9,7 +9,7 @@ import os
 import platform
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +27,11 @@ MOST_THREADS = 4096
 
 ADDRESSES = 800_000_000
 """Bytes of addresses that Python takes with the libraries, NumPy's and LLVM's among them, and a small picture."""
+
+M_MMAP_THRESHOLD = -3
+"""Of mallopt(3): bytes from which on arrays have pages of their own."""
+LARGE = 8 << 20
+"""Bytes, above the temporary arrays of kernels and readers, which are made again and again."""
 
 NO_COMPILER = "NUMBA_DISABLE_JIT is set, and strandcli draws and reads nothing without Numba's compiler: unset it"
 
@@ -95,6 +100,18 @@ def still_idle_threads() -> None:
     if "OMP_WAIT_POLICY" not in os.environ:
         os.environ.setdefault("GOMP_SPINCOUNT", SPINS)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def give_back_large() -> None:
+    """Have large arrays that are freed go back to the system at once, in a process of our own. GNU's C library puts
+    them among others by default, once some have been freed, where they stay: a twentieth of what a dense groom takes.
+    """
+    if sys.platform != "linux" or "MALLOC_MMAP_THRESHOLD_" in os.environ:
+        return
+    import ctypes
+
+    with suppress(OSError, AttributeError):  # of C libraries that have no such setting
+        ctypes.CDLL(None).mallopt(M_MMAP_THRESHOLD, LARGE)
 
 
 def address_limit() -> int | None:

@@ -128,6 +128,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="backslashreplace")
     if arguments is None:
         runtime.still_idle_threads()
+        runtime.give_back_large()
         garbage.seldom()
     with signals.handled(last=arguments is None):
         return _main(arguments)

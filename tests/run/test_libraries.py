@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import platform
 import subprocess
 import sys
 from pathlib import Path
@@ -84,3 +85,30 @@ def test_products_of_matrices_start_no_threads_unless_asked_to(
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert int(done.stdout) == min(most, os.cpu_count() or 1)
+
+
+LARGE_ARRAYS = """
+import sys
+import numpy as np
+from strandcli import runtime
+if sys.argv[1] == "at once":
+    runtime.give_back_large()
+np.ones(30_000_000, np.uint8)  # from now on, arrays of this size are among others
+first, between = np.ones(20_000_000, np.uint8), np.ones(100_000, np.uint8)
+del first
+for line in open("/proc/self/status"):
+    if line.startswith("RssAnon"):
+        print(1024 * int(line.split()[1]))
+"""
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="a setting of GNU's C library")
+def test_large_arrays_that_are_freed_go_back_to_the_system(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("MALLOC_MMAP_THRESHOLD_", raising=False)
+    usual, at_once = (
+        int(
+            subprocess.run([sys.executable, "-c", LARGE_ARRAYS, how], capture_output=True, text=True, check=True).stdout
+        )
+        for how in ("usual", "at once")
+    )
+    assert at_once < usual - 15_000_000
