@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-POSITIONS = ("children", "combed", "followers")
+POSITIONS = ("children", "combed", "followers", "pieces", "chosen_rows")
 """Names of arrays that are needed until there are polylines,"""
 IN_LIGHT = (
     "light_screen", "map_vertices", "map_parts", "map_order", "map_places", "map_costs", "map_simple_words",
-    "map_simple_world", "map_simple_along",
+    "map_simple_world", "map_simple_along", "chosen_world", "chosen_along", "sketch", "sketch_nearest", "sketch_deep",
+    "spread_extents", "rows_of_cells",
 )  # fmt: skip
 """until shadow maps are drawn,"""
 IN_PICTURE = ("world", "along", "lost", "screen", "widths", "slots", "colours")
@@ -52,6 +53,10 @@ class Scratch:
             memory = self._memory.pop(name, None)
             if memory is not None:
                 self._released[name] = memory
+
+    def let_go(self) -> None:
+        """Give back the memory that no array is in."""
+        self._released.clear()
 
     def _found(self, name: str, size: int) -> NDArray[np.uint8]:
         """Return memory of at least so many bytes, of which no more than half is left over if another name had it."""

@@ -105,6 +105,7 @@ class ShadowMaps:
             parts = self.parts(number, simple, workers, scratch, self.extents[number])
             self._divide(number, scratch)
             self._draw(number, parts)
+            scratch.release(f"map_heads_{number}")
             opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
         self._find_fronts(scratch)
 

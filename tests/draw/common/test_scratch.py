@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import mmap
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,18 @@ def test_memory_that_is_a_little_too_small_is_given_up_for_larger() -> None:
     larger = scratch.borrow("b", 1500, np.float32)
     scratch.release("b")
     assert np.shares_memory(scratch.borrow("a", 1000, np.float32), larger)
+
+
+def test_what_no_array_is_in_is_given_back() -> None:
+    scratch = Scratch()
+    held, left = scratch.borrow("held", 1000, np.float32), scratch.borrow("left", 5000, np.float32)
+    gone = weakref.ref(left.base)
+    del left
+    scratch.release("left")
+    assert gone() is not None
+    scratch.let_go()
+    assert gone() is None
+    assert np.shares_memory(scratch.borrow("held", 1000, np.float32), held)
 
 
 @pytest.mark.skipif(not hasattr(mmap, "MADV_NOHUGEPAGE"), reason="no huge pages")
