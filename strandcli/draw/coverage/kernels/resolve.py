@@ -38,11 +38,10 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
     opaque = OPAQUE if table is None else ZERO  # a strand with a mask hides points, and no share of the others
     for one in prange(tasks):
         task = np.int64(one)
-        room = np.int64(min(INITIAL_ROOM, share))
+        room = np.int64(max(min(INITIAL_ROOM, share), RUN))
         fragments, listed = np.empty(room * NUMBERS, np.int32), np.empty(room * NUMBERS, np.int32)
         counts, ends = np.empty(PIXELS, np.int32), np.empty(PIXELS, np.int32)
         depths, ranks = np.empty(room + RUN, np.float32), np.empty(RUN, np.float32)
-        order, spare = np.empty(room + RUN, np.uint32), np.empty(room, np.uint32)
         slots, unordered, row_depths = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32)
         occlusion, hidden = np.zeros(PIXELS, np.float32), np.empty(WINDOWS, np.float32)
         through, least, widest = np.empty(PIXELS, np.float32), np.empty(PIXELS, np.float32), np.empty(1, np.float32)
@@ -71,14 +70,15 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
                     break
                 room = min(n + n // 4, share)
                 fragments, listed = np.empty(room * NUMBERS, np.int32), np.empty(room * NUMBERS, np.int32)
-                depths, order = np.empty(room + RUN, np.float32), np.empty(room + RUN, np.uint32)
-                spare = np.empty(room, np.uint32)
+                depths = np.empty(room + RUN, np.float32)
             found[number] = n if n <= end - o else -n
             if n == 0 or n > end - o:
                 set_empty(out, number)
                 continue
             set_begin(out, number, o, widest[0])
             list_by_pixel(fragments, n, counts, ends, depths, listed)
+            # their memory serves for what sorts them
+            order, spare = fragments[: room + RUN].view(np.uint32), fragments[room + RUN :].view(np.uint32)
             sort_pixels(listed, counts, ends, depths, opaque, ranks, spare, order)
             if table is None:
                 o = composite(listed, counts, ends, order, lines.screen.shape[0], tile, o, out, marks)
