@@ -108,6 +108,8 @@ class Canvas:
     def composite_sorted(self, batch: StrandBatch, coverage: Coverage) -> None:
         """Composite all strands, in one batch, over the solids, sorted by depth in each pixel."""
         lines, screen, light = batch.lines, batch.screen, self.lighting
+        self.scratch.borrow("colours", lines.world.shape, np.float32)  # the last that memory is taken for in turns
+        self.scratch.let_go()
         front = None if self.recorder is None else self.keys.copy()
         edges = None
         if light.solids is not None:

@@ -230,8 +230,6 @@ class Renderer:
             canvas.finish()
         else:
             for batch in batches.seen(0.0, lines):
-                self._colours(batch)
-                self.scratch.let_go()  # fragments, which come now, take memory of another kind
                 canvas.composite_sorted(batch, self.coverage)
 
     def _note_counts(self, strands: Strands, canvas: Canvas) -> None:
@@ -252,12 +250,9 @@ class Renderer:
 
         visibility (lights, V): of each light with exact shadows, None if there are none.
         """
-        colours = self._colours(batch)
+        colours = self.scratch.borrow("colours", (len(batch.lines.world), 3), np.float32)
         lighting.shade_strands(batch.lines, marks, batch.tones, visibility, batch.profiles, colours)
         return colours
-
-    def _colours(self, batch: StrandBatch) -> NDArray[np.float32]:
-        return self.scratch.borrow("colours", (len(batch.lines.world), 3), np.float32)
 
     def solids(self, at: float) -> Solids | None:
         """Return the visible solids at a time, seconds, packed; None if there are none."""

@@ -32,13 +32,11 @@ from .kernels.tiles import PIXELS, STEP, TILE_HEIGHT, TILE_WIDTH, Fragments
 from .kernels.width_profiles import Profiles, add_to_fragments
 from .masks import half_planes
 from .picture import Picture, windows_of
+from .room import LAYER_ROOM
 
 TASKS_A_WORKER = 16
 UNSURE = 1.2
 """Times what is estimated: a layer for which there is no room has to be drawn again, in parts."""
-FEWER = 1.5
-"""Times what the last frame had in the rows of a layer, there is room for: strands move, workers do not find the same
-number, the last block of a chain is not full, and what sorts a crowded tile takes less memory in a thin layer."""
 NO_LIGHT = np.zeros((0, 3), np.float32)
 NOTHING = np.zeros(0, np.float32)
 NO_BITS = np.zeros(0, np.uint64)
@@ -208,7 +206,7 @@ class Coverage:
 
     def _cuts(self) -> list[tuple[int, int]]:
         """Divide the picture into ranges of rows for which there is room, by the last frame's fragments."""
-        share = np.cumsum(self._rows) * FEWER / self.room
+        share = np.cumsum(self._rows) * LAYER_ROOM / self.room
         cuts = [0, *(np.flatnonzero(np.diff(share.astype(np.int64))) + 1).tolist(), self.size[1]]
         return list(pairwise(cuts))
 
