@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _LEFT_OUT = {
     "Scene": {"source", "sha256", "title"}, "RuleUse": {"path"}, "Time": {"frames"}, "Image": {"aovs"},
+    "Emitter": {"extent"},
 }  # fmt: skip
 """Fields by class that no pixel of a frame depends on: a longer film resumes a shorter one, and layers come and go."""
 

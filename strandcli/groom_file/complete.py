@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..exchange.moments import USUAL
+from ..scene.model import Extent
 from .following import DENSE, with_followers
 from .measure import fitted, some_of, width_for
 from .read import from_scene
@@ -37,8 +38,12 @@ def completed(scene: Scene, roughly: bool = False) -> Scene:
     mean = found.seen.length / found.strands
     scene = replace(scene, time=_clock(scene.time, found.moments, given.start))
     scene = replace(
-        scene, emitter=replace(scene.emitter, strands=found.strands, length=mean, moving=found.moments is not None)
-    )
+        scene,
+        emitter=replace(
+            scene.emitter, strands=found.strands, length=mean, moving=found.moments is not None,
+            extent=Extent(found.seen.radius, found.seen.spacing, found.seen.area),
+        ),
+    )  # fmt: skip
     if not scene.guided:
         scene = replace(scene, emitter=replace(scene.emitter, particles=found.points), detail=None)
     if scene.material.width == 0:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..constants import W
 from ..exchange.strands import Strands
 from ..scene.motion import emitter_pose
+from .spacing import spacing_of
 
 if TYPE_CHECKING:
     from ..scene.model import Camera, Scene
@@ -43,17 +44,25 @@ class Seen:
     """Metres of all strands together, of one that is far longer than the others a part."""
     apart: int
     """Points that were looked at and are apart."""
+    radius: float
+    """Metres, of a ball about all points that were looked at, those too that are apart."""
+    spacing: float
+    """Metres, from `spacing_of`."""
 
 
-def seen_of(strands: Strands, lengths: Floats) -> Seen:
-    """The same of strands that are so long each (S,)."""
+def seen_of(strands: Strands, lengths: Floats, order: NDArray[np.integer]) -> Seen:
+    """The same of strands that are so long each (S,); ``order`` (S,): in which they are drawn."""
     step = max(strands.points.shape[0] // LOOKED_AT, 1)
     ends_step = max(strands.count // (LOOKED_AT // 4), 1)
     roots, tips = strands.first[:-1:ends_step], strands.first[1::ends_step] - 1
     few = np.concatenate([strands.points[::step], strands.points[roots], strands.points[tips]])
     near = together(few)
     usual = np.minimum(lengths, APART * np.percentile(lengths, USUAL))
-    return Seen(near, area_of(near), float(usual.sum()), few.shape[0] - near.shape[0])
+    low, high = box_of(few)
+    radius = 0.5 * float(np.linalg.norm(high - low))
+    return Seen(
+        near, area_of(near), float(usual.sum()), few.shape[0] - near.shape[0], radius, spacing_of(strands, order)
+    )
 
 
 def together(points: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -190,10 +191,10 @@ def _made(
         notes.append(
             f"{given.file}: strands have {counts.least:,} to {most:,} points; shorter ones get more on their segments"
         )
-    seen = seen_of(strands, lengths)
+    seen = seen_of(strands, lengths, order)
     if seen.apart:
         notes.append(f"{given.file}: some strands lie far from all others; the picture is not fitted to them")
-    seen = replace(seen, length=share * seen.length)
+    seen = replace(seen, length=share * seen.length, spacing=seen.spacing / math.sqrt(share))
     lengths = lengths.astype(np.float32)[order]
     rows = rows_in(strands.first, strands.points, most)
     seconds = 1 if rows is None else rows[strands.first[order] + 1]

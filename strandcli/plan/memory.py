@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ..constants import BATCH_VERTICES, FRAGMENTS, PART_BYTES, POINTS_BYTES, SORTED_BYTES, W
+from ..draw.coverage.room import LAYER_ROOM, SORTING_BYTES
 from ..draw.shadows.needs import needs_counts
 from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, model_of, shades_vertices
 from ..registry import FIBRES
@@ -20,6 +21,7 @@ from .sizes import map_rows, share_in_maps, side_of
 if TYPE_CHECKING:
     from ..scene.model import Scene
     from .make import Plan
+    from .sizes import Sizes
 
 PRIVATE = 57_500_000
 """Bytes of the interpreter, of what libraries hold besides their files, and of kernels of a plain scene."""
@@ -33,8 +35,13 @@ MOMENTS = 4
 """Of a file that moves, what is in memory beside the first moment."""
 PARTS, PART = 4, 48
 """Of a strand in an opacity map, as in `draw.shadows.kernels.map_parts`."""
+TILE, FULLEST = 1024, 4.0
+"""Samples of a tile; how many times as many fragments the fullest tile has as those that strands are in have on
+average."""
 WAITING = 24
 """Bytes of a pixel of pictures that wait to be written."""
+LEFT = 12
+"""Bytes of a vertex that are left over from the picture before, in an array that is too small for any in light."""
 NEARER, SEEN = 1.3, 0.75
 """How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
 ROD, CROWDED, FRAMED = 80, 66, 16
@@ -118,15 +125,43 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
     traced = sum(shades_vertices(light) for light in scene.lights)
     if scene.image.resolver == "zbuffer" and not traced:
         vertices = min(vertices, BATCH_VERTICES + vertices // max(strands, 1) * W)
-    # in the world, on the screen, colours, marks; in light; widths
-    wide = scene.material.width > 0 and (scene.image.resolver != "zbuffer" or scene.material.width * sizes.scale > 1)
-    total = round(vertices * (37 + _projected_bytes(plan, scene) + (4 if wide else 0)))
-    total += 4 * vertices if scene.curves.mode == "adaptive" else 0  # how far along their strands they stand
+    # in the world, how far along their strands they stand, which way these go
+    total = vertices * {"adaptive": 16, "thinned": 28}.get(scene.curves.mode, 12)
+    total += _turns_bytes(plan, scene, vertices)
     total += strands * (8 + 8 + 2 * (sizes.points - 1) + 4 + 8 + 8)
     tables = getattr(FIBRES[scene.material.model], "memory", lambda material: 0)
     total += tables(scene.material)
-    total += _groom_bytes(plan, scene) + _traced_bytes(plan, scene, vertices, traced) + _light_bytes(plan, scene)
-    return total + _film_bytes(plan, scene, vertices)
+    return total + _groom_bytes(plan, scene) + _traced_bytes(plan, scene, vertices, traced) + _light_bytes(plan, scene)
+
+
+def _turns_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
+    """Return the bytes of strands as they are made, of vertices in light, and of a picture and vertices in it, which
+    take memory in turns; of a later picture what is on the film is there from the one before."""
+    assert plan.sizes is not None
+    sorts = scene.image.resolver != "zbuffer"
+    wide = sorts or scene.material.width * plan.sizes.scale > 1
+    # on the screen, colours, marks; widths
+    shown = vertices * (25 + (4 if wide and scene.material.width > 0 else 0)) + _sorting_bytes(plan, scene)
+    in_light, film = round(vertices * _projected_bytes(plan, scene)), _film_bytes(plan, scene, vertices)
+    made = _made_bytes(plan, scene)
+    if not sorts:  # batches are cut from what is made
+        return made + max(in_light, shown) + film
+    once = plan.frames == 1 and scene.camera.aperture == 0 and scene.camera.shutter == 0
+    if once:
+        return max(made, in_light, shown + film)
+    return max(made, in_light, shown) + film + (LEFT * vertices if in_light > shown else 0)
+
+
+def _sorting_bytes(plan: Plan, scene: Scene) -> int:
+    """Return the bytes in which the fragments of the fullest tile are sorted."""
+    sizes = plan.sizes
+    assert sizes is not None
+    if scene.image.resolver == "zbuffer":
+        return 0
+    across = 2 * sizes.radius * sizes.scale
+    width, height = (scene.image.supersample * pixels for pixels in scene.image.drawn)
+    tiles = max(min(across, width) * min(across, height) / TILE, 1.0)
+    return round(SORTING_BYTES * min(FULLEST * sizes.fragments / tiles, sizes.fragments / layers_of(sizes)))
 
 
 def _projected_bytes(plan: Plan, scene: Scene) -> float:
@@ -144,16 +179,28 @@ def _projected_bytes(plan: Plan, scene: Scene) -> float:
 
 
 def _groom_bytes(plan: Plan, scene: Scene) -> int:
-    """Return the bytes of children and of tied strands."""
+    """Return the bytes of what children and a file's strands are made of."""
     assert plan.sizes is not None
     strands, n = plan.sizes.strands, plan.sizes.points
     total = 0
-    if scene.children is not None:  # the guides as finely, the strands, and what they follow
-        total += 12 * (n + 1) * (plan.strands + plan.sizes.made * 9 // 8) + _followed_bytes(plan, scene)
+    if scene.children is not None:  # the guides as finely, and what strands follow
+        total += 12 * (n + 1) * plan.strands + _followed_bytes(plan, scene)
     followers = scene.emitter.followers
-    if followers is not None:  # the file, as it is read and packed; at rest, with shares; as they are placed; a table
+    if followers is not None:  # the file, as it is read and packed; at rest, with shares; a table
         total += followers.strands * (24 * (followers.file_points + 1) + 100)
-        total += strands * (16 * n + 12 * n * 9 // 8 + 100) + plan.strands * 200 * scene.emitter.particles
+        total += strands * (16 * n + 100) + plan.strands * 200 * scene.emitter.particles
+    return total
+
+
+def _made_bytes(plan: Plan, scene: Scene) -> int:
+    """Return the bytes of children, of a file's strands, and of tied strands."""
+    assert plan.sizes is not None
+    strands, n = plan.sizes.strands, plan.sizes.points
+    total = 0
+    if scene.children is not None:
+        total += 12 * (n + 1) * plan.sizes.made * 9 // 8
+    if scene.emitter.followers is not None:  # as they are placed
+        total += strands * 12 * n * 9 // 8
     if scene.emitter.tie is not None:  # as they are made, in blocks, and joined to what hangs from the tie
         total += strands * 12 * (2 * (TIED + 1) + n)
     return total
@@ -226,10 +273,14 @@ def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
     return total + plan.samples * 32 + plan.pixels * WAITING
 
 
+def layers_of(sizes: Sizes) -> int:
+    """Return in how many layers sorted fragments go through."""
+    return max(math.ceil(LAYER_ROOM * sizes.fragments / FRAGMENTS), 1)
+
+
 def fragment_bytes(plan: Plan, scene: Scene) -> int:
     """Return the bytes of sorted fragments in memory at once: pages of the room for them that are written to."""
     exact = any(shades_vertices(light) for light in scene.lights) and scene.image.resolver == "sorted"
     assert plan.sizes is not None
-    layers = max(math.ceil(1.2 * plan.sizes.fragments / FRAGMENTS), 1)
-    held = plan.sizes.fragments / layers
+    held = plan.sizes.fragments / layers_of(plan.sizes)
     return round(held * (SORTED_BYTES + PART_BYTES / 8 + (POINTS_BYTES if exact else 0)))

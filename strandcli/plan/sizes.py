@@ -33,8 +33,14 @@ GATHERED = 0.5
 """What `squeezed` returns of long strands that are combed and hang."""
 BULKY = 0.02
 """Radius of waves that hold strands apart, over their length."""
+HELD, TOGETHER = 0.27, 0.6
+"""Of a map's cells, those that hold strands; of these, as many where strands are tied."""
+AROUND = 4
+"""Cells that strands hold beyond the area that they are seen before, on both sides of it together."""
 PRESSED = 0.95
 """Distance of strands that push each other once they hang, over that at which they begin to; locks are denser."""
+UPRIGHT = 3**-0.5
+"""Side of a cube over the diameter of the ball about it: a file's strands are looked at from one side of their box."""
 HANGING = 0.55
 """How far strands that are combed or tied reach beyond what they grow on, over their length."""
 
@@ -73,18 +79,28 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
     area, extent = surface(scene)
     emitter = scene.emitter
     hangs = emitter.comb is not None or emitter.tie is not None or isinstance(emitter.shape, MeshShape)
-    radius = extent + (HANGING if hangs else 1.0) * length
+    radius = extent + (HANGING if hangs else 1.0) * length if emitter.extent is None else emitter.extent.radius
     height = scene.image.size[1] * scene.image.supersample
-    share_seen = min(1.0, height / max(scale * 2 * radius, 1e-9))
+    tall = 2 * radius * (1.0 if emitter.extent is None else UPRIGHT)
+    share_seen = min(1.0, height / max(scale * tall, 1e-9))
     segments = drawn * share * (points - 1) * pieces_of(scene, scale * min(1.0, share_seen + 0.5), length, points)
     ahead = drawn * share * length * scale * ACROSS * share_seen
     width = scene.material.width * (1 - scene.material.drawn_taper / 2) * scale if scene.material.width > 0 else 1.0
     shown = HIDDEN if scene.children is not None and scene.children.clumps else 1.0
-    apart = math.sqrt(max(area, 1e-12) * squeezed(scene, extent, length) / max(drawn * share, 1.0))
+    if emitter.extent is None:
+        apart = math.sqrt(max(area, 1e-12) * squeezed(scene, extent, length) / max(drawn * share, 1.0))
+    else:
+        apart = emitter.extent.spacing * math.sqrt(_in_file(scene) / max(drawn * share, 1.0))
     if pressed := next((use.parameters.density for use in scene.rules if use.name == "interaction"), 0.0):
         apart = min(apart, PRESSED / math.sqrt(pressed))  # the weight of what hangs brings them as near
     made = round(drawn * share) if scene.children is not None else drawn
     return Sizes(drawn, made, points, segments, ahead * (CROSSED + FOR_WIDTH * width) * shown, scale, radius, apart)
+
+
+def _in_file(scene: Scene) -> int:
+    """Return the number of strands that a scene's file has."""
+    followers = scene.emitter.followers
+    return scene.emitter.strands if followers is None else followers.strands
 
 
 def most_strands(scene: Scene, strands: int, times: Sequence[float]) -> int:
@@ -177,7 +193,12 @@ def map_rows(scene: Scene, sizes: Sizes, side: int, texel: float | None) -> tupl
     """Return the texels along a side of an opacity map, and how many of its cells of 2 × 2 hold strands."""
     wanted = texel or max(1.5 * sizes.apart, scene.material.width)
     found = min(max(2 * math.ceil(2 * sizes.radius / max(wanted, 1e-9) / 2), 4), side)
-    return found, min(0.27 * found**2 / 4, sizes.segments)
+    if scene.emitter.extent is None:
+        held = HELD * (1.0 if scene.emitter.tie is None else TOGETHER) * found**2 / 4
+    else:  # a square of that area
+        across = math.sqrt(scene.emitter.extent.area) / max(2 * sizes.radius, 1e-9) * found / 2
+        held = min((across + AROUND) ** 2, found**2 / 4)
+    return found, min(held, sizes.segments)
 
 
 def share_in_maps(scene: Scene, sizes: Sizes, side: int) -> float:

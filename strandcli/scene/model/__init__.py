@@ -12,7 +12,7 @@ string "#rrggbb" which is read as sRGB.
 from __future__ import annotations
 
 from .camera import AOVS, Camera, CameraKey, Image
-from .emitter import DiscShape, Emitter, Followers, GroomFile, PlaneShape, SphereShape, Tie
+from .emitter import DiscShape, Emitter, Extent, Followers, GroomFile, PlaneShape, SphereShape, Tie
 from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light, PointLight, Shadow
 from .mesh_shape import MeshKey, MeshShape
 from .pose import PoseKey
@@ -40,6 +40,7 @@ __all__ = [
     "DiscShape",
     "Emitter",
     "Environment",
+    "Extent",
     "Followers",
     "Fringe",
     "GroomFile",

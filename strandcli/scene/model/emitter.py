@@ -162,6 +162,18 @@ class Followers:
     """Metres from there to the farthest root."""
 
 
+@dataclass(frozen=True, slots=True)
+class Extent:
+    """What room the strands of a file take up, as it is found when the file is read."""
+
+    radius: float
+    """Of a ball about them all, metres."""
+    spacing: float
+    """Metres between neighbouring strands; 0 of a single one."""
+    area: float
+    """Square metres that they are seen before, on average."""
+
+
 LEAST_LENGTH = 1e-6
 """Of the mean length, that any strand has at the least, because one without length has no direction."""
 LEAST_MAPPED = 0.02
@@ -221,6 +233,8 @@ class Emitter:
     """What follows the simulated strands of a file; None where there is no file, or nothing of it is simulated."""
     moving: bool = False
     """Whether there is a file whose strands move, as it is found when the file is read."""
+    extent: Extent | None = None
+    """Of the strands of a file, all of them; None where there is no file."""
 
     @property
     def segment(self) -> float:

@@ -1,0 +1,86 @@
+"""The memory that pictures of a file's strands are planned to take, which follows from how these stand."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import strandcli
+from plan_figures import measured
+from strand_kit import frames_of
+from strandcli.constants import W
+from strandcli.draw.geometry.spacing import spacing_of
+from strandcli.draw.shadows.shadow import ShadowMaps
+from strandcli.groom_file.read import from_file
+from strandcli.plan import make_plan
+from strandcli.plan.memory import _map_bytes
+from strandcli.scene.model import GroomFile
+
+KINDS = ("hanging", "brush", "tangle")
+
+
+def groom(path: Path, kind: str, strands: int, points: int = 24) -> str:
+    """A file of strands on half a ball that hang, that stand upright on a square, or that go anywhere at random."""
+    rng, along = np.random.default_rng(7), np.linspace(0, 1, points, dtype=np.float32)[None, :, None]
+    if kind == "brush":
+        roots = rng.uniform(-0.1, 0.1, (strands, 1, 3)) * (1, 0, 1)
+        lines = roots + 0.06 * along * (np.array([0, 1, 0]) + rng.normal(0, 0.05, (strands, 1, 3)))
+    elif kind == "hanging":
+        ways = rng.normal(size=(strands, 1, 3))
+        ways *= np.where(ways[:, :, 1:2] < 0, (1, -1, 1), 1) / np.linalg.norm(ways, axis=2, keepdims=True)
+        lines = (0.1 + 0.05 * along) * ways - 0.25 * along**2 * np.array([0, 1, 0])
+    else:
+        lines = np.cumsum(rng.normal(0, 0.01, (strands, points, 3)), axis=1)
+    np.savez(path, positions=lines.astype(np.float32))
+    return str(path)
+
+
+@pytest.mark.parametrize("strands", [300, 6000, 60_000])
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_distance_of_strands_is_that_which_maps_are_made_for(kind: str, strands: int, tmp_path: Path) -> None:
+    found = from_file(GroomFile(groom(tmp_path / "a.npz", kind, strands, 8), size=None), 0)
+    points = found.groom.points
+    assert points is not None
+    assert len(points) == -(-strands // W)
+    assert found.seen.spacing == pytest.approx(spacing_of(points, strands), rel=0.3)
+    some = from_file(GroomFile(groom(tmp_path / "b.npz", kind, strands, 8), size=None), 0, roughly=True)
+    assert some.seen.spacing == pytest.approx(found.seen.spacing, rel=0.3)
+    assert some.seen.radius == pytest.approx(found.seen.radius, rel=0.2)
+
+
+def test_a_single_strand_has_no_neighbour(tmp_path: Path) -> None:
+    assert from_file(GroomFile(groom(tmp_path / "a.npz", "brush", 1)), 0).seen.spacing == 0
+
+
+@pytest.mark.parametrize("strands", [300, 3000, 30_000])
+@pytest.mark.parametrize("kind", KINDS)
+def test_opacity_maps_of_a_file_are_planned(
+    kind: str, strands: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As many bytes as their arrays have, within a third, from sparse grooms to dense ones."""
+    path, taken = groom(tmp_path / "a.npz", kind, strands), []
+    scene = strandcli.load("groom", settings={"emitter.groom.file": path, "image.size": [48, 36]})
+    found = ShadowMaps._find_fronts
+
+    def noted(maps: ShadowMaps, scratch: object) -> None:
+        found(maps, scratch)
+        taken.append(4 * sum(maps._lengths) + maps.fronts[0].nbytes + sum(one.nbytes for one in maps.extents))
+
+    monkeypatch.setattr(ShadowMaps, "_find_fronts", noted)
+    frames_of(scene, 1)
+    planned = sum(_map_bytes(make_plan(scene, [1]), scene, light) for light in scene.lights)
+    assert len(taken) == 1
+    assert taken[0] / 1.34 < planned < taken[0] * 1.34
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("kind", "strands"), [("hanging", 3000), ("hanging", 50_000), ("tangle", 50_000)])
+def test_memory_is_what_a_run_takes(kind: str, strands: int, tmp_path: Path) -> None:
+    if sys.platform == "win32":
+        pytest.skip("measured by wait4")
+    path = groom(tmp_path / "a.npz", kind, strands, 68)
+    found = measured((path, "--size", "320x240", "-f", "1"), tmp_path, timed=False)
+    assert found.within(), f"{found.planned / 1e6:.0f} MB planned, {found.peak / 1e6:.0f} MB measured"
