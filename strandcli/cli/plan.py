@@ -102,7 +102,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
     from ..scene.detail import needed_strands
     from ..scene.model import MeshShape
     from ..simulate.advice import warnings
-    from ..simulate.material import require_between
+    from ..simulate.rod.material import require_between
 
     found = []
     for one in scene.panels or (scene,):

@@ -67,7 +67,7 @@ def _counted(
 
     from ..groom.emit import emit
     from ..simulate.contact.cells import cell_side
-    from ..simulate.material import MARGIN, matter
+    from ..simulate.rod.material import MARGIN, matter
 
     groom = emit(emitter, seed)
     reach = min((1 + MARGIN) * (thickness or 2 * matter(rod)[1]), FAR)

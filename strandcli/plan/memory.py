@@ -12,7 +12,7 @@ from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, 
 from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
-from ..simulate.precision import needs_double, shortest_segment
+from ..simulate.rod.precision import needs_double, shortest_segment
 from .crowding import crowding_of
 from .grid import grid_bytes
 from .libraries import known_bytes

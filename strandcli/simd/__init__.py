@@ -9,6 +9,9 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     rows = triple_pointer(array)     the same, and vectors of three numbers in single precision
     rows = quadruple_pointer(array)  the same of four, or of four whole numbers of 32 bits
     pile = vector_pointer(array)     the vectors of a contiguous array: place 1 is that of the second vector
+    rows = fused_pointer(array); pile = fused_vector_pointer(array)
+                                     the same, and products in sums are fused (FMA)
+    shifted(pile, 3)                 the vectors from place 3 on
     rows = pointer_at(np.float32, a); pile = vector_pointer_at(np.float32, a)
                                      the same of numbers that begin at an address; products in sums are fused (FMA)
     rows[o]                          a number
@@ -71,6 +74,8 @@ from .lanes import (
 from .memory import (
     array_at,
     deinterleave,
+    fused_pointer,
+    fused_vector_pointer,
     gather,
     half_width_pointer,
     lane_count,
@@ -83,6 +88,7 @@ from .memory import (
     prefetch,
     prefetch3,
     quadruple_pointer,
+    shifted,
     store,
     store3,
     triple_pointer,
@@ -109,6 +115,8 @@ __all__ = [
     "deinterleave",
     "deinterleaved",
     "floor",
+    "fused_pointer",
+    "fused_vector_pointer",
     "gather",
     "gather2",
     "gather4",
@@ -133,6 +141,7 @@ __all__ = [
     "prefetch3",
     "quadruple_pointer",
     "reduce_max",
+    "shifted",
     "sqrt",
     "store",
     "store3",

@@ -20,7 +20,7 @@ FOR_READING, SECOND_CACHE, DATA = 0, 2, 1
 """What LLVM's prefetch is told."""
 
 
-def _address(whole: bool, size: int = VECTOR) -> Callable[..., Any]:
+def _address(whole: bool, size: int = VECTOR, fused: bool = False) -> Callable[..., Any]:
     def typed(typingctx: Any, array: Any) -> Any:
         if not (isinstance(array, types.Array) and array.layout == "C"):
             return None
@@ -28,7 +28,7 @@ def _address(whole: bool, size: int = VECTOR) -> Callable[..., Any]:
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             return context.make_array(sig.args[0])(context, builder, value=args[0]).data
 
-        return PointerType(array.dtype, whole, size, fused=False)(array), emit
+        return PointerType(array.dtype, whole, size, fused)(array), emit
 
     return typed
 
@@ -43,6 +43,23 @@ quadruple_pointer: Any = intrinsic(_address(False, 4 * 4))
 """The same, for vectors of four numbers of 32 bits."""
 vector_pointer: Any = intrinsic(_address(True))
 """The vectors of a contiguous array."""
+fused_pointer: Any = intrinsic(_address(False, fused=True))
+"""As `pointer`; products in sums are fused."""
+fused_vector_pointer: Any = intrinsic(_address(True, fused=True))
+"""As `vector_pointer`; products in sums are fused."""
+
+
+@intrinsic
+def shifted(typingctx: Any, rows: Any, count: Any) -> Any:
+    """Pointer to what begins so many vectors later."""
+    if not (isinstance(rows, PointerType) and rows.whole and isinstance(count, types.Integer)):
+        return None
+
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        wide = context.get_value_type(vector_of(sig.args[0])).as_pointer()
+        return builder.bitcast(builder.gep(builder.bitcast(args[0], wide), [args[1]]), args[0].type)
+
+    return rows(rows, count), emit
 
 
 def _addressed(whole: bool) -> Callable[..., Any]:

@@ -16,7 +16,7 @@ def solver_of(scene: Scene) -> type[Solver]:
 
         return StillSolver
     if scene.solver == "rod":
-        from .rod import RodSolver
+        from .rod.solver import RodSolver
 
         return RodSolver
     from .thesis import ThesisSolver

@@ -14,10 +14,10 @@ from ..scene.model import Rod
 from ..scene.motion import emitter_pose, own_pose, solid_pose
 from ..scene.touched import touched
 from ..solids.shapes import other, other_code
-from .material import matter_along, stiffness, torsion
-from .rest_shape import coiled, unit_edges
-from .sag_free import hold
-from .surroundings import gravity
+from .rod.material import matter_along, stiffness, torsion
+from .rod.rest_shape import coiled, unit_edges
+from .rod.sag_free import hold
+from .rod.surroundings import gravity
 
 if TYPE_CHECKING:
     from ..scene.model import Emitter, Scene

@@ -51,10 +51,8 @@ from .kernels.crowd_records import (
     Room,
 )
 from .kernels.crowd_records import MOST as SHARE_OF_MOST
-from .kernels.records import State
-from .kernels.rod_scratch import PACK
-from .material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
-from .rod_kernel import NOTHING
+from .rod.kernels.arrays import PACK, State
+from .rod.material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -123,20 +121,17 @@ class Crowd:
             )
         return float(given)
 
-    def prepare(
-        self, state: State, mass: NDArray[Any], roots: NDArray[Any], moment: Moment, later: bool = False
-    ) -> tuple[int, ...]:
-        """Set `State.crowd` for a step; ``later``: or return what sets it and the nodes of the step after, as
-        `StepKernel.run` takes it. ``roots`` (P, 3 S): velocity of the roots in it, m/s. Where a coordinate is not
-        finite there is no grid, and it is set to zero."""
+    def prepare(self, state: State, mass: NDArray[Any], roots: NDArray[Any], moment: Moment) -> None:
+        """Set `State.acceleration` and `State.jolted` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
+        Where a coordinate is not finite there is no grid, and both are set to zero."""
         dt, strands = moment.step, self.strands
         moving = strands.moving(state, roots, mass)
         lattice = strands.lattice(self.cell, dt, self._last_step)
         strands.note(moving, lattice, self.parts, self._last_step == 0)
         if not self._press(moving, lattice, moment):
-            state.crowd[...], state.jolted[...] = 0, 0
+            state.acceleration[...], state.jolted[...] = 0, 0
             self._last_step = 0.0
-            return NOTHING
+            return
         if self.overlap.begin(moving, lattice, self.parts, self._found(moment), self.scratch[0]):
             self.pressure[...] = 0
             self._press(moving, lattice, moment)
@@ -146,13 +141,10 @@ class Crowd:
             self.given += float(self._numbers[SPEED] * self._numbers[FULL]) * np.array(back)
         self.density, self._last_step = self.found if self.density is None else self.density, dt
         given = self.boxes[-1], self.targets, self.scratch, strands.shares(lattice, mass)
-        if later and self.overlap.roots is None:
-            return strands.beside(moving, lattice, given, state.crowd)
         moving = self.overlap.taken(moving)
-        crowd_forces.accelerate(moving, lattice, self.parts, *given, state.crowd, strands.handed)
+        crowd_forces.accelerate(moving, lattice, self.parts, *given, state.acceleration, strands.handed)
         found = self.boxes[-1], self.grid, self.pressure.reshape(-1), self._numbers
         self.overlap.advance(moving, lattice, self.parts, found, self.scratch[0])
-        return NOTHING
 
     def _press(self, moving: Moving, lattice: Lattice, moment: Moment) -> bool:
         """Set pressure, and what it does to cells, in a step; False where a coordinate is not finite."""

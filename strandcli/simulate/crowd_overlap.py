@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .kernels.crowd_begin import INSIDE, Pace, find_overlap, find_shares, lead_apart
 from .kernels.crowd_records import FULL, Lattice, Moving
-from .kernels.rod_scratch import AXES, PACK
+from .rod.kernels.arrays import AXES, PACK
 
 RATE, LONGEST = 2.0, 1 / 24
 """Widths of what they fill at the start by which strands are led apart a second, where nothing holds them; and seconds:

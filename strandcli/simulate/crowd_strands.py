@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import aligned, on_large_pages
+from ..blocks import on_large_pages
 from .crowd_samples import Samples, nodes_of
-from .kernels import crowd_excess, crowd_nodes, crowd_pack, work_queue
+from .kernels import crowd_excess, crowd_nodes
 from .kernels.crowd_records import HANDED, NODE, Lattice, Moving
-from .kernels.records import State
-from .kernels.rod_scratch import AXES, PACK
+from .rod.kernels.arrays import AXES, PACK, State
 
 
 class CrowdStrands:
-    """The strands of a `Crowd`. A step that is run with `beside` leaves the nodes of the next one."""
+    """The strands of a `Crowd`."""
 
     def __init__(self, samples: Samples, segments: int, metres: NDArray[np.float32], boxes: int, dtype: Any) -> None:
         """``metres``: as `Moving` has them; ``boxes``: how many there are, of all parts and of all."""
@@ -40,14 +38,9 @@ class CrowdStrands:
         """What strands around have handed to each in this frame so far, as `HANDED` says."""
         self.roots = np.zeros((packs, AXES), dtype)
         """What a step's velocities of roots may be kept in."""
-        self._numbers = np.empty(crowd_pack.NUMBERS, dtype)
-        self._shares: tuple[tuple[Any, ...], NDArray[Any]] = (), self._numbers
+        self._shares: tuple[tuple[Any, ...], NDArray[Any]] = (), self._weights
         self._moving: Moving | None = None
         self._sampled: tuple[tuple[float, ...], Lattice] | None = None
-        self._beside: tuple[Any, ...] = ()
-        self._kept: tuple[Any, ...] = ()
-        self._given: tuple[Any, ...] = ()
-        self._targets: NDArray[Any] | None = None
 
     def moving(self, state: State, roots: NDArray[Any], mass: NDArray[Any]) -> Moving:
         """Return what kernels take of strands."""
@@ -88,32 +81,3 @@ class CrowdStrands:
             each = (lattice.mass / lattice.step)[:, None] * lattice.weights
             self._shares = known, each / mass[np.clip(particles, 0, len(mass) - 1)]
         return self._shares[1]
-
-    def beside(self, moving: Moving, lattice: Lattice, given: tuple[Any, ...], crowd: NDArray[Any]) -> Any:
-        """Return what sets accelerations, ``crowd``, in the step of rods that is about to be run, and the nodes of the
-        next one, as `StepKernel.run` takes it. Accelerations of a pack are left in a row a worker, of the form of rows
-        of ``crowd``. ``given``: as `crowd_pack.descriptor_of` takes it."""
-        whole, targets, scratch, shares = given
-        kept = moving, lattice, shares
-        if not self._kept or any(a is not b for a, b in zip(self._kept, kept, strict=True)):
-            row = aligned((len(scratch[0]), *crowd.shape[1:]), crowd.dtype)
-            work = *scratch, self.handed
-            made = crowd_pack.descriptor_of(moving, lattice, whole, targets, work, shares, self._numbers, row)
-            codes = codes_for(self._kind.__name__)
-            self._beside = *codes, made.ctypes.data, row.ctypes.data, row.strides[0]
-            self._kept, self._given = kept, (made, row, given)  # which must outlive the step
-            self._targets = targets
-        if targets is not self._targets:
-            self._given[0][crowd_pack.TARGETS], self._targets = targets.ctypes.data, targets
-        self.noted = True
-        return self._beside
-
-
-@cache
-def codes_for(kind: str) -> tuple[int, int]:
-    """Addresses of the code that sets accelerations of a pack, of strands in single or double precision, and of the
-    code that sets nodes."""
-    double = kind == "float64"
-    before = crowd_pack.double if double else crowd_pack.single
-    after = crowd_pack.double_after if double else crowd_pack.single_after
-    return work_queue.address(before, 3), work_queue.address(after, 3)

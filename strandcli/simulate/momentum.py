@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .kernels.crowd_momentum import carried
-from .kernels.rod_scratch import PACK
+from .rod.kernels.arrays import PACK
 
 if TYPE_CHECKING:
-    from .rod import RodSolver
+    from .rod.solver import RodSolver
 
 
 def errors_between_strands(solver: RodSolver) -> dict[str, float | None]:

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from ...constants import W
 from ...groom.record import Groom
 from ..health import RESIDUAL_MOST
-from ..kernels.records import State
-from ..material import MARGIN, contact_thickness
+from ..rod.kernels.arrays import State
+from ..rod.material import MARGIN, contact_thickness
 from .contacts import NOTHING, Contacts
 from .forces import Forces
 from .impacts import Impacts
@@ -119,8 +119,8 @@ class StrandContact:
         """As `step`, but for velocities after impacts."""
         state: State = solver.state
         if solver.crowd is not None:
-            self._begin_with(state, dt)
-        state.crowd[...] = 0
+            self._begin_with(state, dt, solver)
+        state.acceleration[...] = 0
         before = {name: one.copy() for name, one in state._asdict().items()}
         start, velocities = self._particles(state), self._velocities(state)
         held, forces, past = NOTHING, np.zeros((0, 3)), math.inf
@@ -156,10 +156,10 @@ class StrandContact:
         return True
 
     @staticmethod
-    def _begin_with(state: State, dt: float) -> None:
+    def _begin_with(state: State, dt: float, solver: Any) -> None:
         """Begin a step of ``dt`` seconds with velocities that the grid of strands that interact has changed, and those
-        of the steps before, so that BDF2 goes on without the change. The kernel has `State.crowd` for contact then."""
-        change = state.crowd.dtype.type(dt) * state.crowd
+        of the steps before, so that BDF2 goes on without. The kernel has `State.acceleration` for contact."""
+        change = state.acceleration.dtype.type(dt) * state.acceleration
         for one in (state.velocity, state.before, state.ahead):
             one += change
 

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from ...blocks import lanes
 from ...groom.record import Groom
-from ..kernels.records import DAMPING, DRAG, STEP, VELOCITY_STEP, State
-from ..kernels.rod_scratch import PACK
+from ..rod.kernels.arrays import PACK, State
+from ..rod.kernels.begin import VELOCITY_RATE
+from ..rod.kernels.rest_shape import FIRMEST
 from .kernels import contact_response, contact_solve
 from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, IMPACT, NORMAL, SECOND, SECOND_SEGMENT, URGENCY
 from .kernels.contact_response import BAND, BLOCK
@@ -104,14 +105,12 @@ class Forces:
         return np.asarray(along * normals + across * np.minimum(1, self.friction * along / np.maximum(size, TINY)))
 
     def _method(self, dt: float, solver: Any) -> Method:
-        """What `rod_start.set_coefficients` makes of a step of ``dt`` seconds."""
-        h, g, drag = (float(solver.forcing.numbers[column]) for column in (STEP, VELOCITY_STEP, DRAG))
+        """What `begin.coefficients_of` makes of a step of ``dt`` seconds."""
+        drag, bdf2 = solver.now.drag, solver.now.bdf2
+        h, g = (2 * dt / 3, dt / VELOCITY_RATE) if bdf2 else (dt, dt)
         mass, count = (1 + drag * g) / (1 + drag * dt), len(self.lengths)
         square, reach, gain = np.full(count, h * g), np.full(count, h * g / dt**2), np.full(count, dt**2 / (h * g))
-        euler = np.zeros(count, bool)
-        for marks in (solver.state.touching, solver.state.jolted):
-            if len(marks) == len(solver.state.edges):  # arrays that a scene does not need are empty
-                euler |= self.emitted(marks[:, None])[:, 0, 0] > 0
+        euler = self.emitted(solver.state.restart[:, None])[:, 0, 0] > 0
         square[euler], reach[euler], gain[euler] = dt * dt * mass, mass, 1
         return Method(euler, square, reach, gain)
 
@@ -131,14 +130,15 @@ class Forces:
 
     def _factors(self, strands: NDArray[np.int64], method: Method, solver: Any) -> Floats:
         """Return the factors of some strands' responses."""
-        material, numbers, state, square = solver.material, solver.forcing.numbers, solver.state, method.square
-        damping = float(numbers[DAMPING] / numbers[STEP])
+        material, now, state, square = solver.material, solver.now, solver.state, method.square
+        damping = now.damping / now.duration
+        drag = 1 + now.drag * now.duration / (VELOCITY_RATE if now.bdf2 else 1.0)
         stiffness = self.emitted(material.stiffness[:, None])[:, 0, 0] * square * (1 + damping)
         tension = self.emitted(state.tension)[:, :, 0] * square[:, None]
         if solver.curled:
             tension = np.maximum(tension, 0) + self._kept(solver) * (stiffness / (1 + damping))[:, None]
         bands = np.empty((len(strands), BLOCK * self.segments, BAND))
-        mass, joint = material.mass.astype(np.float64), material.joint.astype(np.float64)
+        mass, joint = drag * material.mass.astype(np.float64), material.joint.astype(np.float64)
         loads = stiffness, tension, self._held(state)
         contact_response.factorise(strands, self.emitted(state.edges), loads, mass, joint, bands)
         return bands
@@ -157,7 +157,7 @@ class Forces:
             for place, part in ((at, (1 - share) * force), (at + 1, share * force)):
                 for c in range(3):
                     added[:, c] += np.bincount(place, part[:, c], len(added))
-        crowd = solver.state.crowd
+        crowd = solver.state.acceleration
         masses = self.lengths[:, None, None] * solver.mass.astype(np.float64)[:, None]
         rows = self.groom.placed(added.reshape(count, n + 1, 3)[:, 1:] / (masses * self._step**2))
         for j in range(n):
@@ -169,7 +169,7 @@ class Forces:
         was given, with what goes to roots, and without what `Impacts` takes back of impacts."""
         if len(forces) == 0:
             return np.zeros(4)
-        loads = self.emitted(solver.state.crowd)
+        loads = self.emitted(solver.state.acceleration)
         mass = self._step * self.lengths[:, None] * solver.mass.astype(np.float64)
         each = np.einsum("ij,ijc->ic", mass, loads)
         gains, impact = self._gains(found), found.numbers[:, IMPACT]
@@ -182,19 +182,19 @@ class Forces:
         return np.append(each.sum(0), np.linalg.norm(each, axis=1).sum())
 
     def _kept(self, solver: Any) -> Floats:
-        """Return (S, N) the rigidity that keeps edges of curled strands where motion leads them, over κ
-        (`rod_curl.add_reactions`)."""
+        """Return (S, N) the rigidity that keeps edges of curled strands near the last iterate, over κ
+        (`rest_shape.add_reactions`)."""
         material = solver.material
         across = self.emitted(material.bends[:, 1:])[:, :, 1:]
         turn = material.joint.astype(np.float64) * (across**2).sum(2)
         turn[:, :-1] += turn[:, 1:]
-        return np.asarray(self.emitted(solver.forcing.firmness[:, None])[:, :, 0] * turn)
+        return np.asarray(0.5 * (solver.now.torsion + FIRMEST) * turn)
 
     def _held(self, state: State) -> Floats:
         """Return (S, N, 3) the unit normals of solids that particles touch, or 0."""
-        if len(state.push) != len(state.edges):
+        if len(state.force) != len(state.edges):
             return np.zeros((len(self.lengths), self.segments, 3))
-        push = self.emitted(state.push)
+        push = self.emitted(state.force)
         size = np.linalg.norm(push, axis=2, keepdims=True)
         return np.asarray(push / np.where(size > 0, size, 1))
 

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from ...blocks import lanes
 from ...groom.record import Groom
-from ..kernels.records import MOVED, STEP
-from ..kernels.rod_scratch import PACK
-from ..kernels.rod_start import GAIN
+from ..rod.kernels.arrays import PACK
+from ..rod.kernels.begin import GAIN
 from .contacts import Contacts
 from .kernels.contact_columns import ALPHA, BETA, FIRST, KEPT, NORMAL, SECOND, START, WANTED
 
@@ -71,10 +70,10 @@ class Impacts:
         """Set velocities of a ``solver`` at the end of a step of ``dt`` seconds, in which impacts have moved particles
         by ``moves`` (S, N, 3) metres."""
         self.past = self._now
-        state, numbers = solver.state, solver.forcing.numbers
-        if not (numbers[MOVED] > 0 and moves.any()):  # Euler's method makes c / Δt of itself
+        state = solver.state
+        if not (solver.now.bdf2 and moves.any()):  # Euler's method makes c / Δt of itself
             return
-        rate, own = 1 / float(numbers[STEP]), 1 / dt
+        rate, own = 1.5 / dt, 1 / dt
         rows = self._groom.placed(moves)
         c = np.stack([lanes(rows[:, j], np.float64, PACK) for j in range(rows.shape[1])], 1)
         # forces that no step can carry would by a linear response move without limit; before: when the step began

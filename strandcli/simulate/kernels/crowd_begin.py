@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...jit import device, function, parallel, prange
+from ..rod.kernels.arrays import PACK
 from .crowd_grid import locate
 from .crowd_homes import LEAST_ROOM, home_at
 from .crowd_records import BELOW, FIRST, FULL, LAST, MASS, SIZE
-from .rod_scratch import PACK
 
 INSIDE = np.float32(5)
 """Times as dense as allowed from which on strands are inside each other. A tie presses them to four or five times that,

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...jit import device, parallel, prange
 from ...simd import gather4, half_width_pointer, lane_count, load, load3, pointer, sqrt, store, store3
+from ..rod.kernels.arrays import PACK
 from .crowd_excess import find_excess
 from .crowd_grid import cell_of, locate, three, weights_along
 from .crowd_homes import read_home, settle
@@ -40,7 +41,6 @@ from .crowd_records import (
 from .crowd_rows import COUNTED
 from .crowd_shelter import shelter
 from .crowd_targets import find_targets
-from .rod_scratch import PACK
 
 
 @parallel

@@ -27,6 +27,7 @@ from ...simd import (
     store3,
     store_records,
 )
+from ..rod.kernels.arrays import AXES, PACK
 from .crowd_overlap import beside, counting
 from .crowd_records import (
     BELOW,
@@ -46,7 +47,6 @@ from .crowd_records import (
     VELOCITY,
 )
 from .crowd_rows import COUNTED
-from .rod_scratch import AXES, PACK
 
 OWN = np.zeros((3, CELL), np.float32)
 """1 in the column of what lies between middles along each axis, which counts wholly for the first of two cells."""

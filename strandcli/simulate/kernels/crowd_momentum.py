@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ...jit import device, parallel, prange
 from ...simd import broadcast, lane_count, load, load3, pointer, sqrt, store, store3, where
+from ..rod.kernels.arrays import AXES, PACK
 from .crowd_records import HANDED, OF_ROOT
-from .rod_scratch import AXES, PACK
 
 
 @device

@@ -25,9 +25,11 @@ from ...simd import (
     store3,
     where,
 )
+from ..rod.kernels.arrays import AXES, PACK
 from .crowd_records import FIRST, LAST, NODE
-from .records import ROTATION, TRANSLATION
-from .rod_scratch import AXES, PACK
+
+ROTATION, TRANSLATION = 0, 9
+"""Places in the change of a pose (12): of its rotation by rows, and of its translation."""
 
 ROW = 3 * W
 """Numbers of a row of positions."""

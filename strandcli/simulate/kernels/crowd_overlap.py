@@ -19,8 +19,8 @@ from __future__ import annotations
 
 from ...jit import device, inlined
 from ...simd import broadcast, load, load3, pointer, store, where
+from ..rod.kernels.arrays import AXES, PACK
 from .crowd_records import CELL, COUNTING, MASS, OVERLAP, RESULT
-from .rod_scratch import AXES, PACK
 
 
 @device

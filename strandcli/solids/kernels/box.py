@@ -8,7 +8,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load3, where
+from ...simd import any_lane, broadcast, load3, sqrt, where
 from ..shapes.box import HALF, ROW_X, ROW_Y, ROW_Z, X, Y, Z
 
 ZERO = np.float32(0.0)
@@ -17,6 +17,10 @@ INF = np.float32(np.inf)
 TINY = np.float32(1e-20)
 NONE = 1e-30
 """Least divisor: slope along a segment."""
+EQUAL = 1e-3
+"""Difference of depths below two faces that counts as none, in how much deeper the segment gets below both."""
+LEVEL = 1e-5
+"""Difference of depths along a segment that counts as none, over its length."""
 DEEPEST = 1e20
 """Greater than any depth, metres."""
 
@@ -119,16 +123,25 @@ def below_faces(p, m, u, v, w):
 
 @device
 def segment_depth(p, m, start, edge):
-    """Return the depth as `sphere.segment_depth`; if negative, it is not a distance. The depths below the six faces are
-    linear along the segment, so their minimum is greatest at an end, midway between opposite faces, or at equal
-    distances from two others."""
+    """Return the depth as `sphere.segment_depth`; if negative, it is not a distance."""
+    return deepest_place(p, m, start, edge, 0.0)[0]
+
+
+@device
+def deepest_place(p, m, start, edge, first):
+    """Return the depth of the deepest place of a segment, from a share ``first`` of it on, and where that is. Depths
+    below the six faces are linear along the segment, so their minimum is greatest at an end, midway between opposite
+    faces, or at equal distances from two others."""
     x, y, z = start[0] - p[m + X], start[1] - p[m + Y], start[2] - p[m + Z]
     u, v, w = own(p, m, 0, x, y, z), own(p, m, 1, x, y, z), own(p, m, 2, x, y, z)
     du, dv = own(p, m, 0, edge[0], edge[1], edge[2]), own(p, m, 1, edge[0], edge[1], edge[2])
     dw = own(p, m, 2, edge[0], edge[1], edge[2])
-    most = max(below_faces(p, m, u, v, w), below_faces(p, m, u + du, v + dv, w + dw))
-    for k in range(15):
-        if k < 3:
+    most, share = below_faces(p, m, u + du, v + dv, w + dw), broadcast(u, 1.0)
+    level = LEVEL * (abs(du) + abs(dv) + abs(dw))
+    for k in range(-1, 15):
+        if k < 0:
+            at, slope = broadcast(u, 0.0), du
+        elif k < 3:
             at = u if k == 0 else (v if k == 1 else w)
             slope = du if k == 0 else (dv if k == 1 else dw)
         else:  # equally far from one face of each of two pairs: half − sign a = other − side b
@@ -139,9 +152,53 @@ def segment_depth(p, m, start, edge):
             side = 1.0 if k % 2 == 0 else -1.0
             at, slope = sign * a - side * b - (half - other), sign * da - side * db
         steep = abs(slope) > NONE
-        t = min(max(where(steep, -at / where(steep, slope, 1.0), 0.0), 0.0), 1.0)
-        most = max(most, below_faces(p, m, u + t * du, v + t * dv, w + t * dw))
-    return most
+        t = min(max(where(steep, -at / where(steep, slope, 1.0), 0.0), first), 1.0)
+        under = below_faces(p, m, u + t * du, v + t * dv, w + t * dw)
+        deeper = under > most + level  # else the share of a segment that lies on a face would be rounding's
+        share = where(deeper, t, share)
+        most = where(deeper, under, most)
+    return most, share
+
+
+@device
+def touch(p, m, start, end, first):
+    """Return the depth of the deepest place of a segment in box m, the unit normal of the way out, and where on the
+    segment that is, from a share ``first`` on. A segment that enters by a face and leaves by another one cuts off an
+    edge of the box; the way out is perpendicular to both."""
+    ex, ey, ez = end[0] - start[0], end[1] - start[1], end[2] - start[2]
+    _, t = deepest_place(p, m, start, (ex, ey, ez), first)
+    x, y, z = own_place(p, m, (start[0] + t * ex, start[1] + t * ey, start[2] + t * ez))
+    under, second = broadcast(t, DEEPEST), broadcast(t, DEEPEST)
+    none = broadcast(t, 0.0)
+    face, next, slope, next_slope = (none, none, none), (none, none, none), none, none
+    for k in range(3):
+        at = x if k == 0 else (y if k == 1 else z)
+        sign = where(at >= 0.0, broadcast(t, 1.0), -1.0)
+        deep = p[m + HALF + k] - abs(at)
+        steep = sign * own(p, m, k, ex, ey, ez)
+        normal = sign * p[m + ROW_X + k], sign * p[m + ROW_Y + k], sign * p[m + ROW_Z + k]
+        least, less = deep < under, deep < second
+        second = where(least, under, where(less, deep, second))
+        next_slope = where(least, slope, where(less, steep, next_slope))
+        next = chosen(least, face, chosen(less, normal, next))
+        under = where(least, deep, under)
+        slope = where(least, steep, slope)
+        face = chosen(least, normal, face)
+    # the place is as far from both faces, of which the segment enters one and leaves the other
+    cut = (
+        (t > first) & (t < 1.0) & (slope * next_slope < 0.0) & (second - under < EQUAL * (abs(slope) + abs(next_slope)))
+    )
+    a, b = abs(next_slope), abs(slope)
+    size = 1.0 / sqrt(max(a * a + b * b, NONE))
+    a, b = where(cut, a * size, 1.0), where(cut, b * size, 0.0)
+    depth = a * under + b * second
+    return depth, (a * face[0] + b * next[0], a * face[1] + b * next[1], a * face[2] + b * next[2]), t
+
+
+@inlined
+def chosen(lanes, a, b):
+    """Return vector a in some lanes, b in others."""
+    return where(lanes, a[0], b[0]), where(lanes, a[1], b[1]), where(lanes, a[2], b[2])
 
 
 @device

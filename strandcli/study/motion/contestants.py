@@ -98,7 +98,7 @@ def prepare(contestant: Contestant, scene: Scene, case: Case) -> Any:
     solver = contestant.start(scene, case.groom)
     if case.tip_mass:
         # masses are kept relative to a segment's, of which a strand has as many as it has particles but the root
-        solver.mass[-1] += case.tip_mass * len(solver.mass)
+        solver.material.mass[-1] += case.tip_mass * len(solver.material.mass)
     if case.tip_held_at is not None:
         solver.hold_tip(case.tip_held_at)
     return solver

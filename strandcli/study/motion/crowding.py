@@ -23,7 +23,7 @@ from ...groom.emit import emit
 from ...scene.model import Children, RuleUse, Scene
 from ...simulate import solver_of
 from ...simulate.crowd_box import extent_of
-from ...simulate.material import CELLS_ACROSS, require_between
+from ...simulate.rod.material import CELLS_ACROSS, require_between
 from ..axes import Axis, Request
 from ..points import Knobs, Limit, Point, described, grid, limit
 from . import crowded_run

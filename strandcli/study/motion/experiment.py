@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...groom.record import Groom
 from ...scene.model import Scene
-from ...simulate.material import rigidity
-from ...simulate.surroundings import gravity
+from ...simulate.rod.material import rigidity
+from ...simulate.rod.surroundings import gravity
 from ..axes import STRANDS, Axis, Request, chosen_solvers
 from ..points import Knobs, Limit, Point, described, grid, limit
 from .contestants import CONTESTANTS, Contestant, warm_up

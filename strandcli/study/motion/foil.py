@@ -18,11 +18,11 @@ from ...constants import W
 from ...errors import UsageError
 from ...groom.record import Groom
 from ...scene.motion import emitter_pose
-from ...simulate.material import rigidity
+from ...simulate.rod.material import rigidity
+from ...simulate.rod.surroundings import gravity
 from ...simulate.rules import collision as collision_rule
 from ...simulate.rules import wind as wind_rule
 from ...simulate.solver import Solver
-from ...simulate.surroundings import gravity
 from .kernels import foil as kernel
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...scene.model import RuleUse, Scene
 from ...simulate import solver_of
-from ...simulate.rod import RodSolver
+from ...simulate.rod.solver import RodSolver
 from ...simulate.rules import registry
 from .axes import Case
 from .scenes import Started, groom_of, scene_of, times_of

@@ -21,7 +21,7 @@ from ...groom.record import Groom
 from ...scene.checks_of_rod import rod_clashes
 from ...scene.model import RuleUse, Scene
 from ...simulate import solver_of
-from ...simulate.rod_pinned import tips
+from ...simulate.rod.pins import tips
 from ...simulate.rules import registry
 from .axes import AXES, DEFAULTS, Case
 from .covering import covering

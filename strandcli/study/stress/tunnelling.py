@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...scene.model import Emitter, Rod, RuleUse, Scene, Time
 from ...simulate import solver_of
-from ...simulate.kernels.rod_scratch import PACK
+from ...simulate.rod.kernels.arrays import PACK
 from ...simulate.rules import registry
 from .crossing import Floats, Passing, linking
 from .drive import Meter

@@ -13,11 +13,14 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import function, parallel, prange
-from ....simulate.kernels.records import AIR, DAMPING, DRAG, GRAVITY, STEP
 from ....solids.kernels import box as box_kernel
 from ....solids.kernels import capsule as capsule_kernel
 from ....solids.kernels import plane as plane_kernel
 from ....solids.kernels import sphere as sphere_kernel
+
+STEP, GRAVITY, AIR, DRAG, DAMPING = 0, 1, 4, 7, 8
+"""Places of numbers: length of a step, s, gravity (3), m/s², velocity of the air (3), m/s, drag, 1/s, and damping of
+the material, s."""
 
 sphere = function(sphere_kernel.collide)
 capsule = function(capsule_kernel.collide)
@@ -45,8 +48,8 @@ def step(x, v, before, material, gust, numbers, held, solids):
     """Move every strand by one step, in place.
 
     v (blocks, n, 3 W) m/s; before as x: previous positions, whose row 0 the driver has set, as it has moved the root;
-    material: a `Material`; gust (blocks, W): factor of the air's velocity; numbers (9,): the first columns of a rod's
-    `Forcing.numbers`; held (3,): position of a held tip, or (0,); solids: four arrays as in `strandcli.solids`.
+    material: a `Material`; gust (blocks, W): factor of the air's velocity; numbers (9,): as `STEP` and the others say;
+    held (3,): position of a held tip, or (0,); solids: four arrays as in `strandcli.solids`.
     """
     for b in prange(x.shape[0]):
         n = x.shape[1]

@@ -1,0 +1,219 @@
+"""Where solids touch a strand: gaps, normals, and by how much places have slid on the solids.
+
+Of each segment the place that is deepest in a solid counts: its end, or where whole segments are kept out any place of
+it. A segment that comes into a solid becomes active; one whose solid pulls it is let go.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ....jit import device, inlined
+from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from ...rod.kernels.arrays import AXES, PACK
+from ...rod.kernels.begin import ROW
+from ...rod.kernels.vectors import add_scaled, dot, scaled
+from . import law, search
+
+SETTLED, CREEP = 0.5, 0.3
+"""Depth and height in segments of what touches a solid, and error of its slip, with which iterations end, over the
+error of |e|²; `depenetrate` does the rest."""
+UNITS = 20
+"""Least such depth in units of rounding."""
+ROUNDING = 1e-6
+"""Depth, in segments, that is no more than rounding."""
+DEEP = 0.02
+"""Depth, in segments, from which on a solid that has let go late in a step keeps a place out again."""
+SHARP = 0.1
+"""Sine between the normals of two solids from which on both are kept apart."""
+ABLE = 0.5
+"""Depth of the beginning of a segment, in segments, up to which its end can be kept out."""
+TINY = 1e-20
+
+
+class Found(NamedTuple):
+    """What `contacts` has found of a vector of strands."""
+
+    touching: Any
+    """Whether solids touch some segment."""
+    moved: Any
+    """Whether forces have been taken back."""
+    near: Any
+    """Whether some segment is nearer to a solid than `search.REACH`."""
+    depth: Any
+    """The greatest depth of each strand, in segments."""
+    unsettled: Any
+    """In which lanes some place is inside of a solid, or away from one that touches it, by more than `SETTLED` says."""
+
+
+@device
+def begin(s, at, state, material, c, needs):
+    """Begin with the forces of the step before, and add them to u*. Returns whether there are any."""
+    scale = c.reach * c.inverse_length
+    touching = False
+    for j in range(at.segments):
+        x, y, z = load3(state.force, at.edge + j * AXES, PACK)
+        active = abs(x) + abs(y) + abs(z) > 0.0
+        zero = broadcast(x, 0.0)
+        share = zero + 1.0
+        if needs.segments:
+            share = where(active, load(state.share, at.number + j * PACK), share)
+        store(s.share, j, share)
+        store(s.active, j, where(active, 1.0, zero))
+        store(s.corner, j, zero)
+        store(s.mobility, j, zero + 1 / material.mass[j])
+        store(s.compliance, 2 * j + 1, zero)
+        store3(s.force, 3 * j, 1, zero, zero, zero)
+        if any_lane(active):
+            touching = True
+            law.add_force(s, j, (scale * x, scale * y, scale * z), material.mass, needs.segments)
+    return touching
+
+
+@device
+def contacts(s, at, state, material, c, contact, needs, root, step, patience):
+    """Set the contacts of all segments by the present edges; ``patience``: whether it is late in the step, and by how
+    much more than at first contacts may be off. Returns `Found`."""
+    n, length = at.segments, c.length
+    zero = broadcast(length, 0.0)
+    touching, moved, some_near, depth, unsettled = False, False, False, zero, zero < 0.0
+    start, before = root, zero
+    none = zero, zero, zero
+    past = search.Past(state.positions, at.position + 2 * ROW, contact.shift)
+    law_of = step.friction, patience[0], patience[1] * max(step.contact_tolerance, UNITS / SETTLED * step.rounding)
+    for j in range(n):
+        end = add_scaled(start, length, load3(s.edge, 3 * j, 1))
+        first = zero + search.LEAST_SHARE
+        if j == 0 and needs.segments:
+            before = gap_of_root(s, root, past, contact, length)
+            first = where(before < 0.0, 1.0, first)  # no turn of its segment gets a root out
+        near = search.nearest(s, j, start, end, past, contact, (needs.segments, length, first))
+        active = load(s.active, j) > 0.0
+        if near or any_lane(active):
+            if j == 0:
+                before = gap_of_root(s, root, past, contact, length)
+            gap = where_near(s, j, near, zero)
+            some_near = True
+            able = before > -ABLE * length
+            if any_lane(active | (gap < 0.0)):
+                changed, free = update(s, j, gap, c, material.mass, (active, able, needs.segments), law_of)
+                touching, moved = True, moved or free
+                unsettled = unsettled | changed
+            else:
+                store(s.gap, j, c.inverse_length * gap)
+            depth = max(depth, where(able, -c.inverse_length * gap, 0.0))
+            before = gap
+        else:
+            store(s.gap, j, search.FAR)
+            before = zero
+        start = end
+        past = search.Past(state.positions, past.place + ROW, none)
+    return Found(touching, moved, some_near, depth, unsettled)
+
+
+@device
+def gap_of_root(s, root, past, contact, length):
+    """The gap of the root, metres."""
+    zero = broadcast(length, 0.0)
+    if search.nearest(s, -1, root, root, past, contact, (False, length, length)):
+        return load(s.gap, -1)
+    return zero
+
+
+@inlined
+def where_near(s, j, near, zero):
+    """The gap of segment j, metres; `search.FAR` where no solid is ``near``."""
+    gap = zero + search.FAR
+    if near:
+        gap = load(s.gap, j)
+    else:
+        store(s.second_gap, j, gap)
+    return gap
+
+
+@inlined
+def update(s, j, found, c, mass, lanes, friction):
+    """Set the contact of segment j to what was found. ``lanes``: which are active, which can be kept out, and whether
+    places may be elsewhere than at the end; ``friction``: coefficient, whether it is late, and the error of |e|² with
+    which iterations end. Returns in which lanes it is not settled,
+    and whether the force of some lane is taken back: where the solid would pull the segment, or is out of reach."""
+    active, able, whole = lanes
+    coefficient, late, tolerance = friction
+    settled = min(SETTLED * tolerance, DEEP)
+    gap, second = c.inverse_length * found, c.inverse_length * load(s.second_gap, j)
+    force = load3(s.force, 3 * j, 1)
+    n, other = load3(s.normal, 3 * j, 1), load3(s.second_normal, 3 * j, 1)
+    one, corner, pressed, corner_gap = across_of(n), zero_of(gap) > 0.0, dot(force, n), gap
+    if any_lane((second < 1.0) & (active | (gap < 0.0))):
+        one, corner, pressed, corner_gap = corner_of(s, j, n, other, one, (gap, second), force)
+    away = active & ((pressed < 0.0) | (gap > 1.0) | ~able)
+    # a corner that the first solid lets go is the second's
+    swapped = away & corner
+    n = where(swapped, other[0], n[0]), where(swapped, other[1], n[1]), where(swapped, other[2], n[2])
+    gap = where(swapped, second, gap)
+    away, corner = away & ~swapped, corner & ~away & (active | (gap < -ROUNDING))
+    # what comes and goes without end stays away where it is not deep
+    entering = ~active & able & (gap < (-DEEP if late else -ROUNDING))
+    now = (active & ~away) | entering
+    off = (active & ~away & (abs(gap) > settled)) | (entering & (gap < -settled)) | (now & (second < -settled))
+    off = off | (away & (pressed * load(s.mobility, j) < -settled))
+    free = any_lane(away)
+    if free:
+        back = where(away, -force[0], 0.0), where(away, -force[1], 0.0), where(away, -force[2], 0.0)
+        law.add_force(s, j, back, mass, whole)
+    store3(s.normal, 3 * j, 1, n[0], n[1], n[2])
+    store(s.corner, j, where(corner, 1.0, broadcast(gap, 0.0)))
+    if any_lane(swapped):
+        x, y, z = across_of(n)
+        one = where(swapped, x, one[0]), where(swapped, y, one[1]), where(swapped, z, one[2])
+    store3(s.across, 3 * j, 1, one[0], one[1], one[2])
+    store(s.gap, j, gap)
+    if whole:
+        move_force(s, j, mass)
+    store(s.active, j, where(now, 1.0, broadcast(gap, 0.0)))
+    slip = scaled(c.inverse_length, load3(s.slip, 3 * j, 1))
+    error = law.set_wanted(s, j, (n, one, gap, corner, corner_gap), slip, coefficient, late)
+    return off | (now & (error > CREEP * tolerance)), free
+
+
+@inlined
+def move_force(s, j, mass):
+    """Have the force act where the solid is nearest now."""
+    share = load(s.place, j)
+    if any_lane(load(s.share, j) != share):
+        force = load3(s.force, 3 * j, 1)
+        law.add_force(s, j, scaled(-1.0, force), mass, True)
+        store(s.share, j, share)
+        law.add_force(s, j, force, mass, True)
+
+
+@inlined
+def zero_of(x):
+    """Zeros."""
+    return broadcast(x, 0.0)
+
+
+@inlined
+def across_of(n):
+    """A unit vector across a normal (Duff et al. 2017)."""
+    sign = where(n[2] < 0.0, broadcast(n[2], -1.0), 1.0)
+    a = 1.0 / (sign + n[2])
+    return 1.0 - sign * n[0] * n[0] * a, -sign * (n[0] * n[1] * a), -sign * n[0]
+
+
+@device
+def corner_of(s, j, n, other, one, gaps, force):
+    """Where a second solid touches the place of segment j, too: it has come into that, or presses it still. Returns the
+    unit vector across the normal n, in these lanes in the plane of it and the ``other`` normal; these lanes; what the
+    first solid presses with; and how far the second one is along that vector."""
+    gap, second = gaps
+    cosine = dot(n, other)
+    x = add_scaled(other, -cosine, n)
+    sine = sqrt(dot(x, x))
+    rate = 1.0 / max(sine, SHARP)
+    x = scaled(rate, x)
+    pulled = rate * dot(force, x)  # by the second solid
+    corner = (sine > SHARP) & ((second < -ROUNDING) | ((load(s.corner, j) > 0.0) & (pulled >= 0.0) & (second < 1.0)))
+    pressed = dot(force, n) - where(corner, cosine * pulled, 0.0)
+    one = where(corner, x[0], one[0]), where(corner, x[1], one[1]), where(corner, x[2], one[2])
+    return one, corner, pressed, rate * (second - cosine * gap)

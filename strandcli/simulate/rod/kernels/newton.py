@@ -1,0 +1,165 @@
+"""Newton's iterations of a rod's step: the force densities τ, and the forces of contact with solids.
+
+Unknowns. A strand has N edges e_j of unit length (lengths are scaled by the segment's rest length), whose particles
+move by u_j in this step. Bending energy ½ Σ κ_j |c_j − c̄_j|² with c_j = e_j − e_{j−1}, e_{−1} = d at the clamp, and
+κ_0 twice the others: with half a mass at the tip this makes the discretisation second order. The step minimises
+
+    ½ Σ M_j |u_j − u*_j|² + ½ Σ κ_j |c_j − c̄_j|²    with |e_j| = 1,
+
+which for given force densities τ is a linear problem, H(τ) y = ρ with H = M + Dᵀ diag(τ) D + bending, pentadiagonal and
+the same for x, y and z. It is solved for a change y, from a residual ρ made of differences, so that single precision is
+enough. Newton's method finds τ: S δ = r, S = (e_i·e_j) ∘ (D H⁻¹ Dᵀ), r_j = |e_j|² (|e_j| − 1), exact in one step for a
+pendulum.
+
+Elimination. The pivots of a pentadiagonal stiff H come from numbers that grow as the fourth power of the segments, of
+which the masses are the last digits. So what is eliminated, from the tip on, is not y_j but the change of an edge,
+z_j = y_j − y_{j−1}, given y_{j−1} and z_{j−1}: Bellman's recursion (1957) for the least energy that the strand beyond
+can have, V(y, z) = ½ a y² + b y z + ½ c z² + p·y + q·z. There rigidities are only ever added, and there is one
+difference, of which no more is left than of masses:
+
+    B = a + M + b,  Q = a + M + 2 b + c + τ,  i = 1 / (Q + κ),
+    a' = a + M − i B²,  b' = i κ B,  c' = i κ Q,    and then, root to tip,  z_j = i κ z_{j−1} − i B y_{j−1} − g_j.
+
+Compression. Where a strand is pushed together faster than its inertia and its stiffness resist, H(τ) is not positive
+definite and no τ that keeps it so meets the lengths. In such lanes H takes τ_j no lower than what M alone resists,
+−θ/4 min(M_{j−1}, M_j) (for |y_j − y_{j−1}|² <= 2 |y_j|² + 2 |y_{j−1}|²); ρ keeps the true τ, and edges go back to unit
+length before each iteration: quadratic programming with a convexified Hessian (Nocedal & Wright 2006, §18.2).
+
+Contact. The forces of solids are multipliers as τ is: `law` has them found by the same filter.
+"""
+
+from __future__ import annotations
+
+from ....jit import device, inlined
+from ....simd import any_lane, broadcast, load, load3, sqrt, store3, where
+from ...contact.kernels import find
+from . import elimination, rest_shape, tension
+
+FAR = 0.3
+"""Error of |e|² above which edges return to unit length before the next iteration."""
+TINY = 1e-30
+GREATEST_ERROR = 1e18
+"""Errors of |e|² are no more than this, and never NaN."""
+FOLLOWED = 1e-6
+"""Squared change of an edge in an iteration below which curved rest shapes have followed."""
+MOST = 40
+"""Iterations, at most: what has not converged then goes in parts."""
+PATIENCE, LATE = 4, 10
+"""Iterations after which each one more doubles the errors that contact and rest shapes may be left with, and after
+which a solid that has let go of a strand hardly touches it again."""
+FINE = 32
+"""Segments beyond which a single wrong edge, as where contact kinks a strand, counts by its share of the strand."""
+EVEN = 3.0
+"""Ratio of the worst edge's error to the mean, which it hardly exceeds where all edges are wrong, as when a strand
+whips."""
+
+
+@device
+def iterate(s, at, state, material, step, needs, c, contact, root):
+    """Solve for τ, forces and edges by Newton's method. Returns the greatest | |e|² − 1 | of each lane, the greatest
+    depth in a solid, in segments, whether solids are near some strand, and how far an edge has changed at the most.
+
+    Begins with x(τ) for the τ and the forces of the step before. Then come one iteration and more, up to
+    ``step.iterations``, until all | |e|² − 1 | are below the tolerance, solids are kept out and none pulls; in strands
+    of more than `FINE` segments some edges may be off by more, where the mean of all is not. ``root``: the place of the
+    root at the end of the step."""
+    n, stiffness, whole = at.segments, c.stiffness, needs.segments
+    touching = needs.solids and find.begin(s, at, state, material, c, needs)
+    if needs.curled:
+        rest_shape.begin(s, at, state, material, step, c)
+    lost = elimination.factorise(s, n, material, stiffness, False, False, whole)
+    worst, total, change = apply_change(s, n)
+    depth, near, path = worst * 0.0, False, sqrt(change)
+    single_share, mean_share = min(1.0, FINE / n), EVEN / n
+    programming = False
+    most = min(max(step.iterations, 1), MOST)
+    for count in range(most + 1):
+        late = count - PATIENCE
+        patience = 2.0 ** max(late, 0)
+        moved, unsettled = False, worst < 0.0
+        if needs.solids:
+            touching, moved, near, depth, unsettled = find.contacts(
+                s, at, state, material, c, contact, needs, root, step, (count >= LATE, patience)
+            )
+        off = min(worst, max(single_share * worst, mean_share * total)) > step.tolerance
+        if needs.curled:
+            unsettled = unsettled | (change > FOLLOWED * patience * patience)
+        if count == most or (count > 0 and not any_lane(off | unsettled)):
+            break
+        programming = programming or any_lane(lost > 0.0)
+        far = programming or any_lane(worst > FAR)
+        if far:
+            retract(s, n, (lost > 0.0) | (worst > FAR))
+        if needs.curled:
+            rest_shape.update(s, at, state, material, step, c, False)
+        if programming:
+            lost = elimination.factorise(s, n, material, stiffness, False, touching, whole)
+        elif far or moved or needs.curled:
+            elimination.update_loads(s, n, material, stiffness, False, touching, whole)
+        tension.filter_forward(s, n, material.mass, far or moved or needs.curled, touching, whole)
+        if programming:
+            elimination.update_loads(s, n, material, stiffness, True, touching, whole)
+        else:
+            lost = elimination.factorise(s, n, material, stiffness, True, touching, whole)
+        worst, total, change = apply_change(s, n)
+        path += sqrt(change)
+    return worst, depth, near, path
+
+
+@inlined
+def edge_change(s, j, x, y, z, u, v, w):
+    """z_j, the change of edge j, from (x, y, z) = z_{j−1} and (u, v, w) = y_{j−1}: back substitution."""
+    f, g = load(s.edge_factor, j), load(s.particle_factor, j)
+    a, b, c = load3(s.load, 3 * j, 1)
+    return f * x - g * u - a, f * y - g * v - b, f * z - g * w - c
+
+
+@device
+def apply_change(s, n):
+    """Add y to the displacements and z to the edges. Returns the greatest | |e|² − 1 | of each lane, their sum, and the
+    greatest |z|²."""
+    worst = broadcast(s.pivot, 0.0)
+    total = most = worst
+    x, y, z = worst, worst, worst
+    u, v, w = worst, worst, worst
+    for j in range(n):
+        x, y, z = edge_change(s, j, x, y, z, u, v, w)
+        u += x
+        v += y
+        w += z
+        most = max(most, x * x + y * y + z * z)
+        dx, dy, dz = load3(s.inertial, 3 * j, 1)
+        store3(s.inertial, 3 * j, 1, dx - u, dy - v, dz - w)
+        ex, ey, ez = load3(s.edge, 3 * j, 1)
+        ex += x
+        ey += y
+        ez += z
+        store3(s.edge, 3 * j, 1, ex, ey, ez)
+        error = abs(ex * ex + ey * ey + ez * ez - 1.0)
+        error = where(error < GREATEST_ERROR, error, GREATEST_ERROR)
+        worst = max(worst, error)
+        total += error
+    return worst, total, most
+
+
+@device
+def retract(s, n, chosen):
+    """Bring the edges of the ``chosen`` lanes back to unit length, root to tip; one without a length takes the
+    direction of the edge before it."""
+    zero = broadcast(s.pivot, 0.0)
+    sx, sy, sz = zero, zero, zero  # by how much the particle has moved
+    for j in range(n):
+        x, y, z = load3(s.edge, 3 * j, 1)
+        px, py, pz = load3(s.edge, 3 * j - 3, 1)
+        square = x * x + y * y + z * z
+        f = 1.0 / sqrt(max(square, TINY)) - 1.0
+        lost = square < TINY
+        dx = where(chosen, where(lost, px, x * f), 0.0)
+        dy = where(chosen, where(lost, py, y * f), 0.0)
+        dz = where(chosen, where(lost, pz, z * f), 0.0)
+        store3(s.edge, 3 * j, 1, x + dx, y + dy, z + dz)
+        sx += dx
+        sy += dy
+        sz += dz
+        x, y, z = load3(s.inertial, 3 * j, 1)
+        store3(s.inertial, 3 * j, 1, x - sx, y - sy, z - sz)

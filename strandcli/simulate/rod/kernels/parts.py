@@ -1,0 +1,191 @@
+"""The fallback of a rod's step: the same step in 2, 4 or 8 parts by Euler's method.
+
+A strand keeps the best of what it was moved by, whole or in parts; the strands beside it in the vector keep theirs.
+"""
+
+from __future__ import annotations
+
+from ....constants import W
+from ....jit import device, inlined
+from ....simd import any_lane, broadcast, load, load3, store, store3, where
+from ...contact.kernels.search import Contact
+from . import begin, finish, newton
+from .arrays import AXES, PACK
+from .begin import ROW
+from .vectors import add_scaled, scaled, select
+
+LOST = 2e-3
+"""Error of |e|² from which on iterations have found no lengths, of strands of up to `newton.FINE` segments; of longer
+ones in proportion, for single edges may be off there."""
+DEEP = 0.05
+"""Depth in solids, in segments, from which on a step is taken again in parts."""
+RIGHT = 1.4
+"""Change of an edge that turns by a right angle, rounded down."""
+TURNED = 2.0
+"""Badness of a step in which an edge has turned by more than a right angle."""
+MOST_PARTS = 8
+KEPT = 24
+"""Numbers of a segment's state."""
+TWIST = 23
+"""Place of the twist among them."""
+
+
+@device
+def badness(s, at, state, worst, depth, path):
+    """Return how bad a step is, above 1 where it is to be taken again: by the ``worst`` error of |e|², the ``depth`` in
+    solids, and edges that have turned by more than a right angle. No step that long follows these, and a limp strand
+    that stands upright would turn back at once. ``path``: how far edges have changed, at the most."""
+    least = LOST * max(1.0, at.segments / newton.FINE)
+    bad = max(worst * (1.0 / least), depth * (1.0 / DEEP))
+    if any_lane(path > RIGHT):
+        for j in range(at.segments):
+            x, y, z = load3(state.edges, at.edge + j * AXES, PACK)
+            u, v, w = load3(s.edge, 3 * j, 1)
+            bad = where(x * u + y * v + z * w < 0.0, max(bad, TURNED), bad)
+    return bad
+
+
+@device
+def improve(s, at, state, material, drive, step, needs, met, found):
+    """Take the step again in parts where it is bad, and keep the best. ``met``: `Contact`, and the place of the root at
+    the end and its displacement; ``found``: badness and worst error of the whole step, which the state holds. Returns
+    the worst errors."""
+    best, worst = found
+    in_parts = best < 0.0
+    restart = load(state.restart, at.strand)
+    keep(s.best, at, state, needs, best >= 0.0, True)
+    parts = 1
+    while parts < MOST_PARTS and any_lane(best > 1.0):
+        parts *= 2
+        put_back(s.begun, at, state, needs)
+        bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, parts)
+        better = bad < best
+        keep(s.best, at, state, needs, better, True)
+        best, worst, in_parts = where(better, bad, best), where(better, error, worst), in_parts | better
+    put_back(s.best, at, state, needs)
+    store(state.restart, at.strand, where(in_parts, 1.0, restart))
+    return worst
+
+
+@device
+def move_in_parts(s, at, state, material, drive, step, needs, met, parts):
+    """Take the step in so many parts by Euler's method from where it began, in the frame of the root at the step's end;
+    solids are as at that end. Returns the greatest badness and error of all parts."""
+    contact, (root, shift) = met
+    rate = 1.0 / step.duration
+    bad = worst = broadcast(s.pivot, 0.0)
+    still = bad, bad, bad
+    frame = scaled(rate, shift)
+    c = begin.coefficients_of(at, state, material, drive, step, needs, parts, frame)
+    add_velocity(at, state, scaled(-1.0, frame))
+    for i in range(parts):
+        begin.begin(s, at, state, needs, c, still)
+        if needs.pinned:
+            begin.aim_tip(s, at, drive, c, parts, shift)
+        own = with_shift(contact, i == 0, shift if i == 0 else still)
+        error, depth, near, path = newton.iterate(s, at, state, material, step, needs, c, own, root)
+        worst = max(worst, error)
+        bad = max(bad, badness(s, at, state, error, depth, path))
+        finish.finish(s, at, at.strand // PACK, state, material.bends, step, needs, c, (own, near), still)
+        add_to_means(s, at, state, needs, (i, parts))
+    add_velocity(at, state, frame)
+    return bad, worst
+
+
+@device
+def add_velocity(at, state, velocity):
+    """Add a velocity to that of all particles."""
+    for j in range(at.segments):
+        row = at.edge + j * AXES
+        x, y, z = add_scaled(load3(state.velocity, row, PACK), 1.0, velocity)
+        store3(state.velocity, row, PACK, x, y, z)
+
+
+@inlined
+def with_shift(contact, moved, shift):
+    """A `Contact` of a step, or a part of it, in which the root moves by a ``shift``."""
+    return Contact(contact.spheres, contact.capsules, contact.planes, contact.boxes, contact.custom, moved, shift)
+
+
+@device
+def add_to_means(s, at, state, needs, part):
+    """Add the tensions and forces of a part to their means; have the next step begin with these after the last part:
+    those of a part alone would throw strands in a whole step. ``part``: its number, and how many there are."""
+    i, parts = part
+    share = 1.0 / parts
+    for j in range(at.segments):
+        number, row = at.number + j * PACK, at.edge + j * AXES
+        t = share * load(state.tension, number)
+        force = t * 0.0, t * 0.0, t * 0.0
+        if needs.solids:
+            force = scaled(share, load3(state.force, row, PACK))
+        if i > 0:
+            t += load(s.mean, 4 * j + 3)
+            force = add_scaled(force, 1.0, load3(s.mean, 4 * j, 1))
+        store3(s.mean, 4 * j, 1, force[0], force[1], force[2])
+        store(s.mean, 4 * j + 3, t)
+        if i == parts - 1:
+            store(state.tension, number, t)
+            if needs.solids:
+                store3(state.force, row, PACK, force[0], force[1], force[2])
+
+
+@device
+def keep_twist(s, at, state):
+    """Keep the twist that the step begins with: iterations overwrite it."""
+    for j in range(at.segments):
+        store(s.begun, KEPT * j + TWIST, load(state.twist, at.number + j * PACK))
+
+
+@device
+def keep(kept, at, state, needs, lanes, twist):
+    """Keep the state of some lanes, and their ``twist`` or not."""
+    for j in range(at.segments):
+        row, number, o = at.edge + j * AXES, at.number + j * PACK, KEPT * j
+        keep3(kept, o, state.edges, row, PACK, lanes)
+        keep3(kept, o + 3, state.velocity, row, PACK, lanes)
+        keep3(kept, o + 6, state.before, row, PACK, lanes)
+        keep3(kept, o + 9, state.ahead, row, PACK, lanes)
+        keep3(kept, o + 12, state.moved, row, PACK, lanes)
+        keep3(kept, o + 15, state.positions, at.position + (j + 2) * ROW, W, lanes)
+        store(kept, o + 21, where(lanes, load(state.tension, number), load(kept, o + 21)))
+        if needs.solids:
+            keep3(kept, o + 18, state.force, row, PACK, lanes)
+        if needs.segments:
+            store(kept, o + 22, where(lanes, load(state.share, number), load(kept, o + 22)))
+        if needs.curled and twist:
+            store(kept, o + TWIST, where(lanes, load(state.twist, number), load(kept, o + TWIST)))
+
+
+@inlined
+def keep3(kept, o, rows, row, stride, lanes):
+    """Keep three coordinates of some lanes."""
+    x, y, z = select(lanes, load3(rows, row, stride), load3(kept, o, 1))
+    store3(kept, o, 1, x, y, z)
+
+
+@device
+def put_back(kept, at, state, needs):
+    """Have the state that was kept."""
+    for j in range(at.segments):
+        row, number, o = at.edge + j * AXES, at.number + j * PACK, KEPT * j
+        put_back3(kept, o, state.edges, row, PACK)
+        put_back3(kept, o + 3, state.velocity, row, PACK)
+        put_back3(kept, o + 6, state.before, row, PACK)
+        put_back3(kept, o + 9, state.ahead, row, PACK)
+        put_back3(kept, o + 12, state.moved, row, PACK)
+        put_back3(kept, o + 15, state.positions, at.position + (j + 2) * ROW, W)
+        store(state.tension, number, load(kept, o + 21))
+        if needs.solids:
+            put_back3(kept, o + 18, state.force, row, PACK)
+        if needs.segments:
+            store(state.share, number, load(kept, o + 22))
+        if needs.curled:
+            store(state.twist, number, load(kept, o + TWIST))
+
+
+@inlined
+def put_back3(kept, o, rows, row, stride):
+    """Have three coordinates that were kept."""
+    x, y, z = load3(kept, o, 1)
+    store3(rows, row, stride, x, y, z)

@@ -1,0 +1,233 @@
+"""Curved rest shapes: what they add to c̄, and the twist of the frames that carry them.
+
+A joint's rest is a vector m_j in the frame of the edge before it, and its energy κ_j |e_j − m_j|² / 2. Frames are
+parallel-transported along the strand from the clamp and then turned about their edges by twist angles ψ_j, with the
+energy χ κ_j (ψ_j − ψ_{j−1})² / 2. Twist has no inertia: ψ is where torques about edges balance (Bergou et al. 2008,
+"Discrete Elastic Rods", §5). Each iteration of the step takes one of Newton's for it, but for a bound in place of the
+second derivative (`torque`), which is below 0 where frames lag by more than a quarter turn.
+
+A rest vector that is carried along also exerts a force on the edge before the joint, and through the frames on all
+edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j the edge j feels
+
+    T_j − T_{j+1} + q_j e_{j−1} / (1 + e_{j−1}·e_j) − q_{j+1} e_{j+1} / (1 + e_j·e_{j+1}).
+
+Without that reaction the force is no gradient, and strands of many curls gain energy from nothing. It enters through
+c̄, so that the matrix of the step stays as it is, by the edges of the last iterate. An edge that tilts by δ alone twists
+its frame by θ δ and turns the rests after it, χ κ θ² δ² / 2 and some κ θ² δ² / 2, of which c̄ that stays knows nothing.
+So an edge is kept near its last iterate ê by the energy σ |e − ê|² / 2 (majorisation): of edges of unit length that is
+the force F = σ ê, with τ the greater by σ. Where iterations have converged it is none.
+"""
+
+from __future__ import annotations
+
+from ....constants import FOLD
+from ....jit import device, inlined
+from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from ....simd.turning import cosine_sine
+from .arrays import AXES, PACK
+from .vectors import dot
+
+GREATEST_TWIST_CHANGE = 3.0
+"""Radians that ψ changes by in an iteration at the most."""
+LEAST_FOLD = 1e-6
+"""1 + e·e' of two edges below which parallel transport from one to the other has no direction."""
+FIRMEST = 0.75
+"""κ θ² by which an edge that tilts turns the rests after it, at the most."""
+MOST_CHANGE = 0.5
+"""Change of an edge in a step that the next one goes on with, at the most."""
+NEARLY = 0.01
+"""Error of |a|² of a transported normal up to which the first term brings it to unit length."""
+TINY = 1e-30
+
+
+@device
+def begin(s, at, state, material, step, c):
+    """`update` for the first time in a step, by the edges that there will be if they change as in the step before: rest
+    shapes follow iterates slowly."""
+    change_edges(s, at, state, c, 1.0)
+    update(s, at, state, material, step, c, True)
+    change_edges(s, at, state, c, -1.0)
+
+
+@device
+def change_edges(s, at, state, c, factor):
+    """Add what edges have changed by in the step before to them, times a factor."""
+    px, py, pz = load3(state.moved, at.edge, PACK)
+    for j in range(1, at.segments):
+        x, y, z = load3(state.moved, at.edge + j * AXES, PACK)
+        u, v, w = c.inverse_length * (x - px), c.inverse_length * (y - py), c.inverse_length * (z - pz)
+        f = factor * min(MOST_CHANGE / sqrt(max(u * u + v * v + w * w, TINY)), 1.0)
+        px, py, pz = x, y, z
+        x, y, z = load3(s.edge, 3 * j, 1)
+        store3(s.edge, 3 * j, 1, x + f * u, y + f * v, z + f * w)
+
+
+@device
+def update(s, at, state, material, step, c, first):
+    """Set c̄ to the rest shape by the present edges, update the twist, and what keeps edges near these. Where it is the
+    ``first`` time in a step τ gets greater by that."""
+    transport_frames(s, at, state, material, step)
+    add_reactions(s, at, state, material, step, c, first)
+
+
+@device
+def transport_frames(s, at, state, material, step):
+    """Transport frames along the present edges from the root to the tip: set `Scratch.target` by the last ψ, and
+    eliminate the torques about edges, linear in ψ."""
+    n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
+    tx, ty, tz = load3(s.edge, -3, 1)
+    ax, ay, az = first_normal(step.rotation, bends, bend)
+    zero = broadcast(s.pivot, 0.0)
+    angle = zero
+    a = zero
+    b = zero
+    for j in range(n):
+        _, v, w = load3(bends, bend + (j + 1) * AXES, PACK)
+        c, d = cosine_sine(angle)
+        bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
+        ex, ey, ez = direction(load3(s.edge, 3 * j, 1), (tx, ty, tz))
+        f, g = ax * ex + ay * ey + az * ez, bx * ex + by * ey + bz * ez
+        v, w = v * c - w * d, v * d + w * c
+        store3(s.target, 3 * j, 1, v * ax + w * bx, v * ay + w * by, v * az + w * bz)
+        turn, stiff = torque(f, g, v, w)
+        if j > 0:
+            before = step.torsion * (joint[j - 1] if j > 1 else step.root_twist)
+            after = step.torsion * joint[j] if j + 1 < n else 0.0
+            stiff = joint[j] * stiff
+            over = 1.0 / (before * (1.0 - b) + after + stiff)
+            a = (joint[j] * turn + stiff * angle + before * a) * over
+            b = after * over
+            store(s.twist_offset, j, a)
+            store(s.twist_factor, j, b)
+        store(s.twist, j, angle)
+        angle = load(state.twist, at.number + j * PACK)
+        rate = 1.0 / max(1.0 + tx * ex + ty * ey + tz * ez, LEAST_FOLD)
+        store(s.fold, j, rate)
+        ax, ay, az = carried(ax, ay, az, (rate * (tx + ex), rate * (ty + ey), rate * (tz + ez)), (ex, ey, ez))
+        tx = ex
+        ty = ey
+        tz = ez
+
+
+@inlined
+def direction(edge, before):
+    """An edge of unit length; one without a length takes the direction of the one before."""
+    square = dot(edge, edge)
+    f = 1.0 / sqrt(max(square, TINY))
+    lost = square < TINY
+    return (
+        where(lost, before[0], f * edge[0]), where(lost, before[1], f * edge[1]), where(lost, before[2], f * edge[2]),
+    )  # fmt: skip
+
+
+@device
+def add_reactions(s, at, state, material, step, c, first):
+    """From the tip to the root: set the new ψ, and c̄ to rest vectors by it, with their reaction on edges before, and
+    what keeps edges near the present ones."""
+    n, joint = at.segments, material.joint
+    share = 1.0 - c.damped  # of κ, that of the material without damping
+    firm = 0.5 * (step.torsion + FIRMEST) * share * c.stiffness
+    zero = broadcast(s.pivot, 0.0)
+    sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after
+    nx, ny, nz = zero, zero, zero  # the edge after it
+    bx, by, bz = zero, zero, zero  # sum of the forces on edges so far
+    after = zero  # q / (1 + e·e') of the joint after
+    angle = zero
+    turn_after = zero  # κ θ² of the joint after
+    before = load3(s.edge, 3 * n - 6, 1)
+    ex, ey, ez = direction(load3(s.edge, 3 * n - 3, 1), before)
+    for j in range(n - 1, -1, -1):
+        px, py, pz = direction(load3(s.edge, 3 * j - 3, 1), load3(s.edge, -3, 1))
+        past = load(s.twist, j)
+        now = zero
+        q = zero
+        if j > 0:
+            now = load(s.twist_offset, j) + load(s.twist_factor, j) * angle
+            now = past + min(max(now - past, -GREATEST_TWIST_CHANGE), GREATEST_TWIST_CHANGE)
+            store(state.twist, at.number + (j - 1) * PACK, now)
+        rate = min(load(s.fold, j), 1.0 / FOLD)
+        if j + 1 < n:
+            q = (step.torsion * joint[j]) * (now - angle)
+        q = q * rate
+        angle = now
+        # moment and twist torque of the joint after, and the twist torque of this one
+        fx, fy, fz = cross(ex, ey, ez, after * nx - q * px, after * ny - q * py, after * nz - q * pz)
+        f = sx * ex + sy * ey + sz * ez
+        g = 1.0 - (nx * ex + ny * ey + nz * ez)
+        bx += fx + f * (nx - ex) + g * sx
+        by += fy + f * (ny - ey) + g * sy
+        bz += fz + f * (nz - ez) + g * sz
+        # this joint's rest vector
+        x, y, z = load3(s.target, 3 * j, 1)
+        square = x * x + y * y + z * z
+        x, y, z = rest_vector((px, py, pz), (x, y, z), load(material.bends, at.bend + (j + 1) * AXES), now - past)
+        f = joint[j]
+        sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
+        turn = f * square
+        f = firm * (turn + turn_after)
+        if first:
+            store(s.tension, j, load(s.tension, j) + f)
+            store(s.firm, 4 * j + 3, f)
+        store3(s.firm, 4 * j, 1, f * ex, f * ey, f * ez)
+        turn_after = turn
+        f = share / joint[j]
+        u, v, w = load3(s.damped, 3 * j, 1)
+        store3(s.rest, 3 * j, 1, u + share * x + f * bx, v + share * y + f * by, w + share * z + f * bz)
+        nx, ny, nz = ex, ey, ez
+        ex, ey, ez = px, py, pz
+        after = q
+
+
+@inlined
+def rest_vector(before, across, along, turned):
+    """The rest vector of a joint after the edge ``before``: ``along`` that, and what is ``across`` it after its frame
+    has ``turned`` by an angle."""
+    px, py, pz = before
+    x, y, z = across
+    c, d = cosine_sine(turned)
+    wx, wy, wz = cross(px, py, pz, x, y, z)
+    return along * px + c * x + d * wx, along * py + c * y + d * wy, along * pz + c * z + d * wz
+
+
+@inlined
+def torque(x, y, v, w):
+    """Torque about the edge before a joint by its bend, over κ, and how fast it may fall with ψ at the most. x, y: the
+    edge along both normals of the frame; v, w: its rest.
+
+    At an angle φ from balance the energy is −ρ cos φ. Of all parabolas that touch it there and are nowhere below it,
+    the flattest has the second derivative ρ sin φ / φ and is lowest at φ = 0 (de Leeuw & Lange 2009, "Sharp quadratic
+    majorization in one dimension"); sin φ / φ is at most (2 + cos φ) / 3 (Cusa and Huygens)."""
+    f, g = v * y - w * x, v * x + w * y
+    return f, (2.0 * sqrt(f * f + g * g) + g) * (1.0 / 3.0)
+
+
+@inlined
+def first_normal(turn, bends, bend):
+    """The normal that frames begin with at the clamp, in the world."""
+    x, y, z = load3(bends, bend, PACK)
+    return (
+        turn[0] * x + turn[1] * y + turn[2] * z, turn[3] * x + turn[4] * y + turn[5] * z,
+        turn[6] * x + turn[7] * y + turn[8] * z,
+    )  # fmt: skip
+
+
+@inlined
+def carried(ax, ay, az, fold, edge):
+    """A normal in parallel transport from an edge t to the next one e: the rotation that takes t to e takes a to
+    a − (a·e) (t + e) / (1 + t·e). ``fold``: (t + e) / (1 + t·e)."""
+    f = ax * edge[0] + ay * edge[1] + az * edge[2]
+    ax -= f * fold[0]
+    ay -= f * fold[1]
+    az -= f * fold[2]
+    q = ax * ax + ay * ay + az * az
+    f = 1.5 - 0.5 * q  # 1 / √q: what is carried keeps its length, but for rounding and folds
+    folded = abs(q - 1.0) > NEARLY
+    if any_lane(folded):
+        f = where(folded, 1.0 / sqrt(max(q, TINY)), f)
+    return ax * f, ay * f, az * f
+
+
+@inlined
+def cross(ax, ay, az, bx, by, bz):
+    """Vector product."""
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

@@ -1,0 +1,167 @@
+"""Material of rods: density, radius and Young's modulus, and the masses and rigidities that follow."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import UsageError
+from ...groom.record import Groom
+from ...scene.model import Rod, Scene
+
+MATERIALS = {
+    # density kg/m³, radius m, Young's modulus Pa. Hair: Robbins 2012, ch. 8-9; grass: a ryegrass blade as a round
+    # stalk, Vincent 1991
+    "hair": (1320.0, 3.5e-5, 4.0e9),
+    "grass": (700.0, 6.0e-4, 5.0e8),
+}
+STIFFEST = 1e30
+"""Upper bound of a joint's rigidity, 1/s²: beyond it no step of time shows a bend, and single precision overflows
+soon."""
+
+TORSION = {False: 4.0, True: 0.75}
+"""Torsional over bending rigidity; True: of grooms with coils, whose springing is that of a round rod. Straight strands
+get more, because nothing else resists twist."""
+FINE_TURN = 0.5
+"""Radians that a joint turns by, above which steps have to be the shorter."""
+COIL_STEP = 0.25
+"""Steps are no longer than this over the angular frequency at which coils stretch."""
+COIL = math.pi
+"""Radians that the joints of a strand turn by in all, above which it is such a coil where presets give no torsion."""
+MOST_INNER = 20
+"""Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
+times a second at the usual steps, and gives way to its weight by less than a millimetre."""
+FIRMEST = 0.75
+"""What is added to torsion in `firmness`, with which none of many coils gains energy in steps of up to ten over the
+frequency at which it stretches; with half of that rigidity some do."""
+CELLS_ACROSS = 32
+"""Cells of the rule interaction along the groom's greatest extent, where the preset gives no cell."""
+MOST_SAMPLES = 64
+"""Samples of a segment, no more than a cell apart."""
+
+
+def matter(rod: Rod) -> tuple[float, float, float]:
+    """Return density, radius at the root and Young's modulus: those of the named material unless given."""
+    return tuple(  # type: ignore[return-value]
+        own if given is None else given
+        for given, own in zip((rod.density, rod.radius, rod.young), MATERIALS[rod.material], strict=True)
+    )
+
+
+MARGIN = 0.5
+"""Thicknesses beyond that of the rule contact at which pairs are looked at: a round of forces may bring them nearer."""
+
+
+def contact_thickness(scene: Scene, groom: Groom, given: float | None) -> float:
+    """Return the distance that the middles of strands keep by the rule contact, metres. Raises `UsageError` for one
+    that does not fit the groom."""
+    own = 2 * matter(scene.rod)[1]
+    found = given or own
+    if found > (spread := _spread(groom)):
+        raise UsageError(
+            f"{scene.label or scene.source or 'scene'}: rule contact.thickness: {found:g} m is more than the groom, "
+            f"which is {spread:.3g} m wide; make it smaller, such as {own:.2g}, the strands' own"
+        )
+    return found
+
+
+def _spread(groom: Groom) -> float:
+    """Return how wide a groom may come to be, metres."""
+    return float(np.linalg.norm(np.ptp(groom.roots, axis=0))) + 2 * float(groom.lengths.max())
+
+
+def require_cell(scene: Scene, cell: float, lengths: NDArray[np.float64], usual: float) -> None:
+    """Raise `UsageError` for a cell of the rule interaction, metres, that is finer than strands with segments of the
+    ``lengths`` (S,), metres, can fill; ``usual``: that of a preset which gives none."""
+    where = f"{scene.label or scene.source or 'scene'}: rule interaction.cell: {cell:g} m is less than"
+    thick, longest = 2 * matter(scene.rod)[1], float(lengths.max())
+    if cell < thick:
+        raise UsageError(f"{where} a strand's thickness of {thick:.3g} m; make it larger, such as {usual:.2g}")
+    if cell < longest / MOST_SAMPLES * (1 - 1e-6):
+        raise UsageError(
+            f"{where} a {MOST_SAMPLES}th of a segment of {longest:.3g} m; make it larger, or use more emitter.particles"
+        )
+
+
+def require_between(scene: Scene, groom: Groom) -> None:
+    """Raise `UsageError` for what rods refuse, before they begin, of the rules contact and interaction."""
+    if scene.solver != "rod":
+        return
+    for use in scene.rules:
+        if use.name == "contact":
+            contact_thickness(scene, groom, use.parameters.thickness)
+        if use.name == "interaction" and use.parameters.cell is not None:
+            lengths = groom.lengths.astype(np.float64)
+            segments = lengths / (scene.emitter.particles - 1)
+            usual = float(lengths.max()) / CELLS_ACROSS
+            require_cell(scene, use.parameters.cell, segments, usual)
+            if use.parameters.cell > (spread := _spread(groom)):  # `Crowd` knows how wide it is
+                raise UsageError(
+                    f"{scene.label or scene.source or 'scene'}: rule interaction.cell: {use.parameters.cell:g} m is "
+                    f"larger than the groom, which is at most {spread:.3g} m wide; make it smaller, such as {usual:.2g}"
+                )
+
+
+def rigidity(rod: Rod) -> float:
+    """Return B / (ρ A) = E R² / (4 ρ) of a rod at its root, m⁴/s². The ratio Γ of g L³ to it determines how a strand
+    sags."""
+    density, radius, young = matter(rod)
+    return young * radius**2 / (4 * density)
+
+
+def torsion(rod: Rod, coiled: bool) -> float:
+    """Return torsional over bending rigidity."""
+    return TORSION[coiled] if rod.torsion is None else rod.torsion
+
+
+def coil_rates(
+    rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float64], coiled: bool
+) -> NDArray[np.float64]:
+    """Return (strands,) the angular frequencies, rad/s, at which strands with the joints' rigidity ``stiffness``, 1/s²,
+    and the rest edges (N, strands, 3), ``coiled`` or not as in `torsion`, stretch as springs do: of N joints that each
+    turn by θ and twist by χ κ θ as one end moves, √(3 χ κ θ²) / N. 0 of those that turn by less than `COIL` where the
+    preset does not give their torsion."""
+    if len(edges) < 2:
+        return np.zeros(len(stiffness))
+    square = (np.diff(edges, axis=0) ** 2).sum(-1).mean(0)
+    rates = stretch_rates(torsion(rod, coiled), stiffness, square, len(edges))
+    return np.where((rod.torsion is None) & (np.sqrt(square) * len(edges) < COIL), 0.0, rates)
+
+
+def stretch_rates(
+    torsion: float, stiffness: NDArray[np.floating], square: NDArray[np.float64], n: int
+) -> NDArray[np.float64]:
+    """Return `coil_rates` by the mean ``square`` θ² of what each of ``n`` joints turns by."""
+    coarse = np.maximum(1.0, np.sqrt(square) / FINE_TURN)
+    return np.asarray(coarse * np.sqrt(3 * torsion * stiffness * square) / n)
+
+
+def firmness(torsion: float) -> float:
+    """Return the rigidity that keeps edges of curled strands where motion leads them, or where they are, in units of
+    κ θ² of the joints at both ends. An edge that tilts alone twists its frame by θ, which costs χ κ θ², and turns the
+    rests after it, some κ θ²: halved for the two joints."""
+    return 0.5 * (torsion + FIRMEST)
+
+
+def stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (strands,) B / (ρ A ℓ⁴), 1/s², the rigidity of a joint at the root, for segment lengths in metres."""
+    return np.asarray(np.minimum(rigidity(rod) / lengths**4, STIFFEST))
+
+
+def segments_along(rod: Rod, n: int) -> NDArray[np.float64]:
+    """Return (n,) masses of segments, relative to one at the root."""
+    radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
+    return np.asarray(((radius[:-1] + radius[1:]) / 2) ** 2)
+
+
+def matter_along(rod: Rod, n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return masses of particles and rigidities of joints, (n,) each, relative to a segment at the root; half a mass at
+    the tip and twice the rigidity at the root make the discretisation second order."""
+    radius = 1 + (rod.tip - 1) * np.arange(n + 1) / n
+    segments = segments_along(rod, n)
+    mass = np.append((segments[:-1] + segments[1:]) / 2, segments[-1] / 2)
+    joint = radius[:-1] ** 4
+    joint[0] *= 2
+    return mass, joint

@@ -1,0 +1,298 @@
+"""The production solver: inextensible rods with mass and bending stiffness, solved implicitly.
+
+See `kernels.newton` for the model. A rod's shape at rest does not depend on the time step, and hardly on the number of
+particles. Of a scene's rules it applies emitter motion, gravity, wind (whose strength is here the speed of the air in
+m/s), interaction, contact and collision. Elasticity and stiffness are its own: edges keep their length exactly, and
+bending follows from the material, as does the twist of curled strands.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...blocks import lanes
+from ...errors import UsageError
+from ...groom.record import Groom
+from ...scene.motion import Pose
+from ..contact.between_strands import StrandContact, in_parts
+from ..crowd import Crowd, Moment
+from ..momentum import errors_between_strands
+from ..solver import Solver
+from .kernels.arrays import PACK, Step
+from .material import torsion
+from .motion import Motion, change_of
+from .pins import HEAVY, Pins
+from .pins import TOLERANCE as PINNED_TOLERANCE
+from .roots import Roots
+from .setup import (
+    ANCHOR,
+    CLAMP,
+    drive_of,
+    hinged,
+    material_of,
+    matter_of,
+    needs_of,
+    precision_of,
+    rest_of,
+    shape_of,
+    state_of,
+    world_edges,
+)
+from .step import StepKernel
+from .surroundings import Surroundings, flat, pose_of
+from .swing import parts, swing_rate
+from .teleport import begin_before_roots, carry, stop, turned, velocity_of_roots
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
+
+FEWEST_BY_EDGES = 12
+"""Segments beyond which stretch is measured at the solver's own edges: positions in single precision do not tell."""
+TOLERANCES = {False: 1.8e-3, True: 1e-12}
+"""Error of |e|² at which iterations stop, as `kernels.newton` measures it, by whether double precision is asked for. Of
+most strands the error is far less than of the worst."""
+MOMENT = 1e-6
+"""Seconds in which nothing moves but what is put elsewhere."""
+APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "contact", "collision")
+REPLACED = ("elasticity", "stiffness")
+"""Rules that the solver applies, and those that it has its own form of."""
+
+
+class RodSolver(Solver):
+    """Strands as rods, with ``state``, ``material`` and ``drive`` as `kernels.arrays` describes them, in single or
+    double precision: double where single would not be enough, or where ``double`` asks for it, to measure with. Raises
+    `UsageError` for a rule that the solver does not apply."""
+
+    def __init__(self, scene: Scene, groom: Groom, double: bool = False) -> None:
+        super().__init__(scene, groom)
+        for use in scene.rules:
+            if use.name not in APPLIED + REPLACED:
+                raise UsageError(
+                    f"{scene.source or 'scene'}: rule {use.name}: the solver rod does not apply it; "
+                    "take it out, or use solver: thesis"
+                )
+        rod, matter = scene.rod, matter_of(scene, groom)
+        self.dtype = np.float64 if double else precision_of(scene, matter)
+        self.surroundings = Surroundings(scene, self.dtype)
+        self.motion = Motion(scene, groom, self.surroundings)
+        self.pose = self.motion.pose(0.0)
+        shape = shape_of(scene, groom, self.dtype)
+        matter = hinged(scene, matter, shape)
+        if shape.mended:
+            for j, edge in enumerate(world_edges(shape, self.pose)):
+                self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * lanes(edge)
+        rest = rest_of(scene, shape, matter, self.pose, self.dtype)
+        between = [use.parameters for use in scene.rules if use.name == "interaction"]
+        self.crowd = Crowd(scene, groom, between[0], self.positions, self.dtype) if between else None
+        touching = [use.parameters for use in scene.rules if use.name == "contact"]
+        self.contact = StrandContact(scene, groom, touching[0]) if touching else None
+        self.needs = needs_of(scene, shape, self.surroundings, self.deforming is not None)
+        self.curled = self.needs.curled
+        self._swing_rate = swing_rate(scene, matter.lengths, rest.stiffness, shape, np.array(self.pose.rotation))
+        self.state = state_of(self.positions, world_edges(shape, self.pose), rest, self.needs, self.dtype)
+        self.material = material_of(matter, rest, self.dtype)
+        self.mass = self.material.mass.copy()
+        """(N,) of particles, relative, without what pins add."""
+        self.drive = drive_of(groom, len(self.state.edges), self.dtype, self.needs)
+        self._gravity = tuple(self.surroundings.gravity.tolist())
+        arrays = self.state, self.material, self.drive
+        self.pins: Pins | None = None
+        if rod.end == "pinned":
+            self._pin()
+        self.roots = Roots(self.deforming, self.strands, rod, arrays, shape.curled)
+        self._tolerance = TOLERANCES[double]
+        self._torsion = torsion(rod, shape.coiled), ANCHOR if self.roots.hinged else CLAMP
+        self.now = self._numbers(MOMENT, False, (0.0, 0.0, 0.0), self.pose, change_of(self.pose, self.pose))
+        """Numbers of the last step."""
+        self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
+        self._steady = self.contact is None and self.deforming is None
+        """Whether a step is one of the kernel's."""
+        self._last_step = 0.0
+        self.place_roots(1)
+        self.kernel = StepKernel(self.strands, arrays, self.surroundings)
+
+    def _pin(self) -> None:
+        """Pin the tips of strands where they are."""
+        self.pins = Pins(self.state, self.material, self.drive, self.pose)
+        self.material.mass[-1] *= HEAVY
+        self.needs = self.needs._replace(pinned=True)
+
+    def _numbers(
+        self, dt: float, bdf2: bool, air: tuple[float, float, float], pose: Pose, change: tuple[float, ...]
+    ) -> Step:
+        """The numbers of a step of ``dt`` seconds to a ``pose``; nothing pulls where that is `MOMENT`."""
+        rod, (torsion, root_twist), tolerance = self.scene.rod, self._torsion, self._tolerance
+        if self.needs.pinned:
+            tolerance = min(tolerance, PINNED_TOLERANCE)
+        still, now = dt == MOMENT, flat(pose)
+        rounding = 4 * float(np.finfo(self.dtype).eps)
+        gravity, drag = ((0.0, 0.0, 0.0), 0.0) if still else (self._gravity, float(rod.drag))
+        damping, friction = (0.0, 0.0) if still else (float(rod.damping), float(rod.friction))
+        return Step(
+            dt, bdf2, int(rod.iterations), tolerance, self._tolerance, rounding, gravity, air, drag, damping,
+            friction, torsion, root_twist, now[:9], now[9:], change[:9], change[9:],
+        )  # fmt: skip
+
+    def state_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the rods' state, where their roots are, and the poses of the last step."""
+        state = {f"state {name}": one for name, one in self.state._asdict().items() if one is not self.positions}
+        last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
+        crowd = {} if self.crowd is None else self.crowd.state_arrays()
+        found = {} if self.contact is None else self.contact.state_arrays()
+        return {**super().state_arrays(), **state, **self.roots.state_arrays(), **last, **crowd, **found}
+
+    def check(self, state: Mapping[str, NDArray[Any]], frame: int) -> None:
+        """Raise `ValueError` for a state that is none of a frame."""
+        super().check(state, frame)
+        if self.crowd is not None:
+            self.crowd.check(state)
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from such a state."""
+        self.roots.restore(state)
+        super().restore(state)
+        for name, one in self.state._asdict().items():
+            if one is not self.positions:
+                one[...] = state[f"state {name}"]
+        last = state["last"].tolist()
+        self._last_step, self.pose = last[0], pose_of(last[1:])
+        self.surroundings.set_last_poses(state["poses"])
+        if self.crowd is not None:
+            self.crowd.restore(state)
+        if self.contact is not None:
+            self.contact.restore(state)
+
+    def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
+        """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
+        if self.pins is None:
+            self._pin()
+        assert self.pins is not None
+        self.pins.bring(at, seconds)
+
+    def begin_frame(self) -> None:
+        """As for any solver."""
+        if self.crowd is not None:
+            self.crowd.begin_frame()
+        if self.contact is not None:
+            self.contact.begin_frame()
+
+    def announce(self, ends: Sequence[float], dt: float) -> None:
+        """As for any solver."""
+        if self._steady:
+            count = parts(self._swing_rate, dt)
+            inner = [end - left * dt / count for end in ends for left in range(count - 1, -1, -1)]
+            self.motion.announce(inner, dt / count, self.pose)
+
+    def step(self, time: float, dt: float) -> None:
+        """A step of ``dt`` seconds that ends at ``time``, in several where swings ask for it; nothing where it is 0."""
+        count = parts(self._swing_rate, dt)
+        for left in range(count - 1, -1, -1):
+            end, part = time - left * dt / count, dt / count
+            if self.contact is None:
+                self._step(end, part)
+            else:
+                in_parts(self, self._step, end, part, math.ceil(math.log2(count)))
+
+    def _step(self, time: float, dt: float) -> bool:
+        """One step of ``dt`` seconds that ends at ``time``; nothing where ``dt`` is 0. Return False where it is too
+        long for what strands do to each other."""
+        if dt <= 0:
+            return True
+        around, moved = self.surroundings, self.motion.step(time, dt, self.pose)
+        pose = moved.pose
+        if moved.jumps:
+            carry(self.state, self.positions, self.pose, pose)
+            self.pose = pose
+            if self.crowd is not None:
+                self.crowd.begin_anew()
+        if around.any_solids and (moved.jumps or self._last_step == 0):
+            self._put_outside(time - dt)
+        self.roots.deform(time, self.pose)
+        self.roots.begin_frames(self.pose, pose)
+        gust = around.gust(time, self.positions)
+        if gust is not None:
+            self.drive.gust[...] = gust.reshape(-1, PACK)[: len(self.drive.gust)]
+        around.solids(time, dt, self.motion.outer(pose), moved.solids)
+        self._moment = time, dt
+        bdf2 = dt == self._last_step and not moved.jumps
+        self.now = self._numbers(dt, bdf2, moved.air, pose, moved.change)
+        if self.crowd is not None:
+            self._interact(self.crowd, gust)
+        if self.contact is None:
+            self._run(pose)
+            short = True
+        else:
+            short = self.contact.step(partial(self._run, pose), dt, self)
+        if self.state.positions is not self.positions:
+            self.positions[...] = self.state.positions
+        if self.roots.hinged:
+            begin_before_roots(self.positions)
+        self.pose, self._last_step = pose, dt
+        return short
+
+    def _interact(self, crowd: Crowd, gust: NDArray[Any] | None) -> None:
+        """Have strands act on each other through their grid in a step."""
+        now = self.now
+        (time, dt), strength = self._moment, now.drag * (float(gust.mean()) if gust is not None else 1.0)
+        x, y, z = now.air
+        wind = strength * x, strength * y, strength * z
+        moment = Moment(time, dt, wind, self._gravity, self.surroundings.packed())
+        roots = velocity_of_roots(self.drive, (*now.turned, *now.shifted), dt, crowd.strands.roots)
+        crowd.prepare(self.state, self.material.mass, roots, moment)
+        np.maximum(self.state.restart, self.state.jolted, out=self.state.restart)
+
+    def _run(self, pose: Pose) -> None:
+        """Run the kernel to a pose of the emitter."""
+        if self.pins is not None:
+            self.pins.aim(self.state, self.drive, (self.pose, pose), self._moment[0])
+        self.kernel.run(self.now, self.needs)
+
+    def _put_outside(self, time: float) -> None:
+        """Turn edges out of solids at a time, and leave all at rest: a strand that begins inside would leave the faster
+        the shorter the step, and its motion would have no limit."""
+        state = self.state
+        tension = state.tension.copy()
+        self.drive.drift[...] = 0
+        self.surroundings.solids(time, 0.0)
+        stop(state.acceleration, state.jolted)
+        self.now = self._numbers(MOMENT, False, (0.0, 0.0, 0.0), self.pose, change_of(self.pose, self.pose))
+        self._run(self.pose)
+        state.tension[...] = tension
+        stop(state.velocity, state.before, state.ahead, state.moved, state.force, state.restart)
+        if self.crowd is not None:
+            self.crowd.begin_anew()
+
+    def place_roots(self, frame: int) -> None:
+        """Put the first two rows where they are at a frame, to the bits of a step that ends there."""
+        self.roots.deform((frame - 1) / self.scene.time.fps, self.pose)
+        turn, moved = (np.array(part, self.dtype) for part in self.motion.pose((frame - 1) / self.scene.time.fps))
+        roots = turned(turn, self.drive.roots) + moved[:, None]
+        before = roots - self.material.lengths[:, None] * turned(turn, self.drive.directions)
+        for row, at in enumerate((before, roots)):
+            self.positions[:, row] = lanes(at.transpose(0, 2, 1).reshape(-1, 3)[: self.strands])
+
+    def take(self, frame: int, particles: NDArray[np.floating]) -> None:
+        """As for any solver."""
+        super().take(frame, particles)
+        if self.roots.hinged:
+            begin_before_roots(self.positions)
+
+    def errors(self, frame: int) -> dict[str, float | None]:
+        """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
+        precision the last digit is 6e-8 m a metre from the origin. `momentum.errors_between_strands` adds to them."""
+        out = super().errors(frame)
+        edges = self.state.edges
+        if edges.shape[1] > FEWEST_BY_EDGES or self.dtype == np.float64:
+            square = (edges.reshape(*edges.shape[:2], 3, PACK) ** 2).sum(2)
+            out["stretch_max"] = float(np.abs(np.sqrt(square) - 1).max())
+        return out | errors_between_strands(self)
+
+    def strand_residuals(self) -> NDArray[np.floating]:
+        """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""
+        return self.groom.emitted(self.state.residuals.reshape(-1)[: self.strands])

@@ -1,0 +1,232 @@
+"""External influences on rods in a step: gravity, air, and solids with their motion.
+
+Constants, such as solids that do not move, are computed once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ... import solids
+from ...constants import W
+from ...errors import UsageError
+from ...scene.motion import Pose, compose, emitter_pose, multiply, own_pose, rotate, solid_pose
+from ...scene.touched import touched
+from ...solids import Solids
+from ...solids.shapes import other
+from ..rules import wind
+from .kernels.arrays import MOTION
+
+if TYPE_CHECKING:
+    from ...scene.model import Scene
+
+
+class Poses(NamedTuple):
+    """Where things are at the end of a step."""
+
+    time: float
+    """Seconds, at which keys are read; -1 before the first step."""
+    emitter: Pose | None
+    solids: dict[int, Pose]
+    """Of solids with motions of their own, by identity."""
+
+
+class Placed(NamedTuple):
+    """How solids move in a step."""
+
+    before: Poses
+    after: Poses
+    past: float
+    """Time of the poses before, seconds."""
+    rows: list[memoryview]
+    """Packed, of each that moves."""
+
+
+def gravity(scene: Scene) -> NDArray[np.float64]:
+    """Return (3,) the sum of all gravity rules, m/s²."""
+    pulls = [use.parameters.acceleration for use in scene.rules if use.name == "gravity"]
+    return np.asarray(np.sum([np.zeros(3), *pulls], axis=0))
+
+
+class Surroundings:
+    """External influences on the rods of a scene, in a floating-point type. Raises `UsageError` for a combination of
+    winds that rods do not support."""
+
+    def __init__(self, scene: Scene, dtype: Any) -> None:
+        self.scene, self.dtype = scene, dtype
+        self.gravity = gravity(scene)
+        self._loop = scene.time.period
+        self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
+        self._travelling = [one for one in self.winds if wind.travels(one)]
+        if self._travelling and len(self.winds) > 1:  # each strand has one factor for the total velocity of the air
+            raise UsageError(
+                f"{scene.source or 'scene'}: rule wind: of {len(self.winds)} winds, {len(self._travelling)} with gusts "
+                "that travel: the solver rod supports travelling gusts only without another wind; set wavelength: 0, "
+                "remove the other winds, or use solver: thesis"
+            )
+        phases = wind.phases(scene.seed).tolist()
+        self._phases, self._swings = phases[:3], phases[3:]
+        contacts = [use.parameters for use in scene.rules if use.name == "collision"]
+        met = touched(scene)
+        self._met, self.any_solids = met, bool(met)
+        self.segments = bool(met) and any(one.segments for one in contacts)
+        """Whether whole segments are kept out of solids, and not only particles."""
+        kinds = {kind: [one for one in met if one.kind == kind] for kind in solids.COLUMNS}
+        self.others = solids.others(met)
+        """Solids without kernels of their own; their kind is "" here."""
+        if self.others:
+            kinds[""] = self.others
+        self.data = other.data_of(self.others, scene.time.pose_time(0.0))
+        """The arrays of their shapes at the end of the last step."""
+        packed = {kind: self._at_rest(kind, mine) for kind, mine in kinds.items()}
+        self._packed = tuple(packed.values())
+        moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in kinds.items()}
+        self._moving = [
+            (row, one, None if one.keys else own_pose(one, 0.0))
+            for kind, mine in moving.items() if mine
+            for row, one in zip(packed[kind][-len(mine) :], mine, strict=True)
+        ]  # fmt: skip
+        self._rows = [memoryview(row) for row, _, _ in self._moving]
+        self.poses = Poses(-1.0, None, {})
+
+    def air(self, time: float) -> tuple[float, float, float]:
+        """Return the velocity of the air, m/s, without gusts that differ from strand to strand."""
+        x = y = z = 0.0
+        for one in self.winds:
+            speed = one.strength
+            if one not in self._travelling:
+                speed *= 1 - one.gust * 0.5 * (1 - wind.gusts(time, one.period, self._phases, self._loop))
+            way = wind.downwind(one, time, self._swings, self._loop)
+            x, y, z = x + speed * way[0], y + speed * way[1], z + speed * way[2]
+        return x, y, z
+
+    def gust(self, time: float, positions: NDArray[Any]) -> NDArray[Any] | None:
+        """Return (blocks, W) the factor of the air's velocity at each strand, or None if it is 1 for all; positions
+        (blocks, rows, 3 W), whose row 1 is the root."""
+        if not self._travelling:
+            return None
+        one = self._travelling[0]
+        roots = positions[:, 1].reshape(-1, 3, W).astype(np.float64)
+        way = np.array(one.direction) / np.linalg.norm(one.direction)
+        along = np.einsum("bck,c->bk", roots, way) / one.wavelength
+        wave = sum(
+            a * wind.waves(time / wind.fitted(one.period * scale, self._loop) + phase - along / scale)
+            for (scale, a), phase in zip(wind.WAVES, self._phases, strict=True)
+        )
+        return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
+
+    def solids(self, time: float, dt: float, outer: Pose | None = None, known: Placed | None = None) -> tuple[Any, ...]:
+        """Return packed solids with their motion in a step that ends at ``time``, with the emitter's pose ``outer``:
+        spheres, capsules, planes, boxes, and `others` if there are any. The arrays are the same at each call; those of
+        `data` are new when a shape changes. ``known``: what `placed` may have returned for the step."""
+        if known is None or known.before is not self.poses:
+            known = self.placed(time, dt, outer, self.poses)
+        for row, numbers in zip(self._rows, known.rows, strict=True):
+            row[:] = numbers
+        self.poses = known.after
+        if self.data:
+            found = other.data_of(self.others, known.after.time, known.past)
+            if any(a is not b for a, b in zip(found, self.data, strict=True)):
+                self.data = found
+        return self._packed
+
+    def placed(self, time: float, dt: float, outer: Pose | None, before: Poses) -> Placed:
+        """Return how solids move in a step that ends at ``time``, after one that has ended with the poses ``before``;
+        ``outer``: the emitter's pose then."""
+        now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
+        emitter = self.scene.emitter
+        outer = outer or emitter_pose(emitter, now)
+        known, inner, there = before
+        if abs(known - past) > 1e-9 * dt:
+            inner, there = None, {}
+        else:
+            past = known
+        carried: Pose | None = None
+        after: dict[int, Pose] = {}
+        rows = []
+        for row, one, own in self._moving:
+            if own is None:
+                pose = after[id(one)] = solid_pose(one, emitter, now, outer)
+                motion = _between(there.get(id(one)) or solid_pose(one, emitter, past), pose)
+            else:  # moves with the emitter, as other solids may
+                pose = compose(outer, own)
+                motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
+            (a, b, c), moved = motion
+            numbers = *self._numbers(one, pose, len(row) - MOTION), *a, *b, *c, *moved
+            rows.append(viewed(numbers, self.dtype))
+        return Placed(before, Poses(now, outer, after), past, rows)
+
+    def packed(self) -> Solids | None:
+        """Return the solids at the end of the last step for kernels that draw or look, as `solids.pack_all` packs them,
+        each kind in an order of its own and with columns for the motion; None where there are none."""
+        if not self.any_solids:
+            return None
+        return solids.joined_with(self._met, [one.astype(np.float32, copy=False) for one in self._packed], self.data)
+
+    def last_poses(self) -> NDArray[np.float64]:
+        """Return the time of the last step and the poses at its end: of the emitter, and of solids with motions
+        of their own; NaN where none is known."""
+        time, outer, solids = self.poses
+        rows = [outer, *(solids.get(id(one)) for _, one, own in self._moving if own is None)]
+        return np.array([time, *(number for one in rows for number in ([np.nan] * 12 if one is None else flat(one)))])
+
+    def set_last_poses(self, numbers: NDArray[np.float64]) -> None:
+        """Go on from what `last_poses` has returned."""
+        time, *rest = numbers.tolist()
+        rows = [rest[i : i + 12] for i in range(0, len(rest), 12)]
+        outer, *others = [None if row[0] != row[0] else pose_of(row) for row in rows]
+        moving = [one for _, one, own in self._moving if own is None]
+        there = {id(one): p for one, p in zip(moving, others, strict=True) if p is not None}
+        self.poses = Poses(time, outer, there)
+
+    def _numbers(self, solid: Any, pose: Pose, columns: int) -> list[float]:
+        """Return a solid's packed row."""
+        if solid.kind in solids.COLUMNS:
+            return solids.numbers(solid, pose)
+        found = other.numbers(solid, pose, self.others)
+        return found + [0.0] * (columns - len(found))
+
+    def _moves(self, solid: Any) -> bool:
+        return bool(solid.keys) or (solid.follow == "emitter" and bool(self.scene.emitter.keys))
+
+    def _at_rest(self, kind: str, mine: list[Any]) -> NDArray[Any]:
+        """Return (m, columns + `MOTION`) all solids of a kind at time 0 without motion, moving ones last."""
+        mine = sorted(mine, key=self._moves)
+        columns = solids.COLUMNS[kind] if kind else other.columns_of(mine)
+        rows = np.zeros((len(mine), columns + MOTION), self.dtype)
+        for row, one in zip(rows, mine, strict=True):
+            row[:columns] = self._numbers(one, solid_pose(one, self.scene.emitter, 0.0), columns)
+        rows[:, columns : columns + 9] = np.eye(3).ravel()
+        return rows
+
+
+def viewed(numbers: Sequence[float], dtype: Any) -> memoryview:
+    """Return numbers of a floating-point type. Copies between views run less code than those between arrays, which
+    counts where it is not in the caches."""
+    row: Any = np.array(numbers, dtype)
+    return memoryview(row)
+
+
+def flat(pose: Pose) -> tuple[float, ...]:
+    """Return (12,) a pose's rotation by rows and its translation."""
+    a, b, c = pose.rotation
+    return (*a, *b, *c, *pose.translation)
+
+
+def pose_of(numbers: Sequence[float]) -> Pose:
+    """Return the pose with these 12 numbers, as `flat` has them."""
+    a, b, c, d, e, f, g, h, i, x, y, z = numbers
+    return Pose(((a, b, c), (d, e, f), (g, h, i)), (x, y, z))
+
+
+def _between(last: Pose, pose: Pose) -> Pose:
+    """Return the rigid motion from one pose to another."""
+    (a, b, c), (d, e, f), (g, h, i) = last.rotation
+    turn = multiply(pose.rotation, ((a, d, g), (b, e, h), (c, f, i)))
+    x, y, z = rotate(turn, last.translation)
+    p = pose.translation
+    return Pose(turn, (p[0] - x, p[1] - y, p[2] - z))
