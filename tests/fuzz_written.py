@@ -28,7 +28,7 @@ from strandcli.jit.dispatcher import KernelDispatcher
 from strandcli.output import positions, state_file
 from strandcli.scene import loads
 from strandcli.simulate import crowd_box
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.study import advice, picture_advice
 from strandcli.written import module_of

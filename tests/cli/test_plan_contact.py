@@ -14,7 +14,7 @@ from strandcli.plan.crowding import crowding_of
 from strandcli.scene import load
 from strandcli.simulate.contact.kernels import contact_pairs
 from strandcli.simulate.contact.nearby import Nearby
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 
 ROD = ("minimal", "--strands", "20", "--set", "solver=rod", "--set")

@@ -14,7 +14,7 @@ from strandcli.constants import VECTOR
 from strandcli.draw.common.scratch import Scratch
 from strandcli.groom.arrange import LEAF, arranged, spatial_order
 from strandcli.groom.children import Children
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 
 SCENE = """
 emitter: {strands: 700, particles: 4, shape: {kind: sphere, radius: 0.5}, length: 0.3, length_variation: 0.4, jitter: 9}

@@ -23,7 +23,7 @@ from strandcli.meshes.mesh import TriangleMesh
 from strandcli.output.files import temporary_name
 from strandcli.pipeline import render
 from strandcli.scene import Scene
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import Pass, registry
 from strandcli.simulate.rules.rule import Moment
 from strandcli.simulate.solver import Solver

@@ -7,7 +7,7 @@ import pytest
 from strandcli.groom.arrange import arranged
 from strandcli.groom.emit import emit
 from strandcli.plan.grid import grid_bytes
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_crowd import BALL, solver_of
 
 TEXT = f"emitter: {{{BALL}, strands: 900}}\nrules: [gravity, interaction: {{density: 3000, cell: %s}}]"

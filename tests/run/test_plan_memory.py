@@ -21,9 +21,9 @@ from strandcli.plan import require as planning
 from strandcli.plan.memory import motion_bytes
 from strandcli.scene.detail import needed_strands
 from strandcli.scene.model import Rod
-from strandcli.simulate.material import matter_along
-from strandcli.simulate.precision import contrast, needs_double, shortest_segment
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.material import matter_along
+from strandcli.simulate.rod.precision import contrast, needs_double, shortest_segment
+from strandcli.simulate.rod.solver import RodSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
 
 

@@ -41,7 +41,7 @@ from strandcli.simd import (  # fmt: skip
     vector_pointer_at,
     where,
 )
-from strandcli.simulate.kernels.work_queue import take
+from strandcli.simulate.rod.kernels.work_queue import take
 
 
 @njit(error_model="numpy")

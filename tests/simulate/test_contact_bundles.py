@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from crossing_kit import solver_of, strands
 from strandcli.simulate.health import interpenetration
-from strandcli.simulate.kernels.rod_scratch import PACK
+from strandcli.simulate.rod.kernels.arrays import PACK
 from strandcli.study.bench import at_first_frame, load
 from tests.simulate.test_strand_contact import CROSS, RULE, Floats
 
@@ -130,7 +130,7 @@ def test_contact_without_friction_adds_no_energy() -> None:
     past, touched = energy(), False
     for frame in range(2, 40):
         solver.advance(frame)
-        touched = touched or bool(solver.state.crowd.any())
+        touched = touched or bool(solver.state.acceleration.any())
         now = energy()
         assert now <= past + 2e-3 * 9.81
         past = min(past, now)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from crossing_kit import crosses, crossings, solver_of, strands
 from strandcli.simulate.contact.kernels import contact_approach
 from strandcli.simulate.contact.kernels.contact_columns import COUNTS, GAP, NORMAL, NUMBERS, VECTORS, WANTED
-from strandcli.simulate.kernels.rod_scratch import PACK
+from strandcli.simulate.rod.kernels.arrays import PACK
 
 Floats = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import pytest
 from strandcli.constants import W
 from strandcli.simulate.contact.kernels import contact_response
 from strandcli.simulate.contact.kernels.contact_columns import ALPHA, NUMBERS
-from strandcli.simulate.kernels.rod_scratch import PACK
+from strandcli.simulate.rod.kernels.arrays import PACK
 from tests.simulate.test_strand_contact import solver_of
 
 SEGMENTS, PARTICLE, PUSH = 32, 20, 0.1
@@ -37,8 +37,8 @@ def test_curls_answer_a_force_as_their_response_says(fps: int, young: str, error
         solver.restore(saved)
 
         def step(run: Any, dt: float, solver: Any, push: float = push) -> bool:
-            solver.state.crowd[...] = 0
-            solver.state.crowd.reshape(-1, SEGMENTS, 3, PACK)[0, PARTICLE, 0, 0] = push
+            solver.state.acceleration[...] = 0
+            solver.state.acceleration.reshape(-1, SEGMENTS, 3, PACK)[0, PARTICLE, 0, 0] = push
             run()
             return True
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from strandcli.scene import loads
 from strandcli.simulate.contact.kernels import contact_slide, contact_solve
 from strandcli.simulate.contact.kernels.contact_columns import NORMAL, START, VECTORS
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.study.motion.contestants import follow
 from strandcli.study.references import incline

@@ -17,8 +17,8 @@ from strandcli.scene import SceneError
 from strandcli.simulate.crowd import Moment
 from strandcli.simulate.kernels import crowd_pressure
 from strandcli.simulate.kernels.crowd_records import BETWEEN, LOW, MASS, SIZE, Room
-from strandcli.simulate.kernels.rod_scratch import PACK
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.kernels.arrays import PACK
+from strandcli.simulate.rod.solver import RodSolver
 
 BALL = "shape: {kind: sphere, radius: 0.1}, particles: 6, length: 0.2, jitter: 40"
 CALM = (0.0, 0.0, 0.0)
@@ -38,7 +38,7 @@ def rows(packed: NDArray[Any], strands: int) -> NDArray[np.float64]:
 def prepare(solver: RodSolver, dt: float = 1 / 60, wind: tuple[float, float, float] = CALM) -> None:
     assert solver.crowd is not None
     moment = Moment(dt, dt, wind, CALM, solver.surroundings.packed())
-    solver.crowd.prepare(solver.state, solver.mass, np.zeros_like(solver.forcing.roots), moment)
+    solver.crowd.prepare(solver.state, solver.mass, np.zeros_like(solver.drive.roots), moment)
 
 
 def spread(solver: RodSolver) -> dict[tuple[int, ...], NDArray[np.float64]]:
@@ -115,7 +115,7 @@ def test_free_flight_keeps_momentum_and_gains_no_energy() -> None:
     for _ in range(60):
         prepare(solver, dt)
         greatest = max(greatest, crowd.found / 2000)
-        state.velocity[...] += dt * state.crowd
+        state.velocity[...] += dt * state.acceleration
         energies.append((mass * rows(state.velocity, 300) ** 2).sum())
         moved = (dt * rows(state.velocity, 300)).astype(np.float32)
         for strand in range(300):
@@ -137,7 +137,7 @@ def test_friction_alone_never_adds_energy() -> None:
     crowd.density = 1.01 * crowd.found  # no pressure
     before = rows(state.velocity, 200)
     prepare(solver, 1.0)
-    after = before + rows(state.crowd, 200)
+    after = before + rows(state.acceleration, 200)
     assert (mass * after**2).sum() <= (mass * before**2).sum()
 
 
@@ -292,5 +292,5 @@ def test_it_is_refused_twice_and_by_the_source_s_solver() -> None:
 def test_nothing_of_it_is_there_where_it_is_not_listed() -> None:
     solver = solver_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [gravity]")
     assert solver.crowd is None
-    assert len(solver.state.crowd) == 1
+    assert len(solver.state.acceleration) == 1
     assert "density_max" not in solver.errors(1)

@@ -11,8 +11,8 @@ from strand_kit import require_same_after_restart, scene_of
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.simulate.crowd_overlap import REACH, offsets_of
-from strandcli.simulate.kernels.rod_scratch import PACK
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.kernels.arrays import PACK
+from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_crowd import BALL, solver_of
 
 CELL = 0.02

@@ -13,8 +13,8 @@ from strandcli.groom.emit import emit
 from strandcli.simulate.contact.forces import Forces
 from strandcli.simulate.crowd import Moment
 from strandcli.simulate.kernels import crowd_forces
-from strandcli.simulate.kernels.rod_scratch import PACK
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.kernels.arrays import PACK
+from strandcli.simulate.rod.solver import RodSolver
 
 BALL = "shape: {kind: sphere, radius: 0.1}, particles: 6, length: 0.2, jitter: 40, strands: 300"
 CROWDED = f"emitter: {{{BALL}}}\nrules: [interaction: {{friction: 0.3, cell: 0.03, density: 2000}}]"
@@ -72,8 +72,8 @@ def test_it_is_what_velocities_change_by(force: float, monkeypatch: pytest.Monke
     begin = (mass * rows(state.velocity, 300)).sum((0, 1))
     for _ in range(60):
         moment = Moment(dt, dt, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), solver.surroundings.packed())
-        crowd.prepare(state, solver.mass, np.zeros_like(solver.forcing.roots), moment)
-        state.velocity[...] += dt * state.crowd
+        crowd.prepare(state, solver.mass, np.zeros_like(solver.drive.roots), moment)
+        state.velocity[...] += dt * state.acceleration
     change = (mass * rows(state.velocity, 300)).sum((0, 1)) - begin
     total, size = crowd.momentum()
     np.testing.assert_allclose(total, change, atol=1e-6 * size)
@@ -107,7 +107,7 @@ def test_what_a_strand_gets_by_contact_another_loses(monkeypatch: pytest.MonkeyP
 
     def weak(self: Forces, held: Any, forces: Any, solver: Any) -> None:
         load(self, held, forces, solver)
-        solver.state.crowd[solver.state.crowd > 0] *= 0.9
+        solver.state.acceleration[solver.state.acceleration > 0] *= 0.9
 
     monkeypatch.setattr(Forces, "load", weak)
     assert max(lost(solver_of(BRISTLES), 6)) > 1e-4

@@ -12,11 +12,13 @@ from strand_kit import groom_of, scene_of
 from strandcli import runtime
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
-from strandcli.simulate import advice, rod_kernel
-from strandcli.simulate import rod as rod_solver
-from strandcli.simulate.kernels import rod_step, work_queue
-from strandcli.simulate.material import rigidity
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate import advice
+from strandcli.simulate.rod import solver as rod_solver
+from strandcli.simulate.rod import step as rod_step
+from strandcli.simulate.rod.kernels import work_queue
+from strandcli.simulate.rod.kernels.step import run
+from strandcli.simulate.rod.material import rigidity
+from strandcli.simulate.rod.solver import RodSolver
 
 # H/W of a heavy elastica clamped level, for Γ = ρ A g L³ / B, from θ″ = −Γ (1 − s) cos θ, θ(0) = 0, θ′(1) = 0
 DROOP = {1.0: 0.124562, 10.0: 1.06680, 100.0: 5.88810}
@@ -135,7 +137,7 @@ def test_rods_of_any_stiffness_stay_straight(changes: dict[str, Any]) -> None:
 
 
 def test_any_number_of_threads_gives_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rod_kernel, "SEGMENTS_A_THREAD", 1000)
+    monkeypatch.setattr(rod_step, "SEGMENTS_A_THREAD", 1000)
     one = scene(10.0, **{"emitter.strands": 300, "emitter.jitter": 60.0})
     results = []
     for threads in (1, 2):
@@ -150,19 +152,19 @@ def test_any_number_of_threads_gives_the_same_bits(monkeypatch: pytest.MonkeyPat
 
 def test_a_step_takes_no_more_threads_than_its_caller_has(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of other frames are at work on these."""
-    monkeypatch.setattr(rod_kernel, "SEGMENTS_A_THREAD", 10)
+    monkeypatch.setattr(rod_step, "SEGMENTS_A_THREAD", 10)
     one = scene(10.0, **{"emitter.strands": 20})
     runtime.start(2)
     solver = RodSolver(one, emit(one.emitter, one.seed))
     runtime.start(1)
     asked: list[int] = []
-    run_workers = rod_kernel.work_queue.run_workers
+    run_workers = work_queue.run_workers
 
-    def watched(code: int, book: Any, workers: int) -> None:
+    def watched(code: int, given: Any, queue: Any, workers: int) -> None:
         asked.append(workers)
-        run_workers(code, book, workers)
+        run_workers(code, given, queue, workers)
 
-    monkeypatch.setattr(rod_kernel.work_queue, "run_workers", watched)
+    monkeypatch.setattr(work_queue, "run_workers", watched)
     solver.step(1 / 30, 1 / 30)
     assert asked == [1]
     runtime.start(2)
@@ -174,11 +176,11 @@ def test_nothing_is_compiled_for_strands_that_do_not_move(monkeypatch: pytest.Mo
     """A first frame without a pre-roll, or positions from a cache; a step of weeks asks for a kernel of its own."""
     asked: list[str] = []
 
-    def address(module: Any, function: str) -> int:
-        asked.append(function)
+    def address(function: Any, arguments: Any) -> int:
+        asked.append(str(arguments[0].edges.dtype))
         raise NotImplementedError
 
-    monkeypatch.setattr(rod_kernel, "_address", address)
+    monkeypatch.setattr(work_queue, "address", address)
     one = scene(10.0, **{"time.fps": 1e-6, "time.preroll": 2.5})
     solver = RodSolver(one, emit(one.emitter, one.seed))
     solver.advance(1)
@@ -187,7 +189,7 @@ def test_nothing_is_compiled_for_strands_that_do_not_move(monkeypatch: pytest.Mo
     assert asked == []
     with pytest.raises(NotImplementedError):
         solver.advance(2)
-    assert asked == ["double"]
+    assert asked == ["float64"]
 
 
 def test_a_step_of_no_length_changes_nothing() -> None:
@@ -237,12 +239,11 @@ def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch
     assert off.mean() < 6e-5
 
 
-@pytest.mark.parametrize("step", [rod_step.single, rod_step.double])
-def test_the_compiled_step_can_be_kept_in_the_cache(step: Any) -> None:
+def test_the_compiled_step_can_be_kept_in_the_cache() -> None:
     """Machine code that holds addresses of this process is compiled anew by every run."""
-    work_queue.address(step)
-    (made,) = step.overloads.values()
-    assert not made.library.has_dynamic_globals
+    settled(scene(10.0), 1 / 24, 1 / 24)
+    assert run.overloads
+    assert not any(made.library.has_dynamic_globals for made in run.overloads.values())
 
 
 def test_settings_of_rods_beside_another_solver_are_warned_of() -> None:

@@ -31,7 +31,7 @@ def slab(folder: Path, shift: float = 0.0, turn: float = 0.0) -> str:
 def moved(friction: float, **solid: Any) -> np.ndarray:
     """Particles of a strand that lies on a mesh, after some seconds."""
     one = {"emitter.strands": 3, "emitter.jitter": 0.0, "rod.friction": friction, "rod.damping": 0.01}
-    solver = against([{"kind": "mesh", **solid}], 100.0, **one)
+    solver = against([{"kind": "mesh", **solid}], 100.0, double=True, **one)
     for i in range(int(SECONDS * RATE)):
         solver.step((i + 1) / RATE, 1 / RATE)
     assert solver.errors(1)["penetration_max"] < 1e-3  # type: ignore[operator]

@@ -7,7 +7,7 @@ import pytest
 
 from strand_kit import scene_of
 from strandcli.groom.emit import emit
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 
 
 @pytest.mark.parametrize("more", ["", "torsion: 0.7"])

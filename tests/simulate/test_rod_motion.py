@@ -10,8 +10,8 @@ import pytest
 from strand_kit import scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
-from strandcli.simulate.kernels.rod_start import BLEND, GAIN, OLD_GAIN, VELOCITY_RATE
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.kernels.begin import BLEND, GAIN, OLD_GAIN, VELOCITY_RATE
+from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod import PULL, scene
 
 
@@ -32,7 +32,7 @@ def energy(solver: RodSolver) -> float:
     mass, joint = solver.mass.astype(float), solver.material.joint.astype(float)
     length = float(solver.material.lengths[0, 0])
     edges = np.diff(x, axis=0) / length
-    clamp = solver.forcing.directions[0].reshape(3, -1)[:, 0].astype(float)
+    clamp = solver.drive.directions[0].reshape(3, -1)[:, 0].astype(float)
     bends = np.diff(np.concatenate([clamp[None], edges]), axis=0)
     bending = float(solver.material.stiffness[0, 0]) * length**2 / 2 * (joint[:, None] * bends**2).sum()
     total = (mass[:, None] * v**2).sum() / 2 + PULL * (mass * x[1:, 1]).sum() + bending

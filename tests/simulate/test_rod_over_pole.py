@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from strand_kit import scene_of
 from strandcli.groom.emit import emit
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 
 Floats = NDArray[np.float64]
 SETTLED = 3

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from strandcli.simulate import advice
-from strandcli.simulate.rod import RodSolver
-from strandcli.simulate.sag_free import SAFETY, TILT, TURNS, hold
+from strandcli.simulate.rod.sag_free import SAFETY, TILT, TURNS, hold
+from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod import PULL, scene
 from tests.simulate.test_rod_motion import first, solver_of
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod import droop, scene
 from tests.simulate.test_rod_motion import first, solver_of
 

@@ -10,10 +10,10 @@ import pytest
 
 import strandcli
 from strandcli.groom.emit import emit
-from strandcli.simulate import swing
-from strandcli.simulate.kernels.rod_start import BLEND
-from strandcli.simulate.rod import RodSolver
-from strandcli.simulate.rod_setup import matter_of, shape_of
+from strandcli.simulate.rod import swing
+from strandcli.simulate.rod.kernels.begin import BLEND
+from strandcli.simulate.rod.setup import matter_of, shape_of
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.study.references.swing import oscillation
 from tests.simulate.test_rod import PULL, scene
 from tests.simulate.test_rod_motion import FREE, energy, first, greatest_root

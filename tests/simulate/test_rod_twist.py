@@ -17,9 +17,7 @@ from strandcli.groom.emit import emit
 from strandcli.simd import load, store, vector_pointer
 from strandcli.simd.turning import cosine_sine
 from strandcli.simulate.advice import warnings
-from strandcli.simulate.material import COIL_STEP, FIRMEST, MOST_INNER
-from strandcli.simulate.rod import RodSolver
-from strandcli.simulate.rod_coils import CoilSteps
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.study.exactness import scene_of as reference_scene
 from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
 from strandcli.study.references import spring
@@ -96,71 +94,10 @@ def test_a_ringlet_bounces_and_comes_to_rest_in_one_place_at_every_step() -> Non
     assert np.ptp(coarse[-6:]) < 1e-3 * coarse[-1]
 
 
-FORMS = [(60, 3, 25), (50, 10, 100), (80, 4, 41), (70, 5, 40)]
-"""Angle, turns and particles of coils."""
-
-
-def kicked(form: tuple[int, int, int], steps: float, more: str = "") -> RodSolver:
-    """Coils of hair without any damping, swung within two thirds of a second, in ``steps`` over the frequency at which
-    they stretch."""
-    angle, turns, particles = form
-
-    def solver(young: float) -> RodSolver:
-        scene = scene_of(
-            f"solver: rod\nrod: {{rest: shape, young: {young:e}, drag: 0, damping: 0, {more}}}\nemitter: {{strands: 16"
-            f", particles: {particles}, length: 0.2, curl_turns: {turns}, curl_angle: {angle}, rotation: [180, 0, 0], "
-            "keys: [{time: 0, rotation: [180, 0, 0]}, {time: 0.33, rotation: [180, 30, 10]}, {time: 0.66, rotation: "
-            "[180, 0, 0]}]}\nrules: [emitter_motion, gravity]\n"
-        )
-        return RodSolver(scene, emit(scene.emitter, scene.seed))
-
-    young = 4e9
-    return solver(young * (24 * steps / coils_of(solver(young)).rates.max()) ** 2)
-
-
-def coils_of(solver: RodSolver) -> CoilSteps:
-    assert solver.numbers.coils is not None
-    return solver.numbers.coils
-
-
-@pytest.mark.parametrize("steps", [0.4, 1.0, 3.0, 10.0])
-def test_coils_calm_down_in_steps_of_every_length(steps: float) -> None:
-    """Without any damping. Where no force keeps edges, they whip about for ever in steps from 1 on."""
-    for form in FORMS:
-        solver, speeds = kicked(form, steps), []
-        for i in range(1, 481):
-            solver._step(i / 24, 1 / 24)
-            speeds.append(float(np.abs(solver.state.velocity).max()))
-        assert max(speeds[-24:]) < 0.1 * max(speeds), form
-
-
-def test_edges_are_kept_as_firmly_and_led_as_far_as_steps_ask_for() -> None:
-    """Flat coils are kept from shorter steps on; short steps are led all the way, the longest stay."""
-    for form in ((60, 3, 100), (80, 8, 100)):
-        turning = 2 * math.pi * form[1] * math.sin(math.radians(form[0]))
-        firm = min(0.5, 10 / turning * math.cos(math.radians(form[0])))
-        for steps, led in ((0.02, 1.0), (0.2, 1.0), (0.3, 1.0), (3.0, 0.0)):
-            solver = kicked(form, steps, "torsion: 0.7")
-            solver._coil_rate = solver._swing_rate = 0.0
-            solver.step(1 / 24, 1 / 24)
-            solver.step(2 / 24, 1 / 24)  # the first is one of Euler's method
-            wanted = 0.5 * (0.7 + FIRMEST) * min(max(steps / firm - 0.6, 0.0), 1.0)
-            assert solver.forcing.firmness[0].max() == pytest.approx(wanted, rel=0.1)
-            assert solver.forcing.led[0].max() == pytest.approx(led, abs=1e-3)
-
-
-def test_steps_are_cut_only_where_coils_ask_for_it() -> None:
-    assert ringlet(24)._coil_rate > 24 * COIL_STEP
-    assert ringlet(24, "material: hair")._coil_rate > ringlet(24, "material: hair, torsion: 0.5")._coil_rate
-    straight = scene_of("solver: rod\nrod: {torsion: 0.7}\nemitter: {strands: 4}\nrules: [gravity]")
-    assert RodSolver(straight, emit(straight.emitter, 0))._coil_rate == 0
-
-
 @pytest.mark.parametrize("rest", ["shape", "sag_free"])
 def test_coils_too_fast_for_the_steps_stay_where_they_are(rest: str) -> None:
     stiff = ringlet(24, "torsion: 0.7, young: 1.0e+13", rest)
     heights = bounce(stiff, 1)
-    assert stiff._coil_rate > MOST_INNER * 24 * COIL_STEP
     assert np.ptp(heights) < 1e-3
     assert warnings(stiff.scene, stiff.groom) == []
 
@@ -200,32 +137,6 @@ def test_strands_of_every_pack_are_moved() -> None:
     start = solver.particles().copy()
     solver.advance(2)
     assert np.abs(solver.particles() - start).max(axis=(1, 2)).min() > 1e-4
-
-
-@pytest.mark.parametrize(("length", "young", "fps"), [(0.3, 9.81e6, 24), (0.3, 9.81e6, 96), (1.0, 3.27e7, 24)])
-def test_limp_coils_gain_no_energy(length: float, young: float, fps: int) -> None:
-    """Where twist runs away it grows by .06 to 1.4 g L."""
-    scene = scene_of(
-        f"solver: rod\nrod: {{rest: shape, density: 1000, radius: {0.002 * length}, young: {young}, torsion: 0.7, "
-        f"drag: 0, damping: 0}}\ntime: {{fps: {fps}}}\nemitter: {{shape: {{kind: disc, radius: 0.02}}, strands: 16, "
-        f"particles: 64, length: {length}, jitter: 20, rotation: [30, 0, 0], curl_turns: 6, curl_angle: 56}}\n"
-        "rules: [gravity]\n"
-    )
-    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
-    mass, most = solver.mass.astype(float), -math.inf
-
-    def energy() -> NDArray[np.float64]:
-        rows = solver.state.velocity
-        velocity = rows.reshape(*rows.shape[:2], 3, -1).transpose(0, 3, 1, 2).reshape(-1, rows.shape[1], 3)[:16]
-        kinetic = 0.5 * (mass[:, None] * solver.groom.emitted(velocity.astype(float)) ** 2).sum((1, 2))
-        potential = 9.81 * (mass * solver.particles()[:, 1:, 1].astype(float)).sum(1)
-        return np.asarray((kinetic + potential) / (9.81 * length * mass.sum()))
-
-    begin = energy()
-    for i in range(2 * fps):
-        solver.step((i + 1) / fps, 1 / fps)
-        most = max(most, float((energy() - begin).max()))
-    assert most < 0.01
 
 
 def test_curls_of_few_segments_a_turn_are_warned_of() -> None:

@@ -8,7 +8,7 @@ import pytest
 from reference.rules import depth
 from strand_kit import moved, scene_of, solver_of, twin_of
 from strandcli.constants import W
-from strandcli.simulate.surroundings import Surroundings
+from strandcli.simulate.rod.surroundings import Surroundings
 
 SCENE = """
 emitter:

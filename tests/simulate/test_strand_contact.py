@@ -17,7 +17,7 @@ from strandcli.scene import SceneError
 from strandcli.simulate.contact.between_strands import in_parts
 from strandcli.simulate.contact.kernels import contact_response
 from strandcli.simulate.contact.nearby import Nearby
-from strandcli.simulate.kernels.rod_scratch import PACK
+from strandcli.simulate.rod.kernels.arrays import PACK
 
 Floats = NDArray[np.float64]
 CROSS = "rod: {{rest: straight, radius: 1.0e-3, young: {young}, drag: 0}}\ntime: {{fps: 24}}\n"
@@ -78,7 +78,7 @@ def test_contact_keeps_momentum() -> None:
     seen = 0
     for frame in range(2, 14):
         solver.advance(frame)
-        pushes = solver.state.crowd.reshape(1, 10, 3, PACK)[0, :, :, :2].astype(float)
+        pushes = solver.state.acceleration.reshape(1, 10, 3, PACK)[0, :, :, :2].astype(float)
         lengths = groom.lengths / 10
         sums = np.einsum("jcs,j,s->cs", pushes, solver.mass.astype(float), lengths)
         if np.abs(sums).max() > 0:
@@ -203,7 +203,7 @@ def test_friction_over_one_is_allowed_and_no_contact_costs_nothing() -> None:
     assert one.contact is not None
     other = solver_of("emitter: {strands: 2, particles: 3, length: 0.1}\nrules: [gravity]")
     assert other.contact is None
-    assert len(other.state.crowd) == 1
+    assert len(other.state.acceleration) == 1
     assert "strand_penetration_max" not in other.errors(1)
 
 

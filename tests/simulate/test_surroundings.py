@@ -11,7 +11,7 @@ from strandcli import solids
 from strandcli.constants import W
 from strandcli.errors import UsageError
 from strandcli.scene.motion import solid_pose
-from strandcli.simulate.surroundings import Surroundings
+from strandcli.simulate.rod.surroundings import Surroundings
 from tests.simulate.test_rod import scene
 
 TURN = [{"time": 0, "position": [0, 0, 0]}, {"time": 1, "position": [1, 0.5, 0], "rotation": [30, 120, -20]}]

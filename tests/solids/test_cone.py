@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strand_kit import scene_of, solver_of
+from strand_kit import groom_of, scene_of, solver_of
 from strandcli.blocks import pack
 from strandcli.constants import W
 from strandcli.draw.solids.kernels import rays
@@ -17,8 +17,9 @@ from strandcli.scene import SceneError, loads
 from strandcli.scene.model import SOLIDS, Emitter
 from strandcli.scene.model.solids import SHAPES
 from strandcli.scene.motion import solid_pose
-from strandcli.simulate.kernels import measure, work_queue
-from strandcli.simulate.rod_others import module_among
+from strandcli.simulate.kernels import measure
+from strandcli.simulate.rod.custom import step_among
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.solid_shapes import cone
 from strandcli.solids import pack_all, register
 from strandcli.solids.shapes.other_code import depth as depth_by_distance
@@ -290,7 +291,10 @@ def test_its_kernels_can_be_kept_in_the_cache() -> None:
     rays.visibility(solids, *[one] * 6, FAR, SKIN)
     measured = np.zeros((1, 2), np.float32)
     measure.depths(np.zeros((1, 4, 3 * W), np.float32), solids, measured)
-    step = module_among([of(SHAPES_OF_IT["cone"])], [], "float32", (None, None, None, None)).step
-    work_queue.address(step)
+    scene = scene_of("solver: rod\nrules: [gravity, collision]\nsolids: [{kind: cone}]\nemitter: {strands: 1}\n")
+    solver = RodSolver(scene, groom_of(scene))
+    solver.step(0.1, 0.1)
+    step = step_among(solver.surroundings.others)
     for kernel in (rays.meet, rays.normal, rays.visibility, measure.depths, step):
+        assert kernel.overloads
         assert not any(made.library.has_dynamic_globals for made in kernel.overloads.values()), kernel.__name__

@@ -22,7 +22,7 @@ from strandcli.scene import loads
 from strandcli.scene.model import CapsuleSolid, Emitter, PoseKey
 from strandcli.scene.model.solids import SHAPES
 from strandcli.simulate import advice
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis import ThesisSolver
 from strandcli.solids import Solids, pack_all, register

@@ -26,7 +26,7 @@ from strandcli.scene import SceneError, loads
 from strandcli.scene.model import Camera, Emitter, SphereSolid
 from strandcli.scene.model.solids import SHAPES
 from strandcli.scene.schema import json_schema
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis import ThesisSolver
 from strandcli.solids import Solids, pack_all, register

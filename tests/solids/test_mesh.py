@@ -29,7 +29,7 @@ from strandcli.mesh_file.prepared import key_of, mesh_of, prepared
 from strandcli.scene import SceneError, loads
 from strandcli.scene.model import Emitter, PoseKey, SphereSolid
 from strandcli.simulate import advice
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis import ThesisSolver
 from strandcli.solid_shapes.mesh import MeshKey, Settings

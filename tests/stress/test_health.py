@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from strandcli.simulate import health, solver_of
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.study.stress import drive, scenes
 from strandcli.study.stress.axes import AXES, Case
 

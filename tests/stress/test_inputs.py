@@ -16,7 +16,7 @@ from strand_kit import groom_of, scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate import advice, rules
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.thesis import ThesisSolver
 from strandcli.study.stress import inputs
 

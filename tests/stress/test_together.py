@@ -14,7 +14,7 @@ from cli_runs import Runner
 from strandcli.errors import UsageError
 from strandcli.scene.checks_of_rod import rod_clashes
 from strandcli.simulate import solver_of
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.study.stress import run, sheets, together
 from strandcli.study.stress.axes import AXES, Case
 from strandcli.study.stress.task import Task

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from strandcli.scene import loads
-from strandcli.simulate.rod import RodSolver
+from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.study.motion.contestants import follow
 from strandcli.study.references import (

@@ -1,0 +1,195 @@
+"""The solid that is nearest to a segment (`contact.kernels.search`), and edges turned out of solids (`depenetrate`),
+against NumPy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import njit
+from numpy.typing import NDArray
+
+from reference.rules import depth
+from scratch_kit import LANES, Rows, scratch
+from strand_kit import scene_of
+from strandcli.constants import W
+from strandcli.scene.model import Emitter
+from strandcli.simd import fused_pointer, fused_vector_pointer, load, load3, store, store3
+from strandcli.simulate.contact.kernels import depenetrate, search
+from strandcli.simulate.rod.kernels.arrays import MOTION, Coefficients
+from strandcli.simulate.rod.kernels.parts import with_shift
+from strandcli.simulate.rod.kernels.step import contact_of
+from strandcli.solids import COLUMNS, pack
+
+Floats = NDArray[np.float64]
+SOLIDS = {
+    "sphere": "{kind: sphere, radius: 0.5, position: [0.1, 0.2, -0.1]}",
+    "capsule": "{kind: capsule, radius: 0.3, length: 0.8, position: [0, 0.1, 0.2], rotation: [40, 30, 20]}",
+    "plane": "{kind: plane, position: [0.1, 0.2, 0], rotation: [20, 0, 30]}",
+    "box": "{kind: box, size: [0.8, 0.6, 0.9], position: [0.1, 0, 0], rotation: [30, 20, 40]}",
+}
+STILL = Emitter()
+LENGTH = 0.3
+MOVED = np.array([[0.0, -1.0, 0.0, 0.1], [1.0, 0.0, 0.0, -0.2], [0.0, 0.0, 1.0, 0.3]])
+"""A quarter turn and a shift: where a solid's points come from."""
+
+
+@njit(error_model="numpy")
+def look(address, ends, past, solids, whole, reach):
+    """`search.nearest` of a segment: ``ends`` (6, LANES) and what they were, ``past`` (2, 3 W)."""
+    s, rows = scratch(address, 1), fused_vector_pointer(ends)
+    root = load3(rows, 0, 1)
+    none = root[0] * 0.0, root[0] * 0.0, root[0] * 0.0
+    contact = with_shift(contact_of(solids, None), True, none)
+    before = search.Past(fused_pointer(past), 3 * W, none)
+    return search.nearest(
+        s, 0, root, load3(rows, 3, 1), before, contact, (whole, none[0] + reach, none[0] + search.LEAST_SHARE)
+    )
+
+
+@njit(error_model="numpy")
+def turn(address, ends, past, solids, length):
+    """`depenetrate.turn_out` of the edge of a segment of a ``length``; its end's move, in segments, to the slip."""
+    s, rows = scratch(address, 1), fused_vector_pointer(ends)
+    root = load3(rows, 0, 1)
+    zero = root[0] * 0.0
+    none = zero, zero, zero
+    contact = with_shift(contact_of(solids, None), True, none)
+    before = search.Past(fused_pointer(past), 3 * W, none)
+    search.nearest(s, 0, root, load3(rows, 3, 1), before, contact, (False, zero + length, zero))
+    store(s.gap, 0, load(s.gap, 0) / length)
+    one = zero + length
+    c = Coefficients(one, 1.0 / one, zero, zero, none, zero, zero, zero, zero, zero, zero, zero)
+    moved = depenetrate.turn_out(s, 0, root, none, c, contact, before, False)
+    store3(s.slip, 0, 1, moved[0], moved[1], moved[2])
+
+
+def packed(solids: Any) -> tuple[Floats, ...]:
+    """Rows of all solids of each kind, with the same motion."""
+    motion = np.append(MOVED[:, :3].ravel(), MOVED[:, 3])
+    assert motion.size == MOTION
+    every = (pack(kind, list(solids), STILL, 0.0, np.float64) for kind in COLUMNS)
+    return tuple(np.concatenate([rows, np.tile(motion, (len(rows), 1))], 1) for rows in every)
+
+
+def gaps(solid: Any, points: Floats) -> Floats:
+    return -depth(points, solid, STILL, 0.0)
+
+
+def normal(solid: Any, points: Floats) -> Floats:
+    """(..., 3) the way in which gaps grow."""
+    steps = 1e-6 * np.eye(3)
+    found: Floats = np.stack([gaps(solid, points + h) - gaps(solid, points - h) for h in steps], -1)
+    return found / np.linalg.norm(found, axis=-1, keepdims=True)
+
+
+def segments(count: int, seed: int = 5) -> Floats:
+    """(count, LANES, 2, 3) about the origin."""
+    rng = np.random.default_rng(seed)
+    start = rng.normal(scale=0.5, size=(count, LANES, 3))
+    way = rng.normal(size=start.shape)
+    return np.stack([start, start + LENGTH * way / np.linalg.norm(way, axis=-1, keepdims=True)], 2)
+
+
+def seen(solids: Any, ends: Floats, past: Floats, whole: bool) -> Rows:
+    """The scratch after a search: ``ends`` (LANES, 2, 3), and where they were."""
+    before = np.zeros((2, 3, W))
+    before[..., :LANES] = past.transpose(1, 2, 0)
+    rows = Rows(1)
+    assert look(rows.address, in_lanes(ends), before.reshape(2, -1), packed(solids), whole, 1e3)
+    return rows
+
+
+def in_lanes(ends: Floats) -> Floats:
+    return np.ascontiguousarray(ends.transpose(1, 2, 0).reshape(6, LANES))
+
+
+def nearest_places(solid: Any, ends: Floats) -> Floats:
+    """Where on segments (..., 2, 3) they are deepest."""
+    share = np.linspace(0, 1, 2001)
+    points = ends[..., None, 0, :] + share[:, None] * (ends[..., None, 1, :] - ends[..., None, 0, :])
+    found: Floats = share[gaps(solid, points).argmin(-1)]
+    return found
+
+
+@pytest.mark.parametrize("whole", [False, True], ids=["ends", "segments"])
+@pytest.mark.parametrize("kind", SOLIDS)
+def test_gap_normal_place_and_slip_are_those_of_numpy(kind: str, whole: bool) -> None:
+    """A place by the beginning is left to the segment before; so is that of a plane, where it is no end."""
+    (solid,) = scene_of(f"solids: [{SOLIDS[kind]}]").solids
+    for ends, past in zip(segments(60), segments(60, 6), strict=True):
+        rows = seen([solid], ends, past, whole)
+        mine, wanted = rows.place[0, 0], np.ones(LANES)
+        own, was = (one[:, 0] + mine[:, None] * (one[:, 1] - one[:, 0]) for one in (ends, past))
+        oblique = np.abs(rows.normal[0].T - normal(solid, own)).max(1) > 1e-5
+        assert not oblique.any() or (whole and kind == "box")  # across one of its edges
+        np.testing.assert_allclose(gaps(solid, own)[~oblique], rows.gap[0, 0][~oblique], atol=1e-9)
+        np.testing.assert_allclose(rows.slip[0].T, own - (was @ MOVED[:, :3].T + MOVED[:, 3]), atol=1e-9)
+        if whole and kind != "plane":
+            wanted = nearest_places(solid, ends)
+        expected = gaps(solid, ends[:, 0] + wanted[:, None] * (ends[:, 1] - ends[:, 0]))
+        assert mine.min() >= search.LEAST_SHARE
+        sure = (wanted > search.LEAST_SHARE + 0.01) & (np.abs(expected) < 0.05 if whole else True) & ~oblique
+        np.testing.assert_allclose(rows.gap[0, 0, sure], expected[sure], atol=2e-3 if whole else 1e-9)
+
+
+def test_a_segment_that_cuts_off_an_edge_of_a_box_leaves_it_across_both() -> None:
+    (solid,) = scene_of(f"solids: [{SOLIDS['box']}]").solids
+    count = 0
+    for ends in segments(200):
+        rows = seen([solid], ends, ends, True)
+        gap, out, mine = rows.gap[0, 0], rows.normal[0].T, rows.place[0, 0]
+        own = ends[:, 0] + mine[:, None] * (ends[:, 1] - ends[:, 0])
+        cuts = (np.abs(out - normal(solid, own)).max(1) > 1e-5) & (gap < 0)
+        count += int(cuts.sum())
+        np.testing.assert_allclose(((ends[:, 1] - ends[:, 0]) * out).sum(1)[cuts], 0, atol=1e-9)
+        left = ends - (gap[:, None] * out)[:, None]
+        deepest = gaps(solid, left[:, 0] + nearest_places(solid, left)[:, None] * (left[:, 1] - left[:, 0]))
+        np.testing.assert_allclose(deepest[cuts], 0, atol=2e-4)
+    assert count > 20
+
+
+def test_the_next_solid_is_told_too() -> None:
+    solids = scene_of(f"solids: [{', '.join(SOLIDS.values())}]").solids
+    for ends in segments(40):
+        rows = seen(solids, ends, ends, False)
+        every = np.array([gaps(one, ends[:, 1]) for one in solids])
+        order = np.argsort(every, axis=0)
+        np.testing.assert_allclose(rows.gap[0, 0], np.sort(every, axis=0)[0], atol=1e-9)
+        np.testing.assert_allclose(rows.second_gap[0, 0], np.sort(every, axis=0)[1], atol=1e-9)
+        for lane, (first, second) in enumerate(order[:2].T):
+            end = ends[lane, 1]
+            np.testing.assert_allclose(rows.normal[0, :, lane], normal(solids[first], end), atol=1e-5)
+            np.testing.assert_allclose(rows.second_normal[0, :, lane], normal(solids[second], end), atol=1e-5)
+
+
+def test_what_is_out_of_reach_is_not_told() -> None:
+    (solid,) = scene_of(f"solids: [{SOLIDS['sphere']}]").solids
+    far = np.tile([[2.0, 0.0, 0.0], [2.3, 0.0, 0.0]], (LANES, 1, 1))
+    rows = Rows(1)
+    assert not look(rows.address, in_lanes(far), np.zeros((2, 3 * W)), packed([solid]), False, 1.0)
+    assert not rows.all.any()
+
+
+@pytest.mark.parametrize("deep", [0.01, 0.5], ids=["by what is known", "by search"])
+@pytest.mark.parametrize("kind", SOLIDS)
+def test_edges_are_turned_out_of_a_solid_and_keep_their_length(kind: str, deep: float) -> None:
+    """From beginnings outside, ends up to a share of a segment inside; but for edges that stand on the surface."""
+    (solid,) = scene_of(f"solids: [{SOLIDS[kind]}]").solids
+    one = segments(40000).reshape(-1, 2, 3)
+    begin, end = gaps(solid, one[:, 0]), gaps(solid, one[:, 1])
+    slanted = (normal(solid, one[:, 1]) * (one[:, 1] - one[:, 0])).sum(1) ** 2 < (1 - depenetrate.STEEP) * LENGTH**2
+    one = one[(begin > 0) & (end < 0) & (end > -deep * LENGTH) & slanted]
+    assert len(one) > 20 * LANES
+    left = 0.0
+    for k in range(20):
+        ends, rows = one[k * LANES : (k + 1) * LANES], Rows(1)
+        edge = (ends[:, 1] - ends[:, 0]) / LENGTH
+        rows.edge[0] = edge.T
+        turn(rows.address, in_lanes(ends), np.zeros((2, 3 * W)), packed([solid]), LENGTH)
+        found = rows.edge[0].T
+        np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1, rtol=1e-14)
+        np.testing.assert_allclose(rows.slip[0].T, found - edge, atol=1e-14)
+        left = min(left, float(gaps(solid, ends[:, 0] + LENGTH * found).min()))
+    assert left > -1e-6
