@@ -31,8 +31,8 @@ from ...rod.kernels.vectors import (
 )
 
 TINY = 1e-20
-LEAST_MOBILITY = 1e-3
-"""Of a place whose segment cannot turn that way, as a share of what that would have without its length."""
+PROXIMAL = 0.1
+"""Compliance of friction against the last iteration's force, over the trace of the place's mobility along the tangents."""
 SLIPPERY = 1e6
 """Compliance, segments a unit of force, of places that nothing presses."""
 
@@ -62,7 +62,8 @@ def set_wanted(s, j, contact, slip, friction, late):
     store(s.compliance, 2 * j + 1, compliance)
     first, second = slip_one + own * first, slip_other + compliance * second
     store3(s.wanted, 3 * j, 1, gap, where(corner, corner_gap, first), second)
-    return max(where(corner, 0.0, abs(first)), abs(second))
+    error = max(where(corner, 0.0, abs(first)), abs(second))
+    return error * mobility / (mobility + compliance)
 
 
 @inlined
@@ -94,8 +95,9 @@ def observe(s, j, covariances, means, whole):
     # both tangents, given the normal
     a, b, d = along(one, h1, k1, w, whole), along(other, h1, k1, w, whole), along(other, h2, k2, w, whole)
     set_mobility(s, j, (a, b, d), (k1, k2), symmetric_product(edge, direction), (p, k))
-    a += load(s.compliance, 2 * j)
-    d += load(s.compliance, 2 * j + 1)
+    proximal = PROXIMAL * (a + d)
+    a += load(s.compliance, 2 * j) + where(load(s.corner, j) > 0.0, 0.0, proximal)
+    d += load(s.compliance, 2 * j + 1) + proximal
     q = mask / max(a * d - b * b, TINY * TINY)
     a, b, d = q * d, -q * b, q * a
     p = mask * p
@@ -131,16 +133,16 @@ def set_mobility(s, j, matrix, with_edge, spread, normal):
     direction = load3(s.edge, 3 * j, 1)
     x, y, z = dot(direction, with_edge[0]), dot(direction, with_edge[1]), dot(direction, k)
     over = 1.0 / max(dot(direction, spread) - p * z * z, 0.01 * load(s.pivot, j))
-    least = LEAST_MOBILITY * (a + d)
-    a, b, d = max(a - over * x * x, least), b - over * x * y, max(d - over * y * y, least)
+    proximal = PROXIMAL * (a + d)
+    a, b, d = a - over * x * x, b - over * x * y, d - over * y * y
     force = load3(s.force, 3 * j, 1)
     one = load3(s.across, 3 * j, 1)
     u, v = dot(force, one), dot(force, across_both(load3(s.normal, 3 * j, 1), one))
     size = max(u * u + v * v, TINY)
     along = (a * u * u + 2.0 * b * u * v + d * v * v) / size
     along = where(u * u + v * v > TINY, along, 0.5 * (a + d))
-    along = where(load(s.corner, j) > 0.0, d - b * b / max(a, TINY), along)
-    store(s.mobility, j, max(along, max(least, TINY)))
+    along = where(load(s.corner, j) > 0.0, d - b * b / max(a, proximal), along)
+    store(s.mobility, j, max(along, TINY) + proximal)
 
 
 @inlined
