@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from scratch_kit import LANES, Rows, scratch
 from strandcli.simd import load
+from strandcli.simulate.contact.kernels import law
 from strandcli.simulate.rod.kernels import elimination, newton, tension
 from strandcli.simulate.rod.kernels.arrays import Material
 from strandcli.simulate.rod.kernels.elimination import MASS_SHARE
@@ -137,6 +138,17 @@ def test_the_filter_finds_what_keeps_lengths_gaps_and_friction(n: int, touching:
         np.testing.assert_allclose(found["edge"], z, atol=1e-8)
 
 
+def add_proximal(give: Floats, s: Floats, n: int, active: NDArray[np.intp]) -> None:
+    """Add to the compliances of friction what holds it to the last force: a share of the trace of its mobility, given
+    all that is observed nearer to the root and the place's normal."""
+    for k, j in enumerate(active):
+        normal = n + 3 * k
+        tangents = [normal + 1, normal + 2]
+        nearer = [*range(j), *range(n, normal + 1)]
+        known = np.linalg.solve(s[np.ix_(nearer, nearer)] + np.diag(give[nearer]), s[np.ix_(nearer, tangents)])
+        give[tangents] += law.PROXIMAL * np.trace(s[np.ix_(tangents, tangents)] - s[np.ix_(tangents, nearer)] @ known)
+
+
 def dense(strands: Strands, lane: int) -> tuple[Floats, Floats, Floats, Floats]:
     """Changes of τ (n,), of forces, of u* and of edges (n, 3) in a lane, by S⁻¹."""
     rows, n, mass = strands.rows, strands.n, strands.mass
@@ -154,6 +166,7 @@ def dense(strands: Strands, lane: int) -> tuple[Floats, Floats, Floats, Floats]:
     missing = np.concatenate([size**2 * (size - 1), rows.wanted[active, :, lane].ravel()]) + a @ free.ravel()
     give = np.concatenate([np.zeros(n), np.insert(rows.compliance[active, :, lane], 0, 0, axis=1).ravel()])
     inverse = np.kron(np.linalg.inv(h), np.eye(3))
+    add_proximal(give, a @ inverse @ a.T, n, active)
     change = np.linalg.solve(a @ inverse @ a.T + np.diag(give), missing)
     force = np.zeros((n, 3))
     force[active] = -np.einsum("jk,kjc->jc", change[n:].reshape(-1, 3), tangents[:, active])
