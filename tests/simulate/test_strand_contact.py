@@ -110,7 +110,8 @@ def test_a_twisted_pair_keeps_its_turns(steps: list[tuple[Floats, Floats]]) -> N
     assert left[1] < 0.5 * left[0]
 
 
-def test_the_response_is_how_the_step_answers_a_force() -> None:
+@pytest.mark.parametrize("curled", [False, True])
+def test_the_response_is_how_the_step_answers_a_force(curled: bool) -> None:
     """Against a dense solution of the same equations."""
     rng = np.random.default_rng(0)
     n = 6
@@ -120,18 +121,25 @@ def test_the_response_is_how_the_step_answers_a_force() -> None:
     tension, normals = rng.uniform(-1, 4, (1, n)), np.zeros((1, n, 3))
     bands = np.empty((1, 4 * n, contact_response.BAND))
     contact_response.factorise(
-        np.zeros(1, np.int64), edges, (np.array([stiffness]), tension, normals), mass, joint, bands
-    )
+        np.zeros(1, np.int64), edges, (np.array([stiffness]), tension, normals), mass, joint, curled, bands,
+        np.empty((3, 3, 3)),
+    )  # fmt: skip
     pairs, numbers = np.array([[0, 3, 0, 0]]), np.zeros((1, 7))
     numbers[0, 0] = 0.3
     out, places, lengths = np.empty((1, 2, n, 3, 3)), np.zeros(1, np.int64), np.array([0.5])
     contact_response.respond(pairs, numbers, bands, places, lengths, out, np.empty((4 * n, 3)))
     d = np.eye(n) - np.eye(n, k=-1)
     bend = d @ d
-    h = np.diag(mass) + d.T @ np.diag(np.maximum(tension[0], 0)) @ d
-    h += bend.T @ np.diag(stiffness * joint) @ bend
+    h = np.kron(np.diag(mass) + d.T @ np.diag(np.maximum(tension[0], 0)) @ d, np.eye(3))
+    for j in range(n):
+        part = np.kron(bend[j], np.eye(3))
+        if curled and j > 0:  # rest vectors turn as the edge before them
+            e, f = edges[0, j - 1], edges[0, j]
+            turned = np.outer(e, f) + (1 - e @ f) * np.eye(3)
+            part += turned @ np.kron(d[j - 1], np.eye(3))
+        h += stiffness * joint[j] * part.T @ part
     jacobian = np.einsum("ji,jc->jic", d, edges[0]).reshape(n, 3 * n)
-    matrix = np.block([[np.kron(h, np.eye(3)), jacobian.T], [jacobian, np.zeros((n, n))]])
+    matrix = np.block([[h, jacobian.T], [jacobian, np.zeros((n, n))]])
     force, end = np.zeros((4 * n, 3)), 9
     force[end : end + 3], force[end - 3 : end] = 0.3 / 0.5 * np.eye(3), 0.7 / 0.5 * np.eye(3)
     wanted = np.linalg.solve(matrix, force)[: 3 * n].reshape(n, 3, 3)

@@ -11,7 +11,6 @@ from ...blocks import lanes
 from ...groom.record import Groom
 from ..rod.kernels.arrays import PACK, State
 from ..rod.kernels.begin import VELOCITY_RATE
-from ..rod.kernels.rest_shape import FIRMEST
 from .kernels import contact_response, contact_solve
 from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, IMPACT, NORMAL, SECOND, SECOND_SEGMENT, URGENCY
 from .kernels.contact_response import BAND, BLOCK
@@ -135,12 +134,11 @@ class Forces:
         drag = 1 + now.drag * now.duration / (VELOCITY_RATE if now.bdf2 else 1.0)
         stiffness = self.emitted(material.stiffness[:, None])[:, 0, 0] * square * (1 + damping)
         tension = self.emitted(state.tension)[:, :, 0] * square[:, None]
-        if solver.curled:
-            tension = np.maximum(tension, 0) + self._kept(solver) * (stiffness / (1 + damping))[:, None]
         bands = np.empty((len(strands), BLOCK * self.segments, BAND))
         mass, joint = drag * material.mass.astype(np.float64), material.joint.astype(np.float64)
         loads = stiffness, tension, self._held(state)
-        contact_response.factorise(strands, self.emitted(state.edges), loads, mass, joint, bands)
+        edges, parts = self.emitted(state.edges), np.empty((3, 3, 3))
+        contact_response.factorise(strands, edges, loads, mass, joint, solver.curled, bands, parts)
         return bands
 
     def load(self, found: Contacts, forces: Floats, solver: Any) -> None:
@@ -180,15 +178,6 @@ class Forces:
             for c in range(3):
                 each[:, c] += np.bincount(strands, (at_root - back) * force[:, c], len(each))
         return np.append(each.sum(0), np.linalg.norm(each, axis=1).sum())
-
-    def _kept(self, solver: Any) -> Floats:
-        """Return (S, N) the rigidity that keeps edges of curled strands near the last iterate, over κ
-        (`rest_shape.add_reactions`)."""
-        material = solver.material
-        across = self.emitted(material.bends[:, 1:])[:, :, 1:]
-        turn = material.joint.astype(np.float64) * (across**2).sum(2)
-        turn[:, :-1] += turn[:, 1:]
-        return np.asarray(0.5 * (solver.now.torsion + FIRMEST) * turn)
 
     def _held(self, state: State) -> Floats:
         """Return (S, N, 3) the unit normals of solids that particles touch, or 0."""

@@ -39,11 +39,35 @@ def add_square(matrix, j, k, factors):
                         add(matrix, BLOCK * (j - a) + c, BLOCK * (j - b) + c, k * factors[a] * factors[b])
 
 
+@device
+def add_bend(matrix, j, k, edges, parts):
+    """Add to the entries of particles j, j − 1 and j − 2 the bending of a curved rest shape, k |z_j − M z_{j−1}|² with
+    the changes z of both edges, where M z = ((e × z) × f) + z for the edges e and f: rest vectors turn with the edge
+    before. ``parts`` (3, 3, 3) is scratch."""
+    e, f = edges[j - 1], edges[j]
+    cosine = e[0] * f[0] + e[1] * f[1] + e[2] * f[2]
+    for c in range(AXES):
+        for d in range(AXES):
+            one = 1.0 if c == d else 0.0
+            turned = cosine * one - e[c] * f[d]
+            parts[0, c, d], parts[1, c, d], parts[2, c, d] = one, -one - turned, turned
+    for a in range(AXES):
+        for b in range(a, AXES):
+            if j < b:
+                continue
+            for c in range(AXES):
+                for d in range(AXES if a < b else c + 1):
+                    x = 0.0
+                    for i in range(AXES):
+                        x += parts[a, i, c] * parts[b, i, d]
+                    add(matrix, BLOCK * (j - a) + c, BLOCK * (j - b) + d, k * x)
+
+
 @function
-def factorise(strands, edges, loads, mass, joint, bands):
+def factorise(strands, edges, loads, mass, joint, curled, bands, parts):
     """Set the factors of ``strands`` (m,), ``bands`` (m, 4 N, `BAND`). ``edges`` (S, N, 3) unit vectors; ``loads``:
     stiffness (S,) and tension (S, N), both times h², and contact of solids (S, N, 3), unit normals or 0; ``mass`` and
-    ``joint`` (N,)."""
+    ``joint`` (N,); ``curled``: whether rest shapes are curved; ``parts`` (3, 3, 3) is scratch."""
     stiffness, tension, normals = loads
     for i in range(len(strands)):
         s = strands[i]
@@ -59,7 +83,10 @@ def factorise(strands, edges, loads, mass, joint, bands):
                 add(matrix, BLOCK * j + MULTIPLIER, BLOCK * j + c, edges[s, j, c])
                 if j > 0:
                     add(matrix, BLOCK * j + MULTIPLIER, BLOCK * (j - 1) + c, -edges[s, j, c])
-            add_square(matrix, j, stiffness[s] * joint[j], (1.0, -2.0, 1.0))
+            if curled and j > 0:
+                add_bend(matrix, j, stiffness[s] * joint[j], edges[s], parts)
+            else:
+                add_square(matrix, j, stiffness[s] * joint[j], (1.0, -2.0, 1.0))
             add_square(matrix, j, max(tension[s, j], 0.0), (1.0, -1.0, 0.0))
         eliminate(matrix)
 
