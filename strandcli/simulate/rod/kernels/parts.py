@@ -19,8 +19,8 @@ LOST = 2e-3
 ones in proportion, for single edges may be off there."""
 DEEP = 0.05
 """Depth in solids, in segments, from which on a step is taken again in parts."""
-RIGHT = 1.4
-"""Change of an edge that turns by a right angle, rounded down."""
+RIGHT = 0.95
+"""Least change of an edge, before it is brought to unit length, that turns it by a right angle, rounded down."""
 TURNED = 2.0
 """Badness of a step in which an edge has turned by more than a right angle."""
 MOST_PARTS = 8
