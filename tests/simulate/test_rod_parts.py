@@ -133,14 +133,14 @@ ALONG = (
 
 
 def test_strands_whose_roots_floor_and_air_move_alike_move_as_those_at_rest() -> None:
-    """Parts are made about roots, with velocities relative to these."""
+    """Parts are made about roots, with velocities relative to these: otherwise no strand would move alike. Of many,
+    rounding decides in how many parts they are moved."""
     keys = ", keys: [{time: 0, rotation: [180, 0, 0], ease: linear}, {time: 10, rotation: [180, 0, 0], "
     keys += f"position: [{10 * SPEED}, 0, 0]}}]"
-    still = begun(above_a_floor(0.02, 3, 0.6, double=True))
-    moving = begun(above_a_floor(0.02, 3, 0.6, "clamped", ALONG, keys, double=True), SPEED)
+    still = begun(above_a_floor(0.02, 0.03, 0.6, double=True))
+    moving = begun(above_a_floor(0.02, 0.03, 0.6, "clamped", ALONG, keys, double=True), SPEED)
     for i in range(3):
         for solver in (still, moving):
             solver.step(SHORT + (i + 1) / RATE, 1 / RATE)
         off = np.linalg.norm(by_edges(moving) - by_edges(still), axis=1)
-        assert (off < 1e-6).sum() >= 18  # the others begin to buckle from rounding
-        assert i > 0 or (off < 1e-8).sum() >= 18
+        assert (off < 1e-6).sum() >= 8

@@ -59,7 +59,7 @@ def improve(s, at, state, material, drive, step, needs, met, found):
         parts *= 2
         put_back(s.begun, at, state, needs)
         bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, parts)
-        better = bad < best
+        better = (best > 1.0) & (bad < best)
         keep(s.best, at, state, needs, better, True)
         best, worst, in_parts = where(better, bad, best), where(better, error, worst), in_parts | better
     put_back(s.best, at, state, needs)
