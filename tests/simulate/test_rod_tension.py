@@ -23,7 +23,7 @@ def solve(address, n, mass, material):
     """Change displacements and edges by H⁻¹ ρ."""
     s = scratch(address, n)
     stiffness = load(s.pivot, 0) * 0.0 + STIFFNESS
-    elimination.factorise(s, n, material, stiffness, False, False, False)
+    elimination.factorise(s, n, material, stiffness, False, False, False, stiffness * 0.0)
     newton.apply_change(s, n)
 
 
@@ -32,7 +32,7 @@ def iterate(address, n, mass, material, touching, whole):
     """The same after τ and forces of contact have changed as the filter finds."""
     s = scratch(address, n)
     stiffness = load(s.pivot, 0) * 0.0 + STIFFNESS
-    elimination.factorise(s, n, material, stiffness, False, touching, whole)
+    elimination.factorise(s, n, material, stiffness, False, touching, whole, stiffness * 0.0)
     tension.filter_forward(s, n, mass, True, touching, whole)
     elimination.update_loads(s, n, material, stiffness, True, touching, whole)
     newton.apply_change(s, n)

@@ -17,14 +17,14 @@ MARGIN = 0.5
 
 
 @device
-def factorise(s, n, material, stiffness, changed, touching, whole):
+def factorise(s, n, material, stiffness, changed, touching, whole, kept):
     """Set the pivots of H and the loads for the present τ, or where ``changed``, for the τ and the forces of contact
-    that `tension.filter_forward` leads to. Lanes where H is indefinite take a bounded τ in it. Returns where that is
-    so, above 0."""
+    that `tension.filter_forward` leads to. Lanes where H is indefinite take a bounded τ in it; those where ``kept`` is
+    above 0 keep the pivots that there are. Returns where H is indefinite, above 0."""
     zero = stiffness * 0.0
-    lost = sweep_to_root(s, n, material, stiffness, changed, True, touching, whole, zero)
+    lost = sweep_to_root(s, n, material, stiffness, changed, True, touching, whole, (zero, kept))
     if any_lane(lost > 0.0):
-        sweep_to_root(s, n, material, stiffness, False, True, touching, whole, lost)
+        sweep_to_root(s, n, material, stiffness, False, True, touching, whole, (lost, kept))
     return lost
 
 
@@ -32,19 +32,22 @@ def factorise(s, n, material, stiffness, changed, touching, whole):
 def update_loads(s, n, material, stiffness, changed, touching, whole):
     """Set the loads of the present edges, τ and forces with the pivots that there are, after they have ``changed`` as
     `factorise` says."""
-    sweep_to_root(s, n, material, stiffness, changed, False, touching, whole, stiffness * 0.0)
+    zero = stiffness * 0.0
+    sweep_to_root(s, n, material, stiffness, changed, False, touching, whole, (zero, zero))
 
 
 @device
-def sweep_to_root(s, n, material, stiffness, changed, factored, touching, whole, bounded):
+def sweep_to_root(s, n, material, stiffness, changed, factored, touching, whole, lanes):
     """Sweep from the tip to the root: change τ and forces where ``changed``, factorise H where ``factored``, set the
-    loads. τ is bounded in H in lanes where ``bounded`` is above 0. Returns 1 in lanes with a pivot that is too small;
+    loads. ``lanes``: those where τ is bounded in H, and those that keep their pivots, above 0. Returns 1 in lanes with a pivot that is too small;
     it is raised, in a definite H without harm; else those before run away.
 
     Loads: the residual is ρ_j = M_j (u*_j − u_j) − f_j + f_{j+1} with f_j = τ_j e_j − F_j + b_j − b_{j+1}, b_j = κ_j
     (c_j − c̄_j), where the edge before the first is the clamped direction, and F_j = σ ê_j of curled strands."""
     zero = stiffness * 0.0
     none = zero, zero, zero
+    bounded, kept = lanes
+    some_kept = any_lane(kept > 0.0)
     ahead = none, none, (zero, zero)
     lost = zero
     a, b, c = none
@@ -66,12 +69,16 @@ def sweep_to_root(s, n, material, stiffness, changed, factored, touching, whole,
             i = 1.0 / (raised + k)
             f = k * i
             h = g * i
-            store(s.pivot, j, i)
-            store(s.edge_factor, j, f)
-            store(s.particle_factor, j, h)
             a -= g * h
             b = k * h
             c = raised * f
+            if some_kept:
+                i = where(kept > 0.0, load(s.pivot, j), i)
+                f = where(kept > 0.0, load(s.edge_factor, j), f)
+                h = where(kept > 0.0, load(s.particle_factor, j), h)
+            store(s.pivot, j, i)
+            store(s.edge_factor, j, f)
+            store(s.particle_factor, j, h)
         x = set_load(s, j, 0, t, mass, k, (p[0], q[0], bend[0], force[0]))
         y = set_load(s, j, 1, t, mass, k, (p[1], q[1], bend[1], force[1]))
         z = set_load(s, j, 2, t, mass, k, (p[2], q[2], bend[2], force[2]))

@@ -67,11 +67,11 @@ def iterate(s, at, state, material, step, needs, c, contact, root):
     touching = needs.solids and find.begin(s, at, state, material, c, needs)
     if needs.curled:
         rest_shape.begin(s, at, state, material, step, c)
-    lost = elimination.factorise(s, n, material, stiffness, False, False, whole)
+    zero = broadcast(s.pivot, 0.0)
+    lost = elimination.factorise(s, n, material, stiffness, False, False, whole, zero)
     worst, total, change = apply_change(s, n)
     depth, near, path = worst * 0.0, False, sqrt(change)
     single_share, mean_share = min(1.0, FINE / n), EVEN / n
-    programming = False
     most = min(max(step.iterations, 1), MOST)
     for count in range(most + 1):
         late = count - PATIENCE
@@ -86,21 +86,18 @@ def iterate(s, at, state, material, step, needs, c, contact, root):
             unsettled = unsettled | (change > FOLLOWED * patience * patience)
         if count == most or (count > 0 and not any_lane(off | unsettled)):
             break
-        programming = programming or any_lane(lost > 0.0)
-        far = programming or any_lane(worst > FAR)
+        far = any_lane((lost > 0.0) | (worst > FAR))
         if far:
             retract(s, n, (lost > 0.0) | (worst > FAR))
         if needs.curled:
             rest_shape.update(s, at, state, material, step, c, False)
-        if programming:
-            lost = elimination.factorise(s, n, material, stiffness, False, touching, whole)
+        kept = lost
+        if any_lane(kept > 0.0):
+            elimination.factorise(s, n, material, stiffness, False, touching, whole, zero)
         elif far or moved or needs.curled:
             elimination.update_loads(s, n, material, stiffness, False, touching, whole)
         tension.filter_forward(s, n, material.mass, far or moved or needs.curled, touching, whole)
-        if programming:
-            elimination.update_loads(s, n, material, stiffness, True, touching, whole)
-        else:
-            lost = elimination.factorise(s, n, material, stiffness, True, touching, whole)
+        lost = elimination.factorise(s, n, material, stiffness, True, touching, whole, kept)
         worst, total, change = apply_change(s, n)
         path += sqrt(change)
     return worst, depth, near, path
