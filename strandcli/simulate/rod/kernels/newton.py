@@ -67,7 +67,7 @@ def iterate(s, at, state, material, step, needs, c, contact, root):
     touching = needs.solids and find.begin(s, at, state, material, c, needs)
     if needs.curled:
         rest_shape.begin(s, at, state, material, step, c)
-    zero = broadcast(s.pivot, 0.0)
+    zero = indefinite = broadcast(s.pivot, 0.0)  # lanes whose H is not definite, or has not been in this step: above 0
     lost = elimination.factorise(s, n, material, stiffness, False, False, whole, zero)
     worst, total, change = apply_change(s, n)
     depth, near, path = worst * 0.0, False, sqrt(change)
@@ -86,18 +86,19 @@ def iterate(s, at, state, material, step, needs, c, contact, root):
             unsettled = unsettled | (change > FOLLOWED * patience * patience)
         if count == most or (count > 0 and not any_lane(off | unsettled)):
             break
-        far = any_lane((lost > 0.0) | (worst > FAR))
+        indefinite = max(indefinite, lost)
+        compressed = any_lane(indefinite > 0.0)
+        far = compressed or any_lane(worst > FAR)
         if far:
-            retract(s, n, (lost > 0.0) | (worst > FAR))
+            retract(s, n, (indefinite > 0.0) | (worst > FAR))
         if needs.curled:
             rest_shape.update(s, at, state, material, step, c, False)
-        kept = lost
-        if any_lane(kept > 0.0):
+        if compressed:
             elimination.factorise(s, n, material, stiffness, False, touching, whole, zero)
         elif far or moved or needs.curled:
             elimination.update_loads(s, n, material, stiffness, False, touching, whole)
         tension.filter_forward(s, n, material.mass, far or moved or needs.curled, touching, whole)
-        lost = elimination.factorise(s, n, material, stiffness, True, touching, whole, kept)
+        lost = elimination.factorise(s, n, material, stiffness, True, touching, whole, indefinite)
         worst, total, change = apply_change(s, n)
         path += sqrt(change)
     return worst, depth, near, path
@@ -143,7 +144,7 @@ def apply_change(s, n):
 def retract(s, n, chosen):
     """Bring the edges of the ``chosen`` lanes back to unit length, root to tip; one without a length takes the
     direction of the edge before it."""
-    zero = broadcast(s.pivot, 0.0)
+    zero = indefinite = broadcast(s.pivot, 0.0)  # lanes whose H is not definite, or has not been in this step: above 0
     sx, sy, sz = zero, zero, zero  # by how much the particle has moved
     for j in range(n):
         x, y, z = load3(s.edge, 3 * j, 1)
