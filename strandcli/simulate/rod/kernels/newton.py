@@ -40,7 +40,7 @@ FAR = 0.3
 TINY = 1e-30
 GREATEST_ERROR = 1e18
 """Errors of |e|² are no more than this, and never NaN."""
-FOLLOWED = 1e-6
+FOLLOWED = 1e-8
 """Squared change of an edge in an iteration below which curved rest shapes have followed."""
 MOST = 40
 """Iterations, at most: what has not converged then goes in parts."""
