@@ -89,7 +89,7 @@ def test_many_strands_that_begin_inside_each_other_are_led_apart(
     for frame in range(2, frames + 1):
         solver.advance(frame)
         now = solver.particles()
-        assert np.abs(now - past).max() < 2 * 0.0015
+        assert np.abs(now - past).max() < 0.5 * 9.81 / 24**2  # as far as weight alone moves what is at rest
         past = now
     assert solver.errors(frames)["nonfinite"] == 0
     assert len(steps) <= 4 * frames

@@ -121,17 +121,26 @@ def errors(scene: Scene) -> np.ndarray:
     return np.array(found)
 
 
-@pytest.mark.parametrize(("solver", "elasticity"), [
-    ("rod", ""), ("thesis", "first"), pytest.param("thesis", "last", marks=pytest.mark.long),
-])  # fmt: skip
-def test_nothing_is_deeper_for_having_its_segments_caught(solver: str, elasticity: str) -> None:
+@pytest.mark.parametrize("elasticity", ["first", pytest.param("last", marks=pytest.mark.long)])
+def test_nothing_is_deeper_for_having_its_segments_caught(elasticity: str) -> None:
     """Neither particles nor segments, in the worst frame of a scene; particles in no frame at all."""
     for seed in range(SCENES):
-        plain, caught = (errors(random_scene(seed, solver, segments, elasticity)) for segments in (False, True))
+        plain, caught = (errors(random_scene(seed, "thesis", segments, elasticity)) for segments in (False, True))
         particle, segment = caught.max(0) - plain.max(0)
         told = f"scene {seed}: {1e3 * particle:.3g} mm and {1e3 * segment:.3g} mm deeper"
         assert max(particle, segment) <= TOLERANCE, told
-        assert (caught - plain)[:, 0].max() <= (TOLERANCE if solver == "rod" else LITTLE), told
+        assert (caught - plain)[:, 0].max() <= LITTLE, told
+
+
+def test_rods_are_no_deeper_on_the_whole_for_having_their_segments_caught() -> None:
+    """In the worst frames of scenes, in which solids swallow roots: particles are as deep, segments are less so. A
+    single scene may go either way, for what is swallowed moves otherwise with segments than without."""
+    deepest = [
+        [errors(random_scene(seed, "rod", segments, "")).max(0) for seed in range(SCENES)] for segments in (False, True)
+    ]
+    (plain_particle, plain_segment), (particle, segment) = np.mean(deepest, axis=1)
+    assert particle < plain_particle + TOLERANCE
+    assert segment < 0.95 * plain_segment
 
 
 @pytest.mark.parametrize(("elasticity", "seed"), [(one, seed) for one, seeds in CREASES.items() for seed in seeds])

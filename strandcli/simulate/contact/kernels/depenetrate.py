@@ -40,7 +40,7 @@ def turn_out(s, j, start, correction, c, contact, past, whole):
     if any_lane(inside):
         d = turned(s, j, d, gap, inside, LITTLE)
     if any_lane(unknown):
-        d = search_out(s, j, start, d, c, contact, past)
+        d = search_out(s, j, start, d, c, contact, past, unknown)
     store3(s.edge, 3 * j, 1, d[0], d[1], d[2])
     return correction[0] + d[0] - begun[0], correction[1] + d[1] - begun[1], correction[2] + d[2] - begun[2]
 
@@ -64,8 +64,8 @@ def turned(s, j, d, gap, inside, most):
 
 
 @device
-def search_out(s, j, start, d, c, contact, past):
-    """The same by search for the solids that the end is in, one after the other."""
+def search_out(s, j, start, d, c, contact, past, lanes):
+    """The same of some lanes by search for the solids that the end is in, one after the other."""
     length = c.length
     zero = broadcast(length, 0.0)
     slack = SLACK * length + COORDINATES * (abs(start[0]) + abs(start[1]) + abs(start[2]))
@@ -73,7 +73,7 @@ def search_out(s, j, start, d, c, contact, past):
         end = add_scaled(start, length, d)
         if not search.nearest(s, j, start, end, past, contact, (False, zero, zero)):
             break
-        inside = load(s.gap, j) < -slack
+        inside = lanes & (load(s.gap, j) < -slack)
         if not any_lane(inside):
             break
         d = turned(s, j, d, c.inverse_length * load(s.gap, j), inside, 1.0)

@@ -86,23 +86,23 @@ def contacts(s, at, state, material, c, contact, needs, root, step, patience):
         first = zero + search.LEAST_SHARE
         if j == 0 and needs.segments:
             before = gap_of_root(s, root, past, contact, length)
-            first = where(before < 0.0, 1.0, first)  # no turn of its segment gets a root out
+            first = where(before < 0.0, 1.0, zero + search.NEAR_ROOT)  # no turn of its segment gets a root out
         near = search.nearest(s, j, start, end, past, contact, (needs.segments, length, first))
         active = load(s.active, j) > 0.0
         if near or any_lane(active):
             if j == 0:
                 before = gap_of_root(s, root, past, contact, length)
-            gap = where_near(s, j, near, zero)
+            found = where_near(s, j, near, zero)
             some_near = True
-            able = before > -ABLE * length
+            gap = unreachable(s, j, found, before > -ABLE * length)
+            before = found
             if any_lane(active | (gap < 0.0)):
-                changed, free = update(s, j, gap, c, material.mass, (active, able, needs.segments), law_of)
+                changed, free = update(s, j, gap, c, material.mass, (active, needs.segments), law_of)
                 touching, moved = True, moved or free
                 unsettled = unsettled | changed
             else:
                 store(s.gap, j, c.inverse_length * gap)
-            depth = max(depth, where(able, -c.inverse_length * gap, 0.0))
-            before = gap
+            depth = max(depth, -c.inverse_length * gap)
         else:
             store(s.gap, j, search.FAR)
             before = zero
@@ -132,12 +132,21 @@ def where_near(s, j, near, zero):
 
 
 @inlined
+def unreachable(s, j, gap, able):
+    """The gap of segment j, metres; `search.FAR`, and that of the second solid, too, in lanes that are not ``able`` to
+    keep it out."""
+    if any_lane(~able):
+        store(s.second_gap, j, where(able, load(s.second_gap, j), search.FAR))
+    return where(able, gap, search.FAR)
+
+
+@inlined
 def update(s, j, found, c, mass, lanes, friction):
-    """Set the contact of segment j to what was found. ``lanes``: which are active, which can be kept out, and whether
+    """Set the contact of segment j to what was found. ``lanes``: which are active, and whether
     places may be elsewhere than at the end; ``friction``: coefficient, whether it is late, and the error of |e|² with
     which iterations end. Returns in which lanes it is not settled,
     and whether the force of some lane is taken back: where the solid would pull the segment, or is out of reach."""
-    active, able, whole = lanes
+    active, whole = lanes
     coefficient, late, tolerance = friction
     settled = min(SETTLED * tolerance, DEEP)
     gap, second = c.inverse_length * found, c.inverse_length * load(s.second_gap, j)
@@ -146,14 +155,14 @@ def update(s, j, found, c, mass, lanes, friction):
     one, corner, pressed, corner_gap = across_of(n), zero_of(gap) > 0.0, dot(force, n), gap
     if any_lane((second < 1.0) & (active | (gap < 0.0))):
         one, corner, pressed, corner_gap = corner_of(s, j, n, other, one, (gap, second), force)
-    away = active & ((pressed < 0.0) | (gap > 1.0) | ~able)
+    away = active & ((pressed < 0.0) | (gap > 1.0))
     # a corner that the first solid lets go is the second's
     swapped = away & corner
     n = where(swapped, other[0], n[0]), where(swapped, other[1], n[1]), where(swapped, other[2], n[2])
     gap = where(swapped, second, gap)
     away, corner = away & ~swapped, corner & ~away & (active | (gap < -ROUNDING))
     # what comes and goes without end stays away where it is not deep
-    entering = ~active & able & (gap < (-DEEP if late else -ROUNDING))
+    entering = ~active & (gap < (-DEEP if late else -ROUNDING))
     now = (active & ~away) | entering
     off = (active & ~away & (abs(gap) > settled)) | (entering & (gap < -settled)) | (now & (second < -settled))
     off = off | (away & (pressed * load(s.mobility, j) < -settled))

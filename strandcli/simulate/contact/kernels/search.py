@@ -22,6 +22,8 @@ FAR = 1e18
 LEAST_SHARE = 0.25
 """Of a segment, from which on its places count: those near its beginning are left to the segment before it, and a held
 root gives way to no force."""
+NEAR_ROOT = 0.05
+"""The same of the first segment."""
 TINY = 1e-20
 OF_SPHERE, OF_CAPSULE, OF_PLANE, OF_BOX = COLUMNS.values()
 SPHERE, CAPSULE, PLANE, BOX = (columns + MOTION for columns in COLUMNS.values())
