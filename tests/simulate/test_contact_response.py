@@ -18,8 +18,8 @@ SEGMENTS, PARTICLE, PUSH = 32, 20, 0.1
 
 @pytest.mark.parametrize(("fps", "young", "error"), [(96, "1.0e+8", 0.07), (24, "1.0e+8", 0.3), (24, "1.0e+10", 0.5)])
 def test_curls_answer_a_force_as_their_response_says(fps: int, young: str, error: float) -> None:
-    """All particles of a curl, soft and stiff ones: but for twist, which the response leaves out, and the more so the
-    stiffer they are. Rest vectors that did not turn with edges would move stiff ones by a sixth of what the step does."""
+    """All particles of a curl, soft and stiff ones, but for twist, which the response leaves out, and the more so the
+    stiffer they are. Rest vectors that did not turn with edges would move stiff ones by a sixth of what steps do."""
     text = (
         f"rod: {{rest: shape, radius: 2.0e-4, young: {young}}}\n"
         f"time: {{fps: {fps}}}\nemitter: {{strands: 2, particles: {SEGMENTS + 1}, length: 0.3, curl_turns: 4, "

@@ -2,11 +2,14 @@
 
 A place on segment j, a share σ from its beginning, moves by y_j − (1 − σ) z_j. Where a solid touches it,
 
-    gap + n·change = 0    and    slip_t + change_t + R F_t = 0,
+    gap + n·change = 0    and    slip_t + change_t + R F_t + P (F_t − F_t') = 0,
 
-F being the force, n the outward normal, slip how far the place has moved on the solid in this step. R is the compliance
-of Coulomb's cone, |slip| / (µ F_n) where it slides and 0 where it sticks. With the mobility m of the place, the force
-that would make it stick is F̂_t = F_t − slip_t / m (an augmented Lagrangian's multiplier; Alart & Curnier 1991), and
+F being the force, F' that of the iteration before, n the outward normal, slip how far the place has moved on the solid
+in this step. R is the compliance of Coulomb's cone, |slip| / (µ F_n) where it slides and 0 where it sticks. P, a share
+of the place's mobility, makes iterations those of a proximal point method (Rockafellar 1976): forces would not be
+unique where a straight strand sticks at many places, whose lengths are given, too. With the mobility m of the place,
+the force that would make it stick is F̂_t = F_t − slip_t / m (an augmented Lagrangian's multiplier; Alart & Curnier
+1991), and
 
     R = max(0, |m F̂_t| − m µ F_n) / (µ F_n)
 
@@ -32,7 +35,7 @@ from ...rod.kernels.vectors import (
 
 TINY = 1e-20
 PROXIMAL = 0.1
-"""Compliance of friction against the last iteration's force, over the trace of the place's mobility along the tangents."""
+"""P over the trace of the place's mobility along the tangents."""
 SLIPPERY = 1e6
 """Compliance, segments a unit of force, of places that nothing presses."""
 

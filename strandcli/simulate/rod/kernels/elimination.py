@@ -39,8 +39,8 @@ def update_loads(s, n, material, stiffness, changed, touching, whole):
 @device
 def sweep_to_root(s, n, material, stiffness, changed, factored, touching, whole, lanes):
     """Sweep from the tip to the root: change τ and forces where ``changed``, factorise H where ``factored``, set the
-    loads. ``lanes``: those where τ is bounded in H, and those that keep their pivots, above 0. Returns 1 in lanes with a pivot that is too small;
-    it is raised, in a definite H without harm; else those before run away.
+    loads. ``lanes``: those where τ is bounded in H, and those that keep their pivots, above 0. Returns 1 in lanes with
+    a pivot that is too small; it is raised, in a definite H without harm; else those before run away.
 
     Loads: the residual is ρ_j = M_j (u*_j − u_j) − f_j + f_{j+1} with f_j = τ_j e_j − F_j + b_j − b_{j+1}, b_j = κ_j
     (c_j − c̄_j), where the edge before the first is the clamped direction, and F_j = σ ê_j of curled strands."""

@@ -144,7 +144,7 @@ def apply_change(s, n):
 def retract(s, n, chosen):
     """Bring the edges of the ``chosen`` lanes back to unit length, root to tip; one without a length takes the
     direction of the edge before it."""
-    zero = indefinite = broadcast(s.pivot, 0.0)  # lanes whose H is not definite, or has not been in this step: above 0
+    zero = broadcast(s.pivot, 0.0)
     sx, sy, sz = zero, zero, zero  # by how much the particle has moved
     for j in range(n):
         x, y, z = load3(s.edge, 3 * j, 1)

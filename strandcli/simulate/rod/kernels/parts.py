@@ -23,7 +23,7 @@ RIGHT = 0.95
 """Least change of an edge, before it is brought to unit length, that turns it by a right angle, rounded down."""
 TURNED = 2.0
 """Badness of a step in which an edge has turned by more than a right angle."""
-MOST_PARTS = 8
+MOST_PARTS = 64
 KEPT = 24
 """Numbers of a segment's state."""
 TWIST = 23
