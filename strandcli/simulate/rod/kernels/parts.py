@@ -1,6 +1,8 @@
 """The fallback of a rod's step: the same step in 2, 4 or 8 parts by Euler's method.
 
-A strand keeps the best of what it was moved by, whole or in parts; the strands beside it in the vector keep theirs.
+A strand keeps the best of what it was moved by, whole or in parts; the strands beside it in the vector keep theirs. One
+that finds no lengths among solids in any of these takes 8 parts without their forces: then the last sweep alone turns
+its edges out.
 """
 
 from __future__ import annotations
@@ -8,9 +10,10 @@ from __future__ import annotations
 from ....constants import W
 from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, store, store3, where
+from ...contact.kernels import find
 from ...contact.kernels.search import Contact
 from . import begin, finish, newton
-from .arrays import AXES, PACK
+from .arrays import AXES, PACK, Needs
 from .begin import ROW
 from .vectors import add_scaled, scaled, select
 
@@ -23,7 +26,8 @@ RIGHT = 0.95
 """Least change of an edge, before it is brought to unit length, that turns it by a right angle, rounded down."""
 TURNED = 2.0
 """Badness of a step in which an edge has turned by more than a right angle."""
-MOST_PARTS = 64
+MOST_PARTS, ATTEMPTS = 8, 4
+"""Parts at the most, and attempts: in 2, 4 and 8, and in 8 without forces of solids."""
 KEPT = 24
 """Numbers of a segment's state."""
 TWIST = 23
@@ -54,12 +58,15 @@ def improve(s, at, state, material, drive, step, needs, met, found):
     in_parts = best < 0.0
     restart = load(state.restart, at.strand)
     keep(s.best, at, state, needs, best >= 0.0, True)
-    parts = 1
-    while parts < MOST_PARTS and any_lane(best > 1.0):
-        parts *= 2
+    for attempt in range(ATTEMPTS):
+        pressed = attempt < ATTEMPTS - 1
+        chosen = best > 1.0 if pressed else (best > 1.0) & (worst > LOST)
+        if not any_lane(chosen) or not (pressed or needs.solids):
+            break
         put_back(s.begun, at, state, needs)
-        bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, parts)
-        better = (best > 1.0) & (bad < best)
+        how = min(2 << attempt, MOST_PARTS), pressed
+        bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, how)
+        better = chosen & (bad < best)
         keep(s.best, at, state, needs, better, True)
         best, worst, in_parts = where(better, bad, best), where(better, error, worst), in_parts | better
     put_back(s.best, at, state, needs)
@@ -68,10 +75,16 @@ def improve(s, at, state, material, drive, step, needs, met, found):
 
 
 @device
-def move_in_parts(s, at, state, material, drive, step, needs, met, parts):
-    """Take the step in so many parts by Euler's method from where it began, in the frame of the root at the step's end;
-    solids are as at that end. Returns the greatest badness and error of all parts."""
+def move_in_parts(s, at, state, material, drive, step, needs, met, how):
+    """Take the step in parts by Euler's method from where it began, in the frame of the root at the step's end; solids
+    are as at that end. ``how``: in how many parts, and whether solids press in the iterations. Returns the greatest
+    badness and error of all parts."""
     contact, (root, shift) = met
+    parts, pressed = how
+    found = Needs(
+        needs.curled, needs.solids and pressed, needs.segments, needs.deforming, needs.pinned, needs.pushed,
+        needs.lasting,
+    )  # fmt: skip
     rate = 1.0 / step.duration
     bad = worst = broadcast(s.pivot, 0.0)
     still = bad, bad, bad
@@ -83,9 +96,12 @@ def move_in_parts(s, at, state, material, drive, step, needs, met, parts):
         if needs.pinned:
             begin.aim_tip(s, at, drive, c, parts, shift)
         own = with_shift(contact, i == 0, shift if i == 0 else still)
-        error, depth, near, path = newton.iterate(s, at, state, material, step, needs, c, own, root)
+        error, depth, near, path = newton.iterate(s, at, state, material, step, found, c, own, root)
         worst = max(worst, error)
         bad = max(bad, badness(s, at, state, error, depth, path))
+        if not pressed:
+            find.let_go(s, at.segments)
+            near = True
         finish.finish(s, at, at.strand // PACK, state, material.bends, step, needs, c, (own, near), still)
         add_to_means(s, at, state, needs, (i, parts))
     add_velocity(at, state, frame)
