@@ -97,6 +97,7 @@ def seen(solids: Any, ends: Floats, past: Floats, whole: bool) -> Rows:
     before = np.zeros((2, 3, W))
     before[..., :LANES] = past.transpose(1, 2, 0)
     rows = Rows(1)
+    rows.active[...] = 1  # what nothing touches needs no slip
     assert look(rows.address, in_lanes(ends), before.reshape(2, -1), packed(solids), whole, 1e3)
     return rows
 

@@ -117,11 +117,12 @@ class RodSolver(Solver):
         self.place_roots(1)
         self.kernel = StepKernel(self.strands, arrays, self.surroundings)
 
-    def _pin(self) -> None:
+    def _pin(self) -> Pins:
         """Pin the tips of strands where they are."""
-        self.pins = Pins(self.state, self.material, self.drive, self.pose)
+        self.pins = pins = Pins(self.state, self.material, self.drive, self.pose)
         self.material.mass[-1] *= HEAVY
         self.needs = self.needs._replace(pinned=True)
+        return pins
 
     def _numbers(
         self, dt: float, bdf2: bool, air: tuple[float, float, float], pose: Pose, change: tuple[float, ...]
@@ -168,12 +169,13 @@ class RodSolver(Solver):
         if self.contact is not None:
             self.contact.restore(state)
 
+    def weight_tip(self, mass: float) -> None:
+        """Add to the mass of tips, over that of a segment."""
+        self.material.mass[-1] += mass
+
     def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
         """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
-        if self.pins is None:
-            self._pin()
-        assert self.pins is not None
-        self.pins.bring(at, seconds)
+        (self.pins or self._pin()).bring(at, seconds)
 
     def begin_frame(self) -> None:
         """As for any solver."""

@@ -98,7 +98,7 @@ def prepare(contestant: Contestant, scene: Scene, case: Case) -> Any:
     solver = contestant.start(scene, case.groom)
     if case.tip_mass:
         # masses are kept relative to a segment's, of which a strand has as many as it has particles but the root
-        solver.material.mass[-1] += case.tip_mass * len(solver.material.mass)
+        solver.weight_tip(case.tip_mass * (scene.emitter.particles - 1))
     if case.tip_held_at is not None:
         solver.hold_tip(case.tip_held_at)
     return solver

@@ -63,6 +63,10 @@ class Foil(Solver):
         self.held: tuple[NDArray[np.float64], NDArray[np.float64], float] | None = None
         self.place_roots(1)
 
+    def weight_tip(self, mass: float) -> None:
+        """Add to the mass of tips, over that of a segment."""
+        self.mass[-1] += mass
+
     def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
         """Bring the tip of a single strand to a place (metres) in so many seconds, and keep it there."""
         self.held = (self.x[0, -1].reshape(3, W)[:, 0].copy(), np.array(at), seconds)

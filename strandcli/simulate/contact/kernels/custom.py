@@ -15,7 +15,7 @@ from ....jit import device, inlined
 from ....simd import any_lane, broadcast, lane, lane_count, load, load3, store3, where, with_lane
 from ....solids.shapes.other import REACH, X, Y, Z
 from ...rod.kernels.arrays import MOTION
-from . import search
+from .candidates import consider, place, with_slip
 
 FAR = 1e20
 
@@ -48,9 +48,9 @@ def among(s, j, near, start, end, past, contact, options, shape):
         if in_reach(shape[0], m, end, options[1], start):
             gap, normal, share = gap_of(shape, m, start, end, options)
             if any_lane(gap < options[1]):
-                near = search.consider(s, j, near, gap, normal, share)
-                at, motion = search.place(start, end, share), (shape[0].rows, m + contact.custom.columns - MOTION)
-                near = search.with_slip(s, j, near, at, motion, past, contact.moved)
+                near = consider(s, j, near, gap, normal, share)
+                at, motion = place(start, end, share), (shape[0].rows, m + contact.custom.columns - MOTION)
+                near = with_slip(s, j, near, at, motion, past, contact.moved)
     return near
 
 
@@ -61,9 +61,9 @@ def among_moving(s, j, near, start, end, past, contact, options, shape, drift):
         if in_reach(shape[0], m, end, options[1], start):
             gap, normal, share = gap_of(shape, m, start, end, options)
             if any_lane(gap < options[1]):
-                near = search.consider(s, j, near, gap, normal, share)
-                at, motion = search.place(start, end, share), (shape[0].rows, m + contact.custom.columns - MOTION)
-                near = search.with_slip(s, j, near, at, motion, past, contact.moved)
+                near = consider(s, j, near, gap, normal, share)
+                at, motion = place(start, end, share), (shape[0].rows, m + contact.custom.columns - MOTION)
+                near = with_slip(s, j, near, at, motion, past, contact.moved)
                 if contact.moved:
                     carry(s, j, at, shape[0], m, gap < options[1], drift)
     return near
