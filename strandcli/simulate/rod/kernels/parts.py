@@ -1,8 +1,8 @@
 """The fallback of a rod's step: the same step in 2, 4 or 8 parts by Euler's method.
 
 A strand keeps the best of what it was moved by, whole or in parts; the strands beside it in the vector keep theirs. One
-that finds no lengths among solids in any of these takes 8 parts without their forces: then the last sweep alone turns
-its edges out.
+that finds no lengths in any of these takes 8 parts without forces of solids, by the rest shapes that each begins with:
+then the last sweep alone turns its edges out.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, store, store3, where
 from ...contact.kernels import find
 from ...contact.kernels.search import Contact
-from . import begin, finish, newton
+from . import begin, finish, newton, rest_shape
 from .arrays import AXES, PACK, Needs
 from .begin import ROW
 from .vectors import add_scaled, scaled, select
@@ -27,7 +27,7 @@ RIGHT = 0.95
 TURNED = 2.0
 """Badness of a step in which an edge has turned by more than a right angle."""
 MOST_PARTS, ATTEMPTS = 8, 4
-"""Parts at the most, and attempts: in 2, 4 and 8, and in 8 without forces of solids."""
+"""Parts at the most, and attempts: in 2, 4 and 8, and in 8 by rest shapes of their begin without forces of solids."""
 KEPT = 24
 """Numbers of a segment's state."""
 TWIST = 23
@@ -61,7 +61,7 @@ def improve(s, at, state, material, drive, step, needs, met, found):
     for attempt in range(ATTEMPTS):
         pressed = attempt < ATTEMPTS - 1
         chosen = best > 1.0 if pressed else (best > 1.0) & (worst > LOST)
-        if not any_lane(chosen) or not (pressed or needs.solids):
+        if not any_lane(chosen) or not (pressed or needs.solids or needs.curled):
             break
         put_back(s.begun, at, state, needs)
         how = min(2 << attempt, MOST_PARTS), pressed
@@ -77,12 +77,12 @@ def improve(s, at, state, material, drive, step, needs, met, found):
 @device
 def move_in_parts(s, at, state, material, drive, step, needs, met, how):
     """Take the step in parts by Euler's method from where it began, in the frame of the root at the step's end; solids
-    are as at that end. ``how``: in how many parts, and whether solids press in the iterations. Returns the greatest
-    badness and error of all parts."""
+    are as at that end. ``how``: in how many parts, and whether solids press and rest shapes follow in the iterations.
+    Returns the greatest badness and error of all parts."""
     contact, (root, shift) = met
     parts, pressed = how
     found = Needs(
-        needs.curled, needs.solids and pressed, needs.segments, needs.deforming, needs.pinned, needs.pushed,
+        needs.curled and pressed, needs.solids and pressed, needs.segments, needs.deforming, needs.pinned, needs.pushed,
         needs.lasting,
     )  # fmt: skip
     rate = 1.0 / step.duration
@@ -96,10 +96,12 @@ def move_in_parts(s, at, state, material, drive, step, needs, met, how):
         if needs.pinned:
             begin.aim_tip(s, at, drive, c, parts, shift)
         own = with_shift(contact, i == 0, shift if i == 0 else still)
+        if needs.curled and not pressed:
+            rest_shape.begin(s, at, state, material, step, c)
         error, depth, near, path = newton.iterate(s, at, state, material, step, found, c, own, root)
         worst = max(worst, error)
         bad = max(bad, badness(s, at, state, error, depth, path))
-        if not pressed:
+        if needs.solids and not pressed:
             find.let_go(s, at.segments)
             near = True
         finish.finish(s, at, at.strand // PACK, state, material.bends, step, needs, c, (own, near), still)
