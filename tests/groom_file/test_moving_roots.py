@@ -61,8 +61,8 @@ def test_a_shift_by_the_file_is_one_of_the_emitter(tmp_path: Path) -> None:
 
 
 def test_rods_turn_with_their_roots(tmp_path: Path) -> None:
-    """After a turn and time to settle, curled rods without weight are the turned ones, with their twist; but one that is
-    folded at a joint, by 151 degrees: iterations do not end there."""
+    """After a turn and time to settle, curled rods without weight are the turned ones, with their twist; but one that
+    is folded at a joint, by 151 degrees: iterations do not end there."""
     steel = {"rod.density": 7850.0, "rod.radius": 2.5e-4, "rod.young": 2.0e11}
     rod = {"solver": "rod", "rod.rest": "shape", **steel, "rod.damping": 0.05, "time.frames": 60}
     stage, _ = stage_of(moving(tmp_path, QUARTER, ["emitter_motion"], emitter__groom__scale=0.05, **rod))

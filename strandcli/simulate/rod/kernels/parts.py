@@ -20,6 +20,8 @@ from .vectors import add_scaled, scaled, select
 LOST = 2e-3
 """Error of |e|² from which on iterations have found no lengths, of strands of up to `newton.FINE` segments; of longer
 ones in proportion, for single edges may be off there."""
+GRAVE = 0.1
+"""The same of curled strands for the last attempt: rest shapes that do not follow let them gain energy."""
 DEEP = 0.05
 """Depth in solids, in segments, from which on a step is taken again in parts."""
 RIGHT = 0.95
@@ -60,7 +62,7 @@ def improve(s, at, state, material, drive, step, needs, met, found):
     keep(s.best, at, state, needs, best >= 0.0, True)
     for attempt in range(ATTEMPTS):
         pressed = attempt < ATTEMPTS - 1
-        chosen = best > 1.0 if pressed else (best > 1.0) & (worst > LOST)
+        chosen = best > 1.0 if pressed else (best > 1.0) & (worst > (GRAVE if needs.curled else LOST))
         if not any_lane(chosen) or not (pressed or needs.solids or needs.curled):
             break
         put_back(s.begun, at, state, needs)
