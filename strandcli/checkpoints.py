@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .scene.model import Scene
 
 FOLDER = "checkpoints"
-CODE = ("strandcli.stages", "strandcli.simulate.thesis", "strandcli.simulate.rod", "strandcli.groom.emit")
+CODE = ("strandcli.stages", "strandcli.simulate.thesis.solver", "strandcli.simulate.rod", "strandcli.groom.emit")
 """Modules that simulate, with all that they import."""
 
 

@@ -27,7 +27,7 @@ from strandcli.jit import function
 from strandcli.jit.dispatcher import KernelDispatcher
 from strandcli.output import positions, state_file
 from strandcli.scene import loads
-from strandcli.simulate import crowd_box
+from strandcli.simulate.grid import box as crowd_box
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.study import advice, picture_advice

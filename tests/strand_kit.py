@@ -11,6 +11,7 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from strandcli.simulate.thesis.solver.solver import ThesisSolver
 
 from reference.rules import Twin
 from strandcli import runtime
@@ -19,10 +20,9 @@ from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.pipeline import render
 from strandcli.scene import Scene, loads
-from strandcli.simulate import compose
 from strandcli.simulate.rules import Pass, registry
 from strandcli.simulate.solver import Solver
-from strandcli.simulate.thesis import ThesisSolver
+from strandcli.simulate.thesis.solver import compose
 
 JIT = "from strandcli.jit import function, parallel, prange"
 PLAIN = "prange = range\ndef function(f): return f\nparallel = function"
@@ -40,7 +40,7 @@ def groom_of(scene: Scene) -> Groom:
 
 def solver_of(scene: Scene, plain: bool = False) -> ThesisSolver:
     """A solver; ``plain`` runs its composed step as ordinary Python, lane by lane, so that nothing is compiled."""
-    with patch("strandcli.simulate.thesis.step_for", plain_step) if plain else nullcontext():
+    with patch("strandcli.simulate.thesis.solver.step_for", plain_step) if plain else nullcontext():
         return ThesisSolver(scene, groom_of(scene))
 
 

@@ -19,6 +19,6 @@ def solver_of(scene: Scene) -> type[Solver]:
         from .rod.solver import RodSolver
 
         return RodSolver
-    from .thesis import ThesisSolver
+    from .thesis.solver import ThesisSolver
 
     return ThesisSolver

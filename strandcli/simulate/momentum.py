@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .kernels.crowd_momentum import carried
+from .grid.kernels.momentum import carried
 from .rod.kernels.arrays import PACK
 
 if TYPE_CHECKING:
@@ -25,12 +25,12 @@ def errors_between_strands(solver: RodSolver) -> dict[str, float | None]:
     strands were closer than their thickness, or than their roots allow, at its end, metres; with either,
     `momentum_lost`."""
     out: dict[str, float | None] = {}
-    crowd, contact = solver.crowd, solver.contact
-    if crowd is not None and crowd.density is not None:
-        out["density_max"] = crowd.found / crowd.density
+    grid, contact = solver.grid, solver.contact
+    if grid is not None and grid.density is not None:
+        out["density_max"] = grid.found / grid.density
     if contact is not None:
         out["strand_penetration_max"] = contact.penetration
-    return out if crowd is None and contact is None else {**out, "momentum_lost": momentum_lost(solver)}
+    return out if grid is None and contact is None else {**out, "momentum_lost": momentum_lost(solver)}
 
 
 def momentum_lost(solver: RodSolver) -> float:
@@ -39,9 +39,9 @@ def momentum_lost(solver: RodSolver) -> float:
     total, size = np.zeros(3), 0.0
     each, metres = 1.0, np.zeros((len(solver.state.edges), PACK))
     metres.reshape(-1)[: solver.strands] = solver.lengths.reshape(-1)[: solver.strands]
-    if solver.crowd is not None:
-        each = solver.crowd.stands_for
-        total, size = solver.crowd.momentum()
+    if solver.grid is not None:
+        each = solver.grid.stands_for
+        total, size = solver.grid.momentum()
     if solver.contact is not None:
         total = total + each * solver.contact.handed[:3]
         size += each * float(solver.contact.handed[3])

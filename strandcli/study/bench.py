@@ -133,7 +133,7 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
 def time_rules(strands: int, particles: int, repeats: int = 40) -> dict[str, float]:
     """The six rules with two spheres, nothing else: nanoseconds a particle and step."""
     from ..groom.emit import emit
-    from ..simulate.thesis import ThesisSolver
+    from ..simulate.thesis.solver import ThesisSolver
 
     scene = load("headline", settings={"emitter.strands": strands, "emitter.particles": particles})
     solver = ThesisSolver(scene, emit(scene.emitter, scene.seed))

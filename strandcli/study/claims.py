@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .. import load, runtime
 from ..groom.emit import emit
 from ..scene.model import Scene
-from ..simulate.thesis import ThesisSolver
+from ..simulate.thesis.solver import ThesisSolver
 from .bench import time_frames
 
 Notify = Callable[[str], None]

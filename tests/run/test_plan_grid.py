@@ -8,7 +8,7 @@ from strandcli.groom.arrange import arranged
 from strandcli.groom.emit import emit
 from strandcli.plan.grid import grid_bytes
 from strandcli.simulate.rod.solver import RodSolver
-from tests.simulate.test_crowd import BALL, solver_of
+from tests.simulate.test_grid import BALL, solver_of
 
 TEXT = f"emitter: {{{BALL}, strands: 900}}\nrules: [gravity, interaction: {{density: 3000, cell: %s}}]"
 
@@ -18,9 +18,9 @@ def test_fine_cells_are_counted_as_the_solver_takes_them() -> None:
     than those of a head, by which bytes a cell were measured."""
     scene = solver_of(TEXT % 0.005).scene
     solver = RodSolver(scene, arranged(emit(scene.emitter, scene.seed)))  # as runs have them
-    assert solver.crowd is not None
+    assert solver.grid is not None
     solver.advance(2)
-    taken = (solver.crowd._cells.nbytes + solver.crowd.memory.nbytes) / 1.2
+    taken = (solver.grid._cells.nbytes + solver.grid.memory.nbytes) / 1.2
     assert grid_bytes(solver.scene, 900) == pytest.approx(taken, rel=0.25)
 
 

@@ -11,8 +11,9 @@ import pytest
 import strandcli
 from strandcli.constants import W
 from strandcli.groom.emit import emit
-from strandcli.simulate import solver_of, thesis
+from strandcli.simulate import solver_of
 from strandcli.simulate.solver import ANNOUNCED
+from strandcli.simulate.thesis import solver as thesis
 from tests.simulate.test_surroundings import ALL, TURN
 
 JUMP = [

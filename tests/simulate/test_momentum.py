@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from strand_kit import require_same_after_restart, scene_of
 from strandcli.groom.emit import emit
 from strandcli.simulate.contact.forces import Forces
-from strandcli.simulate.crowd import Moment
-from strandcli.simulate.kernels import crowd_forces
+from strandcli.simulate.grid.kernels import forces as crowd_forces
+from strandcli.simulate.grid.strand_grid import Moment
 from strandcli.simulate.rod.kernels.arrays import PACK
 from strandcli.simulate.rod.solver import RodSolver
 
@@ -63,7 +63,7 @@ def test_it_is_what_velocities_change_by(force: float, monkeypatch: pytest.Monke
 
     monkeypatch.setattr(crowd_forces, "act", act)
     solver = solver_of(CROWDED)
-    crowd, state, dt = solver.crowd, solver.state, 1 / 60
+    crowd, state, dt = solver.grid, solver.state, 1 / 60
     assert crowd is not None
     crowd.samples.mass[crowd.samples.first == 0] = 0
     solver.mass[0] = 0.5  # the emitter would take up what goes to the roots
@@ -92,8 +92,8 @@ def test_wind_solids_and_roots_are_not_among_it(rules: str) -> None:
     found = lost(solver, 4 if rules else 24)
     assert max(found) < 1e-6
     assert sum(found) < 1e-5
-    assert solver.crowd is not None
-    assert np.linalg.norm(solver.crowd.given) > 0.01 * solver.crowd.momentum()[1]
+    assert solver.grid is not None
+    assert np.linalg.norm(solver.grid.given) > 0.01 * solver.grid.momentum()[1]
 
 
 def test_what_a_strand_gets_by_contact_another_loses(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,17 +116,17 @@ def test_what_a_strand_gets_by_contact_another_loses(monkeypatch: pytest.MonkeyP
 def test_a_frame_has_its_own_steps_alone() -> None:
     solver = solver_of(FALLING % "")
     solver.advance(6)
-    assert solver.crowd is not None
-    whole = solver.crowd.momentum()[1]
+    assert solver.grid is not None
+    whole = solver.grid.momentum()[1]
     again = solver_of(FALLING % "")
     again.advance(5)
     again.begin_frame()
     sizes = 0.0
     for j in range(2):
         again.step((4 + (j + 1) / 2) / 24, 1 / 48)
-        assert again.crowd is not None
-        sizes += again.crowd.momentum()[1]
-        again.crowd.begin_frame()
+        assert again.grid is not None
+        sizes += again.grid.momentum()[1]
+        again.grid.begin_frame()
     assert whole == pytest.approx(sizes, rel=1e-6)
 
 

@@ -14,6 +14,8 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from strandcli.simulate.thesis.solver.solver import ThesisSolver
+
 import ball_kit
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
@@ -31,7 +33,6 @@ from strandcli.scene.model import Emitter, PoseKey, SphereSolid
 from strandcli.simulate import advice
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
-from strandcli.simulate.thesis import ThesisSolver
 from strandcli.solid_shapes.mesh import MeshKey, Settings
 from strandcli.solids import Solids, pack_all
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from strandcli.simulate.thesis.solver.solver import ThesisSolver
 
 import strandcli
 from cli_runs import Runner
@@ -17,7 +18,6 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate import advice, rules
 from strandcli.simulate.rod.solver import RodSolver
-from strandcli.simulate.thesis import ThesisSolver
 from strandcli.study.stress import inputs
 
 

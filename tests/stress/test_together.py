@@ -91,7 +91,7 @@ def test_strands_do_interact_and_twist(start: str, n: str) -> None:
         scene, groom, _ = together.prepared(case, row)
         one: Any = solver_of(scene)(scene, groom)
         assert one.curled
-        assert one.crowd is not None or one.contact is not None
+        assert one.grid is not None or one.contact is not None
 
 
 def test_lengths_scale_with_strands() -> None:

@@ -118,7 +118,7 @@ class StrandContact:
     def _rounds(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
         """As `step`, but for velocities after impacts."""
         state: State = solver.state
-        if solver.crowd is not None:
+        if solver.grid is not None:
             self._begin_with(state, dt, solver)
         state.acceleration[...] = 0
         before = {name: one.copy() for name, one in state._asdict().items()}

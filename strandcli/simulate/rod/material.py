@@ -97,7 +97,7 @@ def require_between(scene: Scene, groom: Groom) -> None:
             segments = lengths / (scene.emitter.particles - 1)
             usual = float(lengths.max()) / CELLS_ACROSS
             require_cell(scene, use.parameters.cell, segments, usual)
-            if use.parameters.cell > (spread := _spread(groom)):  # `Crowd` knows how wide it is
+            if use.parameters.cell > (spread := _spread(groom)):  # `StrandGrid` knows how wide it is
                 raise UsageError(
                     f"{scene.label or scene.source or 'scene'}: rule interaction.cell: {use.parameters.cell:g} m is "
                     f"larger than the groom, which is at most {spread:.3g} m wide; make it smaller, such as {usual:.2g}"

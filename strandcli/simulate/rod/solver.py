@@ -21,7 +21,7 @@ from ...errors import UsageError
 from ...groom.record import Groom
 from ...scene.motion import Pose
 from ..contact.between_strands import StrandContact, in_parts
-from ..crowd import Crowd, Moment
+from ..grid.strand_grid import Moment, StrandGrid
 from ..momentum import errors_between_strands
 from ..solver import Solver
 from .kernels.arrays import PACK, Step
@@ -89,7 +89,7 @@ class RodSolver(Solver):
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * lanes(edge)
         rest = rest_of(scene, shape, matter, self.pose, self.dtype)
         between = [use.parameters for use in scene.rules if use.name == "interaction"]
-        self.crowd = Crowd(scene, groom, between[0], self.positions, self.dtype) if between else None
+        self.grid = StrandGrid(scene, groom, between[0], self.positions, self.dtype) if between else None
         touching = [use.parameters for use in scene.rules if use.name == "contact"]
         self.contact = StrandContact(scene, groom, touching[0]) if touching else None
         self.needs = needs_of(scene, shape, self.surroundings, self.deforming is not None)
@@ -144,15 +144,15 @@ class RodSolver(Solver):
         """Return the rods' state, where their roots are, and the poses of the last step."""
         state = {f"state {name}": one for name, one in self.state._asdict().items() if one is not self.positions}
         last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
-        crowd = {} if self.crowd is None else self.crowd.state_arrays()
+        grid = {} if self.grid is None else self.grid.state_arrays()
         found = {} if self.contact is None else self.contact.state_arrays()
-        return {**super().state_arrays(), **state, **self.roots.state_arrays(), **last, **crowd, **found}
+        return {**super().state_arrays(), **state, **self.roots.state_arrays(), **last, **grid, **found}
 
     def check(self, state: Mapping[str, NDArray[Any]], frame: int) -> None:
         """Raise `ValueError` for a state that is none of a frame."""
         super().check(state, frame)
-        if self.crowd is not None:
-            self.crowd.check(state)
+        if self.grid is not None:
+            self.grid.check(state)
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""
@@ -164,8 +164,8 @@ class RodSolver(Solver):
         last = state["last"].tolist()
         self._last_step, self.pose = last[0], pose_of(last[1:])
         self.surroundings.set_last_poses(state["poses"])
-        if self.crowd is not None:
-            self.crowd.restore(state)
+        if self.grid is not None:
+            self.grid.restore(state)
         if self.contact is not None:
             self.contact.restore(state)
 
@@ -179,8 +179,8 @@ class RodSolver(Solver):
 
     def begin_frame(self) -> None:
         """As for any solver."""
-        if self.crowd is not None:
-            self.crowd.begin_frame()
+        if self.grid is not None:
+            self.grid.begin_frame()
         if self.contact is not None:
             self.contact.begin_frame()
 
@@ -211,8 +211,8 @@ class RodSolver(Solver):
         if moved.jumps:
             carry(self.state, self.positions, self.pose, pose)
             self.pose = pose
-            if self.crowd is not None:
-                self.crowd.begin_anew()
+            if self.grid is not None:
+                self.grid.begin_anew()
         if around.any_solids and (moved.jumps or self._last_step == 0):
             self._put_outside(time - dt)
         self.roots.deform(time, self.pose)
@@ -224,8 +224,8 @@ class RodSolver(Solver):
         self._moment = time, dt
         bdf2 = dt == self._last_step and not moved.jumps
         self.now = self._numbers(dt, bdf2, moved.air, pose, moved.change)
-        if self.crowd is not None:
-            self._interact(self.crowd, gust)
+        if self.grid is not None:
+            self._interact(self.grid, gust)
         if self.contact is None:
             self._run(pose)
             short = True
@@ -238,15 +238,15 @@ class RodSolver(Solver):
         self.pose, self._last_step = pose, dt
         return short
 
-    def _interact(self, crowd: Crowd, gust: NDArray[Any] | None) -> None:
+    def _interact(self, grid: StrandGrid, gust: NDArray[Any] | None) -> None:
         """Have strands act on each other through their grid in a step."""
         now = self.now
         (time, dt), strength = self._moment, now.drag * (float(gust.mean()) if gust is not None else 1.0)
         x, y, z = now.air
         wind = strength * x, strength * y, strength * z
         moment = Moment(time, dt, wind, self._gravity, self.surroundings.packed())
-        roots = velocity_of_roots(self.drive, (*now.turned, *now.shifted), dt, crowd.strands.roots)
-        crowd.prepare(self.state, self.material.mass, roots, moment)
+        roots = velocity_of_roots(self.drive, (*now.turned, *now.shifted), dt, grid.strands.roots)
+        grid.prepare(self.state, self.material.mass, roots, moment)
         np.maximum(self.state.restart, self.state.jolted, out=self.state.restart)
 
     def _run(self, pose: Pose) -> None:
@@ -267,8 +267,8 @@ class RodSolver(Solver):
         self._run(self.pose)
         state.tension[...] = tension
         stop(state.velocity, state.before, state.ahead, state.moved, state.force, state.restart)
-        if self.crowd is not None:
-            self.crowd.begin_anew()
+        if self.grid is not None:
+            self.grid.begin_anew()
 
     def place_roots(self, frame: int) -> None:
         """Put the first two rows where they are at a frame, to the bits of a step that ends there."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...constants import W
 from ...groom.record import Groom
 from ...scene.motion import Pose
-from ..kernels.crowd_nodes import move_roots
+from ..grid.kernels.nodes import move_roots
 from .kernels.arrays import PACK, Drive, State
 
 LENGTHS = 2.0

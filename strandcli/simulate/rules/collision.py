@@ -74,7 +74,7 @@ def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
     """With segments, particles once more at the end of a step: a turned segment may have put its end into another
     solid, and rules that come later move it. Where elasticity is one of them, solids and lengths take turns. What one
     solid after the other leaves inside is led out of all together."""
-    from ..kernels import way_out
+    from ..thesis.kernels.depenetrate import leave, turn
     from . import elasticity
 
     if not parameters.segments:
@@ -85,9 +85,9 @@ def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
     ends = _ends(packed)
     lengths = [one for use in later if use.name == elasticity.name for one in elasticity.passes(use.parameters, scene)]
     if lengths:
-        return (ends + lengths[:1]) * ROUNDS + [Pass(way_out.turn, packed.all)]
+        return (ends + lengths[:1]) * ROUNDS + [Pass(turn, packed.all)]
     if len(chosen(parameters, scene)) > 1:
-        return ends * ROUNDS + [Pass(way_out.leave, packed.all)]
+        return ends * ROUNDS + [Pass(leave, packed.all)]
     return ends if later else []
 
 

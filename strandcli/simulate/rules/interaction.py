@@ -2,7 +2,7 @@
 
 The source names loosely connected particles as the way on (Bando et al. 2003; thesis §5). Here a grid about the strands
 holds their density and momentum (Petrovic et al. 2005; McAdams et al. 2009). It needs velocities and forces, which the
-source's solver does not have, so the solver `rod` alone applies it; `strandcli.simulate.crowd` does.
+source's solver does not have, so the solver `rod` alone applies it; `strandcli.simulate.grid.strand_grid` does.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ from ...errors import UsageError
 from ...groom.emit import emit
 from ...scene.model import Children, RuleUse, Scene
 from ...simulate import solver_of
-from ...simulate.crowd_box import extent_of
+from ...simulate.grid.box import extent_of
 from ...simulate.rod.material import CELLS_ACROSS, require_between
 from ..axes import Axis, Request
 from ..points import Knobs, Limit, Point, described, grid, limit
@@ -126,7 +126,7 @@ class Crowding:
         solver = solver_of(scene)(scene, emit(scene.emitter, scene.seed))
         if self.use is None:
             return extent_of(solver.positions) / CELLS_ACROSS
-        return float(solver.crowd.cell)  # type: ignore[attr-defined]
+        return float(solver.grid.cell)  # type: ignore[attr-defined]
 
     @property
     def references(self) -> int:

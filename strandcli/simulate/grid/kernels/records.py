@@ -1,0 +1,136 @@
+"""Arguments of the kernels of interaction, as flat tuples.
+
+Strands are cut into parts, whose number no number of threads changes: one thread works on a part, and parts are added
+up in their order. Cells lie on a lattice through the origin; a box is a window of it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+FIRST, LAST = 0, 1
+"""Columns of parts: the first pack and the one after the last."""
+LOW, SIZE, OFFSET = 0, 3, 6
+"""Columns of boxes: number of the lowest cell along x, y and z, cells along each, and place of the first in the
+memory of all parts."""
+BOX = 7
+MASS, MOMENTUM, BETWEEN, COUNTING = 0, 1, 4, 7
+"""Columns of a cell: metres of strand; those times their velocity (3), m²/s; metres between its middle and that of the
+next cell along x, y and z (3), by bilinear weights across; and the metres that count as too dense: see
+`overlap`."""
+RATE, TARGET, PUSH = 0, 1, 4
+"""Columns of a target: share of its velocity against the cell's that a strand loses in the step, the rest of what its
+velocity changes by (3), m/s, and what is added to that between two middles (3), m/s. One is not used."""
+CELL = 8
+"""Columns of each."""
+FULL, RATIO, MOST, LOST, SPEED, STOP, WAY, CHANGE, FALL, OVERLAP = 0, 1, 2, 3, 4, 5, 6, 9, 12, 15
+"""Numbers of a step: metres in a cell that is as dense as allowed; half the step over the cell's side, s/m; the share
+of the density that pressure makes up for at the most; the share of its velocity against a cell that is as dense as
+allowed that a strand loses; the cell's side over the step, m/s; and of the wind, τ of a cell that holds a metre of
+strand, for a way as long as a cell's side, its unit direction (3), and by how much the open wind changes velocities
+(3), m/s; by how much gravity does (3), cells a step; and 1 where some metres do not count as too dense, else 0."""
+NUMBERS = 16
+
+
+NODE = 6
+"""Columns of a node: see `Moving.nodes`."""
+SHARE, BELOW, VELOCITY = 0, 3, 4
+"""Rows of scratch, one lane a strand of the pack: of a sample, shares (3) of the cells beyond it along x, y and z, the
+number of the cell before it, and its velocity (3), m/s. A box has no more cells than single precision can count."""
+RESULT = 7
+"""(4) Targets at the sample: the rate, and the rest with what lies between middles. And before that, of samples that
+`Moving.overlap` tells of, the share that counts as too dense."""
+OF_ROOT = 11
+"""(3) What the root's share of all samples would accelerate the first particle by, m/s²."""
+ROWS = 14
+FOUND = CELL + 4
+"""Numbers a strand of what is found in cells, or left in them: all columns of each strand, and then rows of them."""
+
+
+HANDED = 4
+"""Rows of what strands around have handed to each strand of a pack in a frame so far, (P, `HANDED` S) of their floating
+type: relative mass times change of velocity (3), m/s, the root's share in it, and the sizes of that, step by step."""
+
+
+class Moving(NamedTuple):
+    """Strands as a step finds them. P packs of S strands with N segments, as `records` has them."""
+
+    positions: Any
+    """(blocks, N + 2, 3 W) metres."""
+    velocity: Any
+    """(P, N, 3 S) m/s."""
+    nodes: Any
+    """(P, M, `NODE` S) of M nodes: place, metres, and velocity, m/s, without what the root has in it."""
+    others: Any
+    """(P, M, 3 S) as `StrandGrid.others`: of the step before, and then of this one."""
+    pushed: Any
+    """(P, M, 3 S) acceleration of nodes by the strands around, m/s²: in the step before, and then in this one."""
+    jolted: Any
+    """(P, S) as `State.jolted`."""
+    ends: Any
+    """(P, 6) least coordinates of particles times −1, and greatest; infinite where one is not finite."""
+    roots: Any
+    """(P, 3 S) velocity of roots, m/s."""
+    metres: Any
+    """(P, S) float32, what a segment at the root counts for: its length times the strands that it stands for, metres; 0
+    of padding."""
+    mass: Any
+    """(N,) relative mass of a particle."""
+    overlap: Any
+    """(P, samples, S) root of the share with which samples count as too dense, None where that is 1."""
+    offsets: Any
+    """(P, 3 S) by how much the grid takes strands beside themselves that do not count as too dense, in cells."""
+
+
+class Lattice(NamedTuple):
+    """How strands are sampled, where cells are, and the step, numbers of the strands' floating type."""
+
+    first: Any
+    """(samples,) number of the first particle of which each is a mean, 0 that of the root; int64."""
+    counts: Any
+    """(samples,) of how many."""
+    weights: Any
+    """(samples, greatest count) the particles' shares."""
+    mass: Any
+    """(samples,) metres that each counts for, by those of a segment at the root."""
+    node_first: Any
+    """(M,) the same of nodes."""
+    node_counts: Any
+    """(M,)"""
+    node_weights: Any
+    """(M, greatest count)"""
+    begin: Any
+    """(samples,) number of the first node that a sample is a mean of; int64."""
+    blend: Any
+    """(samples, 1 or 2) these nodes' shares."""
+    inverse: Any
+    """1 / cell, 1/m."""
+    origins: Any
+    """(parts + 1, 3) the middle of the lowest cell of each box, metres."""
+    step: Any
+    """Length of the step, seconds."""
+    again: Any
+    """That over the length of the step before: what has changed velocities then is expected to do so again."""
+    seen: Any
+    """Share of what strands around change velocities by that is not to be expected again."""
+
+
+LANES = 16
+"""Cells along x are a multiple of it."""
+
+
+class Room(NamedTuple):
+    """What solids leave of cells, and what follows for them. Float32."""
+
+    open: Any
+    """(cells,) share of each that is outside of solids; of closed ones that times −1."""
+    faces: Any
+    """(cells,) its aperture over the sum of those of its neighbours, 0 in solids."""
+    excess: Any
+    """(cells,) e of `pressure` over the aperture, 0 in solids."""
+    held: Any
+    """(cells,) `HELD` of the pressure of the step before."""
+    aperture: Any
+    """(cells,) root of that share, 0 of closed ones: a face is open by the product of those of its cells."""
+    left: Any
+    """(cells,) share of the wind that is left; no rows in calm air."""

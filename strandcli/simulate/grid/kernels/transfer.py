@@ -1,0 +1,257 @@
+"""Metres and momentum of strands in the cells of a grid.
+
+Segments are spread, and not particles, so that gaps between particles do not show: strands are sampled at points no
+more than a cell apart, each of which counts for its share of them and goes to the eight cells around it by trilinear
+weights. Where segments are longer than cells, samples lie on them; where they are shorter, one sample stands for
+several. Its place and velocity are means over the particles that it stands between (`nodes`), the velocity as
+contact will change it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....jit import device, parallel, prange
+from ....simd import (
+    broadcast,
+    floor,
+    gather4,
+    half_width_pointer,
+    lane_count,
+    load,
+    load3,
+    pointer,
+    prefetch3,
+    reduce_max,
+    store,
+    store3,
+    store_records,
+)
+from ...rod.kernels.arrays import AXES, PACK
+from .overlap import beside, counting
+from .records import (
+    BELOW,
+    BETWEEN,
+    CELL,
+    COUNTING,
+    FIRST,
+    LANES,
+    LAST,
+    LOW,
+    MASS,
+    MOMENTUM,
+    NODE,
+    OFFSET,
+    SHARE,
+    SIZE,
+    VELOCITY,
+)
+from .rows import COUNTED
+
+OWN = np.zeros((3, CELL), np.float32)
+"""1 in the column of what lies between middles along each axis, which counts wholly for the first of two cells."""
+OWN[np.arange(3), BETWEEN + np.arange(3)] = 1
+REST = 1 - OWN
+
+
+@parallel
+def deposit(moving, lattice, parts, boxes, memory, work, sums, grid, most, near):
+    """Set the cells of the box of all, ``grid`` (`CELL`, cells), the ``most`` metres in a cell of each row of them
+    (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most of
+    all.
+
+    Each part has cells in a box of its own first: ``boxes`` (parts + 1, `BOX`) int64, of which the last is that of all;
+    ``memory`` (cells of all parts, `CELL`). ``work``: `ROWS` and `FOUND` numbers of scratch for
+    each strand of a pack, for each part; ``sums`` (cells, `CELL`) float32: scratch.
+    """
+    scratch, found = work
+    for part in prange(len(parts)):
+        box = boxes[part]
+        own = memory[box[OFFSET] : box[OFFSET] + box[SIZE] * box[SIZE + 1] * box[SIZE + 2]]
+        own[...] = 0
+        for pack in range(parts[part, FIRST], parts[part, LAST]):
+            rows = scratch[part], found[part]
+            deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), rows)
+    whole = boxes[len(parts)]
+    for o in prange(whole[SIZE + 2]):
+        merge_layer(boxes, np.int64(o), memory.reshape(-1), sums.reshape(-1), grid, most)
+    return mark_near(most, near)
+
+
+@device
+def deposit_pack(moving, lattice, pack, box, origins, grid, work):
+    """Add the metres and the momentum of a pack of strands to the cells of a box, ``grid`` (cells `CELL`,)."""
+    cells, (rows, found) = half_width_pointer(grid), work
+    each, wide = half_width_pointer(found), np.uint64(box[SIZE] * CELL)
+    layer = wide * np.uint64(box[SIZE + 1])
+    for sample in range(len(lattice.first)):
+        locate(moving, lattice, (pack, pack + 1), sample, box, origins, rows)
+        weigh(moving, pack, np.float32(lattice.mass[sample]), rows, found)
+        for k in range(PACK):
+            a, c, d = three(rows, SHARE, k)
+            x, x_next = weights_along(cells, 0, a)
+            y, y_next = weights_along(cells, 1, c)
+            z, z_next = weights_along(cells, 2, d)
+            columns = load(each, k * CELL)
+            x *= columns
+            x_next *= columns
+            at = cell_of(rows, k)
+            add_row(cells, at, x, x_next, y * z)
+            add_row(cells, at + wide, x, x_next, y_next * z)
+            add_row(cells, at + layer, x, x_next, y * z_next)
+            add_row(cells, at + layer + wide, x, x_next, y_next * z_next)
+
+
+@device
+def weigh(moving, pack, share, rows, found):
+    """Set the columns of a cell that each strand's sample would fill alone, strand by strand."""
+    records = pointer(found)
+    for c in range(3):
+        for k in range(PACK):
+            found[(CELL + c) * PACK + k] = rows[VELOCITY + c, k]
+    m = load(pointer(moving.metres), pack * PACK) * share
+    u, v, w = load3(records, CELL * PACK, PACK)
+    store_records(records, 0, (m, m * u, m * v, m * w, m, m, m, counting(moving.overlap, m, rows, found)))
+
+
+@device
+def weights_along(cells, axis, a):
+    """The factors along an axis of the weights with which a sample counts in each column of a cell, and of the next
+    one, to whose middle it has gone the share ``a`` of the way. What lies between middles counts for the first."""
+    own, rest = load(half_width_pointer(OWN), CELL * axis), load(half_width_pointer(REST), CELL * axis)
+    share = broadcast(cells, a)
+    return max(1.0 - share, own), min(share, rest)
+
+
+@device
+def add_row(cells, at, x, x_next, across):
+    """Add to the columns of two neighbouring cells, by the weights ``across``."""
+    store(cells, at, load(cells, at) + across * x)
+    at += np.uint64(CELL)
+    store(cells, at, load(cells, at) + across * x_next)
+
+
+@device
+def three(rows, row, k):
+    """Three rows of lane k in single precision."""
+    return np.float32(rows[row, k]), np.float32(rows[row + 1, k]), np.float32(rows[row + 2, k])
+
+
+@device
+def cell_of(rows, k):
+    """Place of the cell before the sample of lane k."""
+    return np.uint64(np.int32(rows[BELOW, k])) * np.uint64(CELL)
+
+
+@device
+def locate(moving, lattice, packs, sample, box, origins, rows):
+    """Set the rows of scratch for a sample of a pack's strands. ``packs``: that one, and the one whose nodes are
+    prefetched, for it comes next. ``origins`` (3,): the middle of the box's first cell, metres. What is read of arrays
+    is read once: LLVM does not know that scratch is none of them."""
+    nodes, others, out = pointer(moving.nodes), pointer(moving.others), pointer(rows)
+    first, count, again, inverse = lattice.begin[sample], lattice.blend.shape[1], lattice.again, lattice.inverse
+    at_root = lattice.first[sample] == 0
+    of_root = lattice.weights[sample, 0]
+    o, p, q = origins[0], origins[1], origins[2]
+    pack, ahead = packs[0], (packs[1] - packs[0]) * moving.nodes.shape[1]
+    begin = pack * moving.nodes.shape[1] + first
+    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    for lane in range(0, PACK, lane_count(nodes)):
+        x = broadcast(nodes, 0.0)
+        y, z, u, v, w = x, x, x, x, x
+        if at_root:
+            a, b, c = load3(pointer(moving.roots), pack * AXES + lane, PACK)
+            u, v, w = of_root * a, of_root * b, of_root * c
+            prefetch3(pointer(moving.roots), packs[1] * AXES + lane, PACK)
+        for i in range(count):
+            weight, place = lattice.blend[sample, i], begin + i
+            a, b, c = load3(nodes, place * NODE * PACK + lane, PACK)
+            x, y, z = x + weight * (a - o), y + weight * (b - p), z + weight * (c - q)
+            a, b, c = load3(nodes, place * NODE * PACK + AXES + lane, PACK)
+            d, e, f = load3(others, place * AXES + lane, PACK)
+            prefetch3(nodes, (place + ahead) * NODE * PACK + lane, PACK)
+            prefetch3(nodes, (place + ahead) * NODE * PACK + AXES + lane, PACK)
+            prefetch3(others, (place + ahead) * AXES + lane, PACK)
+            a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
+            u, v, w = u + weight * a, v + weight * b, w + weight * c
+        at = pack, sample, lane
+        counts = wide, high, deep
+        x, y, z = beside(moving.overlap, moving, at, rows, (x * inverse, y * inverse, z * inverse), counts)
+        below, above, behind = cell_before(x, wide), cell_before(y, high), cell_before(z, deep)
+        store3(out, SHARE * PACK + lane, PACK, x - below, y - above, z - behind)
+        store(out, BELOW * PACK + lane, below + above * wide + behind * (wide * high))
+        store3(out, VELOCITY * PACK + lane, PACK, u, v, w)
+
+
+@device
+def cell_before(x, count):
+    """Numbers of the cells before places along an axis, of so many."""
+    return min(max(floor(x), 0.0), broadcast(x, count - 2))
+
+
+@device
+def merge_layer(boxes, o, memory, sums, grid, most):
+    """Add the parts' cells of layer o of the box of all up, part by part, and set the ``most`` metres in a cell of each
+    of its rows."""
+    whole = boxes[len(boxes) - 1]
+    wide, high, cells = whole[SIZE], whole[SIZE + 1], grid.shape[1]
+    out, line = pointer(grid), sums[o * high * wide * CELL :]
+    for n in range(high):
+        row = (o * high + n) * wide
+        if add_rows(boxes, o, n, half_width_pointer(memory), half_width_pointer(line)):
+            found = broadcast(out, 0.0)
+            for i in range(0, wide, LANES):
+                found = max(found, part_columns(pointer(line), i * CELL, out, row + i, cells))
+            most[o, n] = reduce_max(found)
+        else:
+            most[o, n] = 0
+            for c in range(CELL):
+                for i in range(0, wide, LANES):
+                    store(out, c * cells + row + i, 0.0)
+
+
+@device
+def part_columns(line, at, out, place, cells):
+    """Write a vector of cells, one after the other, to the planes of columns; return their metres."""
+    counted = load(pointer(COUNTED), 0)
+    m, u, v, w = gather4(line, at, counted, CELL, 0.0)
+    x, y, z, n = gather4(line, at + BETWEEN, counted, CELL, 0.0)
+    store(out, MASS * cells + place, m)
+    store3(out, MOMENTUM * cells + place, cells, u, v, w)
+    store3(out, BETWEEN * cells + place, cells, x, y, z)
+    store(out, COUNTING * cells + place, n)
+    return m
+
+
+@device
+def add_rows(boxes, o, n, memory, line):
+    """Set the cells of row n of layer o of the box of all to the sums of the parts', and return whether any has some
+    there; else they stay as they are."""
+    whole, found = boxes[len(boxes) - 1], False
+    for part in range(len(boxes) - 1):
+        box = boxes[part]
+        inner, row = o + whole[LOW + 2] - box[LOW + 2], n + whole[LOW + 1] - box[LOW + 1]
+        if inner < 0 or inner >= box[SIZE + 2] or row < 0 or row >= box[SIZE + 1]:
+            continue
+        if not found:
+            for i in range(whole[SIZE]):
+                store(line, i * CELL, 0.0)
+        found = True
+        at, source = box[LOW] - whole[LOW], box[OFFSET] + (inner * box[SIZE + 1] + row) * box[SIZE]
+        for i in range(box[SIZE]):
+            store(line, (at + i) * CELL, load(line, (at + i) * CELL) + load(memory, (source + i) * CELL))
+    return found
+
+
+@device
+def mark_near(most, near):
+    """Set whether a row of cells or one of those around it has strands; return the most metres in a cell."""
+    deep, high = most.shape
+    greatest = np.float32(0)
+    near[...] = False
+    for o in range(deep):
+        for n in range(high):
+            greatest = max(greatest, most[o, n])
+            if most[o, n] > 0:
+                near[max(o - 1, 0) : o + 2, max(n - 1, 0) : n + 2] = True
+    return greatest

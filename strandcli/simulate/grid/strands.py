@@ -1,0 +1,84 @@
+"""What the grid of strands that interact knows of them: their nodes, and what strands around have done to these."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...blocks import on_large_pages
+from ..rod.kernels.arrays import AXES, PACK, State
+from .kernels.excess import HELD
+from .kernels.nodes import note
+from .kernels.records import HANDED, NODE, Lattice, Moving
+from .samples import Samples, nodes_of
+
+
+class GridStrands:
+    """The strands of a `StrandGrid`."""
+
+    def __init__(self, samples: Samples, segments: int, metres: NDArray[np.float32], boxes: int, dtype: Any) -> None:
+        """``metres``: as `Moving` has them; ``boxes``: how many there are, of all parts and of all."""
+        self._samples, self._metres, self._kind = samples, metres, np.dtype(dtype).type
+        nodes = nodes_of(samples, segments)
+        self._lattice = [one.astype(dtype) if one.dtype.kind == "f" else one for one in nodes]
+        self._weights, self._origins = samples.weights.astype(dtype), np.empty((boxes, 3), dtype)
+        packs, count = len(metres), len(nodes.node_first)
+        self._nodes = on_large_pages((packs, count, NODE * PACK), dtype)
+        self.ends = np.empty((packs, 6), dtype)
+        """As `Moving` has them."""
+        self.noted = False
+        """Whether nodes and ends are of strands as they are, for the last step has set them."""
+        self.others = on_large_pages((packs, count, AXES), dtype)
+        """(P, M, 3 S) after a step, of nodes: velocity at its begin, and `1 - HELD` of what strands around have added,
+        m/s."""
+        self.pushed = on_large_pages((packs, count, AXES), dtype)
+        """As `Moving` has it."""
+        self.handed = np.zeros((packs, HANDED * PACK), dtype)
+        """What strands around have handed to each in this frame so far, as `HANDED` says."""
+        self.roots = np.zeros((packs, AXES), dtype)
+        """What a step's velocities of roots may be kept in."""
+        self._shares: tuple[tuple[Any, ...], NDArray[Any]] = (), self._weights
+        self._moving: Moving | None = None
+        self._sampled: tuple[tuple[float, ...], Lattice] | None = None
+
+    def moving(self, state: State, roots: NDArray[Any], mass: NDArray[Any]) -> Moving:
+        """Return what kernels take of strands."""
+        last = self._moving
+        if last is None or last.roots is not roots or last.positions is not state.positions or last.mass is not mass:
+            self._moving = last = Moving(
+                state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
+                self._metres, mass, None, None,
+            )  # fmt: skip
+        return last
+
+    def lattice(self, cell: float, dt: float, before: float) -> Lattice:
+        """Return how strands are sampled in a step of ``dt`` seconds after one of ``before``, 0 if there was none;
+        origins are to be set."""
+        known = cell, dt, before
+        if self._sampled is not None and self._sampled[0] == known:
+            return self._sampled[1]
+        kind, samples = self._kind, self._samples
+        steps = kind(dt), kind(dt / before if before else 1.0), kind(1 - HELD)
+        sampled = samples.first, samples.counts, self._weights, samples.mass.astype(kind)
+        made = Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
+        self._sampled = known, made
+        return made
+
+    def note(self, moving: Moving, lattice: Lattice, parts: NDArray[np.int64], anew: bool) -> None:
+        """Set nodes and ends where the last step has not; ``anew``: nothing is known of a step before."""
+        if not self.noted:
+            note(moving, lattice, parts)
+        self.noted = False
+        if anew:
+            self.others[...] = self._nodes[:, :, AXES:]
+
+    def shares(self, lattice: Lattice, mass: NDArray[Any]) -> NDArray[Any]:
+        """Return (samples, greatest count) the shares of a sample's change that its particles have, 1/s."""
+        known = lattice.step, lattice.mass.tobytes(), mass.tobytes()
+        if self._shares[0] != known:
+            particles = lattice.first[:, None] + np.arange(-1, lattice.weights.shape[1] - 1)
+            each = (lattice.mass / lattice.step)[:, None] * lattice.weights
+            self._shares = known, each / mass[np.clip(particles, 0, len(mass) - 1)]
+        return self._shares[1]

@@ -1,0 +1,48 @@
+"""What solids leave of the cells of strands that interact."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mesh_kit import mesh, obj
+from strandcli.scene.motion import solid_pose
+from strandcli.simulate.grid.kernels import pressure as crowd_pressure
+from strandcli.simulate.grid.kernels.records import LOW, SIZE
+from strandcli.solids.shapes import other, other_code
+from tests.simulate.test_grid import BALL, prepare, solver_of
+
+
+def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Against distances of one point after the other; where strands are, and nowhere else."""
+    (tmp_path / "ball.obj").write_bytes(obj(mesh("ball")))
+    solver = solver_of(
+        f"emitter: {{{BALL}, strands: 40}}\nsolids: [{{kind: mesh, file: {tmp_path / 'ball.obj'}, scale: 0.1}}]\n"
+        "rules: [interaction: {cell: 0.03}, collision]"
+    )
+    crowd, (solid,) = solver.grid, solver.scene.solids
+    assert crowd is not None
+    prepare(solver)
+    box = crowd.boxes[-1]
+    low, size = box[LOW : LOW + 3], box[SIZE : SIZE + 3]
+    z, y, x = np.meshgrid(*(crowd.cell * (low[c] + np.arange(size[c]) + 0.5) for c in (2, 1, 0)), indexing="ij")
+    row = other.pack([solid], [solid_pose(solid, solver.scene.emitter, 0.0)], np.float64)[0]
+    far = other_code.depth(solid, row, np.stack([x, y, z], -1).reshape(-1, 3)).reshape(x.shape) / -crowd.cell
+    beyond = 0.5 * np.maximum(1 - np.abs(far), 0) ** 2
+    wanted = np.where(far > 0, 1 - beyond, np.where(far > -0.75, beyond, -beyond))
+    wanted[~crowd.near] = 1
+    assert 0 < crowd.near.sum() < crowd.near.size
+    found = crowd.shares.reshape(x.shape)
+    inner = np.abs(far + 0.75) > 1e-4  # where it jumps rounding decides
+    np.testing.assert_allclose(found[inner], wanted[inner], atol=1e-5)
+    assert (found < 0.5).sum() > 20
+    monkeypatch.setattr(crowd_pressure, "find_room", None)
+    prepare(solver)
+    np.testing.assert_array_equal(crowd.shares.reshape(x.shape)[inner], found[inner])
+    solver.surroundings._packed[-1][0, 0] += 0.01  # the ball moves
+    with pytest.raises(TypeError, match="not callable"):
+        prepare(solver)
