@@ -1,4 +1,4 @@
-"""Rest bends as `kernels.rod_curl` reads them, in frames that are parallel-transported along each strand."""
+"""Rest bends as `kernels.rest_shape` reads them, in frames that are parallel-transported along each strand."""
 
 from __future__ import annotations
 

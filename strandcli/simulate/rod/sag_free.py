@@ -3,7 +3,7 @@
 Statics. A strand is statically determinate: from the tip to the root, tension and the difference of the moments at an
 edge's ends balance all the weight beyond it, so the moments follow from shape and weight alone. A joint bent by b
 beyond its rest has the moment κ b for any b: rest bends need not lead to unit vectors. The component of a moment along
-an edge is balanced by twist, which turns the frames of the rest bends (`kernels.rod_curl`).
+an edge is balanced by twist, which turns the frames of the rest bends (`kernels.rest_shape`).
 
 Stability. Every groom has such an equilibrium, but that of a soft one is unstable: upright strands buckle, and level
 ones, whose natural shape is a coil of many turns, snap into it when touched. So the material is changed

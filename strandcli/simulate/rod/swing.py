@@ -45,7 +45,7 @@ def losses(turns: Floats) -> Floats:
     between 0 and 2.5.
 
     A step has the factor λ with δx(1/λ) δv(1/λ) = −(ω Δt)², where δx = (1 − z)(3 − z) / 2 and δv are the differences
-    that `kernels.rod_start` takes of displacements and of velocities."""
+    that `kernels.begin` takes of displacements and of velocities."""
     third = VELOCITY_RATE - 1.5  # of ∇³ in δv
     backward = np.array([1.0, -1.0])
     square = np.convolve(backward, backward)
@@ -92,7 +92,7 @@ def slowest(mass: Floats, joint: Floats, ratios: Floats) -> tuple[float, Floats]
 
 def frequencies(scene: Scene, lengths: Floats, stiffness: Floats, shape: Shape, turn: Floats) -> tuple[Floats, Floats]:
     """Return (strands,) the squares of angular frequencies at which strands swing most slowly, 1/s², and what they
-    would be without weight. ``lengths`` of segments and ``stiffness`` are as in `rod_setup.Matter`, ``turn`` (3, 3) is
+    would be without weight. ``lengths`` of segments and ``stiffness`` are as in `setup.Matter`, ``turn`` (3, 3) is
     the emitter's. A curled strand swings as one as long as its ends are apart, as heavy as it is, and as much softer
     as it has more length to bend."""
     rod, count = scene.rod, len(shape.edges)

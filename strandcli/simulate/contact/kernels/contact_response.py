@@ -1,4 +1,4 @@
-"""How far a force moves the particles of a strand within a step: the step of `simulate.kernels.rod`, linearised.
+"""How far a force moves the particles of a strand within a step: the step of `simulate.rod`, linearised.
 
 Where a step ends, H y + Jᵀ γ = f and J y = 0: H has masses, bending and tension, y are displacements, f forces times
 h² over the mass of a metre; a row of J says that an edge changes across itself alone. With the multipliers γ between

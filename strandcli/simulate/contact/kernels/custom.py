@@ -45,7 +45,7 @@ def _nearest(s, j, near, start, end, past, contact, options):
 def among(s, j, near, start, end, past, contact, options, shape):
     """Search among solids whose surfaces do not drift."""
     for m in range(0, contact.custom.last, contact.custom.columns):
-        if in_reach(shape[0], m, end, options[1], start):
+        if in_reach(shape[0], m, end, options[1]):
             gap, normal, share = gap_of(shape, m, start, end, options)
             if any_lane(gap < options[1]):
                 near = consider(s, j, near, gap, normal, share)
@@ -58,7 +58,7 @@ def among(s, j, near, start, end, past, contact, options, shape):
 def among_moving(s, j, near, start, end, past, contact, options, shape, drift):
     """Search among solids of which some surfaces drift: what these carry along slides by less."""
     for m in range(0, contact.custom.last, contact.custom.columns):
-        if in_reach(shape[0], m, end, options[1], start):
+        if in_reach(shape[0], m, end, options[1]):
             gap, normal, share = gap_of(shape, m, start, end, options)
             if any_lane(gap < options[1]):
                 near = consider(s, j, near, gap, normal, share)
@@ -97,8 +97,8 @@ def gap_of(shape, m, start, end, options):
 
 
 @device
-def in_reach(others, m, end, far, start):
-    """Whether an end of the segment is within `far` of a solid's bounding ball in any lane."""
+def in_reach(others, m, end, far):
+    """Whether the end of the segment is within `far` of a solid's bounding ball in any lane."""
     rows = others.rows
     dx, dy, dz = end[0] - rows[m + X], end[1] - rows[m + Y], end[2] - rows[m + Z]
     far += rows[m + REACH]

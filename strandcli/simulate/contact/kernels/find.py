@@ -23,12 +23,11 @@ UNITS = 20
 ROUNDING = 1e-6
 """Depth, in segments, that is no more than rounding."""
 DEEP = 0.02
-"""Depth, in segments, from which on a solid that has let go late in a step keeps a place out again."""
+"""Depth, in segments, from which on a solid touches a place late in a step."""
 SHARP = 0.1
 """Sine between the normals of two solids from which on both are kept apart."""
 ABLE = 0.5
 """Depth of the beginning of a segment, in segments, up to which its end can be kept out."""
-TINY = 1e-20
 
 
 class Found(NamedTuple):
@@ -37,13 +36,14 @@ class Found(NamedTuple):
     touching: Any
     """Whether solids touch some segment."""
     moved: Any
-    """Whether forces have been taken back."""
+    """Whether u* has changed: forces were taken back, or act elsewhere."""
     near: Any
-    """Whether some segment is nearer to a solid than `search.REACH`."""
+    """Whether some segment is nearer to a solid than its length, or touched by one."""
     depth: Any
-    """The greatest depth of each strand, in segments."""
+    """The greatest depth of each strand, in segments, of places that can be kept out."""
     unsettled: Any
-    """In which lanes some place is inside of a solid, or away from one that touches it, by more than `SETTLED` says."""
+    """In which lanes some place is inside of a solid, away from one that touches it, or pulled by one, by more than
+    `SETTLED` says, or slips otherwise than its friction by more than `CREEP`."""
 
 
 @device
@@ -106,7 +106,7 @@ def contacts(s, at, state, material, c, contact, needs, root, step, patience):
         near = search.nearest(s, j, start, end, past, contact, (needs.segments, length, first))
         active = load(s.active, j) > 0.0
         if near or any_lane(active):
-            if j == 0:
+            if j == 0 and not needs.segments:
                 before = gap_of_root(s, root, past, contact, length)
             found = where_near(s, j, near, zero)
             some_near = True
@@ -121,6 +121,7 @@ def contacts(s, at, state, material, c, contact, needs, root, step, patience):
             depth = max(depth, -c.inverse_length * gap)
         else:
             store(s.gap, j, candidates.FAR)
+            store(s.second_gap, j, candidates.FAR)
             before = zero
         start = end
         past = search.Past(state.positions, past.place + ROW, none)
@@ -157,13 +158,13 @@ def unreachable(s, j, gap, able):
 
 
 @inlined
-def update(s, j, found, c, mass, lanes, friction):
-    """Set the contact of segment j to what was found. ``lanes``: which are active, and whether
-    places may be elsewhere than at the end; ``friction``: coefficient, whether it is late, and the error of |e|² with
-    which iterations end. Returns in which lanes it is not settled,
-    and whether the force of some lane is taken back: where the solid would pull the segment, or is out of reach."""
+def update(s, j, found, c, mass, lanes, law_of):
+    """Set the contact of segment j to what was found. ``lanes``: which are active, and whether places may be elsewhere
+    than at the end; ``law_of``: coefficient of friction, whether it is late, and the error of |e|² with which
+    iterations end. Returns in which lanes it is not settled, and whether u* changes: forces of solids that would pull
+    or are out of reach are taken back, others act at another place."""
     active, whole = lanes
-    coefficient, late, tolerance = friction
+    coefficient, late, tolerance = law_of
     settled = min(SETTLED * tolerance, DEEP)
     gap, second = c.inverse_length * found, c.inverse_length * load(s.second_gap, j)
     force = load3(s.force, 3 * j, 1)
@@ -193,8 +194,8 @@ def update(s, j, found, c, mass, lanes, friction):
         one = where(swapped, x, one[0]), where(swapped, y, one[1]), where(swapped, z, one[2])
     store3(s.across, 3 * j, 1, one[0], one[1], one[2])
     store(s.gap, j, gap)
-    if whole:
-        move_force(s, j, mass)
+    if whole and move_force(s, j, mass):
+        free = True
     store(s.active, j, where(now, 1.0, broadcast(gap, 0.0)))
     slip = scaled(c.inverse_length, load3(s.slip, 3 * j, 1))
     error = law.set_wanted(s, j, (n, one, gap, corner, corner_gap), slip, coefficient, late)
@@ -203,13 +204,15 @@ def update(s, j, found, c, mass, lanes, friction):
 
 @inlined
 def move_force(s, j, mass):
-    """Have the force act where the solid is nearest now."""
+    """Have the force act where the solid is nearest now. Returns whether it has moved in some lane."""
     share = load(s.place, j)
-    if any_lane(load(s.share, j) != share):
+    away = any_lane(load(s.share, j) != share)
+    if away:
         force = load3(s.force, 3 * j, 1)
         law.add_force(s, j, scaled(-1.0, force), mass, True)
         store(s.share, j, share)
         law.add_force(s, j, force, mass, True)
+    return away
 
 
 @inlined

@@ -83,8 +83,8 @@ def place_root(s, at, state, drive, step, deforming):
 
 @device
 def begin(s, at, state, needs, c, shift):
-    """Write a step's begin to the scratch: edges where the root alone has moved, by ``shift`` metres, u*, τ, the force
-    of contact of the step before, and what damping adds to c̄: it pulls each joint toward the bend that it had, κ being
+    """Write a step's begin to the scratch: edges where the root alone has moved, by ``shift`` metres, u*, τ, and
+    what damping adds to c̄: it pulls each joint toward the bend that it had, κ being
     multiplied by 1 + δ/Δt and κ c̄ greater by δ/Δt κ c."""
     px, py, pz = load3(s.edge, -3, 1)
     for j in range(at.segments):

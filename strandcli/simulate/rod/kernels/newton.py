@@ -46,7 +46,7 @@ MOST = 40
 """Iterations, at most: what has not converged then goes in parts."""
 PATIENCE, LATE = 4, 10
 """Iterations after which each one more doubles the errors that contact and rest shapes may be left with, and after
-which a solid that has let go of a strand hardly touches it again."""
+which solids touch no place anew that is not deep."""
 FINE = 32
 """Segments beyond which a single wrong edge, as where contact kinks a strand, counts by its share of the strand."""
 EVEN = 3.0

@@ -16,7 +16,7 @@ class Scratch(NamedTuple):
     """Pointers to vectors; (k) of each segment. All are scratch: a step begins with what `begin` writes."""
 
     edge: Any
-    """(3) e_j, of unit length at the start and the end of a step; row −1 is the clamped direction."""
+    """(3) e_j, of unit length at the end of a step; row −1 is the clamped direction."""
     free: Any
     """(3) u*_j, the displacement of a particle by its momentum, loads and contact alone."""
     inertial: Any

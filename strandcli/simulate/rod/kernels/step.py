@@ -2,8 +2,9 @@
 
 Each thread takes packs from the work queue (`work_queue.run_workers`) and has scratch of its own. Strands are
 independent, so the number of threads changes no bit. A vector of strands goes through all phases of the step before the
-next one begins. One whose iterations end without lengths, or inside of a solid, takes the step again in 2, 4 or 8 parts
-by Euler's method; what fails even so is what its residual and its depth tell.
+next one begins. One whose iterations end without lengths, inside of a solid, or with an edge that has turned by more
+than a right angle takes the step again in parts by Euler's method (`parts`); what fails even so is what its residual
+and its depth tell.
 """
 
 from __future__ import annotations
