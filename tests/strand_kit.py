@@ -11,7 +11,6 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from strandcli.simulate.thesis.solver.solver import ThesisSolver
 
 from reference.rules import Twin
 from strandcli import runtime
@@ -22,7 +21,8 @@ from strandcli.pipeline import render
 from strandcli.scene import Scene, loads
 from strandcli.simulate.rules import Pass, registry
 from strandcli.simulate.solver import Solver
-from strandcli.simulate.thesis.solver import compose
+from strandcli.simulate.thesis import compose
+from strandcli.simulate.thesis.solver import ThesisSolver
 
 JIT = "from strandcli.jit import function, parallel, prange"
 PLAIN = "prange = range\ndef function(f): return f\nparallel = function"

@@ -12,7 +12,6 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
-from strandcli.simulate.thesis.solver.solver import ThesisSolver
 
 import mesh_kit
 import strandcli
@@ -28,6 +27,7 @@ from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import Pass, registry
 from strandcli.simulate.rules.rule import Moment
 from strandcli.simulate.solver import Solver
+from strandcli.simulate.thesis.solver import ThesisSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
 
 PRESETS = ("brush", "curly", "hair", "headline", "minimal", "ponytail", "solvers")

@@ -17,7 +17,7 @@ from strandcli.plan import Plan, make_plan, needs_shadow_maps
 from strandcli.plan.cost import motion_seconds
 from strandcli.scene import Scene, load
 from strandcli.simulate.rules import registry
-from strandcli.simulate.thesis.solver import compose
+from strandcli.simulate.thesis import compose
 from tests.run.test_pipeline_extremes import EVERYTHING, UNLIT
 
 BOUNDS = np.array([[-1.0, -1, -1], [1, 1, 1]])

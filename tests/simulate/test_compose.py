@@ -18,7 +18,7 @@ import strandcli.simulate.rules as rules_module
 from strand_kit import moved, scene_of, solver_of
 from strandcli.errors import UsageError
 from strandcli.simulate.rules import Pass, idle, register, registry
-from strandcli.simulate.thesis.solver import compose
+from strandcli.simulate.thesis import compose
 
 SCENE = """
 emitter: {strands: 3, particles: 4, length: 0.6}

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from strandcli.simulate.thesis.solver.solver import ThesisSolver
 
 from reference.rules import depth
 from strand_kit import scene_of, solver_of
 from strandcli.constants import W
 from strandcli.scene import Scene
+from strandcli.simulate.thesis.solver import ThesisSolver
 
 # one long segment from x = -2 to 2, a little beside the middle of a solid at the origin
 ACROSS = """

@@ -14,7 +14,6 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 import tube
-from strandcli.simulate.thesis.solver.solver import ThesisSolver
 
 from strandcli.draw.shadows.kernels import penumbra
 from strandcli.draw.solids.kernels import rays
@@ -25,6 +24,7 @@ from strandcli.scene.model.solids import SHAPES
 from strandcli.simulate import advice
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
+from strandcli.simulate.thesis.solver import ThesisSolver
 from strandcli.solids import Solids, pack_all, register
 from strandcli.solids.shapes import other_code
 

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 sys.path.insert(0, str(Path(__file__).parents[2] / "examples"))
 
 import solid_shape as ring
-from strandcli.simulate.thesis.solver.solver import ThesisSolver
 
 from strandcli.draw.shadows.kernels import penumbra
 from strandcli.draw.solids.kernels import rasterise, rays
@@ -29,6 +28,7 @@ from strandcli.scene.model.solids import SHAPES
 from strandcli.scene.schema import json_schema
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
+from strandcli.simulate.thesis.solver import ThesisSolver
 from strandcli.solids import Solids, pack_all, register
 
 R, THICK = 0.5, 0.125

@@ -14,8 +14,6 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from strandcli.simulate.thesis.solver.solver import ThesisSolver
-
 import ball_kit
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
@@ -33,6 +31,7 @@ from strandcli.scene.model import Emitter, PoseKey, SphereSolid
 from strandcli.simulate import advice
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
+from strandcli.simulate.thesis.solver import ThesisSolver
 from strandcli.solid_shapes.mesh import MeshKey, Settings
 from strandcli.solids import Solids, pack_all
 

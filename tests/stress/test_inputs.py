@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from strandcli.simulate.thesis.solver.solver import ThesisSolver
 
 import strandcli
 from cli_runs import Runner
@@ -18,6 +17,7 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate import advice, rules
 from strandcli.simulate.rod.solver import RodSolver
+from strandcli.simulate.thesis.solver import ThesisSolver
 from strandcli.study.stress import inputs
 
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from strandcli.simulate.thesis.solver.solver import ThesisSolver
 
 from strandcli.scene.model import SphereSolid
 from strandcli.simulate.rules import registry
+from strandcli.simulate.thesis.solver import ThesisSolver
 from strandcli.study.stress import drive, expected, physics, run, scenes, verdicts
 from strandcli.study.stress.axes import Case, case_named
 

@@ -19,7 +19,7 @@ from ...written import module_of
 from ..rules import Pass
 
 TEMPLATE = '''\
-"""One solver step, written by strandcli.simulate.thesis.solver.compose for: {title}."""
+"""One solver step, written by strandcli.simulate.thesis.compose for: {title}."""
 
 from strandcli.constants import W
 from strandcli.jit import function, parallel, prange
