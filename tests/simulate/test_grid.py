@@ -14,7 +14,7 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
-from strandcli.simulate.grid.kernels import pressure as crowd_pressure
+from strandcli.simulate.grid.kernels import pressure as grid_pressure
 from strandcli.simulate.grid.kernels.records import BETWEEN, LOW, MASS, SIZE, Room
 from strandcli.simulate.grid.strand_grid import Moment
 from strandcli.simulate.rod.kernels.arrays import PACK
@@ -217,9 +217,9 @@ def test_pressure_solves_the_complementarity_problem(wide: int) -> None:
     faces, pressure = (own / np.maximum(around, 1e-6)).astype(np.float32), np.zeros_like(own)
     over = np.where(own > 0, excess / np.maximum(own, 1e-6), 0).astype(np.float32)
     room = Room(own**2, faces, over, pressure, own, pressure)
-    work = np.zeros(crowd_pressure.work_shape(wide, 9, 7), np.float32), np.empty((2, 7 + 2, 9 + 2), np.uint64)
+    work = np.zeros(grid_pressure.work_shape(wide, 9, 7), np.float32), np.empty((2, 7 + 2, 9 + 2), np.uint64)
     for _ in range(20):
-        crowd_pressure.relax(box, room, np.ones((7, 9), np.bool_), *work, pressure)
+        grid_pressure.relax(box, room, np.ones((7, 9), np.bool_), *work, pressure)
     p = np.pad(pressure.reshape(7, 9, wide), 1)
     left = np.zeros((7, 9, wide))
     for axis in range(3):

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from strandcli.groom.record import Groom
-from strandcli.simulate.grid.kernels import donor_cells as crowd_homes
+from strandcli.simulate.grid.kernels import donor_cells
 from strandcli.simulate.grid.kernels.records import BETWEEN, CELL, MASS, PUSH, RATE, SIZE
 from tests.simulate.test_grid import BALL, solver_of
 
@@ -78,11 +78,11 @@ def test_strands_read_of_closed_cells_what_they_leave_in_them() -> None:
     targets = rng.normal(size=(count, CELL)).astype(np.float32)
     homes, closed = np.empty(count, np.int8), np.empty((2, count + 1), np.int32)
     left, room, read = grid.copy(), open_.copy(), targets.copy()
-    crowd_homes.settle(box, np.ones((5, 6), np.bool_), left, room, homes, closed)
-    crowd_homes.read_home(box, homes, closed, read)
+    donor_cells.settle(box, np.ones((5, 6), np.bool_), left, room, homes, closed)
+    donor_cells.read_home(box, homes, closed, read)
     assert (homes[open_ > 0] == 0).all()
-    assert (homes > 0).sum() > 200 < (homes <= crowd_homes.WAYS).sum()
-    assert (homes > crowd_homes.WAYS).any()
+    assert (homes > 0).sum() > 200 < (homes <= donor_cells.WAYS).sum()
+    assert (homes > donor_cells.WAYS).any()
     for column, target in [(MASS + i, RATE + i) for i in range(4)] + [(BETWEEN + i, PUSH + i) for i in range(3)]:
         brought = left[column].astype(float) @ targets[:, target]
         assert brought == pytest.approx(grid[column].astype(float) @ read[:, target], abs=1e-3)

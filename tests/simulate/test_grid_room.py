@@ -9,7 +9,7 @@ import pytest
 
 from mesh_kit import mesh, obj
 from strandcli.scene.motion import solid_pose
-from strandcli.simulate.grid.kernels import pressure as crowd_pressure
+from strandcli.simulate.grid import strand_grid
 from strandcli.simulate.grid.kernels.records import LOW, SIZE
 from strandcli.solids.shapes import other, other_code
 from tests.simulate.test_grid import BALL, prepare, solver_of
@@ -40,7 +40,7 @@ def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
     inner = np.abs(far + 0.75) > 1e-4  # where it jumps rounding decides
     np.testing.assert_allclose(found[inner], wanted[inner], atol=1e-5)
     assert (found < 0.5).sum() > 20
-    monkeypatch.setattr(crowd_pressure, "find_room", None)
+    monkeypatch.setattr(strand_grid, "find_room", None)
     prepare(solver)
     np.testing.assert_array_equal(crowd.shares.reshape(x.shape)[inner], found[inner])
     solver.surroundings._packed[-1][0, 0] += 0.01  # the ball moves

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from strandcli.simulate.grid.kernels import shelter as crowd_shelter
+from strandcli.simulate.grid.kernels import shelter
 from strandcli.simulate.grid.kernels.records import MASS
 from tests.simulate.test_grid import solver_of
 
@@ -17,8 +17,8 @@ def test_wind_fades_exponentially_in_an_even_layer(way: tuple[float, float, floa
     box = np.array([0, 0, 0, side, side, side, 0])
     grid, left = np.zeros((4, side**3), np.float32), np.empty(side**3, np.float32)
     grid[MASS] = 1
-    layers = np.empty((4, crowd_shelter.layer_size(side, side, side)), np.float32)
-    crowd_shelter.shelter(box, grid[MASS], np.array(way, np.float32), np.float32(stop), left, layers)
+    layers = np.empty((4, shelter.layer_size(side, side, side)), np.float32)
+    shelter.shelter(box, grid[MASS], np.array(way, np.float32), np.float32(stop), left, layers)
     cells = left.reshape(side, side, side)  # z, y, x, but where the wind blows along x: x, z, y
     if abs(way[0]) > abs(way[1]):
         cells = cells.transpose(1, 2, 0)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from strand_kit import require_same_after_restart, scene_of
 from strandcli.groom.emit import emit
 from strandcli.simulate.contact.forces import Forces
-from strandcli.simulate.grid.kernels import forces as crowd_forces
+from strandcli.simulate.grid import strand_grid
 from strandcli.simulate.grid.strand_grid import Moment
 from strandcli.simulate.rod.kernels.arrays import PACK
 from strandcli.simulate.rod.solver import RodSolver
@@ -54,14 +54,14 @@ def lost(solver: RodSolver, frames: int = 24) -> list[float]:
 def test_it_is_what_velocities_change_by(force: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Free particles, for a second: the same sum as that of their momentum, whether it stays, below 1e-5, or a force
     from nowhere is added."""
-    real = crowd_forces.act
+    real = strand_grid.act
 
     def act(*given: Any) -> Any:
         found = real(*given)
         given[-2][:, 1] += force  # targets along x
         return found
 
-    monkeypatch.setattr(crowd_forces, "act", act)
+    monkeypatch.setattr(strand_grid, "act", act)
     solver = solver_of(CROWDED)
     crowd, state, dt = solver.grid, solver.state, 1 / 60
     assert crowd is not None
