@@ -14,7 +14,7 @@ from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod_rest import rms
 
 SECONDS = 8
-STILL = 1.0
+STILL = 0.5
 """Millimetres a frame, root mean square of the liveliest particles of strands: what two solids at once may leave at
 rest."""
 GROOVE = (
