@@ -9,7 +9,7 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz guesses reading dense mesh-distances test test-long test-oldest lint types check docs figures figures-of-docs gallery claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz guesses reading dense mesh-distances test test-long test-oldest lint types check docs figures figures-of-docs gallery changelog claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -150,6 +150,9 @@ gallery: $(READY)
 	  $(RUN) render $${shot%-*} -f $${shot#*-} --size 1600x1200 -o out/gallery/$${shot%-*} \
 	    --overwrite --quiet || exit $$?; echo "out/gallery/$${shot%-*}"; \
 	done
+
+changelog:
+	$(PYTHON) changes/fold.py $(VERSION)
 
 figures-of-docs: $(CHECK)/.ready
 	$(CHECK)/bin/python docs/figures.py measure $(ONLY)
