@@ -1,16 +1,17 @@
-"""The reference of presets as Markdown: every key with its type, range, unit, default and meaning."""
+"""The reference of presets as Markdown: every key with what it takes, its default and its meaning."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple
 
 from .dump import plain
 from .fields import Setting, settings_of
 from .model import Scene
 from .rule_type import RuleType, doc_of
 from .specs import (
+    MOST_ITEMS,
     MOST_PANELS,
     NO_COLOUR,
     BooleanSpec,
@@ -34,7 +35,7 @@ from .specs import (
     WindowSpec,
 )
 
-HEAD = ("Key", "Type", "Range", "Unit", "Default", "Meaning")
+HEAD = ("Key", "Value", "Default", "Meaning")
 
 TYPES: Mapping[type[Spec], str] = {
     NumberSpec: "number",
@@ -43,7 +44,6 @@ TYPES: Mapping[type[Spec], str] = {
     ColourSpec: '[r, g, b] or "#rrggbb"',
     SizeSpec: '[w, h] or "800x600"',
     WindowSpec: '[x, y, w, h] or "400x300+100+50"',
-    ChoiceSpec: "word",
     BooleanSpec: "true or false",
     FileSpec: "path of a file",
     MapSpec: "name, or path of a picture",
@@ -59,10 +59,13 @@ TYPES: Mapping[type[Spec], str] = {
 
 
 class Section(NamedTuple):
-    """The settings of one class, and the path at which a preset holds them."""
+    """The settings of one class or, where ``kinds`` has several, those that these share; and their path in a preset."""
 
     title: str
     model: type
+    kinds: tuple[type, ...] = ()
+    """Classes of all kinds that this one is a kind of, itself included."""
+    shared: bool = False
 
 
 def markdown(rules: Mapping[str, RuleType]) -> str:
@@ -76,57 +79,88 @@ def markdown(rules: Mapping[str, RuleType]) -> str:
         "nested or by dotted path such as `camera.fov`.",
     ]
     for section in sections():
-        parts += [f"## {section.title}", paragraph(section.model.__doc__), table(settings_of(section.model).values())]
+        doc = "Settings of every kind." if section.shared else paragraph(section.model.__doc__)
+        parts += [f"## {section.title}", doc, table(rows_of(section))]
     for name, rule in sorted(rules.items(), key=lambda item: item[1].order):
-        parts += [f"## rules: `{name}`", doc_of(rule), table(settings_of(rule.Parameters).values())]
+        parts += [f"## rules: `{name}`", doc_of(rule), table(map(_row, settings_of(rule.Parameters).values()))]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def sections() -> Iterator[Section]:
     """Every class of settings once, in the order in which a preset refers to them; rules are left out."""
-    seen: set[type] = set()
+    seen: set[tuple[type, bool]] = set()
     waiting = [Section("A preset", Scene)]
     while waiting:
         section = waiting.pop(0)
-        if section.model in seen:
+        if (section.model, section.shared) in seen:
             continue
-        seen.add(section.model)
+        seen.add((section.model, section.shared))
         yield section
         prefix = "" if section.model is Scene else section.title.split("`")[1] + "."
-        found = settings_of(section.model).values()
+        found = () if section.shared else settings_of(section.model).values()
         waiting[:0] = [inner for setting in found for inner in _inside(f"{prefix}{setting.key}", setting)]
 
 
 def _inside(path: str, setting: Setting) -> list[Section]:
-    """The sections that a setting refers to."""
+    """The sections that a setting refers to: of several kinds first what they share."""
     match setting.spec:
         case ModelSpec():
             return [Section(f"`{path}`", setting.spec.model)]
         case UnionSpec() | ItemsSpec():
-            entry = f"{path}[]" if isinstance(setting.spec, ItemsSpec) else path
-            kinds = setting.spec.kinds.items()
-            return [Section(f"`{entry}`" + (f" of kind `{kind}`" if kind else ""), cls) for kind, cls in kinds]
+            entry = f"`{path}[]`" if isinstance(setting.spec, ItemsSpec) else f"`{path}`"
+            kinds = tuple(setting.spec.kinds.values())
+            if len(kinds) == 1:
+                return [Section(entry, kinds[0])]
+            each = [Section(f"{entry} of kind `{kind}`", cls, kinds) for kind, cls in setting.spec.kinds.items()]
+            return [Section(entry, kinds[0], kinds, shared=True), *each]
     return []
 
 
-def table(settings: Any) -> str:
-    """The table of some settings, or a sentence where there are none."""
-    rows = [_row(setting) for setting in settings]
-    if not rows:
-        return "It has no settings."
+def rows_of(section: Section) -> list[tuple[str, ...]]:
+    """The rows of a section's table; a kind's own are those that most kinds do not share."""
+    if not section.kinds:
+        return [_row(setting) for setting in settings_of(section.model).values()]
+    tables = [{key: _row(setting) for key, setting in settings_of(cls).items()} for cls in section.kinds]
+    options = ", ".join(table.pop("kind")[1] for table in tables)
+    rows = [row for table in tables for row in table.values()]
+    shared = {
+        row[0]: row
+        for row in rows
+        if 2 * rows.count(row) > len(tables) and all(row[0].strip("`") in table for table in tables)
+    }
+    if section.shared:
+        return [
+            ("`kind`", options, _row(settings_of(section.model)["kind"])[2], "Which of the following."),
+            *shared.values(),
+        ]
+    own = tables[section.kinds.index(section.model)].values()
+    return [row for row in own if shared.get(row[0]) != row]
+
+
+def table(rows: Iterable[tuple[str, ...]]) -> str:
+    """The table of some rows, or a sentence where there are none."""
     lines = [HEAD, tuple("---" for _ in HEAD), *rows]
+    if len(lines) == 2:
+        return "It has no settings."
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 
 def _row(setting: Setting) -> tuple[str, ...]:
     spec = setting.spec
-    unit = "" if spec.unit == "1" else spec.unit
     options = spec.options if isinstance(spec, ChoiceSpec) else ()
     first = spec.doc[:1] if spec.doc.startswith(options) else spec.doc[:1].upper()
     meaning = f"{first}{spec.doc[1:]}." if spec.doc else ""
-    none = f", or `{NO_COLOUR}`" if isinstance(spec, ColourSpec) and spec.or_none else ""
-    cells = (TYPES[type(spec)] + none, _range(spec), unit, _default(spec), meaning)
+    cells = (_value(spec), _default(spec), meaning)
     return (f"`{setting.key}`", *(cell.replace("|", "\\|") for cell in cells))
+
+
+def _value(spec: Spec) -> str:
+    """What a setting takes: its type, unit and range, or its options."""
+    if isinstance(spec, ChoiceSpec):
+        return _range(spec)
+    none = f", or `{NO_COLOUR}`" if isinstance(spec, ColourSpec) and spec.or_none else ""
+    unit = f"({spec.unit})" if spec.unit and spec.unit != "1" else ""
+    return " ".join(part for part in (TYPES[type(spec)] + none, unit, _range(spec)) if part)
 
 
 def _range(spec: Spec) -> str:
@@ -134,7 +168,7 @@ def _range(spec: Spec) -> str:
         return ", ".join(f"`{option}`" for option in spec.options)
     most = spec.most if isinstance(spec, ItemsSpec) else MOST_PANELS if isinstance(spec, PanelsSpec) else None
     if most is not None:
-        return f"≤ {most:,} entries"
+        return f"≤ {most:,} entries" if most < MOST_ITEMS else ""
     limits = spec.limits
     bounds = (("≥", limits.low), (">", limits.above), ("<", limits.below), ("≤", limits.high))
     words = ", ".join(f"{sign} {_number(limit)}" for sign, limit in bounds if limit is not None)
@@ -153,7 +187,7 @@ def _default(spec: Spec) -> str:
     if spec.default is None or (isinstance(spec, MapSpec) and not spec.default):
         return "absent"
     if isinstance(spec, ModelSpec):
-        return "the defaults of its keys"
+        return "its keys'"
     value = plain(spec.default)
     if isinstance(spec, UnionSpec):
         return f"`kind: {value['kind']}`"

@@ -38,21 +38,19 @@ class Settings(SolidSettings):
     colour_from: str = choice(
         "auto",
         ("auto", "file", "colour"),
-        doc="file: its texture, else its vertices' colours; colour: `colour`; auto: the file's, unless `colour` is set",
+        doc="file: its texture or vertex colours; colour: `colour`; auto: the file's, unless `colour` is set",
     )
-    texture: str | None = fields.file(
-        "picture", None, doc="picture for its uv, in place of the file's own; absent: the file's"
-    )
+    texture: str | None = fields.file("picture", None, doc="texture; absent: the file's")
     deform: tuple[MeshKey, ...] = items(
         MeshKey,
-        doc="files between which its vertices move in straight lines; `file` tells triangles, colours and its placing",
+        doc="meshes over time, linear in between; triangles, colours and placement are those of `file`",
     )
     crease: float = number(
-        60.0, low=0, high=180, unit="deg", doc="angle from which on the edge between two triangles is drawn as one; "
-        "normals that the file has beyond those of its faces go before it",
+        60.0, low=0, high=180, unit="deg",
+        doc="angle between triangles from which their edge is drawn sharp; vertex normals of the file take precedence",
     )  # fmt: skip
     resolution: int = integer(
-        128, low=16, high=512, doc="nodes along the longest side of the grid of distances, for contact and soft shadows"
+        128, low=16, high=512, doc="nodes along the longest side of the distance grid, for contact and soft shadows"
     )
 
 

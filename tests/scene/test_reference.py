@@ -1,8 +1,10 @@
-"""The reference of presets has every key of the schema with its type, range, unit, default and meaning."""
+"""The reference of presets has every key of the schema with what it takes, its default and its meaning."""
 
 from __future__ import annotations
 
 from strandcli.scene import json_schema
+from strandcli.scene.fields import settings_of
+from strandcli.scene.model import Scene
 from strandcli.scene.reference import HEAD, TYPES, markdown, sections
 from strandcli.simulate.rules import registry
 
@@ -17,23 +19,36 @@ def rows(title: str) -> dict[str, list[str]]:
 
 
 def test_each_key_of_the_schema_stands_in_a_table() -> None:
-    definitions = json_schema(registry())["$defs"]
-    counted = sorted(len(one["properties"]) for name, one in definitions.items())
-    tables = [part.count("\n| `") for part in TEXT.split("\n## ")[2:]]
-    assert sorted(tables) == counted
+    """What most kinds of an entry share stands once, in the table before theirs."""
+    keys = set(settings_of(Scene))
+    for section in sections():
+        if not section.shared:
+            own = set(rows(section.title))
+            shared = set(rows(section.title.split(" of kind ")[0])) if section.kinds else set()
+            assert own | shared == set(settings_of(section.model))
+            keys |= own | shared
+    for rule in registry().values():
+        keys |= set(rows(f"rules: `{rule.name}`"))
+    definitions = json_schema(registry())["$defs"].values()
+    assert keys == {*settings_of(Scene), *(key for one in definitions for key in one["properties"])}
     titles = [section.title for section in sections()]
     assert len(titles) == len(set(titles))
 
 
-def test_a_row_has_type_range_unit_default_and_meaning() -> None:
-    fps = rows("`time`")["fps"]
-    meaning = "Frames a second; 0: those that the file of strands says, else 24."
-    assert fps == ["`fps`", "number", "≥ 0, ≤ 100,000", "1/s", "`24.0`", meaning]
-    assert rows("`camera`")["focus"][4] == "absent"
-    assert rows("`lights[]` of kind `directional`")["kind"][2] == "`directional`"
-    assert rows("`lights[].shadow`")["model"][4] == "`minmax`"
-    assert rows("rules: `wind`")["strength"][1] == "number"
+def test_a_row_has_value_default_and_meaning() -> None:
+    meaning = "Frames per second; 0: the strand file's, else 24."
+    assert rows("`time`")["fps"] == ["`fps`", "number (1/s) ≥ 0, ≤ 100,000", "`24.0`", meaning]
+    assert rows("`camera`")["focus"][2] == "absent"
+    assert rows("`lights[].shadow`")["model"][2] == "`minmax`"
+    assert rows("rules: `wind`")["strength"][1] == "number (1/s²) ≥ 0"
     assert len(rows("A preset")["title"]) == len(HEAD)
+
+
+def test_what_kinds_share_stands_once() -> None:
+    assert rows("`lights[]`")["kind"][1] == "`directional`, `point`"
+    assert "colour" in rows("`lights[]`")
+    assert list(rows("`lights[]` of kind `point`")) == ["position", "intensity", "size"]
+    assert list(rows("`solids[]` of kind `plane`")) == ["position", "fade"]
 
 
 def test_tables_are_sound_markdown() -> None:

@@ -15,12 +15,12 @@ from ..specs import NO_COLOUR
 class CameraKey:
     """The camera at one moment. What is left out is taken from the camera itself."""
 
-    time: float = number(0.0, unit="s", doc="when; frame 1 is at 0")
-    position: Vector | None = vector(None, unit="m", doc="eye")
+    time: float = number(0.0, unit="s", doc="frame 1 is at 0")
+    position: Vector | None = vector(None, unit="m", doc="position of the eye")
     target: Vector | None = vector(None, unit="m", doc="point looked at")
     fov: float | None = number(None, above=0, below=180, unit="deg", doc="vertical field of view (perspective)")
     height: float | None = number(None, above=0, unit="m", doc="height of the view (orthographic)")
-    ease: str = choice("smooth", ("smooth", "linear", "step"), doc="how this key is left for the next one")
+    ease: str = choice("smooth", ("smooth", "linear", "step"), doc="interpolation to the next key")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -28,37 +28,38 @@ class Camera:
     """The point of view."""
 
     kind: str = choice("perspective", ("perspective", "orthographic"), doc="projection")
-    position: Vector = vector((0.0, 0.0, 5.0), unit="m", doc="eye")
+    position: Vector = vector((0.0, 0.0, 5.0), unit="m", doc="position of the eye")
     target: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="point looked at")
     up: Vector = vector((0.0, 1.0, 0.0), unit="1", nonzero=True, doc="direction that is up in the picture")
     fov: float = number(40.0, above=0, below=180, unit="deg", doc="vertical field of view (perspective)")
     height: float = number(3.0, above=0, unit="m", doc="height of the view (orthographic)")
-    axis_x: float = number(0.5, doc="where the camera's axis meets the picture: share of its width, from the left")
-    axis_y: float = number(0.5, doc="share of its height, from the top")
-    near: float = number(0.01, above=0, unit="m", doc="nothing nearer than this is drawn")
+    axis_x: float = number(0.5, doc="principal point, as a fraction of the width from the left")
+    axis_y: float = number(0.5, doc="principal point, as a fraction of the height from the top")
+    near: float = number(0.01, above=0, unit="m", doc="near clipping distance")
     fit: float | None = number(
         None, above=0, high=10,
-        doc="share of the picture that the strands of emitter.groom fill, those that move at their first, middle "
-        "and last moment: the camera keeps its direction and moves so; absent: it stays where it is",
+        doc="fraction of the picture that strands of a file fill: the camera keeps its direction and moves; "
+        "absent: it does not move",
     )  # fmt: skip
     aperture: float = number(
         0.0, low=0, high=1000, unit="m", doc="diameter of the lens (perspective); 0: a pinhole, sharp everywhere"
     )
     focus: float | None = number(None, above=0, unit="m", doc="depth that is sharp; absent: that of the target")
     shutter: float = number(
-        0.0, low=0, high=1, doc="share of a frame that the shutter is open, up to the frame's own time; 0.5 is usual"
+        0.0,
+        low=0,
+        high=1,
+        doc="fraction of a frame for which the shutter is open, up to the frame's time; 0.5 is usual",
     )
-    samples: int = integer(
-        16, low=1, high=4096, doc="pictures that are averaged over lens and shutter, where either is open"
-    )
+    samples: int = integer(16, low=1, high=4096, doc="pictures averaged over lens and shutter, if either is open")
     keys: tuple[CameraKey, ...] = items(CameraKey, doc="motion")
     file: str | None = file(
         "cameras",
         None,
-        doc="file of cameras, whose views are those of frames 1, 2, …, in the scene's world: transforms.json, COLMAP's "
-        "cameras.txt, cameras.npz, dataset.json, USD; absent: none",
+        doc="camera file with a view per frame: transforms.json, COLMAP's cameras.txt, cameras.npz, dataset.json, "
+        "USD; absent: none",
     )
-    name: str = text("", doc="of several cameras in a file of USD the one that is meant: its path, or the end of it")
+    name: str = text("", doc="camera of a USD file that has several: its path, or the end of it")
     views: tuple[Camera, ...] = ()
     """Of ``file``; no setting of its own."""
 
@@ -76,32 +77,26 @@ class Image:
     background: Colour | Literal["none"] = colour(
         (0.03, 0.035, 0.045),
         or_none=True,
-        doc="behind everything; with horizon, at the top; none: a picture with alpha, whatever horizon is",
+        doc="background colour, with horizon that at the top; none: a picture with alpha",
     )
     horizon: Colour | None = colour(
         None,
-        doc="background at the bottom, with noise against bands, as in solids; absent: one colour everywhere, no noise",
+        doc="background colour at the bottom, dithered; absent: one colour",
     )
     haze: float | None = number(
         None,
         above=0,
         unit="m",
-        doc="depth at which haze leaves 37 % (1/e) of the light of strands and solids and the rest is the background; "
-        "absent: clear air",
+        doc="depth at which haze leaves 1/e of the light, the rest being background; absent: none",
     )
     exposure: float = number(0.0, low=-20, high=20, unit="stops", doc="light is scaled by 2 ** exposure")
     resolver: str = choice(
         "zbuffer",
         ("zbuffer", "sorted"),
-        doc="which strands a pixel shows. zbuffer: the nearest, as a hard line; sorted: all, each by what it covers of "
-        "the pixel, in the order of depth",
+        doc="strands of a pixel. zbuffer: the nearest, as a hard line; sorted: all, by depth and coverage",
     )
-    tone: str = choice(
-        "srgb", ("srgb", "filmic"), doc="srgb: light beyond 1 is cut off; filmic: it rolls off, mid grey stays"
-    )
-    crop: tuple[int, int, int, int] | None = window(
-        high=32_768, doc="part that is drawn: x, y, width, height; absent: all of it"
-    )
+    tone: str = choice("srgb", ("srgb", "filmic"), doc="srgb: light is clipped at 1; filmic: it rolls off")
+    crop: tuple[int, int, int, int] | None = window(high=32_768, doc="window that is drawn; absent: all")
     aovs: tuple[str, ...] = names(doc=f"layers written beside each picture, of {', '.join(AOVS)}")
 
     @property

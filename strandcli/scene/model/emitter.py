@@ -18,9 +18,9 @@ class SphereShape:
 
     kind: str = choice("sphere", ("sphere",))
     radius: float = number(1.0, above=0, unit="m", doc="radius")
-    cap: float = number(180.0, above=0, high=180, unit="deg", doc="polar angle that the roots reach down to from +y")
+    cap: float = number(180.0, above=0, high=180, unit="deg", doc="polar angle from +y down to which roots reach")
     ragged: float = number(
-        0.0, low=0, high=90, unit="deg", doc="how far a cap's rim wanders up and down and thins out; 0: a clean circle"
+        0.0, low=0, high=90, unit="deg", doc="how far the rim of a cap wanders and thins out; 0: a circle"
     )
 
 
@@ -47,57 +47,55 @@ TIED = 20
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Tie:
-    """Strands bound together, as a ponytail: each lies along the surface from its root to the tie, moves with the
-    emitter as if it were a part of it, and hangs from there. The emitter's length, particles and jitter are those of
-    what hangs.
-    """
+    """Strands bound as a ponytail: from root to tie they lie on the surface and move with the emitter; from there they
+    are simulated, with the emitter's length, particles and jitter."""
 
-    position: Vector = vector((0.0, 1.0, 0.0), unit="m", doc="where; the tie is above the nearest point of the surface")
-    radius: float = number(0.018, above=0, unit="m", doc="of the bundle, which tells how thick the hair lies elsewhere")
+    position: Vector = vector((0.0, 1.0, 0.0), unit="m", doc="place of the tie: above the nearest point of the surface")
+    radius: float = number(
+        0.018, above=0, unit="m", doc="radius of the bundle; the thickness of combed hair follows from it"
+    )
     lift: float = number(0.012, low=0, unit="m", doc="height of the tie above the surface")
     direction: Vector | None = vector(
-        None, unit="1", nonzero=True, doc="of the bundle, away from the surface; absent: the surface normal"
+        None, unit="1", nonzero=True, doc="direction of the bundle; absent: the surface normal"
     )
-    spread: float = number(10.0, low=0, high=85, unit="deg", doc="angle to that at which strands leave the rim")
-    slack: float = number(
-        0.0, low=0, unit="m", doc="how far some strands bow off their way, up and aside; most do so much less"
-    )
-    wisps: float = number(
-        0.0, low=0, high=1, doc="share of the strands at the rim that are too short for the tie; fewer farther inside"
-    )
+    spread: float = number(10.0, low=0, high=85, unit="deg", doc="angle at which strands leave the rim of the bundle")
+    slack: float = number(0.0, low=0, unit="m", doc="greatest distance of loose strands from their combed path")
+    wisps: float = number(0.0, low=0, high=1, doc="fraction of strands at the hairline that are too short for the tie")
     wisp_length: float = number(
-        0.025, above=0, unit="m", doc="length of the longest of these; so far inside they are 37 % (1/e) as frequent"
+        0.025,
+        above=0,
+        unit="m",
+        doc="greatest length of wisps, and distance from the hairline over which they become rare (1/e)",
     )
-    over: tuple[str, ...] = names(doc="names of spheres and capsules that it is combed over, as they stand at first")
+    over: tuple[str, ...] = names(
+        doc="names of spheres and capsules that strands are combed over, as placed at frame 1"
+    )
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class GroomFile:
-    """Strands of another program, from a file: all their points are drawn. They are in the emitter's frame, so that its
-    position, rotation and keys carry them. Their number, points and lengths are those of the file. Where rules move
-    strands, some of the file's are simulated as guides, and all follow these."""
+    """Strands of a file, in the emitter's frame. If there are rules, some are simulated as guides, and all follow
+    them."""
 
     file: str = file(
         "strands",
-        doc="file of strands, of a format that `convert` reads; of files that are numbered by the frame "
-        "the name with # or %04d for the number, as strands.####.ply",
+        doc="strand file of a format that `convert` reads; of numbered files a pattern: strands.####.ply or "
+        "strands.%04d.ply",
         numbered=True,
     )
     start: float | None = number(
         None, low=-1e6, high=1e9,
-        doc="what frame 1 shows of strands that move: seconds in the file, of numbered files the number; absent: the "
-        "first moment",
+        doc="what frame 1 shows of moving strands: seconds, or the number of a numbered file; absent: the first",
     )  # fmt: skip
     up: str = placed_file.up(auto="as the file says, or a clear guess, else y")
     root: str = choice(
         "auto",
         ("auto", "first", "last"),
-        doc="which point of a strand is its root. auto: the first, but with `fix` where the other is clearly it",
+        doc="which point is the root. auto: the first, and with `fix` the last where that is clearly right",
     )
     fix: bool = boolean(
         False,
-        doc="leave out strands that are not finite, have no length or repeat another. false: what cannot be drawn is "
-        "refused",
+        doc="leave out strands that are not finite, have no length or are duplicates; false: they are refused",
     )
     scale: float | None = placed_file.scale(absent="as the file says, else 1")
     size: float | None = placed_file.size(box="the box about all strands")
@@ -105,27 +103,28 @@ class GroomFile:
     colours: str = choice(
         "file",
         ("file", "none"),
-        doc="file: each strand has its colours in the file, from root to tip, where there are any that differ, in "
-        "place of the material's; none: the material's",
+        doc="file: the file's colours along each strand, where it has any; none: the material's",
     )
-    strands: int | None = integer(None, low=1, high=100_000_000, doc="so many of them, drawn by the seed; absent: all")
+    strands: int | None = integer(
+        None, low=1, high=100_000_000, doc="number of strands, chosen by the seed; absent: all"
+    )
     guides: int = integer(
         2000, low=1, high=10_000_000,
-        doc="strands that are simulated where rules move them, with emitter.particles each; the others follow",
+        doc="strands that are simulated if there are rules, with emitter.particles each; the others follow them",
     )  # fmt: skip
     cover: float | None = number(
         None, above=0, high=1000,
-        doc="where material.width is 0 and the file has no widths: strands are so wide that they cover what they are "
-        "seen before so many times, at most 1/200 of the longest side of their box; absent: lines one pixel wide",
+        doc="without widths: choose one with which strands cover their silhouette so many times, at most 1/200 of "
+        "the groom's size; absent: lines one pixel wide",
     )  # fmt: skip
     on: str = text(
         "",
-        doc="name of a solid, as it stands at first: roots off its surface are moved onto it, their strands with them, "
-        "and strands inside are led out; absent: strands stay where they are",
+        doc="name of a solid onto which roots are moved, and out of which strands are moved, as it is placed at "
+        "frame 1; absent: none",
     )
-    stride: int | None = integer(None, low=2, high=1_000_000, doc="points a strand, where the file has vertices alone")
-    array: str = text("", doc="array of the points, where an .npz file has several")
-    object: tuple[str, ...] = names(doc="objects of the file whose strands are wanted; absent: all")
+    stride: int | None = integer(None, low=2, high=1_000_000, doc="points per strand, if the file has only vertices")
+    array: str = text("", doc="array of the points, if an .npz file has several")
+    object: tuple[str, ...] = names(doc="objects of the file that are used; empty: all")
 
 
 HEADS = ("sphere", "capsule", "box", "plane", "mesh")
@@ -182,52 +181,54 @@ LEAST_MAPPED = 0.02
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Emitter:
-    """Where strands grow, how many and how long, and how the whole of it moves (thesis §1)."""
+    """Where strands grow, their number and length, and how the emitter moves (thesis §1)."""
 
     shape: SphereShape | DiscShape | PlaneShape | MeshShape = union(
         SphereShape(),
         {"sphere": SphereShape, "disc": DiscShape, "plane": PlaneShape, "mesh": MeshShape},
-        doc="surface that bears the roots",
+        doc="surface of the roots",
     )
-    strands: int = integer(10_000, low=1, high=100_000_000, doc="number of strands")
-    particles: int = integer(10, low=2, high=100_000, doc="particles a strand, root included")
+    strands: int = integer(10_000, low=1, high=100_000_000, doc="simulated strands")
+    particles: int = integer(10, low=2, high=100_000, doc="particles per strand, root included")
     length: float = number(1.0, above=0, unit="m", doc="mean strand length from root to tip")
     length_variation: float = number(
         0.0,
         low=0,
         high=1,
-        doc="lengths are even in length * (1 - v) ... length * (1 + v); at 1 some are almost nothing",
+        doc="lengths are uniform in length * (1 - v) ... length * (1 + v)",
     )
     direction: Vector | None = vector(None, unit="1", nonzero=True, doc="growing direction; absent: the surface normal")
     comb: Vector | None = vector(
-        None, unit="1", nonzero=True, doc="strands are combed this way along the surface; absent: they are not"
+        None,
+        unit="1",
+        nonzero=True,
+        doc="direction in which strands are combed along the surface; absent: they are not",
     )
     lift: float = number(30.0, low=0, high=90, unit="deg", doc="angle of combed strands to the surface")
     parting: float | None = number(
         None,
         unit="m",
-        doc="x of a parting that ends at the middle: in front of that, strands to its left are combed the other way "
-        "along x, and behind it none along x; absent: none",
+        doc="x of a parting from the front to the middle, with strands combed away from it on both sides; absent: none",
     )
-    tie: Tie | None = optional(
-        Tie, doc="strands are combed to one place and hang from there; absent: they hang from their roots"
-    )
+    tie: Tie | None = optional(Tie, doc="a ponytail: strands are combed to one place and hang from it; absent: none")
     groom: GroomFile | None = optional(
-        GroomFile, doc="strands are those of a file, beside which only position, rotation and keys hold; absent: grown"
+        GroomFile, doc="strands of a file, which only position, rotation and keys apply to; absent: strands are grown"
     )
     jitter: float = number(0.0, low=0, high=180, unit="deg", doc="cone within which each strand's direction is tilted")
     curl_angle: float = number(
-        25.0, low=0, high=80, unit="deg", doc="angle of a curled strand to its own axis; only with curl_turns"
+        25.0, low=0, high=80, unit="deg", doc="angle of a curled strand to its axis; needs curl_turns"
     )
     curl_turns: float = number(0.0, low=0, high=1000, doc="turns of a helix from root to tip; 0: straight")
     bend: float = number(
         0.0, low=-360, high=360, unit="deg",
-        doc="by which strands turn toward the surface between bend_onset and the tip; below 0: away from it; not of "
-        "curled or tied ones",
+        doc="angle by which strands turn toward the surface from bend_onset to the tip; negative: away from it; "
+        "not with curls or a tie",
     )  # fmt: skip
-    bend_onset: float = number(0.0, low=0, high=0.95, doc="share of a strand that is straight before that")
-    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="where it stands when it has no keys")
-    rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="how it stands when it has no keys")
+    bend_onset: float = number(0.0, low=0, high=0.95, doc="fraction of the strand before the bend")
+    position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="position, if there are no keys")
+    rotation: Vector = vector(
+        (0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z, if there are no keys"
+    )
     keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; roots and directions turn with it")
     followers: Followers | None = None
     """What follows the simulated strands of a file; None where there is no file, or nothing of it is simulated."""

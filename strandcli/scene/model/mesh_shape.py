@@ -13,13 +13,12 @@ class MeshKey:
     """A shape of a mesh that deforms, at a time."""
 
     time: float = number(0.0, unit="s", doc="seconds")
-    file: str = file("mesh", doc="mesh with the same vertices in the same order as `file` of what deforms")
+    file: str = file("mesh", doc="mesh with the vertices of `file` in the same order")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class MeshShape:
-    """Roots spread evenly by area, or by a density, over the triangles of a file, which stand in the emitter's frame as
-    a solid's of kind `mesh` do in its own."""
+    """Roots spread by area, or by a density, over the triangles of a file, in the emitter's frame."""
 
     kind: str = choice("mesh", ("mesh",))
     file: str = file("mesh", doc="mesh of triangles: .obj, .ply, .stl, .glb or .gltf")
@@ -29,29 +28,25 @@ class MeshShape:
     place: str = placed_file.place()
     deform: tuple[MeshKey, ...] = items(
         MeshKey,
-        doc="files between which its vertices move in straight lines; with the rule emitter_motion roots follow their "
-        "triangles, and strands turn with them",
+        doc="meshes over time, linear in between; with the rule emitter_motion, roots and directions follow their "
+        "triangles",
     )
-    density: str = surface_map(
-        doc="attribute of vertices or picture by which roots are spread; nothing grows where it is 0. Absent: evenly"
-    )
+    density: str = surface_map(doc="vertex attribute or picture: density of roots; absent: uniform")
     above: float | None = number(
         None,
         unit="m",
-        doc="height above which strands grow, for a mesh without a density; the rim follows its triangles. Absent: all",
+        doc="height above which strands grow, without a density; absent: everywhere",
     )
     length: str = surface_map(
-        doc="attribute of vertices or picture by which strands are shorter: a factor of `emitter.length` from 0 to 1, "
-        "of which 0.02 is the least; absent: 1"
+        doc="vertex attribute or picture: factor of `emitter.length`, clamped to 0.02 ... 1; absent: 1"
     )
     colours: str = choice(
         "none",
         ("none", "file"),
-        doc="file: each strand has the mesh's colour at its root, that of the texture, else of the vertices; it varies "
-        "by material.colour_variation, and toward the tip as material.colour does to tip_colour; none: the material's",
+        doc="file: the mesh's colour at each root, from its texture or its vertices; none: the material's",
     )
     comb: str = text(
         "",
-        doc="attribute of vertices, three numbers each or NAME_x, NAME_y and NAME_z: the direction of combing, in "
-        "the file's axes; `emitter.comb` where it is 0",
+        doc="vertex attribute of three numbers, or NAME_x, NAME_y, NAME_z: direction of combing in the file's "
+        "axes; `emitter.comb` where it is 0",
     )

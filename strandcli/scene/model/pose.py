@@ -11,7 +11,7 @@ from ..fields import Vector, choice, number, vector
 class PoseKey:
     """A position and an orientation at one moment."""
 
-    time: float = number(0.0, unit="s", doc="when; frame 1 is at 0")
+    time: float = number(0.0, unit="s", doc="frame 1 is at 0")
     position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="translation")
     rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z; may exceed 360")
-    ease: str = choice("smooth", ("smooth", "linear", "step"), doc="how this key is left for the next one")
+    ease: str = choice("smooth", ("smooth", "linear", "step"), doc="interpolation to the next key")

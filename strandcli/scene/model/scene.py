@@ -25,22 +25,18 @@ class Time:
         48,
         low=0,
         high=1_000_000,
-        doc="frames in the whole animation; 0: all that the file of strands has, 1 if it is still",
+        doc="frames of the animation; 0: those of the strand file, 1 if it is still",
     )
-    fps: float = number(
-        24.0, low=0, high=100_000, unit="1/s", doc="frames a second; 0: those that the file of strands says, else 24"
-    )
+    fps: float = number(24.0, low=0, high=100_000, unit="1/s", doc="frames per second; 0: the strand file's, else 24")
     substeps: int = integer(
         1, low=1, high=1000,
-        doc="solver steps a frame; the step is 1 / (fps * substeps), which rods cut where coils or swings ask for it",
+        doc="solver steps per frame; rods subdivide them for fast coils and swings",
     )  # fmt: skip
     preroll: float = number(
         0.0, low=0, high=3600, unit="s",
-        doc="time simulated before frame 1, with everything held at its first key, or with loop: true in motion",
+        doc="time simulated before frame 1, with keys clamped to the first one, or running if loop is true",
     )  # fmt: skip
-    loop: bool = boolean(
-        False, doc="all frames repeat without end: keys and gusts have that period, also during the pre-roll"
-    )
+    loop: bool = boolean(False, doc="keys and gusts repeat with the length of the animation, also during the pre-roll")
 
     @property
     def period(self) -> float:
@@ -65,51 +61,50 @@ class RuleUse:
 class Scene:
     """A whole preset. ``panels`` holds complete scenes, to be drawn side by side, and is empty for a single picture."""
 
-    title: str = text("", doc="what there is to see")
-    seed: int = integer(0, low=0, high=2**63 - 1, doc="seed of everything random")
+    title: str = text("", doc="title of the picture")
+    seed: int = integer(0, low=0, high=2**63 - 1, doc="seed of all random numbers")
     look: str = choice(
         "free",
         ("free", "source"),
-        doc="source: as the source draws, by the z-buffer, Marschner's model and min/max shadow maps; a setting that "
-        "says otherwise is refused. free: each setting by itself",
+        doc="source: as the thesis draws (z-buffer, Marschner's model, min/max shadow maps), and other settings "
+        "are refused; free: any setting",
     )
     quality: str = choice(
         "preset",
         ("preset", "draft", "default", "best"),
-        doc="settings of drawing by name, where they are not written beside it; preset: as the rest says",
+        doc="drawing settings by name; those written beside it win; preset: none by name",
     )
     solver: str = choice(
-        "thesis", ("thesis", "rod"), doc="how strands move: the source's rules, or inextensible rods with mass"
+        "thesis", ("thesis", "rod"), doc="thesis: the rules of the thesis; rod: inextensible rods with mass"
     )
-    rod: Rod = model(Rod, doc="matter and settings of the solver rod")
+    rod: Rod = model(Rod, doc="settings of `solver: rod`")
     time: Time = model(Time, doc="the clock")
     emitter: Emitter = model(Emitter, doc="where strands come from")
     children: Children | None = optional(
-        Children, doc="strands drawn about the simulated ones, in locks and waves; absent: those alone are drawn"
+        Children, doc="strands drawn around the simulated ones; absent: only those are drawn"
     )
     rules: tuple[RuleUse, ...] = rules(
-        doc="what moves the strands: a list is applied in its own order, a rule as often as it is listed; a mapping in "
-        "the documented default order"
+        doc="what moves the strands: a list is applied in its order, a mapping in the default order"
     )
-    solids: tuple[Solid, ...] = items(SOLIDS, doc="things that are drawn, hide, cast shadows and can be collided with")
+    solids: tuple[Solid, ...] = items(SOLIDS, doc="objects that are drawn, cast shadows and stop strands")
     camera: Camera = model(Camera, doc="the point of view")
     image: Image = model(Image, doc="the picture")
     lights: tuple[Light, ...] = items(
         LIGHTS, default=(DirectionalLight(),), most=MOST_LIGHTS, doc="lights; an empty list is darkness"
     )
-    ambient: Colour = colour((0.1, 0.1, 0.1), doc="light from everywhere")
+    ambient: Colour = colour((0.1, 0.1, 0.1), doc="uniform light from all directions")
     environment: Environment | None = optional(
-        Environment, doc="light from all round by a picture, added to `ambient`; absent: none"
+        Environment, doc="light from a lat-long picture, added to `ambient`; absent: none"
     )
     ambient_occlusion: AmbientOcclusion | None = optional(
         AmbientOcclusion,
-        doc="ambient and environment reach what strands and solids leave open; absent: they reach everything",
+        doc="strands and solids occlude ambient and environment light; absent: they do not",
     )
-    material: Material = model(Material, doc="how strands take light")
+    material: Material = model(Material, doc="how strands scatter light")
     curves: Curves = model(Curves, doc="smoothing")
-    detail: Detail | None = optional(Detail, doc="level of detail; absent: every strand is drawn")
-    label: str = text("", doc="what stands below the picture when it is a panel")
-    panels: tuple[Scene, ...] = panels(doc="pictures side by side: each is this scene with a few settings changed")
+    detail: Detail | None = optional(Detail, doc="level of detail; absent: all strands are drawn")
+    label: str = text("", doc="caption of a panel")
+    panels: tuple[Scene, ...] = panels(doc="pictures side by side: this scene with some settings changed")
     source: str = field(default="", compare=False)
     sha256: str = field(default="", compare=False)
 

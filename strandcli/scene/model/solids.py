@@ -22,26 +22,25 @@ class SolidSettings:
     name: str = text("", doc="name for a collision rule's `with`")
     position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="centre")
     rotation: Vector = vector((0.0, 0.0, 0.0), unit="deg", doc="Euler angles about x, then y, then z")
-    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion, in place of position and rotation")
-    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is taken in the emitter's frame")
+    keys: tuple[PoseKey, ...] = items(PoseKey, doc="motion; replaces position and rotation")
+    follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is in the emitter's frame")
     colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
     coat: float = number(
         0.0,
         low=0,
         high=1,
-        doc="share of light that a coat mirrors straight on, .04 is varnish or wax, .007 skin; 0: matte",
+        doc="reflectance of a coat at normal incidence: 0.04 varnish, 0.007 skin; 0: matte",
     )
-    roughness: float = number(0.3, low=0.05, high=1, doc="of the coat; 0.1 is polished, 0.5 satin")
-    mottle: float = number(0.0, low=0, high=1, doc="spread of brightness from patch to patch")
+    roughness: float = number(0.3, low=0.05, high=1, doc="roughness of the coat: 0.1 polished, 0.5 satin")
+    mottle: float = number(0.0, low=0, high=1, doc="variation of brightness between patches")
     grain: float = number(0.1, above=0, unit="m", doc="width of the largest patches")
     subsurface: Vector = vector(
         (0.0, 0.0, 0.0),
         low=0,
         high=1,
-        doc="how far light of red, green and blue goes on under the surface, past where it grazes it; skin is about "
-        "[.4, .2, .12]; 0: opaque",
+        doc="spread of red, green and blue light under the surface; skin: about [0.4, 0.2, 0.12]; 0: opaque",
     )
-    visible: bool = boolean(True, doc="drawn, and casting shadows; collisions do not ask")
+    visible: bool = boolean(True, doc="draw it and its shadows; it stops strands either way")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -68,7 +67,7 @@ class PlaneSolid(SolidSettings):
     kind: str = choice("plane", ("plane",))
     position: Vector = vector((0.0, 0.0, 0.0), unit="m", doc="a point of the plane")
     fade: float = number(
-        0.0, low=0, unit="m", doc="distance from `position` over which it fades into the background; 0: never"
+        0.0, low=0, unit="m", doc="distance from `position` over which the plane fades into the background; 0: never"
     )
 
 

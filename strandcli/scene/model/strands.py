@@ -22,25 +22,24 @@ TAPER = 0.7
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Material:
-    """How strands take light: Marschner et al. 2003 (R, TT and TRT lobes) or Chiang et al. 2016 (those and the rest,
-    energy conserving), and an approximation of the light that goes from strand to strand, which both leave out."""
+    """How strands scatter light: by Marschner et al. 2003 or Chiang et al. 2016, and light between strands."""
 
     model: str = choice(
         "marschner",
         FIBRES,
-        doc="marschner: alpha, beta, azimuthal; chiang, the model of path tracers: tilt, beta_m, beta_n",
+        doc="marschner uses alpha, beta, azimuthal; chiang uses tilt, beta_m, beta_n",
     )
-    parameters: Any = parameters(FIBRES, "model", doc="settings of a model from elsewhere; absent: its defaults")
-    colour: Colour = colour((0.22, 0.11, 0.05), doc="colour of a mass of such strands, where pigment is rgb")
+    parameters: Any = parameters(FIBRES, "model", doc="settings of a model of another package; absent: its defaults")
+    colour: Colour = colour((0.22, 0.11, 0.05), doc="colour of many such strands together, if pigment is rgb")
     # inside this class `colour` is by now the field above
     tip_colour: Colour | None = fields.colour(None, doc="colour at the tip; absent: the same along the strand")
-    pigment: str = choice("rgb", PIGMENTS, doc="rgb: as `colour`; or hair of a natural colour, made by melanin")
+    pigment: str = choice("rgb", PIGMENTS, doc="rgb: as `colour`; else a natural hair colour, by melanin")
     eumelanin: float | None = number(
-        None, low=0, high=50, doc="black-brown melanin, 1 is brown; with pheomelanin in place of a pigment's own"
+        None, low=0, high=50, doc="black-brown melanin, 1 is brown; replaces the pigment's own"
     )
-    pheomelanin: float | None = number(None, low=0, high=50, doc="red-yellow melanin")
-    grey: float = number(0.0, low=0, high=1, doc="share of strands without any pigment")
-    grey_colour: Colour = fields.colour((1.0, 1.0, 1.0), doc="colour of a mass of those: withered grass, say")
+    pheomelanin: float | None = number(None, low=0, high=50, doc="red-yellow melanin; replaces the pigment's own")
+    grey: float = number(0.0, low=0, high=1, doc="fraction of strands without pigment")
+    grey_colour: Colour = fields.colour((1.0, 1.0, 1.0), doc="colour of those strands, such as withered grass")
     colour_variation: float = number(0.0, low=0, high=1, doc="spread of brightness from strand to strand")
     eta: float = number(1.55, above=1, high=3, doc="index of refraction")
     alpha: float = number(-7.5, low=-20, high=20, unit="deg", doc="shift of the R lobe toward the root, by the scales")
@@ -49,32 +48,29 @@ class Material:
     tilt: float = number(2.5, low=-10, high=10, unit="deg", doc="angle at which the scales stand up (chiang)")
     beta_m: float = number(0.25, low=0.001, high=1, doc="longitudinal roughness (chiang)")
     beta_n: float = number(0.3, low=0.001, high=1, doc="azimuthal roughness (chiang)")
-    specular: float = number(1.0, low=0, high=10, doc="scale of the lobes together; 0 leaves their tables out")
+    specular: float = number(1.0, low=0, high=10, doc="scale of all lobes; 0: none")
     scatter: str = choice(
         "diffuse",
         ("diffuse", "dual"),
-        doc="light from strand to strand: a diffuse term; or dual scattering, under lights whose shadow.model is "
-        "opacity, with Chiang's lobes",
+        doc="light between strands. diffuse: a constant term; dual: dual scattering, which needs a light with "
+        "`shadow.model: opacity`",
     )
-    diffuse: float = number(0.35, low=0, high=10, doc="scale of the diffuse term; 0 leaves it out")
+    diffuse: float = number(0.35, low=0, high=10, doc="scale of the diffuse term; 0: none")
     width: float = number(
         0.0,
         low=0,
         unit="m",
-        doc="strand diameter near the root; with the zbuffer drawn only where it exceeds a pixel. 0: lines one pixel "
-        "wide",
+        doc="strand diameter near the root; in a z-buffer at least one pixel; 0: lines one pixel wide",
     )
-    rounded: bool = boolean(
-        True, doc="light across a strand where it is wider than two pixels; false: its average everywhere"
-    )
+    rounded: bool = boolean(True, doc="resolve light across strands wider than two pixels; false: use its average")
     taper: float | None = number(
         None,
         low=0,
         high=1,
-        doc="part of the width that is lost from root to tip; absent: 0.7, or 0 where the widths are those of a file",
+        doc="fraction of the width lost from root to tip; absent: 0.7, or 0 for widths of a file",
     )
     opacity: float = number(
-        1.0, low=0, high=1, doc="share of the light from behind that a strand stops where it covers (sorted)"
+        1.0, low=0, high=1, doc="fraction of the light behind that a strand blocks where it covers (sorted)"
     )
 
     @property
@@ -91,37 +87,36 @@ class Curves:
         "adaptive",
         ("adaptive", "fixed", "off", "thinned"),
         doc="adaptive: pieces by screen error; fixed: 2 ** level; off: straight; thinned: straight, without "
-        "points that make no difference",
+        "redundant points",
     )
-    level: int = integer(2, low=0, high=8, doc="each segment becomes 2 ** level pieces (fixed), at most (adaptive)")
+    level: int = integer(2, low=0, high=8, doc="pieces per segment: 2 ** level (fixed), or at most that (adaptive)")
     tolerance: float = number(
         0.25, above=0, unit="px",
-        doc="greatest distance of a piece from its curve (adaptive), of a point that is left out (thinned)",
+        doc="greatest error of a piece (adaptive) or of a removed point (thinned)",
     )  # fmt: skip
     tangents: str = choice(
         "difference",
         ("difference", "printed"),
-        doc="central difference, or the source's cross products with its artefact",
+        doc="difference: central differences; printed: the thesis' cross products, with their artefact",
     )
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Detail:
-    """Level of detail: of strands far away fewer are drawn, each one wider by the inverse of the fraction kept there,
-    near / distance."""
+    """Level of detail: of strands far away the fraction near / distance is drawn, wider by its inverse."""
 
     near: float | None = number(
         None,
         above=0,
         unit="m",
-        doc="nearer than this every strand is drawn; absent: where it is `pixels` wide or wider, by material.width",
+        doc="distance up to which all strands are drawn; absent: where they are at least `pixels` wide",
     )
     pixels: float = number(
         1.0,
         above=0,
         high=100,
         unit="px",
-        doc="width of a strand's root on the screen, in samples, under which fewer are drawn (where near is absent)",
+        doc="width of a root on screen, in samples, below which fewer strands are drawn; without near",
     )
-    fraction: float = number(0.1, above=0, high=1, doc="smallest fraction kept, however far")
-    widen: bool = boolean(True, doc="widen by 1 / fraction, so that the covered area stays")
+    fraction: float = number(0.1, above=0, high=1, doc="least fraction of strands that is drawn")
+    widen: bool = boolean(True, doc="widen strands by 1 / fraction, so that coverage stays")

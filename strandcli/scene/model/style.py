@@ -14,60 +14,53 @@ MOST_STEPS = 16
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Clump:
-    """Locks: strands are drawn to the one in their middle, the more the nearer to the tip."""
+    """Clumps (locks): strands are drawn toward the strand at the clump's centre, the more the nearer to the tip."""
 
-    size: float = number(0.02, above=0, unit="m", doc="distance between the middles of locks, at the roots")
+    size: float = number(0.02, above=0, unit="m", doc="distance between clump centres at the roots")
     strength: float = number(
-        0.7, low=0, high=1, doc="share of the way to the middle that tips are moved; 0: none, 1: locks end in points"
+        0.7,
+        low=0,
+        high=1,
+        doc="fraction of the distance to the clump centre by which tips are moved; 1: pointed clumps",
     )
-    shape: float = number(
-        1.0, above=0, high=10, doc="that share grows with the way from the root to this power: 0.5 early, 3 late"
-    )
-    variation: float = number(0.4, low=0, high=1, doc="part of the strength that differs from lock to lock")
-    stray: float = number(0.05, low=0, high=1, doc="share of strands that go their own way")
+    shape: float = number(1.0, above=0, high=10, doc="exponent along the strand: 0.5 clumps early, 3 late")
+    variation: float = number(0.4, low=0, high=1, doc="variation of the strength between clumps")
+    stray: float = number(0.05, low=0, high=1, doc="fraction of strands outside any clump")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Wave:
-    """Waves, curls or frizz: strands wind about where they would be. Their lengths stay, so their ends draw up."""
+    """Waves, curls or frizz, with the length of strands preserved, so that tips draw up."""
 
-    radius: float = number(0.003, low=0, unit="m", doc="how far they depart to each side")
-    length: float = number(0.04, above=0, unit="m", doc="along the strand, from one turn to the next")
-    round: float = number(0.4, low=0, high=1, doc="0: waves to and fro, 1: corkscrews")
-    onset: float = number(0.3, low=0, high=1, doc="share of a strand over which they begin")
-    disorder: float = number(
-        0.1, low=0, high=1, doc="0: the strands of a lock wave as one; 1: each by itself, which is frizz"
-    )
-    share: float = number(1.0, low=0, high=1, doc="share of the strands that wave so; 0.02: stray hair")
+    radius: float = number(0.003, low=0, unit="m", doc="amplitude")
+    length: float = number(0.04, above=0, unit="m", doc="wavelength along the strand")
+    round: float = number(0.4, low=0, high=1, doc="0: flat waves, 1: helices")
+    onset: float = number(0.3, low=0, high=1, doc="fraction of a strand over which waves grow to full amplitude")
+    disorder: float = number(0.1, low=0, high=1, doc="0: the strands of a clump in phase; 1: each by itself, frizz")
+    share: float = number(1.0, low=0, high=1, doc="fraction of the strands that wave; 0.02: stray hairs")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Fringe:
-    """More of the children at the hairline, which is the rim of a sphere's cap, and along the parting, so that skin is
-    covered there as soon as by real hair, which is finer and more."""
+    """Moves some children to the hairline (the rim of a sphere's cap) and the parting, where skin would show."""
 
-    share: float = number(0.15, low=0, high=1, doc="share of the children that move there")
-    within: float = number(0.01, above=0, unit="m", doc="so far inside they are 37 % (1/e) as dense")
-    length: float = number(0.5, above=0, high=1, doc="their lengths are even in this ... 1 of the others'")
+    share: float = number(0.15, low=0, high=1, doc="fraction of the children that is moved there")
+    within: float = number(0.01, above=0, unit="m", doc="distance from the hairline at which their density is 1/e")
+    length: float = number(0.5, above=0, high=1, doc="least length relative to the others'")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Children:
-    """Strands that are drawn about the simulated ones, which guide them.
+    """Strands drawn around the simulated ones. Each follows its three nearest guides; then come clumps, waves, its own
+    length, and the solids of a collision rule."""
 
-    Each keeps its own root and follows the three guides nearest to it; then come locks, the widest listed first, and
-    waves; then it gets its length again and is kept out of the solids that a collision rule names.
-    """
-
-    count: int = integer(10, low=1, high=10_000, doc="strands drawn for each one that is simulated")
-    cut: float = number(
-        0.0, low=0, high=1, doc="lengths are even in 1 - cut ... 1 of the guides', at 1 some are almost nothing"
-    )
-    undercoat: float = number(0.0, low=0, high=1, doc="share of strands that are short")
-    undercoat_length: float = number(0.5, above=0, high=1, doc="of those, the length as a share of the others'")
-    fringe: Fringe | None = optional(Fringe, doc="hair at hairline and parting; absent: as dense there as anywhere")
-    clumps: tuple[Clump, ...] = items(Clump, doc="locks, and locks in locks, from wide to narrow")
-    waves: tuple[Wave, ...] = items(Wave, doc="waves, curls and frizz, one upon another")
+    count: int = integer(10, low=1, high=10_000, doc="strands drawn per simulated strand")
+    cut: float = number(0.0, low=0, high=1, doc="lengths are uniform in 1 - cut ... 1 times the guides'")
+    undercoat: float = number(0.0, low=0, high=1, doc="fraction of strands that are short")
+    undercoat_length: float = number(0.5, above=0, high=1, doc="length of the undercoat relative to the others'")
+    fringe: Fringe | None = optional(Fringe, doc="denser hair at hairline and parting; absent: none")
+    clumps: tuple[Clump, ...] = items(Clump, doc="clumps and clumps in clumps, from wide to narrow")
+    waves: tuple[Wave, ...] = items(Wave, doc="waves, curls and frizz, added up")
 
     def steps(self, segment: float) -> int:
         """In how many steps a guide's segment of so many metres is drawn, for the waves' sake."""

@@ -31,8 +31,8 @@ _SHIPPED = ("sphere", "capsule", "plane", "box")
 class Parameters:
     """Which solids stop the strands, and how closely they are looked at."""
 
-    with_: tuple[str, ...] = names(doc="names of the solids; none given: all of them")
-    segments: bool = boolean(False, doc="also keep segments out between two particles; particles have the last word")
+    with_: tuple[str, ...] = names(doc="names of solids; empty: all")
+    segments: bool = boolean(False, doc="also keep segments outside solids, not only particles")
 
 
 def check(parameters: Parameters, scene: Scene) -> Iterable[tuple[str, str]]:

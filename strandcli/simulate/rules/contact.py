@@ -26,12 +26,10 @@ class Parameters:
     """Contact with friction, strand against strand; children are not looked at."""
 
     thickness: float | None = number(
-        None, above=0, unit="m", doc="distance that the middles of strands keep; absent: the diameter of rod.radius"
+        None, above=0, unit="m", doc="least distance of centre lines; absent: twice rod.radius"
     )
     friction: float = number(0.3, low=0, high=10, doc="Coulomb's coefficient between strands")
-    iterations: int = integer(
-        8, low=1, high=100, doc="times that a step is made again with better forces at the most; two or three are usual"
-    )
+    iterations: int = integer(8, low=1, high=100, doc="contact iterations per step, at most; two or three are usual")
 
 
 def check(parameters: Parameters, scene: Scene) -> Iterable[tuple[str, str]]:

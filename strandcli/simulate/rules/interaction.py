@@ -27,16 +27,13 @@ class Parameters:
 
     density: float | None = number(
         None, above=0, unit="1/m²",
-        doc="strands that a square metre across them holds at the most; absent: the most that it holds as emitted",
+        doc="greatest density, strands per square metre across them; absent: the greatest as emitted",
     )  # fmt: skip
     friction: float = number(
         0.05, low=0, high=1,
-        doc="share of its velocity against the strands about it that a strand loses in a hundredth of a second, where "
-        "they are as dense as density",
+        doc="fraction of its relative velocity that a strand loses in 0.01 s, at full density",
     )  # fmt: skip
-    cell: float | None = number(
-        None, above=0, unit="m", doc="side of a cell of the grid; absent: a 32nd of the groom's greatest extent"
-    )
+    cell: float | None = number(None, above=0, unit="m", doc="size of a grid cell; absent: 1/32 of the groom's size")
 
 
 def check(parameters: Parameters, scene: Scene) -> Iterable[tuple[str, str]]:

@@ -32,15 +32,15 @@ WAVES = ((1.0, 0.55), (0.4142, 0.3), (0.1716, 0.15))
 class Parameters:
     """A wind w of a direction, a strength and gusts."""
 
-    direction: Vector = vector((1.0, 0.0, 0.0), unit="1", nonzero=True, doc="where it blows to")
+    direction: Vector = vector((1.0, 0.0, 0.0), unit="1", nonzero=True, doc="direction in which the wind blows")
     strength: float = number(
-        10.0, low=0, unit="1/s²", doc="|w|; with per_length: false in m/s²; for rods the speed of the air, in m/s"
+        10.0, low=0, unit="1/s²", doc="|w|; in m/s² without per_length; for rods the air speed in m/s"
     )
-    per_length: bool = boolean(True, doc="as printed: the pull grows with the length of the segment")
-    gust: float = number(0.0, low=0, high=1, doc="share of the strength that comes and goes")
-    sway: float = number(0.0, low=0, high=90, unit="deg", doc="how far the direction swings to either side")
-    period: float = number(2.0, above=0, unit="s", doc="time of the longest gust")
-    wavelength: float = number(0.0, low=0, unit="m", doc="length of the longest gust downwind; 0: the same everywhere")
+    per_length: bool = boolean(True, doc="acceleration grows with segment length, as the thesis prints it")
+    gust: float = number(0.0, low=0, high=1, doc="fraction of the strength that varies")
+    sway: float = number(0.0, low=0, high=90, unit="deg", doc="amplitude of the direction's swing")
+    period: float = number(2.0, above=0, unit="s", doc="period of the longest gust")
+    wavelength: float = number(0.0, low=0, unit="m", doc="wavelength of the longest gust; 0: uniform")
 
 
 def wave(u: float) -> float:
