@@ -6,18 +6,11 @@ W = 128
 BATCH_VERTICES = 6_000_000
 """Vertices that are drawn at once, 36 bytes each: more strands go through in batches."""
 
-GRID_BYTES = 1_000_000_000
-"""For the lists of a light with exact shadows, about; where they would take more, they are coarser."""
-GRID_SIDE = 2048
-"""Cells along a side of the grid of a light with exact shadows, at most."""
 FRAGMENTS = 4_194_304
 """Fragments of sorted strands that are held at once, `FRAGMENT_BYTES` each: more go through in bands of rows."""
 
 SORTED_BYTES = 12
 """A fragment once it is sorted: vertex, weight and place."""
-
-POINTS_BYTES = 8
-"""The points of its sample that a sorted fragment shows, where shadows are exact."""
 
 PART_BYTES = 20
 """A part of a strand in a tile: strand, first and last vertex, where its run began, and its depth."""

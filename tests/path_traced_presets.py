@@ -84,14 +84,11 @@ def measured(preset: str, folder: Path) -> dict[str, Any]:
     (one,) = drawn_strands(scene, [frame])
     assert all(end - begin > 3 for begin, end in pairwise(one.strands.first))
     traced = trace(SimpleNamespace(scene=scene), folder, SAMPLES, strands=one.strands)
-    models = [f"lights.{number}.shadow.model" for number in range(len(scene.lights))]
-    nearby = dict.fromkeys(models, "nearby")
     pictures = {}
     for name, settings in {
         "as it is": {},
         "3 × 3 samples": {"image.supersample": 3},
-        "3 × 3, `nearby`": {"image.supersample": 3, **nearby},
-        "5 × 5, `nearby`, tolerance .01": {**FINE, **nearby},
+        "5 × 5, tolerance .01": FINE,
     }.items():
         image, seconds = drawn(changed(scene, settings), frame, times=1 if settings else 2)
         found = figures(image, traced)

@@ -19,7 +19,7 @@ from .common.kernels.keys import EMPTY, FIRST
 from .common.scratch import Scratch
 from .coverage.coverage import Coverage, Layer
 from .coverage.kernels.composite import CLOSED
-from .coverage.width_profiles import add_to_zbuffer, profiles_of
+from .coverage.width_profiles import add_to_zbuffer
 from .film import haze
 from .film.aovs import Recorder
 from .film.kernels import film
@@ -58,7 +58,7 @@ class Canvas:
     backdrop: NDArray[np.float32]
     """(height, width, 3) linear."""
     lighting: Lighting
-    grids: Sequence[VertexShadows]
+    shadows: Sequence[VertexShadows]
     """One for each light whose shadow model shades vertices."""
     shade: Shade
     recorder: Recorder | None
@@ -66,8 +66,6 @@ class Canvas:
     workers: int
     drawing: Drawing
     scratch: Scratch
-    trace_unseen: bool = False
-    """As `Renderer.trace_unseen`."""
     segments: int = 0
     """Number of segments drawn."""
     fragments: int = 0
@@ -115,7 +113,7 @@ class Canvas:
         if light.solids is not None:
             edges = find_edges(self.keys, light.solids, light.view, self.size, self.scratch)
         for layer in coverage.layers(
-            lines, screen, batch.widths, edges, self.workers, self.scratch, bool(self.grids), light.view.depth_slope
+            lines, screen, batch.widths, edges, self.workers, self.scratch, light.view.depth_slope
         ):
             self.drawing.lap("raster")
             if edges is not None:
@@ -145,12 +143,7 @@ class Canvas:
 
     def _blend(self, layer: Layer, batch: StrandBatch) -> None:
         """Shade the vertices of a layer, and blend it with the picture."""
-        batch = self._with_profiles(batch, layer.marks)
-        shown = None
-        if self.grids and batch.profiles is not None and not self.trace_unseen:
-            shown = layer.shown(batch.profiles, self.scratch)
-        colours = self._shade(batch, layer.marks, shown)
-        layer.blend(colours, self.image)
+        layer.blend(self._shade(batch, layer.marks), self.image)
         if batch.profiles is not None:
             layer.add_departures(batch.profiles, self.image)
         if self.through is not None:
@@ -167,7 +160,6 @@ class Canvas:
             self.recorder.strands(lines, screen, self.keys, self._base, batch.begin, self.lighting.view)
         self.drawing.lap("raster")
         marks, seen = mark(self.keys, lines, self._base, self.scratch)
-        batch = self._with_profiles(batch, marks)
         colours = self._shade(batch, marks)
         film.colours(self.keys, self._base, screen, lines.per, lines.stride, colours, self.image)
         if batch.profiles is not None:
@@ -191,30 +183,13 @@ class Canvas:
         if self.recorder is not None:
             self.recorder.rest(self.keys, self.lighting)
 
-    def _with_profiles(self, batch: StrandBatch, marks: NDArray[np.uint8]) -> StrandBatch:
-        """Return a batch with width profiles of its visible vertices, if shadows are exact."""
-        if not self.grids or not self.lighting.scene.material.rounded:
-            return batch
-        lines, screen, widths = batch.lines, batch.screen, batch.widths
-        profiles = profiles_of(lines, screen, widths, self.samples, self.scratch, len(self.grids), marks)
-        return replace(batch, profiles=profiles)
-
-    def _shade(
-        self, batch: StrandBatch, marks: NDArray[np.uint8], shown: NDArray[np.uint64] | None = None
-    ) -> NDArray[np.float32]:
-        """Return the radiance (V, 3) at the marked vertices; shown: masks from `Layer.shown` of the positions where
-        exact shadows are needed, None: everywhere."""
+    def _shade(self, batch: StrandBatch, marks: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """Return the radiance (V, 3) at the marked vertices."""
         visibility = None
-        if self.grids:
-            visibility = self.scratch.borrow("visibility", (len(self.grids), len(batch.lines.world)), np.float32)
-            profiles, view = batch.profiles, self.lighting.view
-            for number, (row, grid) in enumerate(zip(visibility, self.grids, strict=True)):
-                if profiles is None or profiles.shades is None:
-                    grid.visibility(batch.lines, marks, batch.screen, row)
-                else:
-                    shades = profiles.shades[number]
-                    slots = profiles.slots
-                    grid.visibility_across(batch.lines, marks, batch.screen, row, view, slots, shown, shades)
+        if self.shadows:
+            visibility = self.scratch.borrow("visibility", (len(self.shadows), len(batch.lines.world)), np.float32)
+            for row, shadows in zip(visibility, self.shadows, strict=True):
+                shadows.visibility(batch.lines, marks, batch.screen, row)
             self.drawing.lap("shadow")
         colours = self.shade(self.lighting, batch, marks, visibility)
         thick = self.lighting.scene.image.haze

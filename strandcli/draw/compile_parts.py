@@ -42,7 +42,7 @@ def _light(renderer: Renderer) -> None:
     keys = np.full(size[0] * size[1], EMPTY)
     image = renderer.backdrop.copy()
     marks = mark(keys, lines, 0, renderer.scratch)[0] if renderer.coverage is None else np.zeros(1, np.uint8)
-    visibility = np.ones((len(renderer.traced), 1), np.float32) if renderer.traced else None
+    visibility = np.ones((len(renderer.shadowed), 1), np.float32) if renderer.shadowed else None
     batch = StrandBatch(0, 1, lines, renderer.tones[:1], lines.world, None, None)
     colours = renderer.shade(lighting, batch, marks, visibility)
     if renderer.coverage is None:
@@ -67,7 +67,7 @@ def _coverage(renderer: Renderer) -> None:
     if edges is not None:
         edges.composite(lambda *picture: None, renderer.backdrop.copy(), renderer.backdrop)
     widths, scratch = _widths(renderer, 2), renderer.scratch
-    for _ in renderer.coverage.layers(lines, behind, widths, edges, 1, scratch, False, view.depth_slope):
+    for _ in renderer.coverage.layers(lines, behind, widths, edges, 1, scratch, view.depth_slope):
         pass
 
 

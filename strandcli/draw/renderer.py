@@ -44,8 +44,6 @@ from .view.camera import View, camera_view
 class Renderer:
     """Draws frames of one scene; holds everything that does not change from frame to frame."""
 
-    trace_unseen = False
-    """Whether exact shadows are traced along whole segments, instead of only where a sample shows them."""
     keeps_light = False
     """Whether shadow maps and occlusion of the last picture are reused: strands, solids and lights are the same, and
     shadows do not depend on the view (see `shadows_of_any_view`)."""
@@ -71,7 +69,7 @@ class Renderer:
         self.ids = groom.places
         """(strands,) rank of each strand in the order of emission; None: 0, 1, …"""
         self.size = (scene.image.drawn[0] * scene.image.supersample, scene.image.drawn[1] * scene.image.supersample)
-        self.traced = [light for light in scene.lights if shades_vertices(light)]
+        self.shadowed = [light for light in scene.lights if shades_vertices(light)]
         self._counts = needs_counts(scene)
         self.coverage = None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity)
         # lines one pixel wide, on the screen or in a min/max map, cannot become thinner, so they fade by length
@@ -165,20 +163,20 @@ class Renderer:
             self._fill_maps(maps, batches, lines, workers)
             self.scratch.release(*IN_LIGHT)
         lights = pack_lights(scene.lights, maps, bounds)
-        grids = []
-        if self.traced and lines is not None:
+        shadows = []
+        if self.shadowed and lines is not None:
             strands_in_light = StrandsInLight(
                 lines, thickness, scene.material.opacity, bounds, workers, self.scratch, 0, lights, map_arrays(maps)
             )
-            grids = [
+            shadows = [
                 model_of(light).vertex_shadows(light, strands_in_light._replace(number=number))
-                for number, light in enumerate(self.traced)
+                for number, light in enumerate(self.shadowed)
             ]
         drawing.lap("shadow")
         lighting = Lighting(scene, self.palette, self.sky, view, at, lights, maps, hidden, solids, self.grain)
         canvas = Canvas(
-            self.size, scene.image.supersample, self.backdrop, lighting.with_free_ways(bounds), grids, self.shade,
-            recorder, workers, drawing, self.scratch, self.trace_unseen,
+            self.size, scene.image.supersample, self.backdrop, lighting.with_free_ways(bounds), shadows, self.shade,
+            recorder, workers, drawing, self.scratch,
         )  # fmt: skip
         self._draw_batches(canvas, batches, lines)
         self._note_counts(strands, canvas)
@@ -200,13 +198,13 @@ class Renderer:
 
     def _batches(self, strands: Strands, view: View, mapped: bool) -> StrandBatches:
         """Return the batches in which strands are drawn; ``mapped``: whether they are drawn into shadow maps too."""
-        # sorting and exact shadows need all strands at once
-        whole = self.coverage is not None or bool(self.traced)
+        # sorting and shadows at vertices need all strands at once
+        whole = self.coverage is not None or bool(self.shadowed)
         segments = strands.positions.shape[1] - 1
         ranges = [(0, strands.count)] if whole else divide(strands.count, segments, self.scene.curves)
         return StrandBatches(
-            self.scene, strands, view, self._thins, ranges, mapped or bool(self.traced), len(self.traced),
-            self._drawing, self.scratch, strands.fade,
+            self.scene, strands, view, self._thins, ranges, mapped or bool(self.shadowed), self._drawing, self.scratch,
+            strands.fade,
         )  # fmt: skip
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:
@@ -240,15 +238,13 @@ class Renderer:
         counts |= {"segments": canvas.segments, "fragments": canvas.fragments}
         if self.coverage is not None:
             counts["fragment_bytes"] = self.coverage.peak_bytes
-        if canvas.grids:
-            counts["grid_bytes"] = sum(grid.nbytes for grid in canvas.grids)
 
     def shade(
         self, lighting: Lighting, batch: StrandBatch, marks: NDArray[np.uint8], visibility: NDArray[np.float32] | None
     ) -> NDArray[np.float32]:
         """Return the radiance (V, 3) at the marked vertices; at the others it keeps its last value or is undefined.
 
-        visibility (lights, V): of each light with exact shadows, None if there are none.
+        visibility (lights, V): of each light whose model shades vertices, None if there are none.
         """
         colours = self.scratch.borrow("colours", (len(batch.lines.world), 3), np.float32)
         lighting.shade_strands(batch.lines, marks, batch.tones, visibility, batch.profiles, colours)

@@ -17,7 +17,7 @@ from .coverage.width_profiles import profiles_of
 from .geometry.curves import Polylines, flatten, greatest_pieces
 from .geometry.detail import Level
 from .geometry.extent import lost_of, widths_of
-from .geometry.kernels import detail, silhouette
+from .geometry.kernels import detail
 from .view.camera import View
 from .zbuffer import raster
 
@@ -86,8 +86,7 @@ class StrandBatch:
     widths: NDArray[np.float32] | None
     """(V,) samples; None: lines one sample wide."""
     profiles: Profiles | None
-    """Light across wide strands; None if no strand is wide. With exact shadows it is made later, for visible vertices
-    alone."""
+    """Light across wide strands; None if no strand is wide."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +102,6 @@ class StrandBatches:
     """First strand and end of each batch, from `divide`."""
     off_screen: bool
     """Whether strands off the screen are needed too, because they cast shadows."""
-    traced: int
-    """Number of lights with exact shadows, which vary along a segment, so that every vertex is lit."""
     drawing: Drawing
     scratch: Scratch
     fade: NDArray[np.float32] | None
@@ -124,15 +121,10 @@ class StrandBatches:
         for begin, end in self.ranges:
             here = self._flatten(begin, end) if lines is None else lines
             screen = raster.to_screen(here, self.view, scratch)
-            if self.traced:
-                silhouette.move_ends(
-                    here.first, here.world, self.view.pack(), np.float32(scene.material.width),
-                    np.float32(scene.material.drawn_taper), here.scale, here.lost, screen,
-                )  # fmt: skip
             widths = widths_of(here, screen, self.view, scene.material, least, self.thins, scratch)
             profiles = None
-            if scene.material.rounded and not self.traced:
-                profiles = profiles_of(here, screen, widths, scene.image.supersample, scratch)
+            if scene.material.rounded:
+                profiles = profiles_of(screen, widths, scene.image.supersample, scratch)
             self.drawing.lap("curves")
             yield StrandBatch(begin, end, here, self.strands.tones[begin:end], screen, widths, profiles)
 
@@ -142,8 +134,6 @@ class StrandBatches:
         level = strands.level
         fade = None if self.fade is None else self.fade[begin:end]
         curves = self.scene.curves
-        if self.traced and curves.mode == "thinned":  # exact shadows take vertices to be evenly spaced
-            curves = replace(curves, mode="off")
         shares = None if strands.shares is None else strands.shares[begin:end]
         radii = None
         if shares is not None and level is not None and curves.mode == "thinned":
@@ -158,8 +148,6 @@ class StrandBatches:
             lines = replace(lines, scale=level.scale[begin:end])
             if not self.thins:
                 detail.shorten(lines.first, lines.world, level.fade[begin:end])
-        if self.traced:
-            lines = replace(lines, stride=1)
         if lines.error is not None:
             self.drawing.curve_px_max = max(lines.error, self.drawing.curve_px_max or 0.0)
         self.drawing.lap("curves")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..draw.shadows.needs import needs_counts, shining
-from ..draw.shadows.shadow_model import casts_map, model_of, shades_vertices
+from ..draw.shadows.shadow_model import casts_map, model_of
 from ..scene.model import MeshShape
 from .crowding import crowding_of
 from .sizes import share_in_maps, side_of
@@ -115,10 +115,7 @@ def _exposure_seconds(plan: Plan, scene: Scene, sizes: Sizes) -> float:
     each = LIT + SEEN * min(covered, MOST_SEEN) ** 0.5
     if scene.material.scatter != "dual":
         each *= LIGHTER
-    models = [model_of(light) for light in scene.lights if shades_vertices(light)]
-    seen = min(shown, MOST_SEEN * vertices)
-    traced = sum(seen * model.shown_seconds + vertices * model.listed_seconds for model in models)
-    drawn = found + traced + plan.samples * FILMED + _solid_seconds(plan, scene)
+    drawn = found + plan.samples * FILMED + _solid_seconds(plan, scene)
     return vertices * (curve + len(shining(scene)) * each) + drawn
 
 

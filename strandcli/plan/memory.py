@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from ..constants import BATCH_VERTICES, FRAGMENTS, PART_BYTES, POINTS_BYTES, SORTED_BYTES, W
+from ..constants import BATCH_VERTICES, FRAGMENTS, PART_BYTES, SORTED_BYTES, W
 from ..draw.coverage.room import LAYER_ROOM, SORTING_BYTES
 from ..draw.shadows.needs import needs_counts
 from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, model_of, shades_vertices
@@ -42,8 +42,6 @@ WAITING = 24
 """Bytes of a pixel of pictures that wait to be written."""
 LEFT = 12
 """Bytes of a vertex that are left over from the picture before, in an array that is too small for any in light."""
-NEARER, SEEN = 1.3, 0.75
-"""How many times wider the nearest strands are seen than those in the middle; of vertices, those that are seen."""
 ROD, CROWDED, FRAMED = 80, 66, 16
 """Bytes of a particle of a rod, more where strands push each other, and more where strands have frames: twist, and
 rest shapes in them."""
@@ -122,8 +120,7 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
     assert sizes is not None
     strands = sizes.made
     vertices = round(sizes.segments) + strands
-    traced = sum(shades_vertices(light) for light in scene.lights)
-    if scene.image.resolver == "zbuffer" and not traced:
+    if scene.image.resolver == "zbuffer" and not any(shades_vertices(light) for light in scene.lights):
         vertices = min(vertices, BATCH_VERTICES + vertices // max(strands, 1) * W)
     # in the world, how far along their strands they stand, which way these go
     total = vertices * {"adaptive": 16, "thinned": 28}.get(scene.curves.mode, 12)
@@ -131,7 +128,7 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
     total += strands * (8 + 8 + 2 * (sizes.points - 1) + 4 + 8 + 8)
     tables = getattr(FIBRES[scene.material.model], "memory", lambda material: 0)
     total += tables(scene.material)
-    return total + _groom_bytes(plan, scene) + _traced_bytes(plan, scene, vertices, traced) + _light_bytes(plan, scene)
+    return total + _groom_bytes(plan, scene) + _light_bytes(plan, scene, vertices)
 
 
 def _turns_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
@@ -219,20 +216,9 @@ def shared_bytes(plan: Plan, scene: Scene) -> int:
     return _followed_bytes(plan, scene) + WAITING * plan.pixels
 
 
-def _traced_bytes(plan: Plan, scene: Scene, vertices: int, traced: int) -> int:
-    """Return the bytes of exact shadows; traced: number of lights with them."""
-    total = sum(model_of(light).vertex_bytes(vertices) for light in scene.lights if shades_vertices(light))
-    assert plan.sizes is not None
-    drawn_wide = scene.image.resolver != "zbuffer" or scene.material.width * plan.sizes.scale * NEARER > 1
-    if traced and scene.material.rounded and scene.material.width > 0 and drawn_wide:  # across strands that are seen
-        marked = scene.image.resolver != "zbuffer"  # which of their positions are visible
-        total += round(SEEN * vertices) * (4 + 204 * (1 + traced) + 128 * (traced + marked))
-    return total
-
-
-def _light_bytes(plan: Plan, scene: Scene) -> int:
-    """Return the bytes of ambient occlusion and shadow maps."""
-    total = 0
+def _light_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
+    """Return the bytes of ambient occlusion, shadow maps and shadows at vertices."""
+    total = int(sum(model_of(light).vertex_bytes(vertices) for light in scene.lights if shades_vertices(light)))
     if scene.occluded and scene.ambient_occlusion is not None:
         total += scene.ambient_occlusion.cells * (44 + scene.ambient_occlusion.directions)
     counts = needs_counts(scene)
@@ -280,7 +266,6 @@ def layers_of(sizes: Sizes) -> int:
 
 def fragment_bytes(plan: Plan, scene: Scene) -> int:
     """Return the bytes of sorted fragments in memory at once: pages of the room for them that are written to."""
-    exact = any(shades_vertices(light) for light in scene.lights) and scene.image.resolver == "sorted"
     assert plan.sizes is not None
     held = plan.sizes.fragments / layers_of(plan.sizes)
-    return round(held * (SORTED_BYTES + PART_BYTES / 8 + (POINTS_BYTES if exact else 0)))
+    return round(held * (SORTED_BYTES + PART_BYTES / 8))

@@ -101,9 +101,11 @@ def window(*, high: int, unit: str = "px", doc: str = "") -> Any:
     return _field(WindowSpec(None, limits=Range(low=0, high=high), unit=unit, doc=doc))
 
 
-def choice(default: str, options: tuple[str, ...] | Registry, *, doc: str = "") -> Any:
-    """A field that is one of a few words, or one of the names in a registry."""
-    return _field(ChoiceSpec(default, options, doc=doc))
+def choice(
+    default: str, options: tuple[str, ...] | Registry, *, doc: str = "", removed: Mapping[str, str] | None = None
+) -> Any:
+    """A field that is one of a few words, or one of the names in a registry; ``removed``: of `ChoiceSpec`."""
+    return _field(ChoiceSpec(default, options, doc=doc, removed=removed))
 
 
 def boolean(default: bool, *, doc: str = "") -> Any:

@@ -117,11 +117,16 @@ class WindowSpec(Spec):
 
 
 class ChoiceSpec(Spec):
-    """One of a few words, or of the names in a registry, which may grow."""
+    """One of a few words, or of the names in a registry, which may grow. ``removed``: what a message says of words that
+    are none any more."""
 
-    def __init__(self, default: str, options: tuple[str, ...] | Registry, *, doc: str = "") -> None:
+    def __init__(
+        self, default: str, options: tuple[str, ...] | Registry, *, doc: str = "",
+        removed: Mapping[str, str] | None = None,
+    ) -> None:  # fmt: skip
         super().__init__(default, doc=doc)
         self._options = options
+        self.removed = removed or {}
 
     @property
     def options(self) -> tuple[str, ...]:

@@ -91,5 +91,7 @@ def name_or_file(node: Scalar) -> str:
 def option(node: Scalar, spec: ChoiceSpec) -> str:
     if node.text in spec.options:
         return node.text
+    if node.text in spec.removed:
+        raise Refusal(f"not {shown(node.text)}; {spec.removed[node.text]}")
     guess = hint(node.text, spec.options, "") if len(spec.options) > 1 else ""
     raise Refusal(f"not {shown(node.text)}; {guess}" if guess.startswith("did") else f"not {shown(node.text)}")

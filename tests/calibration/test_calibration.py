@@ -107,7 +107,7 @@ def test_time_grows_with_what_takes_it() -> None:
     for more in (
         "lights: [{kind: directional}, {kind: directional}, {kind: directional}]\n",
         "children: {count: 4}\n", "solver: rod\n", "time: {substeps: 40, frames: 12}\n",
-        "lights: [{kind: directional, shadow: {model: traced}}]\n", "camera: {aperture: 0.1, samples: 8}\n",
+        "camera: {aperture: 0.1, samples: 8}\n",
     ):  # fmt: skip
         text = TINY.replace("strands: 150", "strands: 20000").replace("time: {frames: 12}\n", "")
         if "solver" in more:

@@ -101,7 +101,6 @@ def test_strands_of_a_sketch_are_marked_where_there_is_one() -> None:
         ("resolver: sorted", "resolver: sorted, aovs: [depth]"),
         ("resolver: sorted", "resolver: zbuffer"),
         ("model: opacity, size: 512, texel: 0.01", "model: minmax"),
-        ("model: opacity, size: 512, texel: 0.01", "model: nearby"),
         ("kind: directional, direction: [-0.3, -0.8, -1]", "kind: point, position: [1, 3, 2]"),
         ("{kind: plane}", "{kind: plane, coat: 0.2, roughness: 0.1}"),
         ("mode: adaptive", "mode: fixed"),

@@ -65,7 +65,7 @@ def scenes(draw: st.DrawFn) -> dict[str, Any]:
     """Scenes of a few hundred strands that grow from a ball or a square, as wide as anything."""
     resolver = draw(st.sampled_from(["zbuffer", "sorted"]))
     wide = draw(st.sampled_from([0.0, 0.001, 0.01, 0.06]))
-    lights = [LIGHT | {"shadow": draw(shadows(["off", "minmax", "opacity", "traced"]))}]
+    lights = [LIGHT | {"shadow": draw(shadows(["off", "minmax", "opacity"]))}]
     if draw(st.booleans()):
         lights.append(POINT | {"size": draw(st.sampled_from([0, 0.3])), "shadow": draw(shadows(["minmax", "opacity"]))})
     ball = {"kind": "sphere", "radius": 0.45, "cap": draw(st.sampled_from([40, 180]))}

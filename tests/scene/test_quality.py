@@ -67,7 +67,7 @@ material: {width: 0.0004}
 detail: {near: 6, fraction: 0.5}
 ambient_occlusion: {cells: 200000, directions: 128}
 lights:
-  - {kind: directional, shadow: {model: traced}}
+  - {kind: directional, shadow: {model: minmax}}
   - {kind: point, shadow: {model: opacity, size: 4096, layers: 61}}
   - {kind: point, shadow: {model: "off"}}
 """

@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ...constants import FRAGMENT_BYTES, FRAGMENTS, PART_BYTES, POINTS_BYTES, SORTED_BYTES
+from ...constants import FRAGMENT_BYTES, FRAGMENTS, PART_BYTES, SORTED_BYTES
 from ...errors import RefusedError
 from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
@@ -23,14 +23,10 @@ from ..geometry.kernels.screen_lines import ScreenLines
 from ..solids.edges import Edges
 from ..view.kernels.depth_slope import FLAT, DepthSlope
 from .kernels import resolve, strand_extents, tile_binning
-from .kernels.column_light import BYTES, LINES
-from .kernels.composite import MASKED
-from .kernels.exposed import expose
 from .kernels.fragments import SolidPixels
 from .kernels.tile_binning import TileSegments
 from .kernels.tiles import PIXELS, STEP, TILE_HEIGHT, TILE_WIDTH, Fragments
 from .kernels.width_profiles import Profiles, add_to_fragments
-from .masks import half_planes
 from .picture import Picture, windows_of
 from .room import LAYER_ROOM
 
@@ -39,12 +35,11 @@ UNSURE = 1.2
 """Times what is estimated: a layer for which there is no room has to be drawn again, in parts."""
 NO_LIGHT = np.zeros((0, 3), np.float32)
 NOTHING = np.zeros(0, np.float32)
-NO_BITS = np.zeros(0, np.uint64)
 NO_SOLIDS = SolidPixels(NOTHING, np.zeros(0, np.int64), NOTHING, NOTHING)
 SLIGHT = np.float32(0.05)
 """What is let through by all before a fragment, below which it takes light from every second lit vertex alone, and not
-from both about it; not under exact shadows, which vary along a segment. All such fragments have no more than this share
-of a pixel, however thin strands are: a bound of their own weights would hold for all of thin ones."""
+from both about it. All such fragments have no more than this share of a pixel, however thin strands are: a bound of
+their own weights would hold for all of thin ones."""
 BROAD = np.float32(16.0)
 """Samples. Segments that are no wider have never been seen to take minutes; wider ones are counted."""
 WIDE_PIXELS_AT_MOST = 4e9
@@ -68,21 +63,9 @@ class Layer:
         far."""
         resolve.blend(self.fragments, colours, self.light, self.tasks, image)
 
-    def shown(self, profiles: Profiles, scratch: Scratch) -> NDArray[np.uint64]:
-        """Return masks (n, LINES) of the positions that the layer shows on the segments after the vertices with a
-        profile (see `strandcli.draw.shadows.kernels.traced`)."""
-        bytes_ = scratch.borrow("shown", (profiles.profile.shape[1], LINES, BYTES), np.uint8)
-        bytes_.fill(0)
-        expose(self.fragments, self._table(), profiles, bytes_)
-        return bytes_.view(np.uint64)[..., 0]
-
-    def _table(self) -> NDArray[np.uint64]:
-        """Return the table of masks of points; an empty one if every fragment shows all points."""
-        return half_planes() if len(self.fragments.points) else NO_BITS
-
     def add_departures(self, profiles: Profiles, image: NDArray[np.float32]) -> None:
         """Add the departures of wide strands' light from the average over their width to the picture."""
-        add_to_fragments(self.fragments, self._table(), profiles, image)
+        add_to_fragments(self.fragments, profiles, image)
 
 
 class Coverage:
@@ -106,13 +89,13 @@ class Coverage:
     def empty_layer(self, lines: ScreenLines, depth_slope: DepthSlope = FLAT) -> Layer:
         """Return a resolved layer of one tile without fragments, so that the kernels that use layers are compiled."""
         fragments = Fragments(
-            np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING, NO_BITS,
+            np.zeros(1, np.int64), np.zeros(PIXELS, np.uint32), np.zeros(0, np.uint32), NOTHING, NOTHING,
             np.zeros(1, np.uint8), 1, STEP, 0, 1, 1, NOTHING, SLIGHT,
         )  # fmt: skip
         chains, none = np.zeros((1, 1), np.int64), np.zeros((0, 2), np.int64)
         segments = TileSegments(none, np.zeros(1, np.float32), none[:, 0].copy(), chains, chains, np.zeros(1, np.int64))
         marks, found = np.zeros(len(lines.screen), np.uint8), np.zeros(1, np.int64)
-        resolve.resolve(lines, self.opacity, depth_slope, NO_SOLIDS, segments, None, 1, fragments, found, marks)
+        resolve.resolve(lines, self.opacity, depth_slope, NO_SOLIDS, segments, 1, fragments, found, marks)
         return Layer(fragments, NO_LIGHT, 1, marks)
 
     def layers(
@@ -123,15 +106,12 @@ class Coverage:
         edges: Edges | None,
         workers: int,
         scratch: Scratch,
-        exact: bool = False,
         depth_slope: DepthSlope = FLAT,
     ) -> Iterator[Layer]:
         """Yield the layers of a picture from top to bottom; each is valid until the next is requested.
 
         screen (V, 3), widths (V,), or None for lines one sample wide: as in `ScreenLines`; edges: of the solids, if
-        there are any; exact: whether lights have exact shadows: then each layer marks all vertices that it shows, not
-        only those that no layer above it marked, and fragments of wide opaque strands have masks of the points of a
-        sample (see `kernels.masks`); depth_slope: of the view, for the depth of wide strands, which are round.
+        there are any; depth_slope: of the view, for the depth of wide strands, which are round.
 
         Raises `RefusedError` if one row of pixels has more fragments than there is room for, or if strands are so wide
         that to find the pixels that they cover would take minutes.
@@ -145,13 +125,10 @@ class Coverage:
         widest = float(extents[:, strand_extents.WIDEST].max(initial=0.0))
         if widths is not None and widest > float(BROAD):
             self._require_time(drawn, extents, widest)
-        # a transparent strand hides no point
-        masked = exact and widths is not None and widest > float(MASKED) and float(self.opacity) == 1.0
         closed = scratch.borrow("closed", self.size[0] * self.size[1], np.uint8)
         closed.fill(0)
-        slight = np.float32(0) if exact else SLIGHT
         windows = windows_of(edges, self.size, scratch)
-        picture = Picture(drawn, extents, lines.stride, edges, windows, depth_slope, masked, closed, slight, scratch)
+        picture = Picture(drawn, extents, lines.stride, edges, windows, depth_slope, closed, scratch)
         if not self._rows.any():
             self._estimate(drawn, workers)
         pending = self._cuts()[::-1]
@@ -162,9 +139,7 @@ class Coverage:
             if layer is None:
                 pending += self._finer(top, bottom, found)[::-1]
                 continue
-            if exact:
-                pass
-            elif lit is not None:
+            if lit is not None:
                 np.greater(marks, lit, out=marks.view(bool))
                 lit |= marks
             elif bottom < self.size[1]:
@@ -233,10 +208,10 @@ class Coverage:
         tasks = 1 if workers == 1 else self._tasks * workers
         fragments = self._fragments(picture, top, bottom, self.room if workers == 1 else 2 * self.room)
         found = picture.scratch.borrow("found", len(fragments.begin), np.int64)
-        edges, table = picture.edges, half_planes() if picture.masked else None
+        edges = picture.edges
         solids = SolidPixels(edges.hides, edges.pixels, edges.depth, edges.cover) if edges is not None else NO_SOLIDS
         resolve.resolve(
-            picture.lines, self.opacity, picture.depth_slope, solids, segments, table, tasks, fragments, found, marks
+            picture.lines, self.opacity, picture.depth_slope, solids, segments, tasks, fragments, found, marks
         )
         total = int(np.abs(found).sum())
         if found.min() < 0:
@@ -246,8 +221,7 @@ class Coverage:
                 return self._layer(picture, top, bottom, workers, marks)
             return None, total
         self._note(found, top, bottom)
-        each = SORTED_BYTES + (POINTS_BYTES if picture.masked else 0)
-        self.peak_bytes = max(self.peak_bytes, total * each + int(used.sum()) * tile_binning.BLOCK * PART_BYTES)
+        self.peak_bytes = max(self.peak_bytes, total * SORTED_BYTES + int(used.sum()) * tile_binning.BLOCK * PART_BYTES)
         light = NO_LIGHT if edges is None else edges.light
         return Layer(fragments, light, TASKS_A_WORKER * workers, marks), total
 
@@ -274,10 +248,8 @@ class Coverage:
         return Fragments(
             borrow("tiles_begin", tiles, np.int64), borrow("fragment_counts", tiles * PIXELS, np.uint32),
             sparse("fragment_vertices", room, np.uint32), sparse("fragment_weights", room, np.float32),
-            sparse("fragment_along", room, np.float32),
-            sparse("fragment_points", room, np.uint64) if picture.masked else NO_BITS, picture.closed,
-            picture.stride, place_bits, top, bottom, self.size[0], borrow("tiles_widest", tiles, np.float32),
-            picture.slight,
+            sparse("fragment_along", room, np.float32), picture.closed, picture.stride, place_bits, top, bottom,
+            self.size[0], borrow("tiles_widest", tiles, np.float32), SLIGHT,
         )  # fmt: skip
 
     def _tiles(self, top: int, bottom: int) -> int:

@@ -29,11 +29,7 @@ class Picture:
     """Edges of the solids."""
     windows: PictureWindows
     depth_slope: DepthSlope
-    masked: bool
-    """Whether fragments have masks of the points of a sample."""
     closed: NDArray[np.uint8]
-    """As in `tiles.Fragments`."""
-    slight: np.float32
     """As in `tiles.Fragments`."""
     scratch: Scratch
 

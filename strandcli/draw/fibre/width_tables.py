@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..coverage.kernels.column_light import COLUMNS
+from ..coverage.kernels.width_profiles import COLUMNS
 from .kernels.width_highlights import CHANNELS
 
 N_THETA, N_PHI, OFFSETS = 24, 49, 8

@@ -16,7 +16,7 @@ from ..coverage.kernels.width_profiles import Profiles
 from ..view.camera import View
 from .kernels import haze as kernel
 
-NO_SLOTS, NO_PROFILE = np.zeros(0, np.int32), np.zeros((0, 0, 0, 3), np.float32)
+NO_SLOTS, NO_PROFILE = np.zeros(0, np.int32), np.zeros((0, 0, 3), np.float32)
 MOST_RATE = 1e30
 """Halvings of light a metre in the thickest haze, which single precision holds."""
 

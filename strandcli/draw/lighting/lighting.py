@@ -136,8 +136,8 @@ class Lighting:
     ) -> None:  # fmt: skip
         """Write the radiance at the vertices with non-zero ``marks`` (V,) to colours (V, 3); other rows are unchanged.
 
-        tones (strands,); clear (lights, V): visibility of each light with exact shadows, or None; body: profiles of
-        wide strands, or None.
+        tones (strands,); clear (lights, V): visibility of each light whose model shades vertices, or None; body:
+        profiles of wide strands, or None.
         """
         p = self.palette
         shade_strands.strands(

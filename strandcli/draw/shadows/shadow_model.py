@@ -32,11 +32,6 @@ class ShadowModel:
     """Whether `vertex_shadows` computes the visibility of lights at strand vertices."""
     thins = True
     """Whether the shadow of a thinner strand is thinner, so that level of detail may fade strands by their width."""
-    blurs = True
-    """Whether shadows are averaged over several strand spacings instead of resolving single strands."""
-
-    shown_seconds, listed_seconds = 1100e-9, 160e-9
-    """What `vertex_shadows` takes on one thread: of a fragment that is seen, and of a vertex of any strand."""
 
     def casts_map(self, counted: bool) -> bool:
         """Return whether a light has shadow maps; counted: whether solids, dual scattering or the layer `shadow` read

@@ -13,13 +13,13 @@ from ..fields import Colour, Vector, choice, colour, file, integer, model, numbe
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Shadow:
-    """Shadows of strands in one light: by the thesis' map (§3, corrected), a deep opacity map, or exactly."""
+    """Shadows of strands in one light: by the thesis' map (§3, corrected), or a deep opacity map."""
 
     model: str = choice(
         "minmax",
         SHADOWS,
-        doc="minmax: depth range per texel; opacity: deep opacity map; traced: exact on strands; nearby: traced "
-        "where light reaches, else opacity; off: none",
+        doc="minmax: depth range per texel; opacity: deep opacity map; off: none",
+        removed=dict.fromkeys(("traced", "nearby"), "exact shadows are no part of this version; use opacity"),
     )
     size: int | None = integer(
         None, low=1, high=8192, unit="texels",

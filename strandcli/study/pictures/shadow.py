@@ -4,8 +4,7 @@ What is compared is the share of light that reaches the points the picture shows
 matt white strands with the shadow, over that without. There are two questions. `transmittance` asks for the strand's
 own light, over as much of its length as the picture takes together: to the next vertices that are lit, or a pixel; a
 map, which blurs the shadows of single strands, has no such answer to give. `around` asks for the mean over a bundle of
-rays, wider than strands are apart there, as pictures of hair much thinner than a pixel show it; exact shadows are no
-answer to that.
+rays, wider than strands are apart there, as pictures of hair much thinner than a pixel show it.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from numpy.typing import NDArray
 from ...draw.common.scratch import Scratch
 from ...draw.geometry.curves import Polylines, flatten
 from ...draw.geometry.extent import Thickness
-from ...draw.geometry.kernels.silhouette import STEEPEST
 from ...draw.view.camera import View
 from ...errors import UsageError
 from ...groom.emit import PLASTIC
@@ -47,6 +45,8 @@ FARTHEST = 32
 BEYOND = 1e9
 """Metres: a bias behind which nothing is, for the light without a map's shade."""
 TINY = 1e-12
+STEEPEST = 4.0
+"""Greatest tangent of a strand's slant to the view."""
 
 
 @dataclass
@@ -142,9 +142,7 @@ class ShadowStudy(Pictures):
         lit = self._light({f"{self.path}.model": "minmax", f"{self.path}.size": 8, f"{self.path}.bias": BEYOND})
         if not len(lit.numbers):
             raise UsageError(f"{self.subject.name}: light {self.light} reaches no strand that is seen")
-        # with exact shadows other vertices are lit: those that are so both ways
-        both = np.flatnonzero(np.isin(lit.numbers, self._light({f"{self.path}.model": "traced"}).numbers))
-        chosen = rng.permutation(both)[:PROBES]
+        chosen = rng.permutation(len(lit.numbers))[:PROBES]
         self.places, self.lit = lit.numbers[chosen], lit.light[chosen]
         points, strands, spots, weights = lit.about(chosen, self._samples(), self._thickness(), ALONG)
         spacing = self.subject.spacing_at(points, strands)
@@ -174,8 +172,7 @@ class ShadowStudy(Pictures):
             light = self._light(knobs)
             found = light.light[np.searchsorted(light.numbers, self.places)] / self.lit
         off = found - self.truth
-        blurs = SHADOWS[str(knobs[f"{self.path}.model"])].blurs
-        around = float(np.abs(found - self.around).mean()) if blurs else None
+        around = float(np.abs(found - self.around).mean())
         return {"transmittance": float(np.abs(off).mean()), "bias": float(off.mean()),
                 "p95": float(np.percentile(np.abs(off), 95)), "around": around}  # fmt: skip
 

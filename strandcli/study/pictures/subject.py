@@ -225,7 +225,7 @@ class Subject:
         renderer = renderer or LinearRenderer(scene, self.groom)
         if self.of_processor:
             renderer.clocked = ProcessorDrawing
-        renderer.keep_shading = renderer.trace_unseen = keep_shading
+        renderer.keep_shading = keep_shading
         if tables is not None:
             renderer.palette.use(tables)
         seconds: dict[str, float] = {}

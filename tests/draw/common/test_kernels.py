@@ -12,11 +12,11 @@ from numba import typeof
 from strand_kit import scene_of, solver_of
 from strandcli.constants import W
 from strandcli.draw.common.kernels import surface_batch
-from strandcli.draw.coverage.kernels import cells, column_light, fragments, masks
+from strandcli.draw.coverage.kernels import cells, fragments
 from strandcli.draw.coverage.kernels import ribbon as coverage_ribbon
 from strandcli.draw.fibre.kernels import chiang, diffuse, dual, marschner
 from strandcli.draw.film.kernels import film
-from strandcli.draw.geometry.kernels import curves, joints, piece_counts, ribbon, silhouette, tangents
+from strandcli.draw.geometry.kernels import curves, joints, piece_counts, ribbon, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.lighting.kernels.inputs import StrandColour
 from strandcli.draw.shadows.kernels import (
@@ -92,14 +92,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "add listed": (coverage_ribbon.add_listed, (WORK, 8, 1, 0, TILE, 0)),
     "depth offsets": (ribbon.depth_offsets, (*7 * (ONE,), SLOPE)),
-    "covered": (masks.covered_points, (KEYS, TABLE, ROW, 1, ONE, ONE, ONE)),
-    "column light": (
-        column_light.column_light,
-        (np.ones((2, 4, 17, 3), np.float32), np.zeros((1, 4, 16), np.uint64), 1, 2, ONE, ONE, np.uint64(1), KEYS,
-         column_light.Crossing(*[ONE] * 4), ROW),
-    ),
-    "area": (column_light.area, (ONE, ONE, ONE)),
-    "move end": (silhouette.move_end, (TABLE, 1, 1, 2, ROW, ONE, TABLE)),
     "deposit": (lines.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
     "shadow lines": (minmax.prepare, (TABLE, 0, 1, 0, 8, 8, ONE, ONE, TEXEL_STEPS)),
     "shadow line": (minmax.line, (1, TEXEL_STEPS, 0, 8, 8, np.ones((64, 2), np.float32))),

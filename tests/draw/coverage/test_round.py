@@ -81,7 +81,7 @@ def draw(view: View, strands: np.ndarray, resolver: str, slope: DepthSlope) -> n
     colours = np.repeat(np.arange(count, dtype=np.float32), points)[:, None] * np.ones(3, np.float32)
     image = np.full((HEIGHT, WIDTH, 3), -1, np.float32)
     coverage = Coverage((WIDTH, HEIGHT), 1.0)
-    for layer in coverage.layers(lines, screen, widths, None, 1, Scratch(), False, slope):
+    for layer in coverage.layers(lines, screen, widths, None, 1, Scratch(), slope):
         layer.blend(colours, image)
     return image[..., 0]
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+import pytest
 
 from strandcli.draw.common.scratch import Scratch
+from strandcli.draw.coverage import coverage
 from strandcli.draw.coverage.coverage import SLIGHT, Coverage
 from strandcli.draw.coverage.kernels.tiles import alone, between
 from strandcli.draw.geometry.curves import Polylines
@@ -29,7 +29,7 @@ def strands(count: int) -> np.ndarray:
 
 
 def drawn(
-    lines: np.ndarray, width: float, colours: np.ndarray, room: int = 400_000, exact: bool = False, veiled: bool = True
+    lines: np.ndarray, width: float, colours: np.ndarray, room: int = 400_000, veiled: bool = True
 ) -> tuple[np.ndarray, np.ndarray, int]:
     """The picture of strands of one width on black, perhaps behind a black veil that lets through `THROUGH` of their
     light, over that; the vertices that were lit, and the number of layers."""
@@ -43,10 +43,7 @@ def drawn(
     widths = np.full(len(screen), width / OPACITY, np.float32)
     widths[: VEILS * VERTICES * veiled] = 300
     image, lit, layers = np.zeros((*SIZE[::-1], 3), np.float32), np.zeros(len(screen), bool), 0
-    more: dict[str, Any] = {"exact": exact}
-    for layer in Coverage(SIZE, OPACITY, room).layers(
-        Polylines(first, screen), screen, widths, None, 1, Scratch(), **more
-    ):  # fmt: skip
+    for layer in Coverage(SIZE, OPACITY, room).layers(Polylines(first, screen), screen, widths, None, 1, Scratch()):
         lit |= layer.marks != 0
         seen = np.where(lit[:, None], colours, np.nan).astype(np.float32)
         layer.blend(seen, image)
@@ -56,7 +53,7 @@ def drawn(
     return image, lit.reshape(-1, VERTICES), layers
 
 
-def test_strands_of_little_weight_are_lit_at_every_second_vertex() -> None:
+def test_strands_of_little_weight_are_lit_at_every_second_vertex(monkeypatch: pytest.MonkeyPatch) -> None:
     lines = strands(40)
     white = np.ones((lines.size // 3, 3), np.float32)
     thin, lit, _ = drawn(lines, 0.006, white)
@@ -64,18 +61,20 @@ def test_strands_of_little_weight_are_lit_at_every_second_vertex() -> None:
     assert not lit[:, 1::2].any()
     assert np.isfinite(thin).all()
     assert drawn(lines, 0.006, white, veiled=False)[1].mean() > 0.95  # however thin they are; some leave the picture
-    exact, all_lit, _ = drawn(lines, 0.006, white, exact=True)
+    monkeypatch.setattr(coverage, "SLIGHT", np.float32(0))
+    exact, all_lit, _ = drawn(lines, 0.006, white)
     assert all_lit.mean() > 0.95
     np.testing.assert_allclose(thin, exact, atol=1e-6)
 
 
-def test_light_is_that_of_the_nearer_even_vertex() -> None:
+def test_light_is_that_of_the_nearer_even_vertex(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where it rises along strands, it is right in the mean; nowhere is it farther off than one vertex."""
     lines = strands(30)
     rise = np.tile(np.arange(VERTICES, dtype=np.float32)[:, None], (len(lines), 3))
     thin, _, _ = drawn(lines, 0.002, rise)
-    exact, _, _ = drawn(lines, 0.002, rise, exact=True)
     cover, _, _ = drawn(lines, 0.002, np.ones_like(rise))
+    monkeypatch.setattr(coverage, "SLIGHT", np.float32(0))
+    exact, _, _ = drawn(lines, 0.002, rise)
     off = (thin - exact)[cover > 0] / cover[cover > 0]
     assert 0.9 < np.abs(off).max() <= 1.001
     inner = slice(8, 32)  # as much before even vertices as after them

@@ -95,9 +95,9 @@ def means(profile, places):
 
 def test_whatever_pixels_the_width_is_cut_into_departures_add_up_to_nothing() -> None:
     rng = np.random.default_rng(4)
-    profile = np.zeros((1, 1, kernel.COLUMNS + 1, 3), np.float32)
-    profile[0, 0, 1:] = rng.normal(size=(kernel.COLUMNS, 3))
-    light = profile[0, 0, 1:] - profile[0, 0, 1:].mean(0)
+    profile = np.zeros((1, kernel.COLUMNS + 1, 3), np.float32)
+    profile[0, 1:] = rng.normal(size=(kernel.COLUMNS, 3))
+    light = profile[0, 1:] - profile[0, 1:].mean(0)
     kernel.integrate_columns(profile, 0)
     edges = np.arange(kernel.COLUMNS + 1, dtype=np.float32)
     np.testing.assert_allclose(means(profile, edges), light, atol=2e-6)  # a column is its own mean

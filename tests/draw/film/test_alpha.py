@@ -60,7 +60,7 @@ def over(frame: Frame, plate: NDArray[np.float32]) -> NDArray[np.float32]:
 @pytest.mark.parametrize(
     "changes",
     [{}, {"samples": 2, "opacity": 0.4}, {"lens": MANY}, {"kind": "orthographic"}, {"light": 0}, {"solids": "[]"},
-     {"height": 90}, {"strands": 4000}, {"solids": f"[{BALL}, {ROD}]"}, {"shadow": "traced", "width": 0.08},
+     {"height": 90}, {"strands": 4000}, {"solids": f"[{BALL}, {ROD}]"}, {"shadow": "opacity", "width": 0.08},
      {"solids": f"[{COATED}, {ROD}]"}, {"solids": f"[{COATED}, {GROUND}]", "samples": 2}],
 )  # fmt: skip
 def test_a_picture_over_a_plate_is_the_picture_before_that_plate(resolver: str, changes: dict[str, Any]) -> None:

@@ -88,9 +88,7 @@ def test_kernels_agree_with_a_plain_twin() -> None:
     screen = random.uniform(-9, 70, (count, 3)).astype(np.float32)
     screen[:, 2] = random.uniform(0.001, 1, count)
     screen[7] = np.nan, np.nan, 0.5
-    backdrop, colours, profile = (
-        random.random(shape, np.float32) for shape in ((36, 48, 3), (count, 3), (2, wide, 5, 3))
-    )
+    backdrop, colours, profile = (random.random(shape, np.float32) for shape in ((36, 48, 3), (count, 3), (wide, 5, 3)))
     marks = (random.random(count) < 0.3).astype(np.uint8)
     marks[7] = marks[-1] = 1
     marks[100:900] = 0
@@ -110,7 +108,7 @@ def test_kernels_agree_with_a_plain_twin() -> None:
         place = np.clip(np.nan_to_num(screen[:, :2]), 0, (47, 35)).astype(int)
         far = backdrop[place[:, 1], place[:, 0]]
         veiled = np.where(marks[:, None] != 0, far + share * (colours - far), colours)
-        faded = profile * share[np.argsort(slots)[-wide:]][None, :, :, None]
+        faded = profile * share[np.argsort(slots)[-wide:]][:, :, None]
         seen, across = colours.copy(), profile.copy()
         kernel.veil_strands(air, backdrop, screen, marks, words, seen, slots, across)
         np.testing.assert_allclose(seen, veiled, atol=1e-6)

@@ -15,13 +15,11 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines, flatten
 from strandcli.draw.geometry.extent import Thickness, lost_of, thickness_of, widths_of
-from strandcli.draw.geometry.kernels import silhouette
 from strandcli.draw.lighting.kernels import occlusion_cells
 from strandcli.draw.lighting.kernels.occlusion_columns import BOX_SIZE, CHANNELS, DENSITY
 from strandcli.draw.shadows.kernels.map_parts import WIDE, StrandsInMap
 from strandcli.draw.shadows.shares import share_of
 from strandcli.draw.shadows.strands_in_map import Drawn, chances_of, evened, parts_in_map, simplified
-from strandcli.draw.shadows.traced import _bands_of
 from strandcli.draw.view.camera import View, parallel_view
 from strandcli.draw.zbuffer.raster import draw, to_screen
 from strandcli.scene.model import Curves, Material
@@ -134,22 +132,6 @@ def test_dense_strands_keep_the_points_that_tell_their_widths(width: float) -> N
     assert len(waves.world) < 80
 
 
-def test_ends_that_are_seen_aslant_are_as_wide_as_the_ends() -> None:
-    """The visible rim at an end is moved by its own width there."""
-    view = view_of()
-    line = np.array([[0, 0, -2], [30, 0, -3], [60, 0, -7.0]])
-    moves = []
-    for ends in ((1.0, 0.25), (0.5, 1.0)):
-        shares = np.array([[ends[0], 0.7, ends[1]]], np.float32)
-        lines = lines_of(line[None], shares, 2.0, MODES["straight"])
-        screen = to_screen(lines, view, Scratch())
-        plain = screen.copy()
-        one = np.float32(2.0), np.float32(0.0), lines.scale
-        silhouette.move_ends(lines.first, lines.world, view.pack(), *one, lines.lost, screen)
-        moves.append((screen - plain)[[0, 2], 0])
-    np.testing.assert_allclose(moves[0] / moves[1], [2, 0.25], rtol=1e-3)
-
-
 def many(points: int = 24, seed: int = 1) -> tuple[Floats, NDArray[np.float32]]:
     """Straight strands in the box, and their shares."""
     rng = np.random.default_rng(seed)
@@ -212,14 +194,6 @@ def test_the_sketch_of_a_map_has_mean_widths() -> None:
     assert even.scale is not None
     np.testing.assert_allclose(even.scale, shares.mean(axis=1, dtype=np.float64), rtol=1e-4, atol=1e-6)
     assert even.taper == 0
-
-
-def test_bands_of_exact_shadows_are_as_wide_as_strands() -> None:
-    points, shares = many()
-    view = parallel_view([-0.5, -1.0, -0.3], 512, BOX)
-    lines = lines_of(points, shares, 0.004, MODES["straight"])
-    bands = _bands_of(lines, view, Thickness(0.004, 0.4), Scratch())
-    np.testing.assert_allclose(2 * bands[:, 3], (0.004 * view.focal * shares).reshape(-1), rtol=1e-3, atol=1e-6)
 
 
 def test_the_grid_of_the_sky_counts_widths() -> None:

@@ -11,10 +11,8 @@ from opacity_twin import splatted
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
-from strandcli.draw.shadows import traced
 from strandcli.draw.shadows.kernels import opacity
 from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
-from strandcli.draw.shadows.traced import grid_of
 from strandcli.draw.zbuffer.raster import ROWS
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 
@@ -63,31 +61,6 @@ def test_maps_have_the_same_bits_in_any_number_of_bands(seed: int, size: int) ->
         maps = built(lights, lines, workers)
         np.testing.assert_array_equal(maps.stacks, alone.stacks)
         np.testing.assert_array_equal(maps.texels, alone.texels)
-
-
-@pytest.mark.parametrize("light", lights_of(4 * ROWS)[:3], ids=["sun", "lamp", "inside"])
-def test_lists_of_exact_shadows_have_the_same_bits_in_any_number_of_bands(
-    light: Light, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(traced, "LIST", 0.3)  # finer cells, so that there are several bands of them
-    lines = walks(3000, 1)
-    lines.world[:] = lines.world[np.repeat(lines.first[:-1], 8)] * 0.98 + 0.02 * lines.world
-    alone = grid_of(light, lines, WIDE, 1.0, BOX, 1, Scratch())
-    assert alone.lists.sizes[0] > ROWS
-    for workers in (2, 3, 5):
-        grid = grid_of(light, lines, WIDE, 1.0, BOX, workers, Scratch())
-        for name in ("begin", "keys", "rows"):
-            np.testing.assert_array_equal(getattr(grid.lists, name), getattr(alone.lists, name))
-
-
-@pytest.mark.parametrize("light", lights_of(4 * ROWS)[:3], ids=["sun", "lamp", "inside"])
-def test_an_end_piece_without_length_takes_no_strand_out_of_the_lists(light: Light) -> None:
-    lines = walks(300, 2)
-    lines.world[1], lines.world[14] = lines.world[0], lines.world[15]
-    one, two = (grid_of(light, lines, WIDE, 1.0, BOX, workers, Scratch()) for workers in (1, 2))
-    for grid in (one, two):
-        assert set(np.unique(grid.lists.keys & 0xFFFFFFFF) // 8) == set(range(300))
-    np.testing.assert_array_equal(one.lists.keys, two.lists.keys)
 
 
 def weights(maps: ShadowMaps) -> np.ndarray:

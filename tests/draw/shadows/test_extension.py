@@ -13,9 +13,8 @@ import pytest
 
 from strand_kit import frames_of, scene_of
 from strandcli.cli.main import main
-from strandcli.draw.coverage.kernels.column_light import LINES
 from strandcli.draw.shadows.shadow_model import ShadowModel
-from strandcli.draw.shadows.vertex_shadows import EVENLY, StrandsInLight, VertexShadows
+from strandcli.draw.shadows.vertex_shadows import StrandsInLight, VertexShadows
 from strandcli.errors import UsageError
 from strandcli.plan import make_plan
 from strandcli.registry import SHADOWS
@@ -105,10 +104,6 @@ def test_a_lamp_inside_of_the_mist(models: Any) -> None:
     assert out == pytest.approx([math.exp(-1.0), math.exp(-0.5), -1.0], abs=1e-6)
 
 
-def test_words_have_as_many_bits_as_they_say() -> None:
-    assert [[int(word).bit_count() for word in words] for words in EVENLY] == [[k] * LINES for k in range(65)]
-
-
 def test_schema_plan_and_faults_know_of_a_new_model(models: Any, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["schema"]) == 0
     assert '"dimmer"' in capsys.readouterr().out
@@ -128,3 +123,5 @@ def test_a_model_that_lacks_a_part_or_takes_a_name_is_refused(models: Any) -> No
         SHADOWS.register(taken)
     with pytest.raises(SceneError, match="did you mean"):
         scene_of(SCENE % ("sorted", "dimer", 0.1))
+    with pytest.raises(SceneError, match="not 'traced'; exact shadows are no part of this version; use opacity"):
+        scene_of(SCENE % ("sorted", "traced", 0.1))

@@ -40,9 +40,8 @@ RETURNED, FORWARD = layout.allocate("lobes of dual scattering", 2, strands="dual
 # Highlights: position in the azimuthal tables, and the weights of their entries.
 NODE_X, NODE_Y = layout.allocate("place in azimuthal tables", 2, strands="highlights")
 R, TT, TRT, REST = layout.allocate("longitudinal lobes", 4, strands="highlights")
-# Radiance before a light contribution was added, and that contribution in one channel.
+# Radiance before a light contribution was added.
 BEFORE = layout.allocate("radiance before", 3, strands="dual:darken")[0]
-ADDED = layout.allocate_row("radiance added", strands="darken")
 
 ROWS = layout.row_count("strands")
 """Rows of the array of a batch of vertices."""

@@ -13,7 +13,7 @@ BIAS = 9
 MAP_LAYERS = 10
 """Layers of the light's opacity maps; 0: it has min/max maps."""
 CLEAR_ROW = 11
-"""0, or 1 + the row of `clear` with the light's exact visibility at marked vertices."""
+"""0, or 1 + the row of `clear` with the light's visibility at marked vertices."""
 LIGHT_SIZE = 12
 """Sine of the angular radius of a directional light; radius of a point light, metres."""
 STRAND_WIDTH = 13

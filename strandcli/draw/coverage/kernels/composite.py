@@ -5,20 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, inlined
-from ...common.kernels.bits import popcount
-from .masks import ALL_POINTS, NO_POINTS, POINTS, covered_points
-from .segments import is_ribbon
 from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, ROW_BITS, STEP, TILE_WIDTH, UNIT, alone
 
 ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 OPAQUE = np.float32(1 / 512)
 """Transmittance below which everything behind is left out."""
-MASKED = np.float32(1 / 16)
-"""Samples. Wider strands can have masks of the points of a sample that they show; others may miss every point."""
-PART = np.float32(0.5)
-"""Share of its mask's points below which the area of a thin strand in a sample is not that of its mask."""
 OPEN, CLOSED, SOLID = np.uint8(0), np.uint8(1), np.uint8(2)
 """Bits of `Fragments.closed`."""
 NO_VERTEX = np.int64(-9)
@@ -103,100 +95,3 @@ def close(out, tile, p, total, solid):
     at = (tile.top + (p >> ROW_BITS)) * out.width + tile.left + (p & (TILE_WIDTH - 1))
     closed = CLOSED | SOLID if solid else CLOSED
     out.closed[np.uint64(at)] = closed if ONE - total < OPAQUE else OPEN
-
-
-@inlined
-def total_weight(out, begin, end):
-    """Return the sum of the weights of the fragments begin … end − 1, from the first to the last."""
-    total = ZERO
-    for i in range(begin, end):
-        total += out.weight[np.uint64(i)]
-    return total
-
-
-@inlined
-def write(out, to, vertex, share, t, points):
-    """Write fragment number `to` of `Fragments` with masks."""
-    out.vertex[to] = np.uint32(vertex)
-    out.weight[to] = share
-    out.along[to] = np.float32(t & BETWEEN) * UNIT
-    out.points[to] = points
-
-
-@inlined
-def is_narrow(screen, widths, v):
-    """Return whether the segment after vertex v is drawn as cells."""
-    dx, dy = screen[v + 1, 0] - screen[v, 0], screen[v + 1, 1] - screen[v, 1]
-    return not is_ribbon(dx, dy, np.sqrt(dx * dx + dy * dy), max(widths[v], widths[v + 1]))
-
-
-@inlined
-def strand_points(table, screen, widths, v, x, y, alpha, narrow):
-    """Return the mask of the points that a fragment of the segment after vertex v covers; none if it is not known.
-
-    A narrow segment's fragment of opacity `alpha` is that of its run in the sample (see `cells`)."""
-    area = alpha * np.float32(POINTS) if narrow else ZERO
-    mine = covered_points(table, screen, widths, v, x, y, area)
-    return NO_POINTS if narrow & (area < PART * np.float32(popcount(mine))) else mine
-
-
-@device
-def composite_masked(fragments, counts, ends, order, lines, table, tile, o, out, marks):
-    """Write fragments as `composite` does, with masks of the points of a sample that wide strands cover: a wide strand
-    hides just these points. Thin strands cover a sample independently.
-
-    lines: `ScreenLines` with widths in samples; table: from `strandcli.draw.coverage.masks.half_planes`; other
-    arguments as in `composite`.
-    """
-    screen, widths = lines.screen, lines.widths
-    base, bits = tile.number * PIXELS, out.place_bits
-    vertices = screen.shape[0]
-    for p in range(np.uint64(PIXELS)):
-        end = np.int64(ends[p])
-        m = end - np.int64(counts[p])
-        begin = o
-        x = np.float32(tile.left + np.int64(p) % TILE_WIDTH) + HALF
-        y = np.float32(tile.top + np.int64(p) // TILE_WIDTH) + HALF
-        thin = front = room = ONE
-        free = ALL_POINTS
-        total, solid, previous = ZERO, False, NO_VERTEX
-        while m < end:
-            alpha, identity, t = numbers(fragments, order[np.uint64(m)])
-            m += 1
-            mine, narrow = NO_POINTS, False
-            if identity < vertices and widths[identity] > MASKED:  # from `vertices` on: solids' edges
-                narrow = is_narrow(screen, widths, identity)
-                mine = strand_points(table, screen, widths, identity, x, y, alpha, narrow)
-            if mine != NO_POINTS:
-                visible = mine & free
-                share = alpha * thin * np.float32(popcount(visible)) / np.float32(popcount(mine))
-                free &= ~mine
-            else:
-                visible = free
-                if abs(identity - previous) > 1:
-                    front, room = thin, ONE
-                previous = identity
-                alpha = min(alpha, room)
-                room -= alpha
-                share = front * alpha * np.float32(popcount(free)) / np.float32(POINTS)
-                thin = front * room
-            share = min(share, ONE - total)  # areas are exact, but hidden parts are counted in points
-            if share > ZERO:
-                solid |= identity >= vertices
-                if identity < vertices:
-                    identity -= (t >> bits) & (out.stride - 1)
-                    marks[np.uint64(identity)] = marks[np.uint64(identity + out.stride)] = 1
-                # areas across a narrow strand are more exact than points, where nothing hides it
-                points = ALL_POINTS if narrow & (visible == mine) else visible
-                write(out, np.uint64(o), identity, share, t, points)
-                total += share
-                o += 1
-            if thin * np.float32(popcount(free)) < OPAQUE * np.float32(POINTS):
-                break
-        if (free == NO_POINTS) & ((o > begin + 1) | (m < end)):  # all points are covered: nothing shows through
-            for i in range(begin, o):
-                out.weight[i] /= total
-        out.counts[np.uint64(base) + p] = o - begin
-        if o > begin:
-            close(out, tile, np.int64(p), total_weight(out, begin, o), solid)
-    return o

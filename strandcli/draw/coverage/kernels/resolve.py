@@ -7,7 +7,7 @@ import numpy as np
 from ....jit import device, parallel, prange
 from ....simd import broadcast, load, pointer, prefetch, store, triple_pointer
 from . import cells, ribbon, segments
-from .composite import OPAQUE, composite, composite_masked
+from .composite import OPAQUE, composite
 from .crowds import ROUNDED, list_by_pixel
 from .fragments import Strands, find_fragments
 from .row_order import count_rows, list_rows
@@ -25,17 +25,15 @@ NONE, TWO, THREE = np.uint64(0), np.uint64(2), np.uint64(3)
 
 
 @parallel
-def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, found, marks):
+def resolve(lines, opacity, depth_slope, solids, segments_, tasks, out, found, marks):
     """Find the fragments of each pixel, sort them by depth, ties by vertex, and compute their weights.
 
     lines: `ScreenLines`; opacity: of the material; depth_slope: `DepthSlope`; solids: `SolidPixels`; segments_:
-    `TileSegments` of the rows of `out`; table: from `strandcli.draw.coverage.masks.half_planes`, for
-    `composite.composite_masked`, or None, for `composite.composite`; tasks: number of tasks, which share the tiles and
-    the memory evenly; out: `Fragments`, written; found (tiles,) int64, written: number of all fragments, visible or
-    not, negative if there was no room; marks (V,) uint8: set at the vertices that visible fragments take light from.
+    `TileSegments` of the rows of `out`; tasks: number of tasks, which share the tiles and the memory evenly; out:
+    `Fragments`, written; found (tiles,) int64, written: number of all fragments, visible or not, negative if there was
+    no room; marks (V,) uint8: set at the vertices that visible fragments take light from.
     """
     share = np.int64(out.vertex.shape[0] // tasks)
-    opaque = OPAQUE if table is None else ZERO  # a strand with a mask hides points, and no share of the others
     for one in prange(tasks):
         task = np.int64(one)
         room = np.int64(max(min(INITIAL_ROOM, share), RUN))
@@ -63,7 +61,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
             while True:  # one call of find_fragments, which is the greater part of what is compiled
                 target = cells.Target(
                     tile.top, tile.bottom, tile.left, tile.right, out.place_bits, occlusion, fragments, counts,
-                    opaque * ROUNDED, through, least, ends, hidden, widest,
+                    OPAQUE * ROUNDED, through, least, ends, hidden, widest,
                 )  # fmt: skip
                 n = find_fragments(strands, solids, segments_.pool, slots[:rows], out.width, work, target, marks)
                 if n <= room or n > end - o:
@@ -79,11 +77,8 @@ def resolve(lines, opacity, depth_slope, solids, segments_, table, tasks, out, f
             list_by_pixel(fragments, n, counts, ends, depths, listed)
             # their memory serves for what sorts them
             order, spare = fragments[: room + RUN].view(np.uint32), fragments[room + RUN :].view(np.uint32)
-            sort_pixels(listed, counts, ends, depths, opaque, ranks, spare, order)
-            if table is None:
-                o = composite(listed, counts, ends, order, lines.screen.shape[0], tile, o, out, marks)
-            else:
-                o = composite_masked(listed, counts, ends, order, lines, table, tile, o, out, marks)
+            sort_pixels(listed, counts, ends, depths, OPAQUE, ranks, spare, order)
+            o = composite(listed, counts, ends, order, lines.screen.shape[0], tile, o, out, marks)
 
 
 # Functions of their own, because Numba drops direct writes of a parallel loop to a member of a tuple as dead code.

@@ -60,8 +60,6 @@ class Fragments(NamedTuple):
     along: NDArray[np.float32]
     """(F,) position from that lit vertex to the next, 0 to 1; of fragments that take light from one vertex alone,
     from `alone`."""
-    points: NDArray[np.uint64]
-    """(F,) mask of the points of its sample that the fragment shows (see `masks`); (0,): all show all points."""
     closed: NDArray[np.uint8]
     """(height * width,) `composite.CLOSED` at the pixels of which `resolve.blend` leaves out what is behind the
     fragments, and `SOLID`, too, where one of these is a solid's; 0 before."""

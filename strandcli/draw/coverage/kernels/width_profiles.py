@@ -17,10 +17,8 @@ from ....constants import W
 from ....jit import device, function, inlined, parallel, prange
 from ....simd import broadcast, load, pointer, prefetch, store, triple_pointer
 from ...common.kernels.approximations import clamp
-from ...common.kernels.batch import ADDED, BEFORE, EX, EY, EZ, LX, LY, LZ, RADIANCE, TX, TY, TZ
+from ...common.kernels.batch import BEFORE, EX, EY, EZ, LX, LY, LZ, RADIANCE, TX, TY, TZ
 from ...common.kernels.keys import LOW
-from .column_light import COLUMNS, Crossing, column_light
-from .masks import ALL_POINTS
 from .segments import TALL
 from .tiles import PIXELS, TILE_WIDTH, tile_at
 
@@ -30,6 +28,8 @@ ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 THREE = np.float32(3.0)
 TINY = np.float32(1e-12)
+COLUMNS = 16
+"""Columns of the offset h across a strand."""
 AHEAD = np.int64(16)
 """Fragments that slots are prefetched ahead of their use."""
 FINEST = np.float32(1e-3)
@@ -58,9 +58,7 @@ class Profiles(NamedTuple):
     slots: NDArray[np.int32]
     """(V,) number of the vertex's profile, or −1."""
     profile: NDArray[np.float32]
-    """(1 + m, n, COLUMNS + 1, 3) row 0: of light without exact shadows; rows 1 to m: of each light that has them."""
-    shades: NDArray[np.uint64] | None
-    """(m, n, LINES) exact shadows on the segment after each of these vertices, a set bit is dark; None: m is 0."""
+    """(n, COLUMNS + 1, 3)"""
 
 
 class VisiblePart(NamedTuple):
@@ -77,17 +75,14 @@ class VisiblePart(NamedTuple):
     """Vertices from a lit one to the next."""
     weight: np.float32
     """Share of the sample's light."""
-    points: np.uint64
-    """Mask of the sample's points that show it (see `masks`)."""
 
 
 @device
 def clear(profile, slot):
     """Set a profile to 0."""
-    for row in range(profile.shape[0]):
-        for i in range(COLUMNS + 1):
-            for c in range(3):
-                profile[row, slot, i, c] = ZERO
+    for i in range(COLUMNS + 1):
+        for c in range(3):
+            profile[slot, i, c] = ZERO
 
 
 @device
@@ -98,11 +93,11 @@ def save_radiance(work):
 
 
 @device
-def add_cosine_lobe(work, n, which, slots, profile, row):
+def add_cosine_lobe(work, n, which, slots, profile):
     """Distribute the light added since `save_radiance` across wide strands as a cosine lobe around the side that faces
     the light: factor 1 + cos (γ − φ) − mean, where h = sin γ, which is never negative.
 
-    which (W,): vertices of the batch; slots, profile: of `Profiles`; row: of `profile`."""
+    which (W,): vertices of the batch; slots, profile: of `Profiles`."""
     for k in range(n):
         slot = slots[which[k]]
         if slot >= 0:
@@ -110,7 +105,7 @@ def add_cosine_lobe(work, n, which, slots, profile, row):
             for c in range(3):
                 light = work[RADIANCE + c * W + k] - work[BEFORE + c * W + k]
                 for i in range(COLUMNS):
-                    profile[row, slot, i + 1, c] += light * (sine * OFFSET[i] + cosine * HEIGHT[i])
+                    profile[slot, i + 1, c] += light * (sine * OFFSET[i] + cosine * HEIGHT[i])
 
 
 @device
@@ -127,48 +122,25 @@ def azimuth(work, k):
     return clamp(along * size, -ONE, ONE), clamp(across * size, -ONE, ONE)
 
 
-@device
-def apply_visibility(work, n, which, slots, profile, row, visibility):
-    """Multiply the light added since `save_radiance` by its exact visibility (lights, V), an average over the width.
-
-    Profiles of wide strands store the unshadowed light in their `row`, for `column_light`, and subtract the average in
-    row 0. which, slots: as in `add_cosine_lobe`."""
-    for c in range(3):
-        for k in range(n):
-            before = work[BEFORE + c * W + k]
-            work[ADDED + k] = work[RADIANCE + c * W + k] - before
-            work[RADIANCE + c * W + k] = before + visibility[row - 1, which[k]] * work[ADDED + k]
-        for k in range(n):
-            slot = slots[which[k]]
-            if slot >= 0:
-                light = work[ADDED + k]
-                left = visibility[row - 1, which[k]] * light
-                for i in range(COLUMNS):
-                    profile[row, slot, i + 1, c] += light
-                    profile[0, slot, i + 1, c] -= left
-
-
 @function
 def integrate_columns(profile, slot):
     """Replace each column's light by the sum, up to the column's end, of departures from the average; the sum over all
-    columns is 0. Profiles under exact shadows stay as they are: `column_light` reads their columns."""
-    if profile.shape[0] > 1:
-        return
+    columns is 0."""
     for c in range(3):
         mean = ZERO
         for i in range(COLUMNS):
-            mean += profile[0, slot, i + 1, c]
+            mean += profile[slot, i + 1, c]
         mean /= np.float32(COLUMNS)
         total = ZERO
         for i in range(1, COLUMNS + 1):
-            total += profile[0, slot, i, c] - mean
-            profile[0, slot, i, c] = total
-        profile[0, slot, COLUMNS, c] = ZERO
+            total += profile[slot, i, c] - mean
+            profile[slot, i, c] = total
+        profile[slot, COLUMNS, c] = ZERO
 
 
 @inlined
 def departure(rows, slot, low, high):
-    """Return the mean of row 0 of a vertex's profile between the offsets `low` and `high`, in columns, for all channels
+    """Return the mean of a vertex's profile between the offsets `low` and `high`, in columns, for all channels
     at once; 0 for slot −1, a vertex that is not wide. rows: `triple_pointer` to the profiles."""
     if slot < 0:
         return broadcast(rows, ZERO)
@@ -193,14 +165,13 @@ def integral_at(rows, slot, place):
 
 
 @device
-def add_departure(part, table, profiles, shades, shares, image):
+def add_departure(part, profiles, image):
     """Add the departure of a strand's light from the average that a sample already has; one of its ends has a profile.
 
-    part: `VisiblePart`; table: from `strandcli.draw.coverage.masks.half_planes`, or None: all points show it; profiles:
-    `Profiles`; shades: of these; shares (COLUMNS,) float32: scratch; image (height, width, 3): changed.
+    part: `VisiblePart`; profiles: `Profiles`; image (height, width, 3): changed.
     """
-    x, y, v, t, stride, weight, _ = part
-    screen, widths, samples, start, full, slots, profile, _ = profiles
+    x, y, v, t, stride, weight = part
+    screen, widths, samples, start, full, slots, profile = profiles
     past = t * np.float32(stride)
     piece = min(np.int64(past), stride - 1)
     p = v + piece
@@ -214,23 +185,15 @@ def add_departure(part, table, profiles, shades, shares, image):
         return
     off = ((np.float32(y) + HALF - screen[p, 1]) * dx - (np.float32(x) + HALF - screen[p, 0]) * dy) / size
     weight *= counts * counts * (THREE - TWO * counts)
-    after = slots[v + stride]
-    if shades is None:
-        per, middle = np.float32(COLUMNS) / wide, HALF * np.float32(COLUMNS)
-        half = max(HALF * per, FINEST)
-        least, most = np.float32(0.02) * half, np.float32(COLUMNS)
-        low = clamp(middle + off * per - half, ZERO, most - least)
-        high = clamp(middle + off * per + half, low + least, most)
-        rows, picture = triple_pointer(profile), triple_pointer(image)
-        one, two = departure(rows, slots[v], low, high), departure(rows, after, low, high)
-        here = 3 * (y * image.shape[1] + x)
-        store(picture, here, max(load(picture, here) + weight * (one + t * (two - one)), ZERO))
-    elif slots[v] >= 0 and after >= 0:
-        crossing = Crossing(dx / size, dy / size, off, HALF * wide)
-        r, g, b = column_light(profile, shades, slots[v], after, t, HALF / size, part.points, table, crossing, shares)
-        image[y, x, 0] = max(image[y, x, 0] + weight * r, ZERO)
-        image[y, x, 1] = max(image[y, x, 1] + weight * g, ZERO)
-        image[y, x, 2] = max(image[y, x, 2] + weight * b, ZERO)
+    per, middle = np.float32(COLUMNS) / wide, HALF * np.float32(COLUMNS)
+    half = max(HALF * per, FINEST)
+    least, most = np.float32(0.02) * half, np.float32(COLUMNS)
+    low = clamp(middle + off * per - half, ZERO, most - least)
+    high = clamp(middle + off * per + half, low + least, most)
+    rows, picture = triple_pointer(profile), triple_pointer(image)
+    one, two = departure(rows, slots[v], low, high), departure(rows, slots[v + stride], low, high)
+    here = 3 * (y * image.shape[1] + x)
+    store(picture, here, max(load(picture, here) + weight * (one + t * (two - one)), ZERO))
 
 
 @parallel
@@ -241,8 +204,7 @@ def add_to_zbuffer(keys, base, per, stride, profiles, image):
     last = np.uint64(max(profiles.screen.shape[0] - 1, 0))
     for row in prange(height):
         y = np.int64(row)
-        screen, shades = profiles.screen, profiles.shades
-        shares = np.empty(COLUMNS, np.float32)
+        screen = profiles.screen
         for x in range(width):
             number = (keys[y * width + x] & LOW) - np.uint64(base)
             if number >= last:
@@ -256,15 +218,13 @@ def add_to_zbuffer(keys, base, per, stride, profiles, image):
                 past = (v % per) % stride
                 v -= past
                 t = (np.float32(past) + t) / np.float32(stride)
-            part = VisiblePart(x, y, v, t, stride, ONE, ALL_POINTS)
             if profiles.slots[v] >= 0 or profiles.slots[v + stride] >= 0:
-                add_departure(part, None, profiles, shades, shares, image)
+                add_departure(VisiblePart(x, y, v, t, stride, ONE), profiles, image)
 
 
 @parallel
-def add_to_fragments(fragments, table, profiles, image):
-    """Add the departures of sorted fragments to the picture; fragments: `tiles.Fragments`; table: from
-    `masks.half_planes`; profiles: `Profiles`."""
+def add_to_fragments(fragments, profiles, image):
+    """Add the departures of sorted fragments to the picture; fragments: `tiles.Fragments`; profiles: `Profiles`."""
     start = profiles.start * profiles.samples
     for one in prange(fragments.begin.shape[0]):
         number = np.int64(one)
@@ -273,9 +233,8 @@ def add_to_fragments(fragments, table, profiles, image):
         if f < 0 or (start >= TALL and fragments.widest[number] <= start):
             continue
         tile = tile_at(number, fragments)
-        slots, shades = profiles.slots, profiles.shades
-        vertex, weight, along, points = fragments.vertex, fragments.weight, fragments.along, fragments.points
-        shares = np.empty(COLUMNS, np.float32)
+        slots = profiles.slots
+        vertex, weight, along = fragments.vertex, fragments.weight, fragments.along
         for p in range(PIXELS):
             end = f + np.int64(fragments.counts[number * PIXELS + p])
             while f < end:
@@ -285,7 +244,7 @@ def add_to_fragments(fragments, table, profiles, image):
                 if v < slots.shape[0] and along[f] >= ZERO and (slots[v] >= 0 or slots[v + fragments.stride] >= 0):
                     part = VisiblePart(
                         tile.left + p % TILE_WIDTH, tile.top + p // TILE_WIDTH, v, along[f], fragments.stride,
-                        weight[f], ALL_POINTS if points.shape[0] == 0 else points[f],
+                        weight[f],
                     )  # fmt: skip
-                    add_departure(part, table, profiles, shades, shares, image)
+                    add_departure(part, profiles, image)
                 f += 1

@@ -8,8 +8,7 @@ from ....constants import W
 from ....jit import device
 from ...common.kernels.batch import ARRIVES, EXTRA, NODE_X, NODE_Y, TRT, TT, R
 from ...common.kernels.light_columns import POWER_R
-from ...coverage.kernels.column_light import COLUMNS
-from ...coverage.kernels.width_profiles import azimuth
+from ...coverage.kernels.width_profiles import COLUMNS, azimuth
 from .lobes import PATH_TRT, PATH_TT, grown
 
 ZERO = np.float32(0.0)
@@ -18,17 +17,17 @@ CHANNELS = 8
 
 
 @device
-def width_highlights(work, n, which, lights, one, tables, profiles, row):
+def width_highlights(work, n, which, lights, one, tables, profiles):
     """Add the lobes across the strand to the profiles of wide vertices, from what `highlights` left in the batch.
 
     which (W,): vertices of the batch; tables: of the fibre model, with nodes and paths; profiles: `WidthProfiles`,
-    whose columns have the same ranges as nodes; row: of the profiles.
+    whose columns have the same ranges as nodes.
     """
-    add_columns(work, n, which, lights, one, tables, profiles, profiles.columns, row)
+    add_columns(work, n, which, lights, one, tables, profiles, profiles.columns)
 
 
 @device
-def add_columns(work, n, which, lights, one, tables, profiles, columns, row):
+def add_columns(work, n, which, lights, one, tables, profiles, columns):
     """`width_highlights` where the model has tables over the width."""
     if columns is None:
         return
@@ -58,7 +57,7 @@ def add_columns(work, n, which, lights, one, tables, profiles, columns, row):
                 m_trt *= grown(work[EXTRA + c * W + k], tables.paths[a, b, PATH_TRT])
             for q in range(COLUMNS):
                 h = q if sine >= ZERO else COLUMNS - 1 - q
-                profiles.profile[row, slot, q + 1, c] += (
+                profiles.profile[slot, q + 1, c] += (
                     m_r * cell(columns, i, j, h, 0, x, y)
                     + m_tt * cell(columns, i, j, h, 1 + c, x, y)
                     + m_trt * cell(columns, i, j, h, 4 + c, x, y)

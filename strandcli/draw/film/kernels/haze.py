@@ -61,7 +61,7 @@ def veil_strands(air, backdrop, screen, marks, words, colours, slots, profile):
     their width profiles alike.
 
     air: `Air`; screen (V, 3); words (V // `WORD`,) uint64: the marks, `WORD` of them in each; slots (V,) int32: number
-    of each vertex's profile, or −1, (0,): none has one; profile (lights, profiles, columns, 3).
+    of each vertex's profile, or −1, (0,): none has one; profile (profiles, columns, 3).
     """
     count = np.int64(marks.shape[0])
     light = colours.reshape(-1)
@@ -133,11 +133,10 @@ def blend(background, behind, light, places, shares, n):
 
 @device
 def fade(profile, slot, share):
-    """Scale a width profile (lights, profiles, columns, 3)."""
-    for i in range(profile.shape[0]):
-        for j in range(profile.shape[2]):
-            for c in range(3):
-                profile[i, slot, j, c] *= share
+    """Scale a width profile (profiles, columns, 3)."""
+    for j in range(profile.shape[1]):
+        for c in range(3):
+            profile[slot, j, c] *= share
 
 
 @parallel

@@ -67,7 +67,7 @@ class Lights(NamedTuple):
     rows: NDArray[np.float32]
     """(n, `light_columns.COLUMNS`) one row for each light."""
     clear: NDArray[np.float32]
-    """(m, V) visibility at each vertex of each light with exact shadows; no rows without such lights."""
+    """(m, V) visibility at each vertex of each light whose model shades vertices; no rows without such lights."""
     skin: Any
     """float32: depth below a solid's surface that counts as on it, metres."""
     sized: Any
@@ -93,7 +93,7 @@ class WidthProfiles(NamedTuple):
     columns: Any
     """(n_θ, n_φ, COLUMNS, 8) float32 lobes of the fibre model in each column, or None."""
     profile: NDArray[np.float32]
-    """(1 + m, n, COLUMNS + 1, 3) out: profiles of all lights without exact shadows, and of each light with them."""
+    """(n, COLUMNS + 1, 3) out"""
 
 
 class Screen(NamedTuple):

@@ -202,10 +202,7 @@ def add_light(work, n, which, i, diffuse, tables, dual, lights, shadows, wide):
     """Add the light of light number i to the first n vertices of a batch; arguments as in `batch`."""
     rows = lights.rows
     past_strands(work, n, lights, i, shadows, dual)
-    row = np.int64(0)
-    if wide is not None and dual is None and lights.clear.shape[0] > 0:
-        row = np.int64(rows[i, CLEAR_ROW])  # exact shadows across the width are applied last
-    if lights.clear.shape[0] > 0 and rows[i, CLEAR_ROW] > ZERO and row == 0:
+    if lights.clear.shape[0] > 0 and rows[i, CLEAR_ROW] > ZERO:
         for k in range(n):
             work[ARRIVES + k] *= lights.clear[np.int64(rows[i, CLEAR_ROW]) - 1, which[k]]
     if wide is not None:
@@ -215,13 +212,11 @@ def add_light(work, n, which, i, diffuse, tables, dual, lights, shadows, wide):
     elif diffuse > ZERO:
         diffuse_light(work, n, rows, i, diffuse)
     if wide is not None:
-        width_profiles.add_cosine_lobe(work, n, which, wide.slots, wide.profile, row)
+        width_profiles.add_cosine_lobe(work, n, which, wide.slots, wide.profile)
     if tables is not None:
         highlights(work, n, rows, i, tables)
         if wide is not None:
-            width_highlights(work, n, which, rows, i, tables, wide, row)
-    if wide is not None and dual is None and row > 0:
-        width_profiles.apply_visibility(work, n, which, wide.slots, wide.profile, row, lights.clear)
+            width_highlights(work, n, which, rows, i, tables, wide)
 
 
 @device
