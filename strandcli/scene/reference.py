@@ -41,20 +41,20 @@ TYPES: Mapping[type[Spec], str] = {
     NumberSpec: "number",
     IntegerSpec: "integer",
     VectorSpec: "[x, y, z]",
-    ColourSpec: '[r, g, b] or "#rrggbb"',
+    ColourSpec: "colour",
     SizeSpec: '[w, h] or "800x600"',
     WindowSpec: '[x, y, w, h] or "400x300+100+50"',
-    BooleanSpec: "true or false",
-    FileSpec: "path of a file",
-    MapSpec: "name, or path of a picture",
+    BooleanSpec: "boolean",
+    FileSpec: "file",
+    MapSpec: "name or picture",
     TextSpec: "text",
     NamesSpec: "list of names",
     ModelSpec: "mapping",
     UnionSpec: "mapping",
-    ItemsSpec: "list of mappings",
+    ItemsSpec: "list",
     ParametersSpec: "mapping",
-    RulesSpec: "list or mapping of rules",
-    PanelsSpec: "list of panels",
+    RulesSpec: "list or mapping",
+    PanelsSpec: "list",
 }
 
 
@@ -72,11 +72,10 @@ def markdown(rules: Mapping[str, RuleType]) -> str:
     """Return the reference of presets that may use ``rules``: a heading and a table for each mapping, as Markdown."""
     parts = [
         "# Reference of presets",
-        "This page is made by `strandcli schema --markdown`. Units are metres, seconds and degrees, y is up. A key "
-        "that is not written, or that is `null`, has its default.",
-        "A preset may begin with `extends`, the shipped name of another preset or a path from its own file: it then "
-        "changes that preset. Each entry of `panels` has a `label` and, under `set`, the settings that it changes, "
-        "nested or by dotted path such as `camera.fov`.",
+        "Made by `strandcli schema --markdown`. Units are metres, seconds and degrees, y is up. A colour is linear, "
+        '[r, g, b], or "#rrggbb" in sRGB. A key that is not written, or that is `null`, has its default.',
+        "`extends` names a shipped preset, or the path of one from this file, which this preset changes. Each entry of "
+        "`panels` has a `label` and, under `set`, the settings that it changes, nested or by dotted path.",
     ]
     for section in sections():
         doc = "Settings of every kind." if section.shared else paragraph(section.model.__doc__)
@@ -139,18 +138,19 @@ def rows_of(section: Section) -> list[tuple[str, ...]]:
 
 def table(rows: Iterable[tuple[str, ...]]) -> str:
     """The table of some rows, or a sentence where there are none."""
-    lines = [HEAD, tuple("---" for _ in HEAD), *rows]
-    if len(lines) == 2:
+    lines = [f"| {' | '.join(cells)} |" for cells in (HEAD, *rows)]
+    if len(lines) == 1:
         return "It has no settings."
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+    return "\n".join((lines[0], "|---" * len(HEAD) + "|", *lines[1:]))
 
 
 def _row(setting: Setting) -> tuple[str, ...]:
     spec = setting.spec
+    doc, _, absent = spec.doc.partition("; absent: ")
     options = spec.options if isinstance(spec, ChoiceSpec) else ()
-    first = spec.doc[:1] if spec.doc.startswith(options) else spec.doc[:1].upper()
-    meaning = f"{first}{spec.doc[1:]}." if spec.doc else ""
-    cells = (_value(spec), _default(spec), meaning)
+    first = doc[:1] if doc.startswith(options) else doc[:1].upper()
+    meaning = f"{first}{doc[1:]}." if doc else ""
+    cells = (_value(spec), absent or _default(spec), meaning)
     return (f"`{setting.key}`", *(cell.replace("|", "\\|") for cell in cells))
 
 
@@ -170,6 +170,8 @@ def _range(spec: Spec) -> str:
     if most is not None:
         return f"≤ {most:,} entries" if most < MOST_ITEMS else ""
     limits = spec.limits
+    if limits.low is not None and limits.high is not None:
+        return f"{_number(limits.low)} to {_number(limits.high)}"
     bounds = (("≥", limits.low), (">", limits.above), ("<", limits.below), ("≤", limits.high))
     words = ", ".join(f"{sign} {_number(limit)}" for sign, limit in bounds if limit is not None)
     nonzero = isinstance(spec, VectorSpec) and spec.nonzero
@@ -183,11 +185,11 @@ def _number(limit: float) -> str:
 def _default(spec: Spec) -> str:
     """The value that stands where none is written."""
     if isinstance(spec, FileSpec) and spec.default is not None:
-        return "must be given"
+        return "required"
     if spec.default is None or (isinstance(spec, MapSpec) and not spec.default):
         return "absent"
     if isinstance(spec, ModelSpec):
-        return "its keys'"
+        return "–"
     value = plain(spec.default)
     if isinstance(spec, UnionSpec):
         return f"`kind: {value['kind']}`"

@@ -37,8 +37,8 @@ def test_each_key_of_the_schema_stands_in_a_table() -> None:
 
 def test_a_row_has_value_default_and_meaning() -> None:
     meaning = "Frames per second; 0: the strand file's, else 24."
-    assert rows("`time`")["fps"] == ["`fps`", "number (1/s) ≥ 0, ≤ 100,000", "`24.0`", meaning]
-    assert rows("`camera`")["focus"][2] == "absent"
+    assert rows("`time`")["fps"] == ["`fps`", "number (1/s) 0 to 100,000", "`24.0`", meaning]
+    assert rows("`camera`")["focus"][2] == "that of the target"
     assert rows("`lights[].shadow`")["model"][2] == "`minmax`"
     assert rows("rules: `wind`")["strength"][1] == "number (1/s²) ≥ 0"
     assert len(rows("A preset")["title"]) == len(HEAD)

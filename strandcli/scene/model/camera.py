@@ -13,13 +13,17 @@ from ..specs import NO_COLOUR
 
 @dataclass(frozen=True, slots=True, repr=False)
 class CameraKey:
-    """The camera at one moment. What is left out is taken from the camera itself."""
+    """The camera at one moment."""
 
     time: float = number(0.0, unit="s", doc="frame 1 is at 0")
-    position: Vector | None = vector(None, unit="m", doc="position of the eye")
-    target: Vector | None = vector(None, unit="m", doc="point looked at")
-    fov: float | None = number(None, above=0, below=180, unit="deg", doc="vertical field of view (perspective)")
-    height: float | None = number(None, above=0, unit="m", doc="height of the view (orthographic)")
+    position: Vector | None = vector(None, unit="m", doc="position of the eye; absent: the camera's")
+    target: Vector | None = vector(None, unit="m", doc="point looked at; absent: the camera's")
+    fov: float | None = number(
+        None, above=0, below=180, unit="deg", doc="vertical field of view (perspective); absent: the camera's"
+    )
+    height: float | None = number(
+        None, above=0, unit="m", doc="height of the view (orthographic); absent: the camera's"
+    )
     ease: str = choice("smooth", ("smooth", "linear", "step"), doc="interpolation to the next key")
 
 

@@ -13,7 +13,7 @@ class Rod:
     written beside it replaces its own. Only strands with a curved rest shape twist."""
 
     material: str = choice("hair", ("hair", "grass"), doc="hair: a keratin fibre; grass: a blade")
-    density: float | None = number(None, above=0, unit="kg/m³", doc="absent: the material's")
+    density: float | None = number(None, above=0, unit="kg/m³", doc="mass per volume; absent: the material's")
     radius: float | None = number(None, above=0, unit="m", doc="radius at the root; absent: the material's")
     young: float | None = number(None, above=0, high=1e13, unit="Pa", doc="Young's modulus; absent: the material's")
     tip: float = number(1.0, low=0.05, high=1, doc="radius at the tip over that at the root")

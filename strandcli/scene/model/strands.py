@@ -34,10 +34,8 @@ class Material:
     # inside this class `colour` is by now the field above
     tip_colour: Colour | None = fields.colour(None, doc="colour at the tip; absent: the same along the strand")
     pigment: str = choice("rgb", PIGMENTS, doc="rgb: as `colour`; else a natural hair colour, by melanin")
-    eumelanin: float | None = number(
-        None, low=0, high=50, doc="black-brown melanin, 1 is brown; replaces the pigment's own"
-    )
-    pheomelanin: float | None = number(None, low=0, high=50, doc="red-yellow melanin; replaces the pigment's own")
+    eumelanin: float | None = number(None, low=0, high=50, doc="black-brown melanin, 1 is brown; absent: the pigment's")
+    pheomelanin: float | None = number(None, low=0, high=50, doc="red-yellow melanin; absent: the pigment's")
     grey: float = number(0.0, low=0, high=1, doc="fraction of strands without pigment")
     grey_colour: Colour = fields.colour((1.0, 1.0, 1.0), doc="colour of those strands, such as withered grass")
     colour_variation: float = number(0.0, low=0, high=1, doc="spread of brightness from strand to strand")
