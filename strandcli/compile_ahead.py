@@ -26,8 +26,7 @@ def begin(scene: Scene, threads: int | None) -> None:
     if not service.enabled:
         return
     threads = cores() if threads is None else threads
-    folders = [cache.path] if cache.shared is None else [cache.path, cache.shared]
-    empty = not any(next(one.glob("shade_strands.strands-*.kernel"), None) for one in folders)
+    empty = not any(name.startswith("shade_strands.strands-") for store in cache.stores for name in store.names())
     start = service.ahead if empty else service.ahead_if_missing
     start(scene, PARTS, threads)
 

@@ -23,8 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compiling import folder
-from .compiling.clock import clock
-from .output.state_file import FREE, DamagedError, ForeignError, state_of, state_pieces
+from .output.state_file import FREE, state_of, state_pieces
 
 __all__ = ["FREE", "Arrays", "find", "keep", "kept", "key_of"]
 
@@ -53,7 +52,7 @@ def kept(
         found = zip(like, make(), strict=True)
         return {name: one.reshape(-1) if name.startswith(FREE) else one for name, one in found}
 
-    if folder.cache.trouble is not None and folder.cache.shared is None:
+    if folder.cache.keeps_nothing:
         return list(made().values())
     key = key_of(kind, code, of)
     found = find(kind, key, like)
@@ -65,18 +64,9 @@ def kept(
 
 def find(kind: str, key: str, like: Arrays) -> Arrays | None:
     """The arrays that are kept under a key (see `key_of`), if there are such, of the types and shapes of ``like``."""
-    if folder.cache.trouble is not None and folder.cache.shared is None:
+    if folder.cache.keeps_nothing:
         return None
-    path = folder.cache.find(_name(kind, key))
-    try:
-        with folder.opened(path) as file:
-            return state_of(file, key, like)
-    except FileNotFoundError:
-        return None
-    except (DamagedError, ForeignError, OSError, ValueError) as error:
-        clock.tell(f"{path}: is not used ({error or 'it is of something else'}): made anew")
-        folder.cache.discard(path)
-        return None
+    return folder.cache.load(_name(kind, key), lambda file: state_of(file, key, like))
 
 
 def keep(kind: str, key: str, arrays: Arrays) -> None:

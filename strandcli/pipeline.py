@@ -83,8 +83,8 @@ def _with_threads(count: int, items: Iterator[Item]) -> Iterator[Item]:
 
 
 def _rendered(scene: Scene, frames: Sequence[int], given: Positions | None, options: RunOptions) -> Iterator[Frame]:
-    if options.warn is not None and cache.trouble is not None and cache.shared is None:
-        options.warn(cache.trouble)
+    if options.warn is not None and (trouble := cache.keeps_nothing):
+        options.warn(trouble)
     if not scene.panels:
         yield from _run(scene, frames, given, options)
         return

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,12 +10,13 @@ import click
 
 from .. import inputs
 from ..counted import counted
-from ..errors import SimulationError, StrandError, UsageError
+from ..errors import SimulationError, StrandError
 from . import animations, camera_files, garbage, html_page, options, signals
 from . import checkpoint as checkpoints
 from . import dask as clusters
 from .frame_range import FrameRange
 from .frame_writer import frame_writer
+from .layers import layer_options, with_layers
 from .look import Look
 from .memory_check import option as memory_check_option
 from .positions import open_cache
@@ -28,7 +28,6 @@ from .say import say
 from .sweep import run as run_sweep
 from .sweep import sweep_option
 from .terminal_pictures import Preview, preview_option
-from .values import LayersType
 from .watch import run as run_watch
 from .watch import watch_option
 
@@ -47,11 +46,7 @@ if TYPE_CHECKING:
 @options.threads
 @max_error_option
 @animations.options
-@click.option(
-    "--aov", "aovs", type=LayersType(), metavar="LAYERS",
-    help="Also write layers as .npz and PNG: depth, mask, solid, tangent, orientation, strand_id, shadow, linear.",
-)  # fmt: skip
-@click.option("--exr", is_flag=True, help="Also write frame_0001.exr: linear light, and the layers of --aov.")
+@layer_options
 @camera_files.cameras
 @options.from_cache
 @checkpoints.option
@@ -122,7 +117,7 @@ def command(
     if max_error is not None:
         talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run", lines=True)
         scene, bound = advised(preset, max_error, scene_settings, threads, talk, quiet)
-    scene = _with_layers(scene, exr)
+    scene = with_layers(scene, exr)
     clusters.require(scene, dask)
     ground = animations.ground(scene, animate or (), over)
     numbers = options.frame_numbers(frames, scene, from_cache)
@@ -159,21 +154,6 @@ def command(
 def _draw(**given: Any) -> None:
     """The command itself, for one point of a sweep."""
     command.callback(**given)  # type: ignore[misc]
-
-
-def _with_layers(scene: Scene, exr: bool) -> Scene:
-    """The scene with what EXR files hold; raises ``UsageError`` where its layers cannot be written."""
-    if (exr or scene.image.aovs) and scene.panels:
-        asked = "--exr" if exr else "image.aovs"
-        raise UsageError(f"{asked}: a preset of several panels has no layers; draw one without panels")
-    if not exr:
-        return scene
-    from ..output.layers import require_exr
-
-    require_exr(scene.drawn_strands)
-    if "linear" in scene.image.aovs:
-        return scene
-    return replace(scene, image=replace(scene.image, aovs=(*scene.image.aovs, "linear")))
 
 
 def _run(

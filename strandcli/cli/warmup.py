@@ -2,62 +2,116 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..compiling import processor
+from ..compiling.folder import cache
+from ..compiling.service import cores
 from . import complete, options, signals
+from .layers import layer_options, with_layers
 from .progress import Progress
 from .say import say
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
 
-# Kernels depend on what a scene uses, not on how much of it: two frames of a small version compile all of them.
-SIZE: dict[str, Any] = {"image.size": (64, 48)}
-STRANDS = 128
+FRAMES = 2
+"""Of each preset that are drawn with all threads: the second meets kernels of what moves. The first is drawn again with
+one thread, as are several frames at once: some kernels are of one or the other."""
 
 
 @click.command()
-@click.argument("presets", nargs=-1, metavar="[PRESET]...", shell_complete=complete.presets)
+@click.argument("presets", nargs=-1, metavar="[PRESET|FILE]... | all", shell_complete=complete.presets)
+@options.scene_options
+@options.quality
+@layer_options
+@click.option("--pack", type=options.PathType(), metavar="FILE", help="Also write the kernels as one file.")
+@click.option(
+    "--cpu", type=click.Choice(tuple(processor.LEVELS)),
+    help="Compile for all processors of a kind.  [default: for this machine's]",
+)  # fmt: skip
 @options.threads
 @options.talk("Name each preset that is done, and what is compiled.")
 def command(
     presets: tuple[str, ...],
+    exr: bool,
+    pack: Path | None,
+    cpu: str | None,
     threads: int | None,
     as_json: bool,
     quiet: bool,
     verbose: bool,
     no_progress: bool,
+    **scene_settings: Any,
 ) -> None:
-    """Compile the kernels of PRESET, or of all shipped presets, so that the next run starts at once."""
-    from .. import runtime
-    from ..scene import list_presets
+    """Compile the kernels of PRESET, or of all shipped presets, so that the next run starts at once.
 
-    names = list(presets) or [name for name, _ in list_presets()]
-    scenes = [_small(name) for name in names]
+    Give the options that the run will have: they decide which kernels it needs. Two frames of each preset are drawn,
+    and not kept. A pack serves machines that have the same Python, Numba and system, and a processor of the kind that
+    --cpu names, where STRANDCLI_CACHE_PATH names it.
+    """
+    from ..output.files import require_folder
+
+    if cpu is not None:
+        processor.choose(cpu)
+    if cores() == 1:
+        os.environ.setdefault("NUMBA_NUM_THREADS", "2")
+    if pack is not None:
+        require_folder(pack.parent, 0)
+    names = _names(presets)
+    scenes = [with_layers(options.load_scene(name, **scene_settings), exr) for name in names]
+    from .. import runtime
+
+    if pack is not None:
+        cache.use(cache.path)  # all of it has to be in one folder, for one processor
     with Progress(len(names), "warmup", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
-        from .. import pipeline
-
         for name, scene in zip(names, scenes, strict=True):
-            for _ in pipeline.render(
-                scene, range(1, min(2, scene.time.frames) + 1), threads=threads, notify=progress.note
-            ):
-                signals.check()
+            _draw(scene, threads, progress)
             progress.step(name)
     seconds = runtime.compile_seconds()
+    data: dict[str, Any] = {"presets": names, "compile_seconds": seconds, "cache": str(runtime.cache_folder())}
+    if pack is not None:
+        data["pack"] = str(pack)
+        data["kernels"], data["bytes"] = _write_pack(pack)
     if as_json:
-        options.print_json({"presets": names, "compile_seconds": seconds, "cache": str(runtime.cache_folder())})
+        options.print_json(data)
     if not quiet:
         told = f"compiled for {seconds:.1f} s" if seconds else "everything was compiled already"
         say(f"warmup: {told}; kernels are in {runtime.cache_folder()}", err=True)
+        if pack is not None:
+            say(f"warmup: {pack} has {data['kernels']} kernels, {data['bytes'] / 1e6:.1f} MB", err=True)
 
 
-def _small(name: str) -> Scene:
-    """A preset with few strands and pixels."""
-    import strandcli
+def _names(presets: tuple[str, ...]) -> list[str]:
+    """The presets meant; all shipped ones for none, and for ``all``."""
+    from ..scene import list_presets
 
-    scene = strandcli.load(name, settings=SIZE)
-    strands = "emitter.strands" if scene.emitter.groom is None else "emitter.groom.strands"
-    return strandcli.load(name, settings=SIZE | {strands: STRANDS})
+    return [name for name, _ in list_presets()] if presets in ((), ("all",)) else list(presets)
+
+
+def _draw(scene: Scene, threads: int | None, progress: Progress) -> None:
+    """Draw the first frames of a scene."""
+    from .. import pipeline
+
+    for count, frames in ((threads, range(1, min(FRAMES, scene.time.frames) + 1)), (1, [1])):
+        for _ in pipeline.render(scene, frames, threads=count, notify=progress.note):
+            signals.check()
+
+
+def _write_pack(path: Path) -> tuple[int, int]:
+    """Write all kernels that were run; returns how many they are, and the bytes of the file."""
+    from ..compiling.packs import packed
+    from ..jit.cache import pack_content
+    from ..output.files import prepare_folder, write_pieces
+
+    made, entries = pack_content()
+    content = packed(made, entries)
+    prepare_folder(path.parent, len(content))
+    write_pieces(path, [content])
+    path.chmod(path.stat().st_mode & ~0o022)  # one that others than its owner may change is not run
+    return len(entries), len(content)

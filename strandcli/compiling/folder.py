@@ -3,7 +3,8 @@
 ``STRANDCLI_CACHE_DIR`` names it, else the user's cache folder. What lies around it may be anybody's: nothing is removed
 there but files that strandcli has named. Nobody but the user and root may be able to change the folder or its files,
 for they are run as code. One that cannot be written, such as that of an image, is read, and what is not there is
-compiled into a temporary one.
+compiled into a temporary one. ``STRANDCLI_CACHE_PATH`` lists folders and packs that are read after it, whoever owns
+them.
 """
 
 from __future__ import annotations
@@ -15,17 +16,16 @@ import hashlib
 import os
 import re
 import shutil
-import stat
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import BinaryIO
 
 from .. import __version__
-from ..opening import READ
+from .packs import SHIPPED, Pack, PackError
+from .stores import DAY, FolderStore, Store, T, writers
 
-DAY = 86_400.0
 KEPT_DAYS = 30.0
 """An entry that no run has loaded for so long is removed."""
 MOST_BYTES = 1 << 30
@@ -37,8 +37,6 @@ PART = re.compile(r"\d+-\w+\.part")
 OLD_FOLDER = re.compile(r"kernels-\d+\.\d+\.\w+|\d+\.\d+\.\w+-[0-9a-f]{12}")
 """Folders of other versions, and of those whose folder's name held a hash of all sources."""
 SWEPT = "swept"
-ROOT = 0
-"""The user who may change everything anyway."""
 
 
 class Folder:
@@ -47,10 +45,11 @@ class Folder:
     def __init__(self) -> None:
         self._path: Path | None = None
         self._trouble: str | None = None
-        self._shared: Path | None = None
-        self._told = False
+        self._read_only: list[Store] = []
+        self._refused: list[str] = []
+        self._told: set[str] = set()
         self.warn: Callable[[str], None] | None = None
-        """Is handed, once, what keeps kernels from being kept."""
+        """Is handed, once, each line on what keeps kernels from being kept or read."""
 
     @property
     def path(self) -> Path:
@@ -58,6 +57,8 @@ class Folder:
         written, or others can write there."""
         if self._path is None:
             self._path = self._choose()
+            listed = os.environ.get("STRANDCLI_CACHE_PATH", "").split(os.pathsep)
+            self._read_only += self._opened([*filter(None, listed), *([str(SHIPPED)] if SHIPPED.exists() else [])])
         return self._path
 
     @property
@@ -67,33 +68,68 @@ class Folder:
         return self._trouble
 
     @property
-    def shared(self) -> Path | None:
-        """The folder that is read and cannot be written; None where there is no such."""
+    def read_only(self) -> Sequence[Store]:
+        """Folders and packs that are read and not written, in this order, after the folder of `path`."""
         _ = self.path
-        return self._shared
+        return self._read_only
 
-    def use(self, path: Path, shared: Path | None = None) -> None:
-        """Take these folders, which another process has chosen."""
-        self._path, self._shared = path, shared
+    @property
+    def refused(self) -> Sequence[str]:
+        """A line for each folder and pack that was to be read and is not, or not all of it."""
+        _ = self.path
+        return self._refused
+
+    @property
+    def stores(self) -> Sequence[Store]:
+        """All that is read, in this order."""
+        return [FolderStore(self.path), *self.read_only]
+
+    @property
+    def keeps_nothing(self) -> str | None:
+        """The `trouble` where nothing is read either."""
+        return None if self.read_only else self.trouble
+
+    def use(self, path: Path, read_only: Sequence[str] = ()) -> None:
+        """Take these, which another process has chosen."""
+        self._path, self._read_only = path, self._opened(read_only)
 
     def find(self, name: str) -> Path:
-        """Where a file is that was written here or lies in the shared folder; where it would be written if there is
-        none."""
-        path = self.path / name
-        if self._shared is None or os.path.exists(path):
-            return path
-        there = self._shared / name
-        return there if os.path.exists(there) else path
+        """Where a file is in a folder that is read; where it would be written if there is none."""
+        places = [one.path / name for one in self.stores]
+        return next((one for one in places if os.path.exists(one)), places[0])
+
+    def load(self, name: str, read: Callable[[BinaryIO], T]) -> T | None:
+        """What ``read`` makes of the first sound entry of a name; None where there is none."""
+        found = (one.load(name, read) for one in self.stores)
+        return next((one for one in found if one is not None), None)
 
     def missed(self) -> None:
-        """Tell `warn`, once, that a kernel is compiled which the shared folder does not have."""
-        if self.shared is not None:
-            self._tell()
+        """Tell `warn` why a kernel that is compiled may not have been found."""
+        found = [*self.refused, *(one.damage for one in self.read_only), self.trouble if self.read_only else None]
+        for words in filter(None, found):
+            self._tell(words)
 
-    def _tell(self) -> None:
-        if self.warn is not None and not self._told and self._trouble is not None:
-            self._told = True
-            self.warn(self._trouble)
+    def refuse(self, store: Store, why: str, whole: bool = True) -> None:
+        """Note that a store is not read, or, unless ``whole``, not all of it."""
+        self._refused.append(f"{store.path}: {why}: kernels are compiled instead")
+        if whole:
+            self._read_only.remove(store)
+
+    def _tell(self, words: str) -> None:
+        if self.warn is not None and words not in self._told:
+            self._told.add(words)
+            self.warn(words)
+
+    def _opened(self, paths: Iterable[str]) -> list[Store]:
+        """Folders and packs that others may own, but for those that are refused."""
+        found: list[Store] = []
+        for path in (Path(one).absolute() for one in paths):
+            try:
+                found.append(_read_only(path))
+            except (OSError, PackError) as error:
+                why = error.strerror if isinstance(error, OSError) and error.strerror else error
+                self._refused.append(f"{path}: is not run ({why}): kernels are compiled instead")
+        return found
 
     def write(self, path: Path, content: bytes | Iterable[bytes | memoryview]) -> bool:
         """Write a file of this folder, whole or not at all, of bytes or pieces; returns whether it is there.
@@ -114,15 +150,8 @@ class Folder:
                     temporary.unlink()
             if self._trouble is None:
                 self._trouble = _advice(path.parent, error)
-                self._tell()
+                self._tell(self._trouble)
             return False
-
-    def discard(self, path: Path) -> None:
-        """Remove an entry that is not what was written, if that can be done; a folder in its place if it is empty."""
-        for remove in (os.unlink, os.rmdir):
-            with contextlib.suppress(OSError):
-                remove(path)
-                return
 
     def _choose(self) -> Path:
         import platformdirs
@@ -147,7 +176,7 @@ class Folder:
                 )
             else:
                 with os.scandir(folder):  # which needs the right to read it
-                    self._shared = folder
+                    self._read_only.append(FolderStore(folder))
                 self._trouble = (
                     f"{folder}: is read and cannot be written: kernels that are not there, or that others may change, "
                     "are compiled anew in every run; have who may write there run 'strandcli warmup', or point "
@@ -168,32 +197,17 @@ def text_hash(text: bytes) -> str:
     return hashlib.sha256(text).hexdigest()[:16]
 
 
-def writers(found: os.stat_result) -> str:
-    """Who but this user and root may change a folder or a file of the cache, in words; "" where nobody may, and on
-    systems that have no such owners."""
-    if not hasattr(os, "getuid"):
-        return ""
-    if found.st_uid not in (os.getuid(), ROOT):
-        return "it belongs to another user"
-    return "other users may change it" if found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else ""
-
-
-@contextlib.contextmanager
-def opened(path: Path) -> Iterator[BinaryIO]:
-    """A file of the cache, whose time says at least to the day when it was last used.
-
-    Raises `OSError`, and `ValueError` for what is no file, and for one that others than this user and root may change.
-    """
-    with open(os.open(path, READ | getattr(os, "O_NOFOLLOW", 0)), "rb") as file:
-        status = os.fstat(file.fileno())
-        if not stat.S_ISREG(status.st_mode):
-            raise ValueError("it is no file")
-        if others := writers(status):
-            raise ValueError(others)
-        if status.st_mtime < time.time() - DAY:
-            with contextlib.suppress(OSError):
-                os.utime(path)
-        yield file
+def _read_only(path: Path) -> Store:
+    """A folder or pack that nobody but its owner may change. Raises `OSError`, and `PackError` where it is refused."""
+    if not path.is_dir():
+        return Pack(path)
+    inner = path / f"kernels-{__version__}"
+    path = inner if inner.is_dir() else path
+    found = path.stat()
+    if others := writers(found, found.st_uid):
+        raise PackError(f"{others}: 'chmod go-w {path}' where it is yours")
+    with os.scandir(path):  # which needs the right to read it
+        return FolderStore(path, getattr(found, "st_uid", None))
 
 
 def _is_writable(folder: Path) -> bool:

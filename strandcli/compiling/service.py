@@ -40,8 +40,8 @@ class Worker:
 
     def __init__(self, preload: bool) -> None:
         """Start it; ``preload``: it imports all that draws and simulates at once. Raises `OSError`."""
-        shared = folder.cache.shared
-        settings = json.dumps([str(folder.cache.path), None if shared is None else str(shared), preload])
+        read = [str(one.path) for one in folder.cache.read_only]
+        settings = json.dumps([str(folder.cache.path), read, preload])
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-c", PROGRAM, json.dumps(sys.path), settings],
             stdin=subprocess.PIPE,

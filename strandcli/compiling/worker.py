@@ -20,7 +20,7 @@ IDLE = 20.0
 
 
 def main(settings: str) -> None:
-    """Do what comes in on standard input until that ends. ``settings``: the cache's folder, the shared one or null,
+    """Do what comes in on standard input until that ends. ``settings``: the cache's folder, what is read beside it,
     and whether to import all that draws and simulates at once, as JSON."""
     inbound, outbound = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nowhere = os.open(os.devnull, os.O_RDWR)
@@ -29,12 +29,12 @@ def main(settings: str) -> None:
     os.environ.pop("NUMBA_NUM_THREADS", None)
     messages: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(inbound, messages), daemon=True).start()
-    path, shared, preload = json.loads(settings)
+    path, read_only, preload = json.loads(settings)
 
     from .folder import cache
     from .service import service
 
-    cache.use(Path(path), None if shared is None else Path(shared))
+    cache.use(Path(path), read_only)
     service.enabled = False
     sys.meta_path.append(WrittenModules())
     import numba

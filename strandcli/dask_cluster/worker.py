@@ -51,7 +51,7 @@ class _Drawn:
             scene = completed(scene)
         self._threads = runtime.checked_threads(job.threads or _given_threads())
         self._files, self._positions = naming_files, dict[int, Any]()
-        self.trouble = cache.trouble if cache.shared is None else None
+        self.trouble = cache.keeps_nothing
         with runtime.thread_count(self._threads), naming_files(scene):
             self._moved = SimulationStage(scene, job.frames, self._position, RunOptions(keep_going=job.keep_going))
             self._renderer = FrameRenderer(self._moved)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..compiling.folder import ENTRY, MOST_BYTES, cache, writers
+from ..compiling.folder import ENTRY, MOST_BYTES, cache
+from ..compiling.packs import Pack
+from ..compiling.stores import writers
 from ..counted import counted
+from ..output.files import megabytes
 from .finding import NOTE, OK, Finding
 
 FIRST_BYTES = b"strandcli kernel "
@@ -16,38 +20,50 @@ LEAST_BYTES = 1000
 
 
 def kept() -> Iterator[Finding]:
-    """Whether kernels are kept for the next run, in a folder of this user's alone, and how many there are."""
-    from ..output.files import megabytes
+    """Whether kernels are kept for the next run, in a folder of this user's alone, how many there are, and which
+    folders and packs are read beside it."""
+    for words in cache.refused:
+        yield Finding("cache", NOTE, words)
+    if cache.keeps_nothing:
+        yield Finding("cache", NOTE, cache.keeps_nothing)
+    elif cache.trouble is None:
+        yield _folder(cache.path)
+    for store in cache.read_only:
+        if isinstance(store, Pack):
+            size = store.path.stat().st_size
+            yield Finding(
+                "cache", OK, f"{store.path}: pack of {counted(len(list(store.names())), 'kernel')}, {megabytes(size)}"
+            )
+        else:
+            yield _folder(store.path, writable=False)
 
-    folder = cache.shared or cache.path
-    if cache.trouble is not None and cache.shared is None:
-        yield Finding("cache", NOTE, cache.trouble)
-        return
+
+def _folder(folder: Path, writable: bool = True) -> Finding:
+    """What a folder has."""
     entries = [one for one in folder.iterdir() if ENTRY.fullmatch(one.name)]
     size = sum(one.lstat().st_size for one in entries)
     text = f"{folder}: {counted(len(entries), 'kernel or module', 'kernels and modules')}, {megabytes(size)}"
-    broken = [one for one in entries if damaged(one)]
+    broken = [one for one in entries if damaged(one, folder.stat())]
     if broken:
         some = f"{len(broken)} not used, such as {broken[0].name}: damaged, or writable for others"
         advice = "nothing: they are compiled anew when they are needed"
-        if cache.shared is not None:
+        if not writable:
             advice = "have who may write there remove them and run 'strandcli warmup PRESET'"
-        yield Finding("cache", NOTE, f"{text}; {some}", advice)
-    elif cache.shared is not None:
+        return Finding("cache", NOTE, f"{text}; {some}", advice)
+    if not writable:
         text += "; they are read, and cannot be written"
         advice = "nothing where all is there that is drawn; else have who may write there run 'strandcli warmup PRESET'"
-        yield Finding("cache", NOTE, text, advice)
-    elif size > MOST_BYTES:
-        yield Finding("cache", NOTE, text, "nothing: what was not used for longest is removed once a day")
-    else:
-        yield Finding("cache", OK, text + ("" if entries else "; the first run compiles, about a minute"))
+        return Finding("cache", NOTE, text, advice)
+    if size > MOST_BYTES:
+        return Finding("cache", NOTE, text, "nothing: what was not used for longest is removed once a day")
+    return Finding("cache", OK, text + ("" if entries else "; the first run compiles, about a minute"))
 
 
-def damaged(entry: Path) -> bool:
-    """Whether an entry is not used, for it clearly is none or others may change it; a run looks closer, at a hash of
-    its content."""
+def damaged(entry: Path, folder: os.stat_result) -> bool:
+    """Whether an entry is not used, for it clearly is none, or others than who owns its folder may change it; a run
+    looks closer, at a hash of its content."""
     try:
-        if writers(entry.lstat()):
+        if writers(entry.lstat(), folder.st_uid):
             return True
         if entry.suffix != ".kernel":
             return False

@@ -3,21 +3,25 @@
 Numba's own cache is set for a whole process and looks at one source file a function; this one belongs to strandcli's
 dispatchers alone, and an entry's name follows everything that its machine code depends on: the text of all modules that
 the kernel is made of, the signature, the processor, the versions of Python, Numba and LLVM.
+A pack's kernels were compiled for its processor, and are asked for under the names that they have for that one.
 """
 
 from __future__ import annotations
 
 import hashlib
-import platform
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
+from importlib.machinery import EXTENSION_SUFFIXES
+from importlib.util import MAGIC_NUMBER
+from typing import Any, BinaryIO
 
 import llvmlite
 import numba
+import numpy as np
 from numba.core import config
 from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
@@ -25,12 +29,16 @@ from ..compiling import folder
 from ..compiling.claims import claims
 from ..compiling.clock import clock
 from ..compiling.interrupts import interrupts
+from ..compiling.processor import lacking
 from ..compiling.service import service
+from ..compiling.stores import Store
 from . import sources
 from .loaded import rebuilt, unpacked
 
 MAGIC = b"strandcli kernel 1\n"
 SUFFIX = ".kernel"
+MADE_OF: dict[str, str] = {}
+"""The module of each entry that this process has loaded or written, by the entry's name."""
 
 
 class KernelCache(_Cache):
@@ -65,17 +73,17 @@ class KernelCache(_Cache):
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The kernel for a signature; None where it has to be compiled, by this process, which has claimed it."""
         rtsys.initialize(target_context)  # which refresh() does, and imports all that only the compiler needs
-        name, key = self._entry(sig, target_context.codegen())
-        found = self._load(folder.cache.find(name), key, target_context)
+        found = self._find(sig, target_context)
         if found is not None:
             return found
         clock.missed(self._function.__name__)
-        folder.cache.missed()
+        self._explain()
+        name, key = self._entry(sig, target_context.codegen())
         with interrupts.allowed():
             if not service.compile(self._function, sig, name):
                 claims.take(folder.cache.path, key)
         # in the meantime another process may have compiled it
-        return self._load(folder.cache.find(name), key, target_context)
+        return self._find(sig, target_context)
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a kernel that was compiled, whole or not at all."""
@@ -83,34 +91,87 @@ class KernelCache(_Cache):
             return
         name, key = self._entry(sig, data.codegen)
         payload = dumps(data._reduce())
+        MADE_OF[name] = self._function.__module__
         folder.cache.write(folder.cache.path / name, MAGIC + hashlib.sha256(key + payload).digest() + payload)
 
-    def _load(self, path: Path, key: bytes, target_context: Any) -> Any:
-        """The kernel in a file; None where there is none that is whole."""
-        try:
-            with folder.opened(path) as file:
-                data = file.read()
-            return rebuilt(target_context, *unpacked(_checked(data, key)))
-        except FileNotFoundError:
-            return None
-        except Exception as error:
-            clock.tell(f"{path}: cached kernel cannot be loaded ({error}): compiling anew")
-            folder.cache.discard(path)
-            return None
+    def _find(self, sig: Any, target_context: Any) -> Any:
+        """The kernel from the first place that has it whole; None where there is none."""
+        codegen = target_context.codegen()
+        for store in folder.cache.stores:
+            if store.made is not None and (why := unfit(store.made, codegen)):
+                folder.cache.refuse(store, why)
+                continue
+            name, key = self._entry(sig, codegen, store)
 
-    def _entry(self, sig: Any, codegen: Any) -> tuple[str, bytes]:
-        """The name of a signature's entry, and the hash of all that it depends on."""
+            def read(file: BinaryIO, key: bytes = key) -> CompileResult:
+                return rebuilt(target_context, *unpacked(_checked(file.read(), key)))
+
+            found = store.load(name, read)
+            if found is not None:
+                MADE_OF[name] = self._function.__module__
+                return found
+        return None
+
+    def _explain(self) -> None:
+        """Tell why the cache may not have had a kernel that is compiled now."""
+        module = self._function.__module__
+        for store in folder.cache.read_only:
+            written = (store.made or {}).get("sources", {}).get(module)
+            if written is not None and written != sources.digest(module):
+                folder.cache.refuse(store, f"kernels of {module} are not run, for its source has changed", whole=False)
+        folder.cache.missed()
+
+    def _entry(self, sig: Any, codegen: Any, store: Store | None = None) -> tuple[str, bytes]:
+        """The name of a signature's entry in a store, and the hash of all that it depends on."""
         function = self._function
+        made = made_with(codegen) if store is None or store.made is None else store.made
         parts = (
             sources.digest(function.__module__), function.__module__, function.__qualname__,
             function.__code__.co_firstlineno, sorted(self._options.items()), str(sig),
-            sources.digests_of_types(sig), codegen.magic_tuple(),
-            numba.__version__, llvmlite.__version__, platform.python_version(),
-            str(getattr(config, "OPT", "")), getattr(config, "BOUNDSCHECK", None),
+            sources.digests_of_types(sig), sorted(made["with"].items()), sorted(made["processor"].items()),
         )  # fmt: skip
         key = hashlib.sha256(repr(parts).encode()).digest()
         name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}-{key.hex()[:24]}{SUFFIX}"
         return name, key
+
+
+def made_with(codegen: Any) -> dict[str, dict[str, str]]:
+    """What machine code depends on beside its sources.
+
+    Of Python the number of its bytecode and the name of its binary interface, which releases of one minor version
+    share: kernels call Python as extension modules do, and what is pickled with them may hold bytecode.
+    """
+    triple, name, features = codegen.magic_tuple()
+    settings = ("OPT", "BOUNDSCHECK", "USING_SVML")
+    surroundings = {
+        "Python": f"{int.from_bytes(MAGIC_NUMBER[:2], 'little')} {EXTENSION_SUFFIXES[0]}",
+        "Numba": numba.__version__,
+        "llvmlite": llvmlite.__version__,
+        "NumPy": np.__version__.partition(".")[0],
+        "system": re.sub(r"(darwin|macosx)[\d.]+", r"\1", triple),
+        "Numba's settings": " ".join(str(getattr(config, one, "")) for one in settings),
+    }
+    return {"with": surroundings, "processor": {"name": name, "features": features}}
+
+
+def unfit(made: dict[str, Any], codegen: Any) -> str:
+    """Why no kernel of a pack can be run here, in words; "" where they can."""
+    for what, here in made_with(codegen)["with"].items():
+        if made["with"].get(what) != here:
+            return f"is not run, for its {what} is {made['with'].get(what)}, and here it is {here}"
+    lacks = lacking(str(made["processor"].get("features")))
+    name = made["processor"].get("name")
+    return f"is not run, for it is for processors such as {name}, and this one has no {lacks[0]}" if lacks else ""
+
+
+def pack_content() -> tuple[dict[str, Any], dict[str, bytes]]:
+    """What a pack says of itself, and the entries of all kernels that this process has run."""
+    from numba.core.registry import cpu_target
+
+    made = made_with(cpu_target.target_context.codegen())
+    whole = {**made, "sources": {module: sources.digest(module) for module in sorted(set(MADE_OF.values()))}}
+    found = {name: folder.cache.load(name, lambda file: file.read()) for name in sorted(MADE_OF)}
+    return whole, {name: data for name, data in found.items() if data is not None}
 
 
 def _checked(data: bytes, key: bytes) -> bytes:

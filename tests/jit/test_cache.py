@@ -117,7 +117,7 @@ def test_a_damaged_entry_is_noticed_and_costs_that_entry_alone(entry: Path, told
         kernel = fresh(plus_one)
         assert (kernel(1), hits(kernel)) == (2, 0)
         assert told[-2:] == [
-            f"{entry}: cached kernel cannot be loaded (its content is not what was written): compiling anew",
+            f"{entry}: is not used (its content is not what was written): made anew",
             "compiling plus_one",
         ]
         again = fresh(plus_one)

@@ -18,7 +18,7 @@ import pytest
 
 from strand_kit import scene_of
 from strandcli import pipeline, written
-from strandcli.compiling import folder, worker
+from strandcli.compiling import folder, stores, worker
 from strandcli.compiling.clock import clock
 from strandcli.compiling.service import service
 from strandcli.doctor import kernels
@@ -104,7 +104,7 @@ def test_kernels_in_another_users_folder_are_not_run(base: Path, monkeypatch: py
     assert not called()
     me = os.getuid()
     monkeypatch.setattr(os, "getuid", lambda: me + 1)
-    monkeypatch.setattr(folder, "ROOT", -1)  # who may run these tests
+    monkeypatch.setattr(stores, "ROOT", -1)  # who may run these tests
     assert "it belongs to another user" in (begin(monkeypatch).trouble or "")
     monkeypatch.setattr(os, "getuid", lambda: me)
     assert called() is False  # the temporary folder was empty
@@ -117,14 +117,14 @@ def test_a_kernel_that_another_user_owns_or_may_change_is_not_run(base: Path, mo
     (entry,) = folder.cache.path.glob("*.kernel")
     entry.chmod(0o666)
     assert not called()
-    assert f"{entry}: cached kernel cannot be loaded (other users may change it): compiling anew" in told
+    assert f"{entry}: is not used (other users may change it): made anew" in told
     assert mode(entry) == 0o600
     assert called()
     me = os.getuid()
     monkeypatch.setattr(os, "getuid", lambda: me + 1)
-    monkeypatch.setattr(folder, "ROOT", -1)
+    monkeypatch.setattr(stores, "ROOT", -1)
     assert not called()
-    assert f"{entry}: cached kernel cannot be loaded (it belongs to another user): compiling anew" in told
+    assert f"{entry}: is not used (it belongs to another user): made anew" in told
 
 
 def test_a_module_in_the_cache_is_run_if_its_hash_is_the_one_in_its_name(
@@ -187,7 +187,7 @@ def unwritable(inner: Path, owner: str, monkeypatch: pytest.MonkeyPatch) -> Iter
             os.seteuid(NOBODY)
         elif owner == "root's":
             patch.setattr(os, "getuid", lambda: me + 1)
-            patch.setattr(folder, "ROOT", me)
+            patch.setattr(stores, "ROOT", me)
         try:
             yield
         finally:
@@ -217,7 +217,7 @@ def test_a_folder_that_cannot_be_written_is_read(owner: str, place: Path, monkey
         new.warn = told.append
         assert called()
         kept("table", ("strandcli.constants",), [1], like, lambda: pytest.fail("made again"))
-        assert (new.shared, told) == (inner, [])
+        assert ([one.path for one in new.read_only], told) == ([inner], [])
         (found,) = kernels.kept()
         assert "1 kernel or module" not in found.text
         assert "they are read, and cannot be written" in found.text
@@ -239,7 +239,7 @@ def test_what_others_may_change_in_a_folder_that_cannot_be_written_is_not_run(
     inner = folder.cache.path
     with unwritable(inner, "root's", monkeypatch):
         (entry,) = inner.glob("*.kernel")
-        assert begin(monkeypatch).shared == inner
+        assert [one.path for one in begin(monkeypatch).read_only] == [inner]
         assert called()
         assert "not used" not in next(kernels.kept()).text
         as_owner(entry, 0o646)
@@ -249,14 +249,14 @@ def test_what_others_may_change_in_a_folder_that_cannot_be_written_is_not_run(
         as_owner(entry, 0o444)
         as_owner(inner, 0o757)
         assert "other users may change it" in str(begin(monkeypatch).trouble)
-        assert folder.cache.shared is None
+        assert not folder.cache.read_only
         assert not called()
 
 
 def test_a_run_tells_of_a_cache_that_keeps_nothing_and_not_of_one_that_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = scene_of("emitter: {strands: 4, particles: 3}\nrules: []\n")
-    for shared, told in ((None, ["keeps nothing"]), (Path("there"), [])):
-        monkeypatch.setattr(pipeline, "cache", SimpleNamespace(trouble="keeps nothing", shared=shared))
+    for keeps_nothing in ("keeps nothing", None):
+        monkeypatch.setattr(pipeline, "cache", SimpleNamespace(keeps_nothing=keeps_nothing))
         found: list[str] = []
         list(pipeline.render(scene, [1], draw=False, warn=found.append))
-        assert found == told
+        assert found == [keeps_nothing] * (keeps_nothing is not None)

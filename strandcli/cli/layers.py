@@ -1,0 +1,38 @@
+"""Options of the layers that frames have beside their picture."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import click
+
+from ..errors import UsageError
+from .options import together
+from .values import LayersType
+
+if TYPE_CHECKING:
+    from ..scene.model import Scene
+
+layer_options = together(
+    click.option(
+        "--aov", "aovs", type=LayersType(), metavar="LAYERS",
+        help="Also write layers as .npz and PNG: depth, mask, solid, tangent, orientation, strand_id, shadow, linear.",
+    ),
+    click.option("--exr", is_flag=True, help="Also write frame_0001.exr: linear light, and the layers of --aov."),
+)  # fmt: skip
+
+
+def with_layers(scene: Scene, exr: bool) -> Scene:
+    """The scene with what EXR files hold; raises ``UsageError`` where its layers cannot be written."""
+    if (exr or scene.image.aovs) and scene.panels:
+        asked = "--exr" if exr else "image.aovs"
+        raise UsageError(f"{asked}: a preset of several panels has no layers; draw one without panels")
+    if not exr:
+        return scene
+    from ..output.layers import require_exr
+
+    require_exr(scene.drawn_strands)
+    if "linear" in scene.image.aovs:
+        return scene
+    return replace(scene, image=replace(scene.image, aovs=(*scene.image.aovs, "linear")))
