@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
 from . import compile_ahead, runtime
+from .compiling.clock import clock
 from .compiling.folder import cache
 from .errors import UsageError
 from .frame import Frame
@@ -57,6 +58,7 @@ def render(
     options = RunOptions(draw, keep_positions, keep_going, notify, warn, checkpoints)
     count = runtime.checked_threads(threads)
     runtime.tell(notify, warn)
+    clock.expect(scene.source)
     if scene.panels and any(panel.image.aovs for panel in scene.panels):
         raise UsageError("image.aovs: a preset of several panels has no layers; draw one without panels")
     if any(one.emitter.groom is not None for one in scene.panels or (scene,)):

@@ -12,21 +12,25 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Self, TextIO
 
+from ..compiling.clock import clock
 from . import signals
 from .say import printable, say
 
 _TICK = 0.2
 _LONG = 2.0
-"""Seconds of compiling from which on a run that draws no line says so once."""
+"""Seconds of compiling from which on a run that draws no line says so."""
 _SILENT = 30.0
 """Seconds without a line after which a run of lines says that it goes on."""
-COMPILING = "compiling kernels (only on first use)"
+_AGAIN = 10.0
+"""Seconds between two such lines."""
+COMPILING = "(only on first use)"
+"""Ends each line that tells of compiling."""
 
 
 class Progress:
     """A line with a bar, frames a second and time left; while kernels compile, how long that has taken.
 
-    Nothing is drawn where stderr is no terminal, or with ``hidden``: but for a line where kernels take long to compile.
+    Nothing is drawn where stderr is no terminal, or with ``hidden``: but for lines where kernels take long to compile.
     With ``verbose`` notes are printed as lines then.
     A thread redraws the line, so that it moves during a long compilation too. ``each`` is what is counted. With
     ``lines`` a run that takes minutes is heard of where nothing is drawn as well: each step that has a text is a line,
@@ -48,7 +52,6 @@ class Progress:
         self.done = 0
         self._note = ""
         self._note_since = 0.0
-        self._compiled = False
         self._first = 0.0
         self._stepped = 0.0
         self._lock = threading.Lock()
@@ -87,22 +90,26 @@ class Progress:
             self._note = printable(text)
         if text and self.verbose and not self.live:
             say(text, err=True)
-        elif self.lines and not self._compiled and _kind(text) == "compiling":
-            self._compiled = True
-            self.line(f"{self.label}: {COMPILING}")
-        elif not (self.hidden or self.live or self._compiled):
+        elif not (self.hidden or self.live):
             self._tell_late(_kind(text) == "compiling")
 
     def _tell_late(self, compiling: bool) -> None:
-        """Say that kernels compile, once, if they do for so long."""
+        """Say that kernels compile, now and again, if they do for so long."""
         if compiling and self._late is None:
-            self._late = threading.Timer(_LONG, self.line, [f"{self.label}: {COMPILING}"])
-            self._late.daemon = True
-            self._late.start()
+            self._begin_late(_LONG)
         elif not compiling and self._late is not None:
-            self._compiled = self._late.finished.is_set()
             self._late.cancel()
             self._late = None
+
+    def _begin_late(self, seconds: float) -> None:
+        self._late = threading.Timer(seconds, self._say_compiling)
+        self._late.daemon = True
+        self._late.start()
+
+    def _say_compiling(self) -> None:
+        self.line(f"{self.label}: {compiling()} {COMPILING}")
+        if self._late is threading.current_thread():  # else compiling has ended meanwhile
+            self._begin_late(_AGAIN)
 
     def step(self, text: str = "", count: int = 1) -> None:
         """One more frame is done, or ``count`` more; ``text`` is its line for --verbose."""
@@ -153,7 +160,7 @@ class Progress:
             seconds = f"{now - self._note_since:.1f} s"
             if _kind(self._note) == "compiling":
                 kernel = self._note.removeprefix("compiling").strip()
-                return f"{self.label}: compiling kernels ... {seconds} (only on first use) {kernel}".rstrip()
+                return f"{self.label}: {compiling()} ... {seconds} {COMPILING} {kernel}".rstrip()
             return f"{self.label}: {self._note} ... {seconds}"
         width = 24
         filled = width * self.done // max(1, self.total)
@@ -172,6 +179,14 @@ class Progress:
             return ""
         each, rest = elapsed / self.done, self.total - self.done
         return f", {duration(rest * each - min(now - self._stepped, each if rest else 0.0))} left"
+
+
+def compiling() -> str:
+    """How far compiling is, as far as that is known: ``compiling 12 of 64 kernels, 20 s left``."""
+    known = clock.progress()
+    if known is None:
+        return "compiling kernels"
+    return f"compiling {known[0]} of {known[1]} kernels, {duration(known[2])} left"
 
 
 def beginner(progress: Progress) -> Callable[[int], None]:

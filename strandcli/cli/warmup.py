@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..compiling import processor
+from ..compiling.clock import clock
 from ..compiling.folder import cache
 from ..compiling.service import cores
+from ..counted import counted
 from . import complete, options, signals
 from .layers import layer_options, with_layers
 from .progress import Progress
@@ -23,6 +26,9 @@ FRAMES = 2
 """Of each preset that are drawn with all threads: the second meets kernels of what moves. The first is drawn again with
 one thread, as are several frames at once: some kernels are of one or the other."""
 
+WIDTHS = (8, 8, 9, 8, 10, 13, 11, 9)
+"""Columns of figures in the table of --profile."""
+
 
 @click.command()
 @click.argument("presets", nargs=-1, metavar="[PRESET|FILE]... | all", shell_complete=complete.presets)
@@ -34,6 +40,8 @@ one thread, as are several frames at once: some kernels are of one or the other.
     "--cpu", type=click.Choice(tuple(processor.LEVELS)),
     help="Compile for all processors of a kind.  [default: for this machine's]",
 )  # fmt: skip
+@click.option("--profile", is_flag=True, help="Compile all anew, keep nothing, and tell what each kernel costs.")
+@options.alone("pack", "profile")
 @options.threads
 @options.talk("Name each preset that is done, and what is compiled.")
 def command(
@@ -41,6 +49,7 @@ def command(
     exr: bool,
     pack: Path | None,
     cpu: str | None,
+    profile: bool,
     threads: int | None,
     as_json: bool,
     quiet: bool,
@@ -52,7 +61,8 @@ def command(
 
     Give the options that the run will have: they decide which kernels it needs. Two frames of each preset are drawn,
     and not kept. A pack serves machines that have the same Python, Numba and system, and a processor of the kind that
-    --cpu names, where STRANDCLI_CACHE_PATH names it.
+    --cpu names, where STRANDCLI_CACHE_PATH names it. --profile prints processor seconds of typing, lowering and LLVM,
+    how often a kernel was compiled, and for which types of its arguments after the first time.
     """
     from ..output.files import require_folder
 
@@ -65,26 +75,38 @@ def command(
     names = _names(presets)
     scenes = [with_layers(options.load_scene(name, **scene_settings), exr) for name in names]
     from .. import runtime
+    from ..jit.profile import profiled
 
     if pack is not None:
         cache.use(cache.path)  # all of it has to be in one folder, for one processor
-    with Progress(len(names), "warmup", hidden=no_progress or quiet, verbose=verbose) as progress:
+    with (
+        profiled() if profile else nullcontext() as measured,
+        Progress(len(names), "warmup", hidden=no_progress or quiet, verbose=verbose) as progress,
+    ):
         runtime.start(threads, progress.note)
+        for scene in scenes:
+            clock.expect(scene.source)
         for name, scene in zip(names, scenes, strict=True):
             _draw(scene, threads, progress)
             progress.step(name)
     seconds = runtime.compile_seconds()
-    data: dict[str, Any] = {"presets": names, "compile_seconds": seconds, "cache": str(runtime.cache_folder())}
+    data: dict[str, Any] = {
+        "presets": names, "compile_seconds": seconds, "compiled": clock.compiled, "cache": str(cache.path),
+        "kernels": dict(sorted(clock.ready.items())), "waited": dict(clock.waited.most_common()),
+    }  # fmt: skip
     if pack is not None:
-        data["pack"] = str(pack)
-        data["kernels"], data["bytes"] = _write_pack(pack)
+        data["pack"] = {"file": str(pack), **_write_pack(pack)}
+    if measured is not None:
+        data["profile"] = [one.as_dict() for one in measured.costs()]
     if as_json:
         options.print_json(data)
-    if not quiet:
+    elif measured is not None:
+        click.echo(_table(data["profile"]))
+    if not quiet and measured is None:
         told = f"compiled for {seconds:.1f} s" if seconds else "everything was compiled already"
-        say(f"warmup: {told}; kernels are in {runtime.cache_folder()}", err=True)
+        say(f"warmup: {told}; kernels are in {cache.path}", err=True)
         if pack is not None:
-            say(f"warmup: {pack} has {data['kernels']} kernels, {data['bytes'] / 1e6:.1f} MB", err=True)
+            say(f"warmup: {pack} has {data['pack']['kernels']} kernels, {data['pack']['bytes'] / 1e6:.1f} MB", err=True)
 
 
 def _names(presets: tuple[str, ...]) -> list[str]:
@@ -103,7 +125,19 @@ def _draw(scene: Scene, threads: int | None, progress: Progress) -> None:
             signals.check()
 
 
-def _write_pack(path: Path) -> tuple[int, int]:
+def _table(costs: list[dict[str, Any]]) -> str:
+    """A line a kernel, the dearest first, and one of all."""
+    seconds, counts = ("seconds", "typing", "lowering", "llvm"), ("functions", "instructions", "bytes", "compiled")
+    whole = {name: sum(one[name] for one in costs) for name in (*seconds, *counts)}
+    lines = ["".join(f"{name:>{wide}}" for name, wide in zip((*seconds, *counts), WIDTHS, strict=True)) + "  kernel"]
+    for one in (*costs, {**whole, "name": counted(len(costs), "kernel"), "why": []}):
+        cells = [f"{one[name]:.2f}" for name in seconds] + [f"{one[name]:,}" for name in counts]
+        row = "".join(f"{cell:>{wide}}" for cell, wide in zip(cells, WIDTHS, strict=True))
+        lines.append("; ".join([f"{row}  {one['name']}", *one["why"]]))
+    return "\n".join(lines)
+
+
+def _write_pack(path: Path) -> dict[str, int]:
     """Write all kernels that were run; returns how many they are, and the bytes of the file."""
     from ..compiling.packs import packed
     from ..jit.cache import pack_content
@@ -114,4 +148,4 @@ def _write_pack(path: Path) -> tuple[int, int]:
     prepare_folder(path.parent, len(content))
     write_pieces(path, [content])
     path.chmod(path.stat().st_mode & ~0o022)  # one that others than its owner may change is not run
-    return len(entries), len(content)
+    return {"kernels": len(entries), "bytes": len(content)}

@@ -1,4 +1,4 @@
-"""The seconds that a process has waited for kernels to be compiled.
+"""The seconds that a process has waited for kernels to be compiled, and how many it waits for.
 
 Counted by strandcli's own dispatchers: Numba's events would tell of every function of the process.
 """
@@ -7,26 +7,49 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from . import costs
+
 Notify = Callable[[str], None]
+PRIOR = 5.0
+"""Seconds of compiling that the measured costs are believed for, before this machine's own tell more."""
 
 
 class Clock:
     """Adds up compile time; a kernel compiled while another is compiled counts once, each thread for itself."""
 
     def __init__(self) -> None:
-        self.seconds = 0.0
         self.notify: Notify | None = None
         """Is handed a line of text each time that compiling begins."""
+        self.waited: Counter[str] = Counter()
+        """Seconds for each kernel that was compiled, by its name: module and function."""
+        self.compiled = 0
+        """Signatures that were compiled."""
+        self.ready: Counter[str] = Counter()
+        """How many signatures of each kernel this process has called, compiled or loaded."""
+        self._sources: dict[str, None] = {}
+        self._present: tuple[str, float] | None = None
         self._thread = threading.local()
 
+    @property
+    def seconds(self) -> float:
+        """Of all that was compiled."""
+        return sum(self.waited.values())
+
+    def expect(self, source: str) -> None:
+        """A scene of this file is drawn now."""
+        self._sources[source] = None
+
     @contextmanager
-    def call(self) -> Iterator[None]:
+    def call(self, name: str) -> Iterator[None]:
         """A dispatcher looks for a kernel; the time counts from `missed` on, if that is called."""
         mine = self._thread
         mine.depth = getattr(mine, "depth", 0) + 1
+        if mine.depth == 1:
+            mine.name = name
         try:
             yield
         finally:
@@ -39,7 +62,24 @@ class Clock:
         mine = self._thread
         if getattr(mine, "depth", 0) > 0 and getattr(mine, "began", None) is None:
             mine.began = time.perf_counter()
+            self._present = mine.name, mine.began
             self.tell(f"compiling {name}")
+
+    def progress(self) -> tuple[int, int, float] | None:
+        """The number of the kernel that is compiled now, how many all scenes of this process need, and the seconds
+        left; None where that is not known."""
+        expected: Counter[str] = Counter()
+        for source in list(self._sources):
+            expected |= costs.kernels_of(source)
+        present = self._present
+        if not expected or present is None:
+            return None
+        ready = self.ready.copy()
+        reached = ready + Counter([present[0]])
+        pace = (self.seconds + PRIOR) / (costs.seconds_of(ready) + PRIOR)
+        now, later = costs.seconds_of(expected - ready), costs.seconds_of(expected - reached)
+        left = max(pace * now - (time.perf_counter() - present[1]), pace * later)
+        return reached.total(), (expected | reached).total(), left
 
     def tell(self, words: str) -> None:
         """Hand ``words`` to `notify`."""
@@ -47,10 +87,13 @@ class Clock:
             self.notify(words)
 
     def _stop(self) -> None:
-        began = getattr(self._thread, "began", None)
+        mine = self._thread
+        began = getattr(mine, "began", None)
         if began is not None:
-            self.seconds += time.perf_counter() - began
-            self._thread.began = None
+            self.waited[mine.name] += time.perf_counter() - began
+            mine.began = None
+            self.compiled += 1
+        self.ready[mine.name] += 1
 
 
 clock = Clock()

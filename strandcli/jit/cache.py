@@ -47,6 +47,7 @@ class KernelCache(_Cache):
     def __init__(self, function: Any, options: dict[str, Any]) -> None:
         self._function = function
         self._options = options
+        self.name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
 
     @property
     def cache_path(self) -> str:
@@ -131,8 +132,7 @@ class KernelCache(_Cache):
             sources.digests_of_types(sig), sorted(made["with"].items()), sorted(made["processor"].items()),
         )  # fmt: skip
         key = hashlib.sha256(repr(parts).encode()).digest()
-        name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}-{key.hex()[:24]}{SUFFIX}"
-        return name, key
+        return f"{self.name}-{key.hex()[:24]}{SUFFIX}", key
 
 
 def made_with(codegen: Any) -> dict[str, dict[str, str]]:

@@ -17,6 +17,8 @@ import pytest
 import strandcli
 from cli_runs import TINY, Runner
 from strandcli import pipeline, runtime, study
+from strandcli.compiling.packs import Pack
+from strandcli.jit import function
 from strandcli.output.compare import write_image
 from strandcli.scene import Scene, list_presets
 from strandcli.study import bench
@@ -240,18 +242,56 @@ def test_after_warmup_a_run_compiles_nothing(run: Runner, monkeypatch: pytest.Mo
     data = json.loads(result.out)
     assert data["presets"] == ["tiny.yaml"]
     assert Path(data["cache"]).is_dir()
-    assert drawn == [("tiny.yaml", (1, 2), (64, 48))]
+    assert drawn == [("tiny.yaml", frames, (64, 48)) for frames in ((1, 2), (1,))]
+    assert data["kernels"]["film.develop"] >= 1
     before = runtime.compile_seconds()
     assert run("render", "tiny.yaml", "-f", "5").code == 0
     assert runtime.compile_seconds() == before
     assert run("warmup", "nonesuch").code == 2
+    assert run("warmup", "tiny.yaml", "--pack", "p", "--profile").code == 2
+
+
+def test_warmup_takes_what_changes_kernels_and_writes_a_pack(run: Runner) -> None:
+    options = ("--aov", "depth,shadow", "--quality", "draft", "--set", "seed=3")
+    packed = json.loads(run("warmup", "tiny.yaml", *options, "--pack", "packs/tiny.pack", "--json").out)["pack"]
+    assert Path(packed["file"]).stat().st_size == packed["bytes"]
+    assert packed["kernels"] == len(list(Pack(Path(packed["file"]).absolute()).names())) > 10
+    before = runtime.compile_seconds()
+    assert run("render", "tiny.yaml", *options, "-f", "1-3").code == 0
+    assert runtime.compile_seconds() == before
+
+
+def test_a_profile_has_a_line_a_kernel_the_dearest_first(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    @function
+    def plus(x):
+        return x + 1
+
+    def draw(scene: Scene, frames: range, **options: Any) -> list[pipeline.Frame]:
+        plus(1), plus(1.5)
+        return []
+
+    monkeypatch.setattr(pipeline, "render", draw)
+    (row,) = json.loads(run("warmup", "tiny.yaml", "--profile", "--json").out)["profile"]
+    assert row["name"].endswith("test_tools.plus")
+    assert (row["compiled"], row["why"], row["functions"]) == (2, ["x: float64, not int64"], 2)
+    assert min(row["typing"], row["lowering"], row["llvm"]) > 0
+    assert row["seconds"] == pytest.approx(row["typing"] + row["lowering"] + row["llvm"])
+    assert min(row["instructions"], row["bytes"]) > 0
+    plus = function(plus.py_func)
+    lines = run("warmup", "tiny.yaml", "--profile").out.splitlines()
+    assert lines[1].endswith("test_tools.plus; x: float64, not int64")
+    assert lines[2].endswith("1 kernel")
 
 
 def test_warmup_takes_all_shipped_presets_when_none_is_named(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn: list[str] = []
     monkeypatch.setattr(pipeline, "render", lambda scene, frames, **options: drawn.append(scene.source) or [])
     assert run("warmup", "-q").err == ""
-    assert drawn == [str(path) for _, path in list_presets()]
+    shipped = [str(path) for _, path in list_presets()]
+    assert drawn == [path for path in shipped for _ in range(2)]  # with all threads, and with one
+    drawn.clear()
+    assert run("warmup", "all", "-q").code == 0
+    assert len(drawn) == 2 * len(shipped)
 
 
 HOSTILE = "a\\u009b31m\\u202eb"
