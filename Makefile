@@ -20,6 +20,8 @@ help:
 	@echo "make check      lint, types and tests, as CI does"
 	@echo "make coverage   lines of drivers that tests run without Numba's compiler"
 	@echo "make bounds     every index in every kernel looked at, in small scenes of all presets; minutes"
+	@echo "make wheel      a wheel with the kernels of all presets, or of PACKED=minimal: out/wheel"
+	@echo "make kernel-costs   which kernels each preset needs and how long they compile, for the progress line; a quarter of an hour"
 	@echo "make threads    pictures of all presets with 1, 2, 3 and 4 threads have the same bits"
 	@echo "make docs       the documentation as a site: out/docs/index.html"
 	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"
@@ -80,15 +82,22 @@ all: export STRANDCLI_TEST_EXAMPLES = 100
 all: lint types test test-long test-oldest coverage bounds threads wheel unwritable docs
 
 WHEEL := out/wheel
+PACKED ?= all
+CPU := $(if $(filter x86_64,$(shell uname -m)),x86-64-v3,generic)
 
-# built, installed into an empty environment, and drawing from there on an empty cache
+# built with the kernels of presets, installed into an empty environment, and drawing from there without compiling
 wheel: $(READY)
 	rm -rf $(WHEEL)
-	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir $(WHEEL) .
+	$(RUN) warmup $(PACKED) --cpu $(CPU) --pack $(WHEEL)/kernels.pack
+	STRANDCLI_PACK=$(WHEEL)/kernels.pack $(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir $(WHEEL) .
 	$(PYTHON) -m venv $(WHEEL)/venv
 	$(WHEEL)/venv/bin/python -m pip install --quiet $(WHEEL)/*.whl
+	cd $(WHEEL) && STRANDCLI_CACHE_DIR=cache venv/bin/strandcli render minimal -f 1-2 -o frames
+	test -z "$$(find $(WHEEL)/cache -name '*.kernel')"
 	cd $(WHEEL) && STRANDCLI_CACHE_DIR=cache venv/bin/strandcli doctor
-	cd $(WHEEL) && STRANDCLI_CACHE_DIR=cache venv/bin/strandcli render minimal -f 1-2 --size 160x120 -o frames
+
+kernel-costs: $(READY)
+	$(BIN)/python tests/kernel_costs.py
 
 # a home that is no folder: kernels are kept nowhere, and the run goes on
 unwritable: $(READY)

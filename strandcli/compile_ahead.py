@@ -10,7 +10,6 @@ import dataclasses
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .compiling.folder import cache
 from .compiling.service import cores, service
 
 if TYPE_CHECKING:
@@ -21,14 +20,9 @@ PARTS = ("light", "coverage")
 
 
 def begin(scene: Scene, threads: int | None) -> None:
-    """Start the workers at once where the cache holds no kernel of light, else when several kernels turn out to be
-    missing; ``threads``: processes that may be busy at once, None for as many as there are cores."""
-    if not service.enabled:
-        return
-    threads = cores() if threads is None else threads
-    empty = not any(name.startswith("shade_strands.strands-") for store in cache.stores for name in store.names())
-    start = service.ahead if empty else service.ahead_if_missing
-    start(scene, PARTS, threads)
+    """Have the workers start when a kernel turns out to be missing; ``threads``: processes that may be busy at once,
+    None for as many as there are cores."""
+    service.ahead(scene, PARTS, cores() if threads is None else threads)
 
 
 def end() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 FILE = Path(__file__).with_name("costs.json")
 USUAL = 1.0
@@ -24,7 +25,7 @@ def seconds_of(kernels: Counter[str]) -> float:
     return sum(known.get(name, USUAL) * count for name, count in kernels.items())
 
 
-def _table() -> dict[str, dict]:  # type: ignore[type-arg]
+def _table() -> dict[str, Any]:
     try:
         return dict(json.loads(FILE.read_text(encoding="utf-8")))
     except (OSError, ValueError):

@@ -60,8 +60,8 @@ class Pack(Store):
             raise PackError(f"it is no pack: {type(error).__name__}") from None
         self._entries = found
 
-    def names(self) -> Iterator[str]:
-        return iter(self._entries)
+    def __len__(self) -> int:
+        return len(self._entries)
 
     @contextlib.contextmanager
     def opened(self, name: str) -> Iterator[BinaryIO]:

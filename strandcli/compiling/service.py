@@ -29,8 +29,6 @@ PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from strandcli.compiling.worker import main; main(sys.argv[2])"
 )
-MISSES = 3
-"""So many kernels that are not in the cache mean that most are not: other sources, another version of Numba."""
 FAILURES = 3
 """After so many workers that end unasked or kernels that are lost, every kernel is compiled in place."""
 
@@ -88,7 +86,6 @@ class Service:
         self._ahead: list[Worker] = []
         self._failures = 0
         self._process = 0
-        self._misses = 0
         self._pending: tuple[Any, Sequence[str], int] | None = None
 
     def compile(self, function: Any, sig: Any, entry: str) -> bool:
@@ -101,9 +98,8 @@ class Service:
         if function.__module__ == "__main__" or "<locals>" in function.__qualname__ or file is None:
             return False
         with self._lock:
-            self._misses += 1
-            if self._pending is not None and self._misses >= MISSES:
-                self.ahead(*self._pending)
+            if self._pending is not None:
+                self._begin_ahead(*self._pending)
             worker = self._worker_on_demand()
             if worker is None:
                 return False
@@ -122,27 +118,25 @@ class Service:
         return bool(told == "done")
 
     def ahead(self, scene: Scene, parts: Sequence[str], most: int) -> None:
-        """Have the kernels of a scene's parts compiled by the workers but the first, of which there are ``most``."""
+        """Have the kernels of a scene's parts compiled by the workers but the first, of which there are ``most``, from
+        the first kernel on that is not in the cache."""
         with self._lock:
-            self._pending = None
-            others = min(most_workers(), most) - 1
-            if not self._usable() or others < 1 or self._ahead:
-                return
-            try:
-                data = pickle.dumps(scene)
-                self._worker_on_demand(preload=True)
-                for number in range(min(others, len(parts))):
-                    worker = Worker(preload=True)
-                    self._ahead.append(worker)
-                    worker.send("ahead", data, list(parts[number::others]))
-            except Exception:  # a scene with rules of this process alone
-                self.stop_ahead()
-
-    def ahead_if_missing(self, scene: Scene, parts: Sequence[str], most: int) -> None:
-        """The same, once kernels have been asked for that are not in the cache."""
-        with self._lock:
-            self._misses = 0
             self._pending = scene, parts, most
+
+    def _begin_ahead(self, scene: Scene, parts: Sequence[str], most: int) -> None:
+        self._pending = None
+        others = min(most_workers(), most) - 1
+        if not self._usable() or others < 1 or self._ahead:
+            return
+        try:
+            data = pickle.dumps(scene)
+            self._worker_on_demand(preload=True)
+            for number in range(min(others, len(parts))):
+                worker = Worker(preload=True)
+                self._ahead.append(worker)
+                worker.send("ahead", data, list(parts[number::others]))
+        except Exception:  # a scene with rules of this process alone
+            self.stop_ahead()
 
     def stop_ahead(self) -> None:
         """End the workers that compile ahead."""

@@ -33,10 +33,6 @@ class Store:
     def __init__(self, path: Path) -> None:
         self.path = path
 
-    def names(self) -> Iterator[str]:
-        """The names of all entries, and of what else is there."""
-        raise NotImplementedError
-
     def opened(self, name: str) -> contextlib.AbstractContextManager[BinaryIO]:
         """An entry. Raises `FileNotFoundError` where there is none, and `OSError` or `ValueError` for what is not
         trusted."""
@@ -67,12 +63,6 @@ class FolderStore(Store):
         """``owner``: a user who may own the files, beside this one and root."""
         super().__init__(path)
         self._owner = owner
-
-    def names(self) -> Iterator[str]:
-        try:
-            return iter(os.listdir(self.path))
-        except OSError:
-            return iter(())
 
     @contextlib.contextmanager
     def opened(self, name: str) -> Iterator[BinaryIO]:

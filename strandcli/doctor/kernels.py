@@ -31,9 +31,7 @@ def kept() -> Iterator[Finding]:
     for store in cache.read_only:
         if isinstance(store, Pack):
             size = store.path.stat().st_size
-            yield Finding(
-                "cache", OK, f"{store.path}: pack of {counted(len(list(store.names())), 'kernel')}, {megabytes(size)}"
-            )
+            yield Finding("cache", OK, f"{store.path}: pack of {counted(len(store), 'kernel')}, {megabytes(size)}")
         else:
             yield _folder(store.path, writable=False)
 

@@ -37,6 +37,8 @@ from .loaded import rebuilt, unpacked
 
 MAGIC = b"strandcli kernel 1\n"
 SUFFIX = ".kernel"
+WRITTEN = re.compile("_[0-9a-f]{16}$")
+"""The end of the name of a module that strandcli writes for a scene."""
 MADE_OF: dict[str, str] = {}
 """The module of each entry that this process has loaded or written, by the entry's name."""
 
@@ -47,7 +49,7 @@ class KernelCache(_Cache):
     def __init__(self, function: Any, options: dict[str, Any]) -> None:
         self._function = function
         self._options = options
-        self.name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
+        self.name = f"{WRITTEN.sub('', function.__module__.rpartition('.')[2])}.{function.__name__}"
 
     @property
     def cache_path(self) -> str:

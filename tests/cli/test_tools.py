@@ -255,7 +255,7 @@ def test_warmup_takes_what_changes_kernels_and_writes_a_pack(run: Runner) -> Non
     options = ("--aov", "depth,shadow", "--quality", "draft", "--set", "seed=3")
     packed = json.loads(run("warmup", "tiny.yaml", *options, "--pack", "packs/tiny.pack", "--json").out)["pack"]
     assert Path(packed["file"]).stat().st_size == packed["bytes"]
-    assert packed["kernels"] == len(list(Pack(Path(packed["file"]).absolute()).names())) > 10
+    assert packed["kernels"] == len(Pack(Path(packed["file"]))) > 10
     before = runtime.compile_seconds()
     assert run("render", "tiny.yaml", *options, "-f", "1-3").code == 0
     assert runtime.compile_seconds() == before
