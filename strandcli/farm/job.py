@@ -29,7 +29,7 @@ class Job:
 
     def warm_up(self, scene: str = SCENE) -> list[str]:
         """Arguments of strandcli that compile the kernels."""
-        return ["warmup", scene, *(one for one in self.extra if one == "--exr"), "--quiet"]
+        return ["warmup", scene, "--quiet"]
 
     def simulate(self, scene: str = SCENE, positions: str = POSITIONS) -> list[str]:
         """Those that simulate all that is drawn later."""
