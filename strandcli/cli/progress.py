@@ -183,10 +183,8 @@ class Progress:
 
 def compiling() -> str:
     """How far compiling is, as far as that is known: ``compiling 12 of 64 kernels, 20 s left``."""
-    known = clock.progress()
-    if known is None:
-        return "compiling kernels"
-    return f"compiling {known[0]} of {known[1]} kernels, {duration(known[2])} left"
+    number, total, left = clock.progress()
+    return f"compiling {number} of {total} kernels, {duration(left)} left" if total else f"compiling kernel {number}"
 
 
 def beginner(progress: Progress) -> Callable[[int], None]:

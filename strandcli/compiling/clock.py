@@ -65,15 +65,15 @@ class Clock:
             self._present = mine.name, mine.began
             self.tell(f"compiling {name}")
 
-    def progress(self) -> tuple[int, int, float] | None:
-        """The number of the kernel that is compiled now, how many all scenes of this process need, and the seconds
-        left; None where that is not known."""
+    def progress(self) -> tuple[int, int, float]:
+        """How many kernels are ready or nearly so, the one among them that is compiled now; how many all scenes of this
+        process need, 0 where that is not known, and the seconds left."""
         expected: Counter[str] = Counter()
         for source in list(self._sources):
             expected |= costs.kernels_of(source)
         present = self._present
         if not expected or present is None:
-            return None
+            return self.ready.total() + 1, 0, 0.0
         ready = self.ready.copy()
         reached = ready + Counter([present[0]])
         pace = (self.seconds + PRIOR) / (costs.seconds_of(ready) + PRIOR)

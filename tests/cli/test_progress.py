@@ -19,6 +19,12 @@ class Terminal(io.StringIO):
         return True
 
 
+@pytest.fixture(autouse=True)
+def new_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No kernel has been called yet."""
+    monkeypatch.setattr("strandcli.cli.progress.clock", Clock())
+
+
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     now = [100.0]
@@ -80,7 +86,7 @@ def test_compiling_is_told_while_it_runs_and_not_counted_as_drawing(clock: list[
     clock[0] += 3.0
     progress.note("compiling raster")
     clock[0] += 0.25
-    assert progress.text(clock[0]) == "hair: compiling kernels ... 3.2 s (only on first use) raster"
+    assert progress.text(clock[0]) == "hair: compiling kernel 1 ... 3.2 s (only on first use) raster"
     progress.step()
     clock[0] += 0.5
     progress.step()
@@ -103,7 +109,7 @@ def test_a_terminal_gets_one_line_redrawn_and_cleared(monkeypatch: pytest.Monkey
     monkeypatch.setenv("TERM", "xterm")
     with Progress(2, "hair") as progress:
         progress.note("compiling step")
-        while "compiling kernels" not in terminal.getvalue():
+        while "compiling kernel 1" not in terminal.getvalue():
             pass
         progress.step()
     assert "\n" not in terminal.getvalue()
@@ -139,7 +145,7 @@ def test_kernels_that_take_long_to_compile_are_told_once_in_a_pipe(monkeypatch: 
                 progress.step("frame 1")
         lines = stream.getvalue().splitlines()
         assert (len(lines) > 2) != hidden
-        assert set(lines) <= {"hair: compiling kernels (only on first use)"}
+        assert set(lines) <= {"hair: compiling kernel 1 (only on first use)"}
 
 
 def test_how_many_kernels_are_left_and_how_long_that_takes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -158,7 +164,7 @@ def test_how_many_kernels_are_left_and_how_long_that_takes(monkeypatch: pytest.M
             now[0] += seconds
             return compiling()
 
-    assert compiled("film.develop", 1) == "compiling kernels"
+    assert compiled("film.develop", 1) == "compiling kernel 1"
     clock = Clock()
     monkeypatch.setattr("strandcli.cli.progress.clock", clock)
     clock.expect("/somewhere/presets/hair.yaml")
