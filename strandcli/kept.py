@@ -64,7 +64,7 @@ def kept(
 
 def find(kind: str, key: str, like: Arrays) -> Arrays | None:
     """The arrays that are kept under a key (see `key_of`), if there are such, of the types and shapes of ``like``."""
-    if folder.cache.keeps_nothing:
+    if folder.cache.keeps_nothing or not folder.cache.arrays:
         return None
     return folder.cache.load(_name(kind, key), lambda file: state_of(file, key, like))
 

@@ -79,6 +79,7 @@ def command(
 
     if pack is not None:
         cache.use(cache.path)  # all of it has to be in one folder, for one processor
+        cache.arrays = False  # what computes them belongs to a pack
     with (
         profiled() if profile else nullcontext() as measured,
         Progress(len(names), "warmup", hidden=no_progress or quiet, verbose=verbose) as progress,
@@ -98,6 +99,7 @@ def command(
         data["pack"] = {"file": str(pack), **_write_pack(pack)}
     if measured is not None:
         data["profile"] = [one.as_dict() for one in measured.costs()]
+    cache.arrays = True
     if as_json:
         options.print_json(data)
     elif measured is not None:

@@ -48,6 +48,8 @@ class Folder:
         self._read_only: list[Store] = []
         self._refused: list[str] = []
         self._told: set[str] = set()
+        self.arrays = True
+        """Whether arrays are read, or all are computed, as in a new home."""
         self.warn: Callable[[str], None] | None = None
         """Is handed, once, each line on what keeps kernels from being kept or read."""
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from numba import config
 
@@ -20,6 +21,7 @@ from strandcli.doctor import kernels
 from strandcli.errors import UsageError
 from strandcli.jit import cache, function, sources
 from strandcli.jit.dispatcher import KernelDispatcher
+from strandcli.kept import kept
 
 pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
 
@@ -94,6 +96,16 @@ def test_a_pack_is_run_and_nothing_is_compiled_or_written(home: Home, pack: Path
     assert [one.text for one in kernels.kept()][1].startswith(f"{pack}: pack of 1 kernel, ")
     (entry,) = (name for name in parts(pack.read_bytes()) if name != packs.MANIFEST)
     assert entry.startswith("test_packs.plus_nine-")
+
+
+def test_arrays_are_computed_for_a_pack_though_they_are_cached(home: Home) -> None:
+    """What computes them belongs to it."""
+    home.begin()
+    made: list[int] = []
+    for arrays in (True, True, False):
+        folder.cache.arrays = arrays
+        kept("table", ("strandcli.constants",), [1], {"a": np.arange(3.0)}, lambda: made.append(1) or [np.arange(3.0)])
+    assert len(made) == 2
 
 
 def test_a_wheels_own_pack_is_found_without_a_variable(home: Home, pack: Path, monkeypatch: pytest.MonkeyPatch) -> None:
