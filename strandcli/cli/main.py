@@ -181,7 +181,7 @@ def report(error: BaseException, debug: bool) -> int:
             return error.exit_code
         case click.UsageError():
             command = error.ctx.command_path if error.ctx is not None else "strandcli"
-            _say(f"{error.format_message().rstrip('.')}{_next(error)} (see '{command} --help')")
+            _say(f"{_usage(error)} (see '{command} --help')")
             return USAGE
         case click.ClickException():
             _say(error.format_message())
@@ -212,11 +212,29 @@ def report(error: BaseException, debug: bool) -> int:
             return FAILED
 
 
-def _next(error: click.UsageError) -> str:
-    """What to do about an argument that is missing, where help alone does not tell."""
+def _usage(error: click.UsageError) -> str:
+    """Wrong usage in words, with what to do where help alone does not tell."""
+    words = error.format_message().rstrip(".")
     if isinstance(error, click.MissingParameter) and error.param is not None and error.param.name == "preset":
-        return ": name one that 'strandcli presets' lists, or a file, such as 'strandcli new mine' writes"
-    return ""
+        return f"{words}: name one that 'strandcli presets' lists, or a file, such as 'strandcli new mine' writes"
+    if isinstance(error, click.NoSuchOption) and (meant := _meant(error)):
+        return f"{error.message.rstrip('.')}; did you mean {meant}?"
+    return words
+
+
+def _meant(error: click.NoSuchOption) -> str | None:
+    """The setting, or the option for it, that other programs have an option of this name for, or that has this name
+    itself; None where there is none, or the command has no ``--set``."""
+    from ..scene.absent import ELSEWHERE
+    from ..scene.suggest import settings_by_name
+
+    known = {name for one in error.ctx.command.params for name in one.opts} if error.ctx is not None else set()
+    name = error.option_name.lstrip("-").replace("-", "_")
+    found = ELSEWHERE.get(name) or next((f"{path}=…" for path in settings_by_name({}).get(name, ())), None)
+    if found is None or "--set" not in known:
+        return None
+    own = f"--{found.partition('=')[0].rpartition('.')[2]}"
+    return own if own in known else f"--set {found}"
 
 
 def _os_error(error: OSError) -> str:

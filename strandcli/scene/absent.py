@@ -28,6 +28,18 @@ NEVER: Mapping[str, str] = {
     "rod.stretch": "rods do not stretch",
 }
 """What to do instead of settings that no version had, by dotted path."""
+ELSEWHERE: Mapping[str, str] = {
+    "antialiasing": "image.supersample=2",
+    "depth_of_field": "camera.aperture=0.01",
+    "dof": "camera.aperture=0.01",
+    "motion_blur": "camera.shutter=0.5",
+    "motionblur": "camera.shutter=0.5",
+    "res": "image.size=[800, 600]",
+    "resolution": "image.size=[800, 600]",
+    "transparency": "image.background=none",
+    "transparent": "image.background=none",
+}
+"""Names that other programs have for a setting, and the setting as ``--set`` takes it."""
 
 
 def why_absent(path: str, value: str = "") -> str | None:
@@ -37,6 +49,8 @@ def why_absent(path: str, value: str = "") -> str | None:
     if value:
         found = GONE.get(f"{path}: {value}")
         return None if found is None else f"{shown(value)} is gone after {found[0]}; {found[1]}"
+    if (meant := ELSEWHERE.get(path.rpartition(".")[2])) is not None:
+        return f"unknown key; did you mean {meant}?"
     while path and path not in GONE and path not in NEVER:
         path = path.rpartition(".")[0]
     return f"gone after {GONE[path][0]}; {GONE[path][1]}" if path in GONE else NEVER.get(path)

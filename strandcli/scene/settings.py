@@ -32,6 +32,7 @@ from .specs import (
     WindowSpec,
 )
 from .suggest import hint_inside
+from .values import given
 
 SCENE = ModelSpec(Scene)
 
@@ -91,7 +92,8 @@ def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) 
     if parts[0] not in known:
         rule = _rule_part(parts[0])[0]
         if rule not in rules:
-            raise Unreachable(f"unknown key; {hint_inside(parts[0], [*known, *rules], rules)}")
+            unknown = f"unknown key; {hint_inside(parts[0], [*known, *rules], rules)}"
+            raise Unreachable(why_absent(path) or unknown)
         parts.insert(0, "rules")
     try:
         placed = _place(SCENE, root, parts, value, rules)
@@ -182,6 +184,9 @@ def _place_rule(node: Node | None, parts: Sequence[str], value: Node, rules: Map
             return node.without_item(found.place)
         assert isinstance(node, MapNode)
         return node.without(found.name)
+    if len(parts) == 1 and not isinstance(value, MapNode) and not (isinstance(value, Scalar) and value.empty):
+        kind = f"must be a mapping of settings, not {given(value)}"
+        raise Unreachable(f"{kind}; null takes the rule out: rules.{parts[0]}=null")
     parameters = ModelSpec(rules[found.name].Parameters)
     inner = _place(parameters, found.parameters, parts[1:], value, rules)
     if isinstance(node, ListNode):

@@ -18,15 +18,21 @@ def hint_inside(key: str, known: Iterable[str], rules: Mapping[str, RuleType]) -
     """The end of a message about a key that is none of ``known`` at the top: the paths of the settings with this name,
     else what was probably meant, else all ``known`` keys."""
     names = list(known)
-    paths: dict[str, list[str]] = {}
-    for path in _paths(rules):
-        paths.setdefault(path.rpartition(".")[2], []).append(path)
+    paths = settings_by_name(rules)
     found = key if key in paths else None if near(key, names) else near(key, paths)
     if found is None:
         return hint(key, names, "the keys are")
     level = paths[found][0].count(".")  # they come level by level; deeper ones are meant less often
     nearest = [path for path in paths[found] if path.count(".") == level]
     return f"did you mean {' or '.join(shown(path) for path in nearest[:MOST_PATHS])}?"
+
+
+def settings_by_name(rules: Mapping[str, RuleType]) -> dict[str, list[str]]:
+    """Dotted paths of all settings below the top that are not in lists, by their last part, level by level."""
+    paths: dict[str, list[str]] = {}
+    for path in _paths(rules):
+        paths.setdefault(path.rpartition(".")[2], []).append(path)
+    return paths
 
 
 def _paths(rules: Mapping[str, RuleType]) -> Iterator[str]:
