@@ -10,6 +10,7 @@ from contextlib import ExitStack, contextmanager
 from typing import Any
 
 from ..errors import RefusedError, UsageError
+from ..extras import install
 from .job import ALIKE, SHOULD, facts
 
 LOCAL = "local"
@@ -17,7 +18,6 @@ PATIENCE = 10.0
 """Seconds that a scheduler has to answer."""
 WORKERS_PATIENCE = 60.0
 """Seconds that the first worker has to come."""
-MISSING = "--dask: needs Dask's distributed: pip install 'strandcli[dask]'"
 
 
 def require_dask() -> None:
@@ -25,7 +25,7 @@ def require_dask() -> None:
     try:
         import distributed  # noqa: F401
     except ImportError:
-        raise UsageError(MISSING) from None
+        raise UsageError(f"--dask: needs Dask's distributed: {install('dask')}") from None
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from importlib import metadata
 
 from .. import __version__
 from ..errors import RefusedError
+from ..extras import install
 from ..runtime import require_addresses
 from .finding import BROKEN, NOTE, OK, Finding
 
@@ -20,11 +21,11 @@ LEAST = {"numba": (0, 61), "numpy": (1, 26), "pillow": (10, 3), "click": (8, 1),
 """Versions that pyproject.toml asks for."""
 LEAST_PYTHON = (3, 11)
 EXTRAS = {
-    "OpenEXR": ("--exr", "pip install 'strandcli[exr]'"),
-    "distributed": ("--dask", "pip install 'strandcli[dask]'"),
-    "pxr": ("files of USD", "pip install 'strandcli[usd]'"),
+    "OpenEXR": ("--exr", "exr"),
+    "distributed": ("--dask", "dask"),
+    "pxr": ("files of USD", "usd"),
 }
-"""Modules of extras: what they are for and how they come."""
+"""Modules of extras: what they are for and the extra."""
 
 
 def versions() -> Iterator[Finding]:
@@ -124,17 +125,17 @@ def bytecode() -> Iterator[Finding]:
 def optional() -> Iterator[Finding]:
     """Extras, and ffmpeg, which none of the usual work needs."""
     there, ways = [], []
-    for module, (use, way) in EXTRAS.items():
+    for module, (use, extra) in EXTRAS.items():
         if importlib.util.find_spec(module) is not None:
             there.append(module)
         else:
-            ways.append(f"for {use}: {way}")
+            ways.append(f"for {use}: {install(extra)}")
     if shutil.which("ffmpeg"):
         there.append("ffmpeg")
     elif importlib.util.find_spec("imageio_ffmpeg") is not None:
         there.append("imageio-ffmpeg")
     else:
-        ways.append("for --animate mp4: ffmpeg, or pip install 'strandcli[video]'")
+        ways.append(f"for --animate mp4: ffmpeg, or {install('video')}")
     yield Finding("extras", OK, ", ".join(there) or "none installed", "; ".join(ways))
 
 

@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RefusedError, UsageError
+from ..extras import install
 from ..inputs import opened
 from . import png
 from .files import placed, write_pieces
@@ -70,7 +71,7 @@ def require_exr(strands: int) -> None:
     except ImportError:
         found = False
     if not found:
-        raise UsageError("--exr: needs the package OpenEXR from 3.3 on; install it: pip install 'strandcli[exr]'")
+        raise UsageError(f"--exr: needs the package OpenEXR from 3.3 on; install it: {install('exr')}")
     if strands > EXR_INTEGERS:
         raise UsageError(f"--exr: its floats number at most {EXR_INTEGERS:,} strands; leave out --exr or use fewer")
 

@@ -11,13 +11,13 @@ from fractions import Fraction
 from pathlib import Path
 
 from ..errors import RefusedError, UsageError, said
+from ..extras import install
 from . import png
 from .files import refusal, temporary_name
 from .over import GREY, Rgb, over
 
 QUALITY = "17"
 """Of x264, 0 to 51: below 18 a viewer sees no difference."""
-ADVICE = "install ffmpeg, or 'pip install imageio-ffmpeg', or choose gif or webp"
 ENCODERS = (("-c:v", "libx264", "-crf", QUALITY, "-preset", "medium"), ("-q:v", "2"))
 """x264; what ffmpeg takes by itself where it was built without."""
 
@@ -32,7 +32,8 @@ def ffmpeg() -> str:
 
         return str(imageio_ffmpeg.get_ffmpeg_exe())
     except (ImportError, RuntimeError, OSError):
-        raise UsageError(f"--animate mp4: there is no ffmpeg; {ADVICE}") from None
+        words = f"install ffmpeg, or imageio-ffmpeg ({install('video')}), or choose gif or webp"
+        raise UsageError(f"--animate mp4: there is no ffmpeg; {words}") from None
 
 
 def write_video(path: Path, images: Sequence[Path], frames: Sequence[int], fps: float, ground: Rgb = GREY) -> float:

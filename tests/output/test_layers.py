@@ -176,7 +176,7 @@ def test_without_the_extra_exr_tells_how_to_install_it(run: Runner, monkeypatch:
     monkeypatch.setitem(sys.modules, "OpenEXR", None)
     done = run("render", "tiny.yaml", "-f", "1", "-o", "out", "--exr")
     assert done.code == 2
-    assert done.error().endswith("pip install 'strandcli[exr]'")
+    assert done.error().endswith(" 'OpenEXR>=3.3'")
     assert not Path("out").exists()
 
 

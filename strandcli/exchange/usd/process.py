@@ -18,6 +18,7 @@ from typing import Any
 import numpy.typing as npt
 
 from ...errors import RefusedError, StrandError, UsageError, one_line
+from ...extras import install
 from ...inputs import note
 from ..bounded import LONGEST, amount
 from .messages import Message, receive, send
@@ -25,7 +26,6 @@ from .messages import Message, receive, send
 PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from strandcli.exchange.usd.worker import main; main()"
 )
-EXTRA = "USD is read and written with Pixar's library: pip install 'strandcli[usd]'"
 SECONDS, BYTES_A_SECOND = 60.0, 1e6
 """How long an answer may take: so long, and a second more for so many bytes of the file."""
 SPARE = 1 << 26
@@ -125,7 +125,7 @@ def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None)
     cannot be written.
     """
     if importlib.util.find_spec("pxr") is None:
-        raise UsageError(f"{path}: {EXTRA}")
+        raise UsageError(f"{path}: USD is read and written with Pixar's library: {install('usd')}")
     size = 0
     with contextlib.suppress(OSError):
         size = path.stat().st_size
