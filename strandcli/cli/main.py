@@ -5,10 +5,12 @@ from __future__ import annotations
 import errno
 import importlib
 import io
+import json
 import os
 import sys
+import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import click
 import click.shell_completion
@@ -127,6 +129,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):  # as stderr is: a path's bytes may be no text
         sys.stdout.reconfigure(errors="backslashreplace")
     if arguments is None:
+        if not sys.warnoptions:  # of libraries, which would stand before the one line of an error
+            warnings.simplefilter("ignore")
         runtime.still_idle_threads()
         runtime.give_back_large()
         garbage.seldom()
@@ -157,59 +161,59 @@ def _main(arguments: Sequence[str] | None) -> int:
         _abandon_stdout()
         return FAILED
     except BaseException as error:
-        return report(error, state.debug)
+        return report(error, state.debug, "--json" in (sys.argv if arguments is None else arguments))
 
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _REFUSALS = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.ENAMETOOLONG)
 
 
-def report(error: BaseException, debug: bool) -> int:
-    """Print ``error`` for the person in front of the terminal and return the exit code it stands for."""
+def report(error: BaseException, debug: bool, as_json: bool = False) -> int:
+    """Print ``error`` for the person in front of the terminal, or ``as_json`` for a program, and return the exit code
+    it stands for."""
     if debug and not isinstance(error, click.ClickException | click.Abort | KeyboardInterrupt):
         import traceback
 
         traceback.print_exception(error)
+    code, words = _outcome(error, debug)
+    faults = getattr(error, "faults", ()) if isinstance(error, StrandError) else ()
+    if as_json and words:
+        data = {"error": _one_line(words), "exit_code": code, "faults": [asdict(fault) for fault in faults]}
+        click.echo(json.dumps(data), err=True)
+    elif faults:
+        for fault in faults:
+            click.echo(_one_line(fault), err=True)
+    elif words:
+        _say(words)
+    return code
+
+
+def _outcome(error: BaseException, debug: bool) -> tuple[int, str]:
+    """The exit code that an error stands for, and its message; "" for an interruption, which has none."""
     match error:
         case StrandError():
-            faults = getattr(error, "faults", None)
-            if faults:
-                for fault in faults:
-                    click.echo(_one_line(fault), err=True)
-            else:
-                _say(str(error))
-            return error.exit_code
+            return error.exit_code, str(error)
         case click.UsageError():
             command = error.ctx.command_path if error.ctx is not None else "strandcli"
-            _say(f"{_usage(error)} (see '{command} --help')")
-            return USAGE
+            return USAGE, f"{_usage(error)} (see '{command} --help')"
         case click.ClickException():
-            _say(error.format_message())
-            return USAGE
+            return USAGE, error.format_message()
         case click.Abort() | KeyboardInterrupt():
-            cause = error.__cause__ if isinstance(error, click.Abort) else error
-            return signals.exit_code(cause)
+            return signals.exit_code(error.__cause__ if isinstance(error, click.Abort) else error), ""
         case NotImplementedError() if runtime.lacks_compiler(error):
-            _say(runtime.NO_COMPILER)
-            return USAGE
+            return USAGE, runtime.NO_COMPILER
         case MemoryError():
             limit = runtime.address_limit()
             least = "" if limit is None else f" ('ulimit -v' leaves {limit / 1e6:,.0f} MB of addresses)"
-            _say(
-                f"out of memory{least}; ask for fewer --strands or --particles or a smaller "
-                "--size ('strandcli plan' estimates the need)"
-            )
-            return REFUSED
+            smaller = "ask for fewer --strands or --particles or a smaller --size"
+            return REFUSED, f"out of memory{least}; {smaller} ('strandcli plan' estimates the need)"
         case OSError() if error.errno in _REFUSALS:
-            _say(_os_error(error))
-            return REFUSED
+            return REFUSED, _os_error(error)
         case OSError() if error.strerror:
-            _say(_os_error(error))
-            return FAILED
+            return FAILED, _os_error(error)
         case _:
             hint = "" if debug else "; please report it with the output of the same command with --debug"
-            _say(f"unexpected {type(error).__name__}: {error}{hint}")
-            return FAILED
+            return FAILED, f"unexpected {type(error).__name__}: {error}{hint}"
 
 
 def _usage(error: click.UsageError) -> str:
