@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import functools
 import tempfile
+import time
 from pathlib import Path
 
 import click
 
 from ..errors import MismatchError
 from . import options
+from .junit import junit
 from .progress import Progress
 from .say import say
 
@@ -31,12 +33,14 @@ names_argument = click.argument("names", nargs=-1, metavar="[NAME]...")
 @directory_argument
 @names_argument
 @options.folder("golden-diff in the temporary folder")
+@click.option("--junit", "xml", type=options.PathType(), metavar="FILE", help="Also write the results as JUnit XML.")
 @options.threads
 @options.talk("Say what is compiled, where stderr is no terminal too.")
 def check(
     directory: Path,
     names: tuple[str, ...],
     output: Path | None,
+    xml: Path | None,
     threads: int | None,
     as_json: bool,
     quiet: bool,
@@ -45,21 +49,28 @@ def check(
 ) -> None:
     """Draw the images of DIR, or only those called NAME, and compare; a mismatch ends in exit code 3."""
     from .. import runtime
+    from ..output.files import prepare_folder, write_pieces
     from ..study import golden, golden_list
 
     entries = golden_list.select(golden_list.read_entries(directory), names)
+    if xml is not None:
+        prepare_folder(xml.parent, 0)
     output = output or Path(tempfile.gettempdir()) / "golden-diff"
-    results = []
+    results, seconds = [], []
     with Progress(len(entries), "golden check", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         drawer = functools.partial(golden.draw, notify=progress.note, threads=threads)
         for entry in entries:
+            began = time.perf_counter()
             result = golden.check(directory, entry, output, drawer)
             results.append(result)
+            seconds.append(time.perf_counter() - began)
             progress.step()
             if not (quiet and result.matches):
                 place = f" ({result.difference})" if result.difference else ""
                 progress.line(f"{'ok      ' if result.matches else 'MISMATCH'} {entry.name}: {result.words}{place}")
+    if xml is not None:
+        write_pieces(xml, [junit(results, seconds)])
     failed = [result.entry.name for result in results if not result.matches]
     if as_json:
         found = [result.as_dict() for result in results]

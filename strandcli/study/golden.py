@@ -5,8 +5,8 @@ made by `update`, a ``NAME.png`` for each and ``hashes.json`` with the hashes of
 
 How strict: two machines of one class (`machine_class`) must agree in every bit. On a machine of a class that no hash
 was recorded for, sines and rounding may differ by an ulp, which moves a strand across the edge of a pixel here and
-there; there a picture may differ in at most ``MOST_OVER`` of its pixels by more than ``THRESHOLD``, and by
-``MOST_RMSE`` over all. These three numbers are the whole tolerance; nothing else in strandcli has one for images. They
+there; there a picture may differ in at most ``most_over`` of its pixels by more than ``THRESHOLD``, and by
+``most_rmse`` over all. Nothing else in strandcli has a tolerance for images. The numbers of an entry without its own
 stand between two measurements on a moving head of 3,000 strands, six rules, 48 frames at 160x120: an ulp in the
 emitter's radius, in the strands' length, in the field of view or in the frame rate changed no pixel by more than 4/255
 (RMSE 0.025), ten ulps none by more than 6/255 (RMSE 0.07); strands 0.6 % longer changed 1.8 to 7.6 % of all pixels by
@@ -31,8 +31,6 @@ from ..output.files import prepare_folder, write_json
 from .golden_list import LIST, Entry
 
 THRESHOLD = 8  # of 255
-MOST_OVER = 0.001  # of all pixels
-MOST_RMSE = 1.0  # of 255
 
 HASHES = "hashes.json"
 SCHEMA_VERSION = 1
@@ -94,9 +92,9 @@ def _minor(version: str) -> str:
     return ".".join(version.split(".")[:2])
 
 
-def tolerable(comparison: Comparison) -> bool:
+def tolerable(comparison: Comparison, entry: Entry) -> bool:
     """Whether a difference may come from another class of machine; ``comparison`` must be made with ``THRESHOLD``."""
-    return comparison.over_fraction <= MOST_OVER and comparison.rmse <= MOST_RMSE
+    return comparison.over_fraction <= entry.most_over and comparison.rmse <= entry.most_rmse
 
 
 def draw(entry: Entry, directory: Path, notify: Notify | None = None, threads: int | None = None) -> png.Pixels:
@@ -139,7 +137,7 @@ def check(directory: Path, entry: Entry, output: Path, drawer: Draw) -> Result:
         words = f"sizes differ: {size_of(expected)} against {size_of(found)}"
     elif exact is not None and png.pixels_sha256(found) != exact:
         words = "not the pixels recorded for machines of this class"
-    elif exact is None and not tolerable(compare(expected, found, THRESHOLD)):
+    elif exact is None and not tolerable(compare(expected, found, THRESHOLD), entry):
         words = "beyond the tolerance for machines of another class"
     else:
         return Result(entry, True, "exact" if exact is not None else "within the tolerance for another machine class")
@@ -174,7 +172,7 @@ def update(directory: Path, entry: Entry, drawer: Draw) -> str | None:
     if sound and record is not None and old is not None:
         if record["classes"].get(here) == digest:
             return None
-        same = old.shape == found.shape and tolerable(compare(old, found, THRESHOLD))
+        same = old.shape == found.shape and tolerable(compare(old, found, THRESHOLD), entry)
         if here not in record["classes"] and same:
             record["classes"][here] = digest
             write_hashes(directory, hashes)

@@ -7,12 +7,14 @@ A list of entries ::
       frame: 12                 # optional; 1
       size: 160x120             # optional; the preset's own
       set: [emitter.strands=500]    # optional; as --set
+      allow: 0.1                # optional; of a machine of another class, percent of pixels that may be off
+      rmse: 1                   # optional; its greatest RMSE, of 255
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +24,8 @@ from ..errors import RefusedError, UsageError
 LIST = "golden.yaml"
 _LARGEST = 1 << 20
 """Bytes of a list."""
+MOST_OVER, MOST_RMSE = 0.001, 1.0
+"""The tolerance of an image that states none: a share of all pixels, and of 255."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +37,8 @@ class Entry:
     overrides: tuple[str, ...] = ()
     frame: int = 1
     size: tuple[int, int] | None = None
+    most_over: float = MOST_OVER
+    most_rmse: float = MOST_RMSE
 
 
 def read_entries(directory: Path) -> list[Entry]:
@@ -67,7 +73,7 @@ def read_entries(directory: Path) -> list[Entry]:
 def _entry(data: Any, where: str) -> Entry:
     if not isinstance(data, dict):
         raise UsageError(f"{where}: must be a mapping such as 'preset: hair'")
-    known = ("preset", "name", "frame", "size", "set")
+    known = ("preset", "name", "frame", "size", "set", "allow", "rmse")
     for key in data:
         if key not in known:
             raise UsageError(f"{where}: unknown key '{key}'; the keys are {', '.join(known)}")
@@ -87,7 +93,17 @@ def _entry(data: Any, where: str) -> Entry:
     match = re.fullmatch(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})", size) if isinstance(size, str) else None
     if size is not None and match is None:
         raise UsageError(f"{where}: 'size' must be a width and a height such as 160x120, not {size!r}")
-    return Entry(name, preset, tuple(overrides), frame, (int(match[1]), int(match[2])) if match else None)
+    most_over = _number(data, "allow", 100 * MOST_OVER, 100, where) / 100
+    most_rmse = _number(data, "rmse", MOST_RMSE, 255, where)
+    wanted = (int(match[1]), int(match[2])) if match else None
+    return Entry(name, preset, tuple(overrides), frame, wanted, most_over, most_rmse)
+
+
+def _number(data: Mapping[str, Any], key: str, default: float, most: float, where: str) -> float:
+    value = data.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= most:
+        raise UsageError(f"{where}: '{key}' must be a number from 0 to {most:g}, not {value!r}")
+    return float(value)
 
 
 def select(entries: Sequence[Entry], names: Sequence[str]) -> list[Entry]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from PIL import Image
@@ -112,9 +113,15 @@ def test_golden_images_catch_a_pixel_and_a_parameter(run: Runner, monkeypatch: p
     image[3, 4, 0] ^= 1
     whole = Path("g/b.png").read_bytes()
     write_image(Path("g/b.png"), image)
-    planted = run("golden", "check", "g", "-o", "d", "--json")
+    planted = run("golden", "check", "g", "-o", "d", "--json", "--junit", "ci/golden.xml")
     assert planted.code == 3
-    assert planted.err.endswith("1 of 2 golden images do not match: b\n")
+    assert json.loads(planted.err.splitlines()[-1])["error"] == "1 of 2 golden images do not match: b"
+    (suite,) = ElementTree.parse("ci/golden.xml").getroot()
+    assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
+    assert [(case.get("name"), len(case)) for case in suite] == [("tiny", 0), ("b", 1)]
+    assert "not the image that hashes.json" in str(suite[1][0].get("message"))
+    assert suite[1][0].text == "d/b.diff.png"
+    assert all(float(str(case.get("time"))) >= 0 for case in suite)
     data = json.loads(planted.out)
     assert [one["matches"] for one in data["images"]] == [True, False]
     assert data["images"][1]["comparison"]["over"] == 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -75,13 +76,13 @@ def test_one_pixel_planted_in_the_golden_picture_is_caught_on_every_machine(
 
 def test_the_tolerance_elsewhere_is_the_stated_one(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     elsewhere(monkeypatch)
-    few = int(golden.MOST_OVER * 1200)
+    few = int(golden_list.MOST_OVER * 1200)
     assert golden.check(made, ENTRY, tmp_path, changed(few, golden.THRESHOLD + 1)).matches
     assert not golden.check(made, ENTRY, tmp_path, changed(few + 1, golden.THRESHOLD + 1)).matches
     assert golden.check(made, ENTRY, tmp_path, changed(100, 4)).matches
     result = golden.check(made, ENTRY, tmp_path, changed(few, 127))
     assert result.comparison is not None
-    assert result.comparison.rmse > golden.MOST_RMSE
+    assert result.comparison.rmse > golden_list.MOST_RMSE
     assert not result.matches
 
 
@@ -204,8 +205,29 @@ def test_the_class_of_this_machine_names_what_bits_depend_on() -> None:
 def test_tolerable_is_judged_at_the_stated_threshold() -> None:
     a = np.full((40, 100, 3), 50, np.uint8)
     b = a.copy()
-    few = int(golden.MOST_OVER * 4000)
+    few = int(golden_list.MOST_OVER * 4000)
     b[0, :few] += golden.THRESHOLD + 1
-    assert golden.tolerable(compare(a, b, golden.THRESHOLD))
+    assert golden.tolerable(compare(a, b, golden.THRESHOLD), ENTRY)
     b[0, few] += golden.THRESHOLD + 1
-    assert not golden.tolerable(compare(a, b, golden.THRESHOLD))
+    assert not golden.tolerable(compare(a, b, golden.THRESHOLD), ENTRY)
+
+
+def test_an_entry_may_have_a_tolerance_of_its_own(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "golden.yaml").write_text("- {preset: hair, allow: 0.5, rmse: 4}\n- {preset: fur}\n")
+    wide, usual = golden_list.read_entries(tmp_path)
+    assert (wide.most_over, wide.most_rmse, usual.most_over, usual.most_rmse) == (0.005, 4.0, 0.001, 1.0)
+    wide = replace(ENTRY, most_over=wide.most_over, most_rmse=wide.most_rmse)
+    draw_wrong = changed(6, golden.THRESHOLD + 20)  # RMSE 1.14
+    assert not golden.check(made, wide, tmp_path, draw_wrong).matches
+    elsewhere(monkeypatch)
+    assert golden.check(made, wide, tmp_path, draw_wrong).matches
+    assert not golden.check(made, ENTRY, tmp_path, draw_wrong).matches
+    assert not golden.check(made, wide, tmp_path, changed(7, golden.THRESHOLD + 1)).matches
+    assert not golden.check(made, wide, tmp_path, changed(6, 127)).matches
+
+
+@pytest.mark.parametrize("fault", ["allow: 101", "allow: few", "rmse: -1", "rmse: true"])
+def test_a_tolerance_is_a_number_within_bounds(tmp_path: Path, fault: str) -> None:
+    (tmp_path / "golden.yaml").write_text(f"- {{preset: hair, {fault}}}\n")
+    with pytest.raises(UsageError, match=r"entry 1: '(allow|rmse)' must be a number from 0 to"):
+        golden_list.read_entries(tmp_path)
