@@ -19,8 +19,7 @@ from .progress import Progress
 from .say import say
 
 if TYPE_CHECKING:
-    from ..study.stress.run import Result
-    from ..study.stress.task import Task
+    from ..study.stress.run import Result, Task
     from ..study.stress.verdicts import Verdict
 
 MOST_TOLD = 20
@@ -98,7 +97,9 @@ def command(
     from ..study.stress import run as stress
 
     work, only = _chosen(preset, "rod" if kinds else solver, case, pattern, quick, accept, kinds)
-    names = [name for task in work for name in task.names if only(name)]
+    from ..study.stress.run import names_of
+
+    names = [name for task in work for name in names_of(task) if only(name)]
     if not names:
         raise UsageError(f"--filter {pattern}: no case has such a name; --list names them all")
     if listing:
@@ -154,7 +155,7 @@ def _chosen(
         if case is not None:
             work: Sequence[Task] = [presets.named(options.load_scene(preset), case)]
         else:
-            work = presets.tasks(options.load_scene(preset), None if solver in (None, "both") else solver)
+            work = presets.cases_of(options.load_scene(preset), None if solver in (None, "both") else solver)
     elif case is not None:
         work = [stress.named(case)]
     else:
@@ -163,8 +164,8 @@ def _chosen(
         if accept:
             work = list(dict.fromkeys([*work, *stress.tasks(solvers, quick=True)]))
     if case is not None:
-        wanted = work[0].names if len(work[0].names) == 1 else (stress.canonical(case),)
-        return work, wanted.__contains__
+        wanted = case if preset is not None else stress.canonical(case)
+        return work, wanted.__eq__
     return work, stress.matching(pattern) if pattern else lambda name: True
 
 
@@ -183,7 +184,7 @@ def table(result: Result) -> str:
     lines = ["{:<8}{:<20}{:>10}{:>11}{:>8}{:>8}  worst case, and what it is".format(*head)]
     for solver in result.solvers:
         mine = [one for one in result.verdicts if one.name.partition("/")[0] == solver]
-        for metric, (word, limit) in LIMITS.items():
+        for metric, (word, limit, _) in LIMITS.items():
             told = [one for one in mine if metric in one.told]
             held = [one for one in mine if metric not in one.told]
             lines += _row(solver, metric, f"{word} {limit:g}" if word else "told", held)
@@ -212,25 +213,15 @@ def table(result: Result) -> str:
 
 def _row(solver: str, metric: str, must: str, cases: Sequence[Verdict]) -> list[str]:
     """The table's row of a metric in those of some cases that have it; none where none has."""
-    from ..study.stress.verdicts import LIMITS, MEANING
+    from ..study.stress.verdicts import LIMITS
 
-    word = LIMITS[metric][0]
+    meaning = LIMITS[metric][2]
     known = [(one.metrics[metric], one) for one in cases if metric in one.metrics]
     if not known:
         return []
-    value, worst = (min if word == ">=" else max)(known, key=lambda pair: _ranked(pair[0], word))
+    value, worst = max(known, key=lambda pair: pair[0] if pair[0] == pair[0] else float("inf"))  # NaN is the worst
     beyond = sum(metric in one.failed for _, one in known)
-    return [
-        f"{solver:<8}{metric:<20}{must:>10}{value:>11.3g}{len(known):>8,}{beyond:>8,}  {worst.name}  "
-        f"({MEANING[metric]})"
-    ]
-
-
-def _ranked(value: float, word: str) -> float:
-    """A value to compare by: NaN is worse than all."""
-    if value != value:
-        return float("-inf") if word == ">=" else float("inf")
-    return value
+    return [f"{solver:<8}{metric:<20}{must:>10}{value:>11.3g}{len(known):>8,}{beyond:>8,}  {worst.name}  ({meaning})"]
 
 
 def _print_json(result: Result) -> None:

@@ -12,8 +12,8 @@ import pytest
 
 from cli_runs import Runner
 from strandcli.simulate import rules
-from strandcli.study.stress import drive, run, sheets, verdicts
-from strandcli.study.stress.axes import case_named
+from strandcli.study.stress import drive, run, verdicts
+from strandcli.study.stress.axes import AXES, case_named
 
 
 @pytest.fixture(scope="module")
@@ -31,11 +31,10 @@ def test_the_small_matrix_of_the_source_is_as_it_is_known(small: run.Result) -> 
 
 def test_rods_fail_at_nothing_in_the_small_matrix(small: run.Result) -> None:
     mine = [one for one in small.verdicts if one.name.partition("/")[0] == "rod"]
-    assert len(mine) > 90
-    assert [(one.name, one.why) for one in mine if one.verdict not in ("pass", "not_represented")] == []
+    assert len(mine) > 70
+    assert [(one.name, one.why) for one in mine if one.verdict != "pass"] == []
     measured = set().union(*(one.metrics for one in mine))
-    assert measured >= {"nonfinite", "moved_by_nothing", "penetration", "residual", "stretch", "rest_motion"}
-    assert measured >= {"differences", "upright"}
+    assert measured >= {"nonfinite", "moved_by_nothing", "penetration", "residual", "stretch", "pinned_off"}
 
 
 @pytest.fixture
@@ -46,8 +45,7 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
 
 def test_the_command_lists_replays_and_tells(command: Runner) -> None:
     names = command("stress", "--list", "--solver", "thesis").out.split()
-    assert len(names) > 20_000
-    assert "thesis/check=twist" in names
+    assert len(names) > 18_000
     listed = command("stress", "--list", "--filter", "contact=through start=random dt=10").out.split()
     words = ("contact=through", "start=random", "dt=10")
     every = command("stress", "--list").out.split()
@@ -70,7 +68,7 @@ def test_the_command_lists_replays_and_tells(command: Runner) -> None:
 
 
 def test_a_failing_case_ends_in_exit_code_3_and_is_named(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(verdicts.LIMITS, "stretch", ("<=", -1.0))
+    monkeypatch.setitem(verdicts.LIMITS, "stretch", ("<=", -1.0, "error"))
     result = command("stress", "--quick", "--solver", "thesis", "--filter", "*L=1e6*", "--no-progress")
     assert result.code == 3
     assert "again with: strandcli stress --case thesis/" in result.err
@@ -82,8 +80,7 @@ def test_a_replay_gives_the_same_numbers(command: Runner) -> None:
     name = "thesis/dt=10/wind=gale/start=random"
     found = [json.loads(command("stress", "--case", name, "--json").out)["cases"] for _ in range(2)]
     assert found[0] == found[1]
-    scene = case_named(name).labels[:-1]
-    batch = drive.run([case for case in sheets.full("thesis") if case.labels[:-1] == scene])
+    batch = drive.run([case_named(name).with_labels(start=start) for start in AXES["start"]])
     metrics = next(one.metrics for one in batch if one.case.name == name)
     assert found[0][0]["metrics"] == {key: float(f"{value:.4g}") for key, value in metrics.items()}
 
@@ -159,3 +156,20 @@ def test_several_processes_come_to_the_same_verdicts() -> None:
     alone = run.run(work, processes=1)
     assert [one.as_dict() for one in shared.verdicts] == [one.as_dict() for one in alone.verdicts]
     assert sum(counted) == len(alone.verdicts)
+
+
+def test_rods_that_interact_and_twist_are_run_and_listed(command: Runner) -> None:
+    listed = command("stress", "--with", "twist,interaction", "--quick", "--list").out.split()
+    both = ("stress", "--with", "interaction,twist", "--quick")
+    assert listed == command(*both, "--list", "--solver", "rod").out.split()
+    result = command(*both, "--filter", "contact=through emitter=flip between=grid", "--json", "--no-progress")
+    assert result.code == 0, result.err
+    data = json.loads(result.out)
+    assert data["summary"]["pass"] == len(data["cases"]) > 1
+    name = data["cases"][0]["name"]
+    assert json.loads(command("stress", "--case", name, "--json").out)["cases"] == data["cases"][:1]
+    only = command("stress", "--with", "twist", "--quick", "--list").out.split()
+    assert all("twist=" in name and "between=" not in name for name in only)
+    assert "choose interaction, twist, or both" in command("stress", "--with", "twst").error()
+    for more in (("--solver", "thesis"), ("--case", "rod"), ("hair",)):
+        assert command("stress", "--with", "twist", *more).code == 2

@@ -18,19 +18,6 @@ from strandcli.groom.emit import emit
 from strandcli.simulate import advice, rules
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.thesis.solver import ThesisSolver
-from strandcli.study.stress import inputs
-
-
-@pytest.mark.parametrize("name", inputs.INPUTS)
-def test_bad_input_is_refused_by_name(name: str) -> None:
-    for solver in ("rod", "thesis"):
-        assert inputs.INPUTS[name](solver), solver
-
-
-def test_input_that_is_taken_would_be_seen() -> None:
-    assert inputs.refused_setting("rod", path="rod.density", value="900") == ""
-    assert inputs.refused_groom("thesis", part="lengths", value=2.0) == ""
-    assert inputs.refused_cache("rod", value=1.0) == ""
 
 
 @pytest.fixture

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from strandcli.scene.model import SphereSolid
+from strandcli.simulate.contact.forces import Forces
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis.solver import ThesisSolver
-from strandcli.study.stress import drive, expected, physics, run, scenes, verdicts
-from strandcli.study.stress.axes import Case, case_named
+from strandcli.study.stress import drive, run, scenes, verdicts
+from strandcli.study.stress.axes import AXES, case_named
 
 
 def meter(**solids: Any) -> drive.Meter:
@@ -84,9 +85,9 @@ def judged(metrics: dict[str, float], name: str = "rod/dt=0.5", **options: Any) 
 
 
 def test_verdicts() -> None:
-    good = {"nonfinite": 0.0, "stretch": 1e-6, "residual": 1e-3, "amplitude_kept": 0.999}
+    good = {"nonfinite": 0.0, "stretch": 1e-6, "residual": 1e-3}
     assert judged(good).verdict == "pass"
-    for metric, value in (("nonfinite", 1.0), ("stretch", 1.1e-6), ("residual", np.nan), ("amplitude_kept", 0.998)):
+    for metric, value in (("nonfinite", 1.0), ("stretch", 1.1e-6), ("residual", np.nan)):
         bad = judged({**good, metric: value})
         assert bad.verdict == "fail"
         assert bad.failed == (metric,)
@@ -108,21 +109,20 @@ def test_only_what_is_listed_is_expected() -> None:
     assert both.verdict == "fail"
     assert "nonfinite" in both.why
     assert judged({"penetration": 0.2}, "rod/contact=through").verdict == "fail"
-    assert not [name for name, metric in expected._read("thesis")[1] if metric in ("nonfinite", "exception")]
+    assert not [name for name, metric in verdicts.expected("thesis")[1] if metric in ("nonfinite", "exception")]
 
 
 def test_the_list_of_expected_failures_is_what_is_written() -> None:
-    reasons, listed = expected._read("thesis")
+    reasons, listed = verdicts.expected("thesis")
     assert all(reasons.values())
-    text = expected.text_of("thesis", reasons, listed)
-    lines = [line for line in text.splitlines() if not line.startswith(("@", "#"))]
+    lines = verdicts.text_of("thesis", listed).splitlines()
+    assert "\n".join([*lines, ""]) == Path(verdicts.__file__).with_name("expected_thesis.txt").read_text()
     known = run.tasks(["thesis"]) + run.tasks(["thesis"], quick=True)
-    names = {name for task in known for name in task.names}
-    assert {name for name, _ in listed} <= names
+    assert {name for name, _ in listed} <= {name for task in known for name in run.names_of(task)}
     assert len(lines) < len(listed)
-    assert expected.passed_after_all("thesis", [], ["thesis/contact=through", "thesis"]) == ["thesis/contact=through"]
+    assert verdicts.passed_after_all("thesis", [], ["thesis/contact=through", "thesis"]) == ["thesis/contact=through"]
     with pytest.raises(KeyError):
-        expected.write("thesis", [("thesis/dt=10", "nonfinite")])
+        verdicts.accept("thesis", [("thesis/dt=10", "nonfinite")])
 
 
 def test_a_solver_that_raises_or_leaves_nan_fails_its_case(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -158,37 +158,50 @@ def test_a_residual_is_pinned_on_the_strand_that_has_it(monkeypatch: pytest.Monk
         return np.where(np.abs(self.particles()[:, 1:, 2]).max(1) > 1e-3, 0.5, 1e-5)  # the random start's is great
 
     monkeypatch.setattr(ThesisSolver, "strand_residuals", residuals)
-    found = {one.case.label("start"): one.metrics["residual"] for one in drive.run(run.named("thesis").cases)}
+    found = {
+        one.case.label("start"): one.metrics["residual"]
+        for one in drive.run([case_named("thesis").with_labels(start=start) for start in AXES["start"]])
+    }
     assert found == {"straight": 1e-5, "zero": 1e-5, "coincident": 1e-5, "folded": 1e-5, "random": 0.5}
 
 
 def test_what_a_solver_has_not_is_never_a_pass() -> None:
-    absent = (
-        "check=droop/gamma=1", "check=swing", "check=sag-free/gamma=1/n=10/way=level", "check=twist"
-    )  # fmt: skip
-    for name in ("rod/check=twist", *(f"thesis/{one}" for one in absent)):
-        (found,) = run.perform(run.named(name))
-        assert found.verdict == "not_represented"
-        assert found.why
     assert {one.verdict for one in run.perform(run.named("thesis/tip=1e-3"))} == {"not_represented"}
 
 
-def test_crests_of_a_fading_wave() -> None:
-    t = np.arange(0, 8, 1 / 60)
-    tops = physics.crests(np.exp(-0.1 * t) * np.cos(2 * np.pi * t - 0.3))
-    np.testing.assert_allclose(tops[1:] / tops[:-1], np.exp(-0.1), rtol=1e-4)
+def test_pinned_tips_are_watched(monkeypatch: pytest.MonkeyPatch) -> None:
+    (found,) = run.perform(run.named("rod/emitter=flip/end=pinned"))
+    assert found.verdict == "pass"
+    assert found.metrics["pinned_off"] < 1e-4
+    monkeypatch.setattr("strandcli.simulate.rod.solver.HEAVY", 1.0)
+    assert "pinned_off" in run.perform(run.named("rod/emitter=flip/end=pinned"))[0].failed
 
 
-def test_energy_of_a_falling_and_a_bent_rod() -> None:
-    """A level rod of ten segments: half of it turned down has lost height, gained speed and is bent once."""
-    e = np.tile(np.array([[1.0, 0, 0]]), (10, 1))
-    e[5:] = [0, -1, 0]
-    v = np.zeros((10, 3))
-    v[9] = [0, 0, 2]
-    rod = type("Rod", (), {})()
-    rod.state = SimpleNamespace(edges=e.reshape(1, 10, 3), velocity=v.reshape(1, 10, 3))
-    rod.scene = replace(scenes.scene_of(Case.of("rod"), scenes.times_of(Case.of("rod"))))
-    height = -sum((j + 1) * 0.1 * (0.5 if j == 4 else 1) * 0.1 for j in range(5))
-    kinetic = 0.5 * 0.05 * 4
-    bending = 0.5 * 10 * 2  # B / ℓ |u − v|² / 2 of one square corner, with B = 1
-    assert physics.energy(rod, 10.0) == pytest.approx(10 * height + kinetic + bending)
+@pytest.mark.parametrize(
+    "name",
+    [
+        "rod/gamma=0/emitter=teleport/start=coincident/between=grid-fine/twist=sag-free/end=pinned/torsion=0.7",
+        "rod/dt=1e-4/B=1e-6/wind=gale/emitter=teleport/start=coincident/between=grid-fine/twist=sag-free/end=pinned",
+        "rod/dt=1e-4/gamma=1e4/emitter=flip/start=coincident/between=grid-fine/twist=sag-free/end=pinned",
+        "rod/dt=1e-4/gamma=7.7/emitter=shake/between=grid-coarse/twist=coil/end=pinned/root=hinged/torsion=0.7",
+    ],
+)
+def test_taut_strands_with_pinned_tips_stay_so_a_hundred_lengths_away(name: str) -> None:
+    """Positions are rounded more there, which tips had no way to go by."""
+    (found,) = run.perform(run.named(name))
+    assert (found.verdict, found.why) == ("pass", "")
+
+
+def test_forces_of_contact_that_no_step_can_carry_do_not_end_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Forces for which iterations still find lengths leave strands speeds of 2.5 km/s, which then no step between two
+    ends can carry."""
+    solve = Forces.solve
+
+    def wild(self: Forces, found: Any, forces: Any, solver: Any) -> float:
+        moved = solve(self, found, forces, solver)
+        forces *= 1e14
+        return moved
+
+    monkeypatch.setattr(Forces, "solve", wild)
+    name = "rod/dt=noisy/B=1e-2/emitter=flip/n=2/start=random/between=thick/end=pinned"
+    assert "stopped" not in run.perform(run.named(name))[0].failed

@@ -7,16 +7,15 @@ so much is allowed for, and no more.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...groom.record import Groom
 from ...scene.model import Scene, SphereSolid
-from ...scene.motion import solid_pose
+from ...scene.motion import emitter_pose, solid_pose
 from ...simulate import solver_of
 from ...simulate.health import RESIDUAL_MOST
 from .axes import Case
@@ -39,37 +38,25 @@ class Outcome:
 def run(cases: Sequence[Case]) -> list[Outcome]:
     """Outcomes of cases that differ in the start alone."""
     found = [Outcome(case) for case in cases]
+    first = cases[0]
     try:
         with np.errstate(all="ignore"):
-            _drive(list(cases), found)
+            times = times_of(first)
+            scene, groom = scene_of(first, times), groom_of(cases)
+            solver: Any = solver_of(scene)(scene, groom)
+            segments = groom.lengths.astype(np.float64) / first.value("n")
+            meter = Meter(scene, segments, first.value("L"), touching=first.label("contact") != "none")
+            before = solver.particles()
+            solver.step(0.0, 0.0)
+            moved = {"moved_by_nothing": float(not np.array_equal(before, solver.particles()))}
+            meter.follow(solver, times)
     except Exception as error:  # whatever a solver raises is what is looked for here
         for one in found:
             one.error = f"{type(error).__name__}: {error}"
-    return found
-
-
-def _drive(cases: list[Case], found: list[Outcome]) -> None:
-    times = times_of(cases[0])
-    _, meter, still = followed(cases[0], scene_of(cases[0], times), groom_of(cases), times)
+        return found
     for number, one in enumerate(found):
-        lanes = slice(number, number + 1) if len(found) > 1 else slice(None)
-        one.metrics = meter.metrics(lanes) | still
-
-
-def followed(
-    case: Case, scene: Scene, groom: Groom, times: NDArray[np.float64], watch: Callable[[Any], Any] = lambda _: None
-) -> tuple[Any, Meter, dict[str, float]]:
-    """Run a scene of a case to the ends of its steps; return what ``watch`` makes of its solver before the first, what
-    was measured, and whether a step of no duration moved anything."""
-    solver: Any = solver_of(scene)(scene, groom)
-    segments = groom.lengths.astype(np.float64) / case.value("n")
-    meter = Meter(scene, segments, case.value("L"), touching=case.label("contact") != "none")
-    before = solver.particles()
-    solver.step(0.0, 0.0)
-    still = np.array_equal(before, solver.particles())
-    watched = watch(solver)
-    meter.follow(solver, times)
-    return watched, meter, {"moved_by_nothing": float(not still)}
+        one.metrics = meter.metrics(slice(number, number + 1) if len(found) > 1 else slice(None)) | moved
+    return found
 
 
 class Meter:
@@ -87,14 +74,28 @@ class Meter:
         self.segment_depth = np.zeros(len(segments))
         self.bad = np.zeros(len(segments), np.int64)
         self.residual: NDArray[np.float64] | None = None
+        self.off: NDArray[np.float64] | None = None
+        """Of pinned tips from their places."""
 
     def follow(self, solver: Any, times: NDArray[np.float64]) -> None:
         """Look at a solver's strands after each step, which end at ``times``, seconds from 0."""
         past = 0.0
+        pinned = self.scene.solver == "rod" and self.scene.rod.end == "pinned"
+        places = self._tips(solver.particles(), 0.0)
         for time in times.tolist():
             solver.step(time, time - past)
             past = time
-            self.look(solver.particles(), past, solver.strand_residuals())
+            particles = solver.particles()
+            self.look(particles, past, solver.strand_residuals())
+            if pinned:
+                off = np.linalg.norm(self._tips(particles, past) - places, axis=1)
+                off -= 2 * ROUNDING * np.abs(particles.astype(np.float64)).max()
+                self.off = np.maximum(0.0 if self.off is None else self.off, off / self.length)
+
+    def _tips(self, particles: NDArray[np.float32], time: float) -> NDArray[np.float64]:
+        """(strands, 3) tips in the emitter's frame."""
+        pose = emitter_pose(self.scene.emitter, time)
+        return np.asarray((particles[:, -1].astype(np.float64) - pose.translation) @ np.array(pose.rotation))
 
     def look(self, particles: NDArray[np.float32], time: float, residuals: NDArray[np.floating] | None) -> None:
         """Measure (strands, particles, 3) at a time; ``residuals`` (strands,) are what the solver left."""
@@ -126,6 +127,8 @@ class Meter:
         if self.residual is not None:
             residual = float(self.residual[strands].max())
             found |= {"residual": residual, "stopped": float(not residual <= RESIDUAL_MOST)}
+        if self.off is not None:
+            found["pinned_off"] = float(self.off[strands].max())
         return found
 
 

@@ -15,15 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from ... import runtime
-from ...errors import UsageError
-from ...scene.faults import hint
-from . import checks, drive, expected, inputs, preset, sheets, together, traits
+from . import drive, matrix, preset, verdicts
 from .axes import AXES, SOLVERS, Case, case_named
-from .strand import NotRepresented, Refused
-from .task import Task
+from .preset import PresetCase
 from .verdicts import WORDS, Verdict, judge, told_of
 
 Notify = Callable[[str], None]
+Task = PresetCase | tuple[Case, ...]
+"""A piece of work: a preset's case, or a batch of cases that differ in the start alone."""
 CHUNK = 12
 """Tasks that a process is handed at once."""
 MASSLESS = "its particles have no mass"
@@ -47,7 +46,7 @@ class Result:
         """Cases that were listed to fail, and did not or in less."""
         failed = [(one.name, metric) for one in self.verdicts for metric in one.failed]
         ran = [one.name for one in self.verdicts]
-        return [name for solver in self.solvers for name in expected.passed_after_all(solver, failed, ran)]
+        return [name for solver in self.solvers for name in verdicts.passed_after_all(solver, failed, ran)]
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -62,45 +61,29 @@ class Result:
     def accept(self) -> Path:
         """Keep the failures of the source's solver as those that are expected; returns the file written."""
         mine = [one for one in self.verdicts if one.name.partition("/")[0] == "thesis"]
-        return expected.write("thesis", [(one.name, metric) for one in mine for metric in one.failed])
+        return verdicts.accept("thesis", [(one.name, metric) for one in mine for metric in one.failed])
 
 
 def tasks(solvers: Sequence[str], quick: bool = False, kinds: Sequence[str] = ()) -> list[Task]:
     """The matrix of some solvers as pieces of work; with ``kinds``, that of rods with these on in every case."""
     if kinds:
-        return together.tasks(kinds, quick)
-    found = []
-    for solver in solvers:
-        found += [Task(solver, named=name) for name in inputs.INPUTS]
-        found += [Task(solver, named=name) for name in (checks.QUICK if quick else checks.CHECKS)]
-        if solver == "rod":
-            found += [Task(solver, named=name) for name in (traits.quick() if quick else traits.table())]
-        cases: Sequence[Case] = sheets.quick(solver) if quick else sheets.full(solver)
-        found += [Task(solver, tuple(batch)) for batch in sheets.batches(cases)]
-    return found
+        return list(matrix.batches(matrix.with_kinds([kind for kind in matrix.KINDS if kind in kinds], quick)))
+    take = matrix.quick if quick else matrix.full
+    return [batch for solver in solvers for batch in matrix.batches(take(solver))]
 
 
 def named(name: str) -> Task:
     """The piece of work that a single case is replayed by. Raises `UsageError` where nothing has this name."""
-    solver, _, rest = name.partition("/")
-    if rest.startswith(("check=", "input=")):
-        known = [*checks.CHECKS, *inputs.INPUTS, *traits.table()]
-        if solver not in SOLVERS:
-            raise UsageError(f"--case {name}: begins with the solver; {hint(solver, SOLVERS, 'the solvers are')}")
-        if rest not in known:
-            begun = [one for one in known if one.startswith(rest)]
-            raise UsageError(
-                f"--case {name}: there is no such check; "
-                + (f"there are {', '.join(begun)}" if begun else hint(rest, known, "they are"))
-            )
-        return Task(solver, named=rest)
-    if together.has_own_axes(name):
-        return together.named(name)
     case = case_named(name)
-    if case.value("strands") > 1:
-        return Task(solver, (case,))
+    if case.grouped or case.value("strands") > 1:
+        return (case,)
     # a strand's neighbours decide when its block stops iterating: the same ones give the same bits
-    return Task(solver, tuple(Case(solver, (*case.labels[:-1], start)) for start in AXES["start"]))
+    return tuple(case.with_labels(start=start) for start in AXES["start"])
+
+
+def names_of(task: Task) -> tuple[str, ...]:
+    """What the results of a piece of work are called."""
+    return (task.name,) if isinstance(task, PresetCase) else tuple(case.name for case in task)
 
 
 def canonical(name: str) -> str:
@@ -121,18 +104,18 @@ def run(
     ``tell`` each verdict."""
     began = time.perf_counter()
     accept = only or (lambda name: True)
-    wanted = [task for task in work if any(accept(name) for name in task.names)]
-    verdicts: list[Verdict] = []
-    for found in _results(wanted, processes, notify):
-        kept = [one for one in found if accept(one.name)]
-        verdicts += kept
+    wanted = [task for task in work if any(accept(name) for name in names_of(task))]
+    found: list[Verdict] = []
+    for several in _results(wanted, processes, notify):
+        kept = [one for one in several if accept(one.name)]
+        found += kept
         if tell is not None:
             for one in kept:
                 tell(one)
         if step is not None:
             step(len(kept))
-    solvers = tuple(solver for solver in SOLVERS if any(task.solver == solver for task in wanted))
-    return Result(solvers, verdicts, time.perf_counter() - began)
+    solvers = tuple(solver for solver in SOLVERS if any(solver == one.name.partition("/")[0] for one in found))
+    return Result(solvers, found, time.perf_counter() - began)
 
 
 def matching(pattern: str) -> Callable[[str], bool]:
@@ -143,12 +126,11 @@ def matching(pattern: str) -> Callable[[str], bool]:
 
 
 def _results(work: Sequence[Task], processes: int, notify: Notify | None) -> Iterator[list[Verdict]]:
+    runtime.start(1, notify)
     if processes <= 1 or len(work) < 4 * CHUNK:
-        runtime.start(1, notify)
         yield from map(perform, work)
         return
     # what has to be compiled is compiled once, here, and read from the cache by the processes
-    runtime.start(1, notify)
     for task in _one_of_each(work):
         perform(task)
     fresh = multiprocessing.get_context("spawn")
@@ -180,47 +162,19 @@ def _one_of_each(work: Iterable[Task]) -> list[Task]:
     """A task for every kernel that the work needs."""
     found: dict[Any, Task] = {}
     for task in work:
-        if task.labels and task.cases:
-            found.setdefault(together.kernels_of(task), task)
-        elif task.cases:
-            case = task.cases[0]
-            kind = (task.solver, case.value("n") > 10, case.label("contact") == "none" or task.solver == "thesis")
-            found.setdefault(kind, task)
+        if not isinstance(task, PresetCase):
+            case = task[0]
+            free = case.label("contact") == "none" or case.solver == "thesis"
+            found.setdefault((case.solver, case.value("n") > 10, free, *case.value("between")), task)
     return list(found.values())
 
 
 def perform(task: Task) -> list[Verdict]:
     """Verdicts on one piece of work."""
-    if task.scene is not None:
+    if isinstance(task, PresetCase):
         return [preset.perform(task)]
-    if task.labels:
-        return [together.perform(task)]
-    if task.named:
-        return [_named(task)]
-    if task.solver == "thesis" and task.cases[0].label("tip") != "1":
-        return [judge(case.name, case.parameters, {}, absent=MASSLESS) for case in task.cases]
+    if task[0].solver == "thesis" and task[0].label("tip") != "1":
+        return [judge(case.name, case.parameters, {}, absent=MASSLESS) for case in task]
     return [
-        judge(one.case.name, one.case.parameters, one.metrics, one.error, told_of(one.case))
-        for one in drive.run(task.cases)
+        judge(one.case.name, one.case.parameters, one.metrics, one.error, told_of(one.case)) for one in drive.run(task)
     ]
-
-
-def _named(task: Task) -> Verdict:
-    name = f"{task.solver}/{task.named}"
-    parameters = dict(part.partition("=")[::2] for part in task.named.split("/"))
-    if task.named in inputs.INPUTS:
-        told = inputs.INPUTS[task.named](task.solver)
-        found = judge(name, parameters, {"refused": float(bool(told))})
-        found.why = found.why or told
-        return found
-    try:
-        metrics = {**checks.CHECKS, **traits.table()}[task.named](task.solver)
-    except Refused as reason:
-        found = judge(name, parameters, {"refused": 1.0})
-        found.why = str(reason)
-        return found
-    except NotRepresented as reason:
-        return judge(name, parameters, {}, absent=str(reason))
-    except Exception as error:  # whatever a solver raises is what is looked for here
-        return judge(name, parameters, {}, f"{type(error).__name__}: {error}")
-    return judge(name, parameters, metrics)

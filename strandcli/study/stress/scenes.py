@@ -7,6 +7,7 @@ zero, a tip of a thousandth). The strand is clamped along +x and gravity points 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,6 +26,14 @@ STEPS = 24
 LEAP = 100.0
 SHAKE = 0.1
 HERTZ = 50.0
+GROUP = 4
+"""Strands of a case whose strands may meet, in place of one: contact is dear, and of few strands it is as hard."""
+CLOSE = 0.05
+"""By how much their roots are brought together where no solid is in their way."""
+RADIUS = 0.02
+"""Of theirs, in L: others have 2 L, which no cell could be smaller than."""
+COIL, AXIS = 0.6, np.array([0.8, 0.6, 0.0])
+"""Radians by which a coil's edges turn from one to the next, about which unit vector."""
 
 
 @dataclass(frozen=True)
@@ -39,20 +48,20 @@ class Started(Groom):
         return self.edges[:, min(j, self.edges.shape[1] - 1)]  # solvers may ask for one more than there are
 
 
-def steps_of(case: Case) -> int:
-    """How many steps a case takes: fewer where they are dear."""
-    n = case.value("n")
-    return STEPS if n <= 32 else STEPS // 2 if n <= 100 else STEPS // 4
-
-
 def times_of(case: Case) -> NDArray[np.float64]:
-    """(steps,) the ends of the steps, seconds."""
-    count = steps_of(case)
-    dt = case.value("dt") / case.value("substeps")
-    lengths = np.full(count, dt)
+    """(steps,) the ends of the steps, seconds: fewer where they are dear."""
+    n = case.value("n")
+    count = STEPS if n <= 32 else STEPS // 2 if n <= 100 else STEPS // 4
+    lengths = np.full(count, case.value("dt") / case.value("substeps"))
     if case.label("dt") == "noisy":
         lengths *= 1 + 0.5 * np.random.Generator(np.random.Philox(key=(7, count))).uniform(-1, 1, count)
-    return np.cumsum(lengths)
+    share = 1 if not case.grouped else 4 if "contact" in case.value("between") else 2
+    return np.cumsum(lengths)[: -(-count // share)]
+
+
+def strands_of(case: Case) -> int:
+    """How many strands the groom of a case has."""
+    return GROUP if case.grouped and case.value("strands") == 1 else int(case.value("strands"))
 
 
 def scene_of(case: Case, times: NDArray[np.float64]) -> Scene:
@@ -72,46 +81,65 @@ def scene_of(case: Case, times: NDArray[np.float64]) -> Scene:
         rules.append(("stiffness", {"strength": max(B, NOTHING)}))
         solids = solids or (_ball((0.0, 1e6 * L, 0.0), L),)
     if solids:
-        rules.append(("collision", {}))
+        rules.append(("collision", {"segments": case.value("collide")}))
     if case.solver == "thesis":
         rules.append(("elasticity", {}))
+    rules += [(name, _scaled(given, L)) for name, given in case.value("between").items()]
+    # radius 2 and density 1 make B / (ρ A) = E R² / (4 ρ) Young's modulus itself
+    radius = RADIUS * L if case.grouped else 2.0
+    matter: dict[str, Any] = {"rest": "straight", **case.value("twist")}
     return Scene(
         solver=case.solver,
-        # radius 2 and density 1 make B / (ρ A) = E R² / (4 ρ) Young's modulus itself
         rod=Rod(
-            density=1.0, radius=2.0, young=B * L**4, tip=math.sqrt(case.value("tip")), rest="straight",
-            drag=1.0 if wind else 0.0, damping=0.0,
+            density=1.0, radius=radius, young=B * L**4 * (2 / radius) ** 2, tip=math.sqrt(case.value("tip")),
+            drag=1.0 if wind else 0.0, damping=0.0, end=case.value("end"), root=case.value("root"),
+            torsion=case.value("torsion"), **matter,
         ),
         time=Time(fps=float(1 / times[0]), frames=1000),
         emitter=Emitter(
-            strands=case.value("strands"), particles=case.value("n") + 1, length=L, keys=keys_of(case, times)
+            strands=strands_of(case), particles=case.value("n") + 1, length=L, keys=keys_of(case, times)
         ),
         rules=tuple(RuleUse(name, registry()[name].Parameters(**given), name) for name, given in rules),
         solids=moved(solids, (case.value("offset") * L, 0.0, 0.0)),
     )  # fmt: skip
 
 
-def groom_of(cases: list[Case]) -> Started:
+def _scaled(settings: Mapping[str, Any], L: float) -> dict[str, Any]:
+    """Settings for an L of 1 for strands of any length."""
+    powers = {"thickness": 1, "cell": 1, "density": -2}
+    return {key: value * L ** powers[key] if key in powers else value for key, value in settings.items()}
+
+
+def groom_of(cases: Sequence[Case]) -> Started:
     """The strands of a batch: one a case where cases are single strands, else those of the one groom."""
     first = cases[0]
-    n, L, strands = first.value("n"), first.value("L"), first.value("strands")
+    n, L, strands, free = first.value("n"), first.value("L"), strands_of(first), first.label("contact") == "none"
     if strands > 1:
         assert len(cases) == 1
         draw = np.random.Generator(np.random.Philox(key=(11, strands)))
         roots = L * draw.uniform(-1, 1, (strands, 3))
-        directions = _units(draw, (strands,)) if first.label("contact") == "none" else _along_x(strands)
+        directions = _units(draw, (strands,)) if free else _along_x(strands)
         spread = first.value("lengths") * draw.uniform(-1, 1, strands)
-        if first.label("contact") != "none":
+        if not free:
             roots *= (0.0, 0.0, 0.05)  # side by side in front of the solids
         edges = _started(first.label("start"), directions, n)
     else:
         roots, directions, spread = np.zeros((len(cases), 3)), _along_x(len(cases)), np.zeros(len(cases))
         edges = np.concatenate([_started(case.label("start"), directions[:1], n) for case in cases])
-    count = len(roots)
+    if first.label("twist") == "coil":
+        edges = coil(edges)
+    near = np.float32(CLOSE if first.grouped and free else 1.0)
     return Started(
-        roots.astype(np.float32), directions.astype(np.float32), (L * (1 + spread)).astype(np.float32),
-        np.zeros(count, np.float32), edges=edges,
+        roots.astype(np.float32) * near, directions.astype(np.float32), (L * (1 + spread)).astype(np.float32),
+        np.zeros(len(roots), np.float32), edges=edges,
     )  # fmt: skip
+
+
+def coil(edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Edges (strands, n, 3), each turned by `COIL` more than the one before."""
+    angle = COIL * np.arange(1, edges.shape[1] + 1)[:, None]
+    along = (edges @ AXIS)[..., None] * AXIS
+    return np.asarray(along + (edges - along) * np.cos(angle) + np.cross(AXIS, edges) * np.sin(angle))
 
 
 def _started(start: str, directions: NDArray[np.float64], n: int) -> NDArray[np.float64]:

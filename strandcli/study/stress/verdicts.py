@@ -1,94 +1,40 @@
 """What each metric may be, and what comes of it: pass, expected_failure, fail or not_represented.
 
-The thresholds are those of the solver's design: of lengths, contact and iterations for every scene of the matrix, of
-physics for the checks made for them. Nobody's failure is expected but by name and with its reason (`expected`).
+The limits are those of the solver's design. A failure is expected only by name and with its reason, in
+``expected_SOLVER.txt``: a reason for each metric (``@metric reason``), then a line for each scene: the metrics that
+fail, the scene's name, and the starts from which they do.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
-from . import expected
+from ...output.files import write_pieces
 from .axes import Case
 
-RESIDUAL = 1e-3
-
-LIMITS: dict[str, tuple[str, float]] = {
-    "nonfinite": ("<=", 0.0),
-    "moved_by_nothing": ("<=", 0.0),
-    "stretch": ("<=", 1e-6),
-    "residual": ("<=", RESIDUAL),
-    "stopped": ("<=", 0.0),
-    "penetration": ("<=", 1e-6),
-    "segment_penetration": ("<=", 0.02),
-    "overlap": ("", 0.0),
-    "stretch_double": ("<=", 1e-12),
-    "energy_growth": ("<=", 1e-6),
-    "amplitude_kept": (">=", 0.999),
-    "rest_motion": ("<=", 1e-6),
-    "rest_motion_contact": ("<=", 1e-3),
-    "rest_24_240": ("<=", 1e-4),
-    "rest_substeps": ("<=", 1e-4),
-    "droop_soft": ("<=", 0.015),
-    "droop_10": ("<=", 0.025),
-    "droop_order": (">=", 1.8),
-    "upright": ("<=", 0.02),
-    "tilted": (">=", 0.1),
-    "differences": ("<=", 0.0),
-    "sag": ("<=", 1e-6),
-    "sag_later": ("<=", 1e-6),
-    "sag_regained": ("<=", 1e-4),
-    "pinned_off": ("<=", 1e-3),
-    "pinned_off_told": ("", 0.0),
-    "energy_gained": ("<=", 0.01),
-    "energy_gained_told": ("", 0.0),
-    "closeness": ("", 0.0),
-    "passed": ("<=", 0.0),
-    "passed_told": ("", 0.0),
-    "linking_changed": ("<=", 0.0),
-    "refused": (">=", 1.0),
+LIMITS: dict[str, tuple[str, float, str]] = {
+    "nonfinite": ("<=", 0.0, "strands and steps with NaN or infinity"),
+    "moved_by_nothing": ("<=", 0.0, "a step of no length moves something"),
+    "stretch": ("<=", 1e-6, "error of a segment's length, over rounding"),
+    "residual": ("<=", 1e-3, "error of lengths before they are made exact"),
+    "stopped": ("<=", 0.0, "a run would stop here, lengths off by a segment"),
+    "penetration": ("<=", 1e-6, "depth in a sphere, L, over rounding"),
+    "segment_penetration": ("<=", 0.02, "depth of whole segments in a sphere, L"),
+    "overlap": ("", 0.0, "depth in overlapping spheres, L"),
+    "pinned_off": ("<=", 1e-3, "distance of pinned tips from their places, L"),
 }
-"""Metric: how it compares with which limit; "" is told and not judged."""
-
-MEANING = {
-    "nonfinite": "strands and steps with NaN or infinity",
-    "moved_by_nothing": "a step of no length moves something",
-    "stretch": "error of a segment's length, over rounding",
-    "residual": "error of lengths before they are made exact",
-    "stopped": "a run would stop here, lengths off by a segment",
-    "penetration": "depth in a sphere, L, over rounding",
-    "segment_penetration": "depth of whole segments in a sphere, L",
-    "overlap": "depth in overlapping spheres, L",
-    "stretch_double": "error of lengths in double precision",
-    "energy_growth": "energy gained undamped, m g L",
-    "amplitude_kept": "swing kept a cycle at 60 Hz",
-    "rest_motion": "motion at rest over 1 s, L",
-    "rest_motion_contact": "motion at rest in contact over 1 s, L",
-    "rest_24_240": "rest tip, 24 against 240 Hz, L",
-    "rest_substeps": "rest, substeps 1 against 8, L",
-    "droop_soft": "droop against the elastica, gamma <= 1",
-    "droop_10": "droop against the elastica, gamma 10",
-    "droop_order": "order of droop in segments",
-    "upright": "tip aside at gamma 7.7, L",
-    "tilted": "tip aside at gamma 7.9, L",
-    "differences": "bits that differ between runs or threads",
-    "sag": "first frame's motion of a sag-free start, L",
-    "sag_later": "most motion of a sag-free start in 96 steps, L",
-    "sag_regained": "sag-free start after its root turned and back, L",
-    "pinned_off": "distance of pinned tips from their places, L",
-    "pinned_off_told": "the same in long steps, or with anything in the way, L",
-    "energy_gained": "energy gained where only weight works, m g L",
-    "energy_gained_told": "the same in long steps, m g L",
-    "closeness": "strands closer than their thickness, over it",
-    "passed": "segments that have passed through others in contact",
-    "passed_told": "the same where strands begin inside each other",
-    "linking_changed": "linked curves that have passed through each other",
-    "refused": "bad input refused by name",
-}
-
+"""By metric: how it compares with which limit ("" is told and not judged), and what it is."""
 WORDS = ("pass", "expected_failure", "fail", "not_represented")
+RESIDUAL_WITHIN = "has a limit in steps of at most 1/24 s and up to 32 segments; lengths are made exact after it"
+PINNED_WITHIN = "has a limit where nothing is in a strand's way and its pull moves no tip in a step"
+FALL = 100.0
+"""Ways that a strand would fall in a step, L, beyond which its pull moves a pinned tip, whose mass is finite."""
+START, STRAIGHT = "/start=", "straight"
 
 
 @dataclass
@@ -115,21 +61,22 @@ class Verdict:
         }
 
 
-RESIDUAL_WITHIN = "has a limit in steps of at most 1/24 s and up to 32 segments; lengths are made exact after it"
-
-
 def told_of(case: Case) -> dict[str, str]:
-    """What of a case no limit holds to, and why: the residual of long steps and of long strands."""
-    within = case.value("dt") / case.value("substeps") <= 1 / 24 and case.value("n") <= 32
-    return {} if within else {"residual": RESIDUAL_WITHIN}
+    """What of a case no limit holds to, and why: the residual of long steps and of long strands, and how far pinned
+    tips are that something pushes or pulls too hard."""
+    step = case.value("dt") / case.value("substeps")
+    found = {} if step <= 1 / 24 and case.value("n") <= 32 else {"residual": RESIDUAL_WITHIN}
+    pushed = case.label("contact") != "none" or case.label("between") != "none"
+    pull = case.value("gamma") * (case.value("B") or 1.0)
+    if pushed or step > 1 / 24 or pull * step**2 > FALL:
+        found["pinned_off"] = PINNED_WITHIN
+    return found
 
 
 def beyond(metric: str, value: float) -> bool:
     """Whether a metric is beyond its limit; NaN always is."""
-    word, limit = LIMITS[metric]
-    if word == "":
-        return False
-    return not (value <= limit if word == "<=" else value >= limit)
+    word, limit, _ = LIMITS[metric]
+    return word != "" and not value <= limit
 
 
 def judge(
@@ -147,16 +94,70 @@ def judge(
         failed = (*failed, "exception")
     if not failed:
         over = [key for key in metrics if key in unjudged and beyond(key, metrics[key])]
-        why = "; ".join(f"{_told(key, metrics[key], 'not held to')}: {unjudged[key]}" for key in over)
+        why = "; ".join(f"{_words(key, metrics[key], 'not held to')}: {unjudged[key]}" for key in over)
         return Verdict(name, parameters, metrics, "pass", why, told=unjudged)
-    reasons = {key: expected.reason(name, key) for key in failed}
+    listed = expected(name.partition("/")[0])[1]
+    reasons = {key: listed.get((name, key), "") for key in failed}
     if all(reasons.values()):
         why = "; ".join(dict.fromkeys(reasons.values()))
         return Verdict(name, parameters, metrics, "expected_failure", why, failed, unjudged)
-    told = [error if key == "exception" else _told(key, metrics[key]) for key in failed if not reasons[key]]
+    told = [error if key == "exception" else _words(key, metrics[key]) for key in failed if not reasons[key]]
     return Verdict(name, parameters, metrics, "fail", "; ".join(told), failed, unjudged)
 
 
-def _told(metric: str, value: float, must: str = "must be") -> str:
-    word, limit = LIMITS[metric]
+def _words(metric: str, value: float, must: str = "must be") -> str:
+    word, limit, _ = LIMITS[metric]
     return f"{metric} {value:.3g}, {must} {word} {limit:g}"
+
+
+@cache
+def expected(solver: str) -> tuple[dict[str, str], dict[tuple[str, str], str]]:
+    """Reasons by metric, and the failures that are listed: (name, metric) with its reason."""
+    path = files(__package__).joinpath(f"expected_{solver}.txt")
+    reasons: dict[str, str] = {}
+    listed: dict[tuple[str, str], str] = {}
+    for line in path.read_text(encoding="utf-8").splitlines() if path.is_file() else ():
+        if line.startswith("@"):
+            metric, _, reason = line[1:].partition(" ")
+            reasons[metric] = reason
+        elif line and not line.startswith("#"):
+            metrics, scene, *starts = line.split(" ")
+            for start in starts:
+                name = scene if start == STRAIGHT else scene + START + start
+                for metric in metrics.split(","):
+                    listed[f"{solver}/{name}".rstrip("/"), metric] = reasons[metric]
+    return reasons, listed
+
+
+def passed_after_all(solver: str, failed: Iterable[tuple[str, str]], ran: Iterable[str]) -> list[str]:
+    """Names of cases that ran, and failed in less than what is listed for them."""
+    happened, seen = set(failed), set(ran)
+    return sorted({name for name, metric in expected(solver)[1] if name in seen and (name, metric) not in happened})
+
+
+def text_of(solver: str, failed: Iterable[tuple[str, str]]) -> str:
+    """The list of a solver for these failures, (name, metric), with the reasons that it has. Raises `KeyError` for a
+    metric without one, which is no failure that may be kept."""
+    reasons = expected(solver)[0]
+    scenes: dict[str, dict[str, list[str]]] = {}
+    for name, metric in failed:
+        reasons[metric]
+        scene, _, start = name.partition(START)
+        scenes.setdefault(scene, {}).setdefault(start or STRAIGHT, []).append(metric)
+    lines = [f"# Failures of the solver {solver} that are known and kept, as `strandcli stress --accept` wrote them."]
+    lines += [f"@{metric} {why}" for metric, why in reasons.items()]
+    for scene, starts in sorted(scenes.items()):
+        alike: dict[str, list[str]] = {}
+        for start, metrics in starts.items():
+            alike.setdefault(",".join(metrics), []).append(start)
+        bare = scene.removeprefix(solver).removeprefix("/")
+        lines += [" ".join([metrics, bare, *found]) for metrics, found in alike.items()]
+    return "\n".join(lines) + "\n"
+
+
+def accept(solver: str, failed: Iterable[tuple[str, str]]) -> Path:
+    """Rewrite the list of a solver; returns the file."""
+    path = Path(str(files(__package__).joinpath(f"expected_{solver}.txt")))
+    write_pieces(path, [text_of(solver, list(failed)).encode()])
+    expected.cache_clear()
+    return path
