@@ -31,7 +31,7 @@ from strandcli.scene import loads
 from strandcli.simulate import solver_of
 from strandcli.simulate.rules import registry
 from strandcli.study.references.base import DENSITY, G, groom, preset
-from strandcli.study.references.exact.elastica import hang
+from strandcli.study.references.elastica import hang
 
 DRAG, SPAN = 8.0, 3.0
 """1/s, near the critical damping of the slowest swing; seconds, after which the tip is within 1e-4 L of its rest."""

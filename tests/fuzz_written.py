@@ -158,7 +158,7 @@ def attempt_study(content: bytes, folder: Path) -> str:
     """Have it advise."""
     path = folder / "study.json"
     path.write_bytes(content)
-    data, pictured = advice._read(path, "rod"), picture_advice.read(path)
+    data, pictured = advice.read_motion(path, "rod"), picture_advice.read_picture(path)
     try:
         if data is not None:
             advice.choose(data, "x", "rod", 0.2, (), True).text()

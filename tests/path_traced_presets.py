@@ -26,8 +26,8 @@ from strandcli.export import drawn_strands
 from strandcli.frame_renderer import FrameRenderer
 from strandcli.scene.motion import camera_at
 from strandcli.stages import RunOptions, SimulationStage
-from strandcli.study.pictures.settings import changed, knows
 from strandcli.study.pictures.subject import LinearRenderer
+from strandcli.study.settings import changed, knows
 
 SIZE = (320, 240)
 FRAMES = {"hair": 10, "portrait": 1, "ponytail": 20, "fur": 36, "grass": 12}

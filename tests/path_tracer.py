@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from strandcli.exchange.strands import Strands
-    from strandcli.study.chiang_reference import Hair
     from strandcli.study.pictures.subject import Subject
+    from tests.reference.chiang import Hair
 
 SCALE = 100
 """How many times larger the scene is for the path tracer. Its own shadow rays begin 9e-5 · (1 + the greatest

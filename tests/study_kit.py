@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from strandcli.study import sweep
+from strandcli.study.axes import Axis, Experiment, Request
 from strandcli.study.points import Point, grid
 
 
-class Synthetic:
+class Synthetic(Experiment):
     """Two solvers of order 1 and 2 in the step, both of order 2 in the segments; the second costs four times more."""
 
     metric, unit, title = "tip", "of the length", "a made-up solver"
@@ -38,5 +39,9 @@ class Synthetic:
         return Point(knobs, seconds, {"tip": error, "other": None}, knobs["solver"], {"dt": dt, "segment": 1 / (n - 1)})
 
 
+AXIS = Axis("reference", lambda request: Synthetic(request.span or 0.0))
+"""Opened with the margin that a request has in place of a span."""
+
+
 def made(max_error: float | None = None, margin: float = 0.0) -> sweep.Study:
-    return sweep.carry_out(Synthetic(margin), "reference", "synthetic", max_error)
+    return sweep.run(AXIS, Request(name="synthetic", span=margin), max_error)

@@ -77,7 +77,7 @@ def _motion(
 
 
 def _tell(name: str, asked: Mapping[str, float], text: str, quiet: bool) -> None:
-    from ..study.chart import share
+    from ..study.report import share
 
     words = ", ".join(f"{one} {share(most)}".strip() for one, most in asked.items())
     if not quiet:
@@ -105,8 +105,8 @@ class PictureError:
         frame, image = self._frame, None if self._frame is None else self._frame.image
         if frame is None or image is None:
             return
-        from ..study.chart import share
         from ..study.picture_advice import check
+        from ..study.report import share
 
         notify(f"measuring the error of frame {frame.number}")
         try:

@@ -30,13 +30,13 @@ max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help=
 @click.command()
 @click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--reference", type=ListType("NAMES", word, "elastica,beam"), metavar="NAMES",
-              help="Exact solutions in place of a preset: elastica, tip_load, buckling, beam, chain, swing, "
-              "catenary, pendulum, spring, incline, tuft, layer, or all.")  # fmt: skip
+              help="Exact solutions in place of a preset: elastica, buckling, beam, chain, swing, catenary, spring, "
+              "incline, layer, tuft, or all.")  # fmt: skip
 @click.option("--axis", metavar="NAME", help="What to study of a preset: motion, interaction, or of pictures curves, "
-              "coverage, shadow, occlusion, lod, tables, end-to-end, quality.  [default: motion]")  # fmt: skip
+              "coverage, shadow, occlusion, lod, quality.  [default: motion]")  # fmt: skip
 @max_error
-@click.option("--solver", "solvers", type=ListType("NAMES", word, "rod,foil"), metavar="NAMES",
-              help="Solvers: thesis, rod, foil.  [default: all]")  # fmt: skip
+@click.option("--solver", "solvers", type=ListType("NAMES", word, "rod,thesis"), metavar="NAMES",
+              help="Solvers: thesis, rod.  [default: all]")  # fmt: skip
 @click.option("--dt", "steps", type=ListType("SECONDS", step, "1/24,1/240"), metavar="SECONDS", help="Steps to try.")
 @click.option("--substeps", type=ListType("COUNTS", count(1, 1000), "1,2,4"), metavar="COUNTS",
               help="Steps a frame to try.")  # fmt: skip
@@ -79,15 +79,15 @@ def command(
     cells and guides; of pictures over the settings of one stage of drawing, or of all.
 
     Of PRESET: where strands are, against the limit of finer settings, with --cells or --guides against finer cells or
-    more guides; with --axis, one frame in linear light against a far finer one, or rays, or quadrature. With
-    --reference: against exact solutions; of several also a table with a row for each of them and each solver. Prints a
-    table, writes NAME.csv, .json, .png, .svg and .html, and recommends the cheapest setting under an error. A solver
-    that cannot represent something is listed as such. Exit code 3: no setting stays under --max-error.
+    more guides; with --axis, one frame in linear light against a far finer one, or rays. With --reference: against
+    exact solutions; of several also a table with a row for each of them and each solver. Prints a table, writes
+    NAME.csv, .json, .png, .svg and .html, and recommends the cheapest setting under an error. A solver that cannot
+    represent something is listed as such. Exit code 3: no setting stays under --max-error.
     """
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
     if axis is None and preset is not None and (wishes["cells"] or wishes["guides"]):
         axis = "interaction"
-    from ..study.registry import find
+    from ..study.axes import find
 
     requests = _requests(preset, reference, axis, wishes)
     folder = output or Path("out", "study")
@@ -97,7 +97,7 @@ def command(
 
     from .. import runtime
     from ..output.files import require_folder
-    from ..study import summary, sweep
+    from ..study import report, sweep
 
     require_folder(folder, ROOM)
     chosen = find("reference" if preset is None else "motion" if axis is None else axis)
@@ -112,34 +112,29 @@ def command(
             _write(study, folder, max_error)
     if as_json:
         data = [one.as_dict() for one in studies]
-        several = {"studies": data, "summary": summary.rows(studies, max_error)}
+        several = {"studies": data, "summary": report.summary(studies, max_error)}
         options.print_json(_finite(data[0] if len(data) == 1 else several))
     elif not quiet:
-        from ..study.tables import to_text
-
-        texts = [to_text(one) for one in studies]
+        texts = [report.to_text(one) for one in studies]
         if axis == "quality":
-            from ..study.pictures import quality_front
+            from ..study.pictures.frame import quality_text
 
-            texts += [quality_front.to_text(one.points) for one in studies]
+            texts += [quality_text(one.points) for one in studies]
         if len(studies) > 1:
-            texts.append(summary.to_text(summary.rows(studies, max_error)))
+            texts.append(report.summary_text(studies, max_error))
         say("\n\n".join(texts))
     if not quiet:
         names = ", ".join(file_name(one.name, one.axis) for one in studies)
         say(f"{folder}: {names} ({', '.join('.' + kind for kind in KINDS)})", err=True)
-    missed = [one for one in studies if one.offered and not one.recommended]
+    missed = [one for one in studies if one.points and not one.recommended]
     if max_error is not None and missed:
-        from ..study.remedy import why_missed
-
-        raise MismatchError(why_missed(missed, max_error))
+        raise MismatchError(report.why_missed(missed, max_error))
 
 
 def _requests(
     preset: str | None, reference: tuple[str, ...] | None, axis: str | None, wishes: dict[str, Any]
 ) -> list[Request]:
-    from ..study.axes import Request, chosen_solvers, settled
-    from ..study.registry import find
+    from ..study.axes import Request, chosen_solvers, find, settled
 
     overrides, seed = wishes.pop("overrides"), wishes.pop("seed")
     if (preset is None) == (reference is None):
@@ -168,7 +163,7 @@ def _requests(
     else:
         assert preset is not None
         chosen = find("motion" if axis is None else axis)
-        if not chosen.of_preset:
+        if chosen.name == "reference":
             raise UsageError(f"axis {axis}: studies no preset; leave out --axis and name a --reference")
         _refuse_others(chosen, wishes)
         frame = wishes.pop("frame")
@@ -229,7 +224,7 @@ def _write(study: Study, folder: Path, max_error: float | None) -> None:
     from ..output.compare import write_image
     from ..output.files import prepare_folder, write_json, write_pieces
     from ..study.chart import chart
-    from ..study.tables import to_csv
+    from ..study.report import to_csv
 
     prepare_folder(folder, ROOM)
     name = file_name(study.name, study.axis)

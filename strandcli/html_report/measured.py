@@ -22,9 +22,9 @@ MOST_ROWS = 400
 def of_study(study: Study, max_error: float | None, machine: Mapping[str, Any]) -> bytes:
     """The page of a study: its chart, what it recommends, and all points."""
     from ..study.chart import chart
-    from ..study.tables import to_csv, to_text
+    from ..study.report import to_csv, to_text
 
-    missed = max_error is not None and bool(study.offered) and not study.recommended
+    missed = max_error is not None and bool(study.points) and not study.recommended
     rows = list(csv.reader(to_csv(study).splitlines()))
     numbers = [i for i, name in enumerate(rows[0]) if name != "solver"]
     shown = [[_short(cell) for cell in row] for row in rows[1 : MOST_ROWS + 1]]

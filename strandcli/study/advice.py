@@ -1,7 +1,7 @@
 """The cheapest setting of a preset's own solver under an error: what `render --max-error` uses.
 
-A study of a preset is kept beside the compiled kernels, by everything that moves its strands, and serves any error that
-is asked for later.
+A study is cached beside the compiled kernels, by everything that moves its strands and by all code of strandcli, and
+serves any error that is asked for later.
 """
 
 from __future__ import annotations
@@ -22,9 +22,8 @@ from ..output.report import finite
 from ..scene.dump import plain
 from ..scene.model import Scene
 from . import sweep
-from .axes import STRANDS, Request, settled
-from .chart import share
-from .registry import find
+from .axes import STRANDS, Request, find, settled
+from .report import share
 
 MOVING = ("seed", "solver", "rod", "time", "emitter", "rules", "solids")
 """The settings of a scene that its motion depends on."""
@@ -67,17 +66,17 @@ def advise(
     ``fixed`` are knobs that the user has set and that stay. Where no usual setting will do, but the solver has a limit,
     finer ones are tried. Raises `MismatchError` where none of these does either.
     """
-    kept = settled(scene, fixed)
-    for more in ({}, {**finer(scene), **kept}):
-        chosen = {**kept, **more}
+    own = settled(scene, fixed)
+    for more in ({}, {**finer(scene), **own}):
+        chosen = {**own, **more}
         path = folder() / f"{key(scene, chosen)}.json"
-        data = _read(path, scene.solver)
+        data = read_motion(path, scene.solver)
         reused = data is not None
         if data is None:
             request = Request(scene=scene, name=name, solvers=(scene.solver,), **chosen)
             study = sweep.run(find("motion"), request, None, step, begin)
             data = finite({**study.as_dict(), "margin": study.margins[scene.solver]})
-            keep(path, data)
+            write(path, data)
         try:
             return choose(data, name, scene.solver, max_error, fixed, reused)
         except MismatchError:
@@ -119,41 +118,59 @@ def folder() -> Path:
     return runtime.cache_folder() / "studies"
 
 
-def key(scene: Scene, kept: dict[str, Any]) -> str:
-    """What a study is kept by: everything that moves the strands, the code that does, and the knobs that were fixed."""
+def key(scene: Scene, chosen: dict[str, Any]) -> str:
+    """What a study is cached by: everything that moves the strands, the code that does, and the knobs of the study."""
     parts = {name: plain(getattr(scene, name)) for name in MOVING}
-    text = json.dumps([__version__, _sources(), STRANDS, parts, kept], sort_keys=True, default=str)
+    return digest([STRANDS, parts, chosen])
+
+
+def digest(parts: Any) -> str:
+    """A name for a study of data that can be written as JSON, by this version of strandcli."""
+    text = json.dumps([__version__, _sources(), parts], sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
 @cache
 def _sources() -> str:
-    """A hash over the code of solvers and of studies."""
-    root = Path(__file__).parent
-    digest = hashlib.sha256()
-    for path in sorted([*root.rglob("*.py"), *root.parent.glob("simulate/**/*.py")]):
-        digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()
+    """A hash over all code of strandcli but its command line."""
+    root = Path(__file__).parents[1]
+    found = hashlib.sha256()
+    for path in sorted(root.rglob("*.py")):
+        inside = path.relative_to(root)
+        if inside.parts[0] != "cli":
+            found.update(str(inside).encode() + b"\0" + path.read_bytes())
+    return found.hexdigest()
 
 
-def _read(path: Path, solver: str) -> dict[str, Any] | None:
-    """An earlier study; None where there is none that can be read, or one of another shape."""
+def read_motion(path: Path, solver: str) -> dict[str, Any] | None:
+    """An earlier study of motion; None where there is none that can be read, or one of another shape."""
+
+    def is_sound(data: dict[str, Any]) -> bool:
+        converges = data["reference"]["limits"][solver]["converges"]
+        return isinstance(data["metric"], str) and isinstance(converges, bool) and is_number_or_none(data["margin"])
+
+    return read(path, is_sound, lambda data: (data["metric"],))
+
+
+def read(
+    path: Path, is_sound: Callable[[dict[str, Any]], bool], metrics: Callable[[dict[str, Any]], Sequence[str]]
+) -> dict[str, Any] | None:
+    """An earlier study whose points have numbers, or None, as errors by ``metrics``; None where there is none that can
+    be read, or one of another shape."""
     try:
         data = read_json(path)
-        points, margin = data["points"], data["margin"]
-        metric, converges = data["metric"], data["reference"]["limits"][solver]["converges"]
-        sound = isinstance(metric, str) and isinstance(converges, bool) and is_number_or_none(margin)
+        points = data["points"]
+        sound = is_sound(data) and isinstance(points, list)
         for point in points:
-            error = point["error"].get(metric)
-            sound = sound and is_number_or_none(error) and isinstance(point["knobs"], dict)
-            sound = sound and is_number(point["seconds"])
+            sound = sound and all(is_number_or_none(point["error"].get(metric)) for metric in metrics(data))
+            sound = sound and isinstance(point["knobs"], dict) and is_number(point["seconds"])
     except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError):
         return None
-    return data if sound and isinstance(points, list) else None
+    return data if sound else None
 
 
-def keep(path: Path, data: dict[str, Any]) -> None:
-    """Keep a study; a folder that cannot be written costs the next run the same time again, and nothing else."""
+def write(path: Path, data: dict[str, Any]) -> None:
+    """Cache a study; a folder that cannot be written costs the next run the same time again, and nothing else."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_json(path, data)

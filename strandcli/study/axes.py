@@ -1,21 +1,21 @@
-"""What an axis of study is: its knobs, its reference and its metric; and what a person can ask of one.
+"""What can be studied: axes by name, what a person can ask of one, and what each makes of it, an `Experiment`.
 
-An axis makes an `Experiment`, and `sweep.run` does the rest: it measures every setting, finds the front, fits orders
-and recommends. An axis of another kind is one more file with an `Axis` in it, and one entry in `registry`.
+`sweep.run` does the rest: it measures every setting, finds the front, fits orders and recommends. An axis of another
+kind is one more class of experiment, and one entry in `axes_by_name`.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from ..errors import UsageError
 from ..scene.model import Scene
 from .points import Knobs, Point
 
-Notify = Callable[[str], None]
-SOLVERS = ("thesis", "rod", "foil")
+SOLVERS = ("thesis", "rod")
 STRANDS = 256
 """Of a preset, where not said otherwise: enough that a step is more than its preparation."""
 
@@ -49,6 +49,85 @@ class Request:
     fixed: frozenset[str] = frozenset()
     """Dotted paths that were set by hand: axes of pictures do not turn them."""
 
+    @property
+    def single(self) -> Scene:
+        """The preset. Raises `UsageError` where it has several panels."""
+        assert self.scene is not None
+        if self.scene.panels:
+            raise UsageError(f"{self.name}: a preset of several panels; study the preset of one panel")
+        return self.scene
+
+
+class Experiment(ABC):
+    """A subject that can be measured at any setting of its knobs."""
+
+    metric: str
+    """The error that settings are chosen by."""
+    unit: str
+    """What it is a share of."""
+    title: str
+    absent: Sequence[Mapping[str, str]] = ()
+    """Solvers that cannot be measured, and why: {"solver", "why"}."""
+    references: int = 0
+    """Runs that `prepare` takes."""
+
+    @abstractmethod
+    def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
+        """Make whatever errors are measured against, calling ``step`` after each run; what the report says of it."""
+
+    def margins(self) -> Mapping[str, float]:
+        """How well the reference is known, by solver, in the metric. Nothing where it is exact."""
+        return {}
+
+    @abstractmethod
+    def settings(self) -> Sequence[Knobs]:
+        """All that is to be measured."""
+
+    @abstractmethod
+    def measure(self, knobs: Knobs) -> Point:
+        """One of them."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A kind of error, with the settings that buy it off."""
+
+    name: str
+    open: Callable[[Request], Experiment]
+    pictures: bool = False
+    """Whether it draws; else it is about motion."""
+
+
+def axes_by_name() -> Mapping[str, Axis]:
+    """All axes."""
+    from .motion.experiment import Motion
+    from .motion.interaction import Interaction
+    from .pictures import coverage, curves, detail, frame, occlusion, shadow
+    from .references.experiment import References
+
+    return {
+        axis.name: axis
+        for axis in (
+            Axis("motion", Motion),
+            Axis("interaction", Interaction),
+            Axis("reference", References),
+            Axis("curves", curves.CurveStudy, True),
+            Axis("coverage", coverage.CoverageStudy, True),
+            Axis("shadow", shadow.ShadowStudy, True),
+            Axis("occlusion", occlusion.OcclusionStudy, True),
+            Axis("lod", detail.DetailStudy, True),
+            Axis("quality", frame.QualityStudy, True),
+        )
+    }
+
+
+def find(name: str) -> Axis:
+    """An axis by name. Raises `UsageError`."""
+    axes = axes_by_name()
+    if name not in axes:
+        raise UsageError(f"no axis '{name}'; the axes are {', '.join(axes)}")
+    return axes[name]
+
 
 def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:
     """What a request has to hold so that settings at dotted paths keep the scene's own values; other paths are no knobs
@@ -59,54 +138,6 @@ def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:
         "emitter.particles": ("particles", scene.emitter.particles),
     }
     return {name: (value,) for path, (name, value) in knobs.items() if path in set(paths)}
-
-
-class Experiment(Protocol):
-    """A subject that can be measured at any setting of its knobs."""
-
-    metric: str
-    """The error that settings are chosen by."""
-    unit: str
-    """What it is a share of."""
-    title: str
-    absent: list[dict[str, str]]
-    """Solvers that cannot be measured, and why: {"solver", "why"}."""
-
-    @property
-    def references(self) -> int:
-        """Runs that `prepare` takes."""
-        ...
-
-    def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
-        """Make whatever errors are measured against, calling ``step`` after each run; what the report says of it."""
-        ...
-
-    def margins(self) -> Mapping[str, float]:
-        """How well the reference is known, by solver, in the metric. Nothing where it is exact."""
-        ...
-
-    def settings(self) -> Sequence[Knobs]:
-        """All that is to be measured."""
-        ...
-
-    def measure(self, knobs: Knobs) -> Point:
-        """One of them."""
-        ...
-
-
-@dataclass(frozen=True)
-class Axis:
-    """A kind of error, and the knobs that buy it off."""
-
-    name: str
-    doc: str
-    knobs: tuple[str, ...]
-    metric: str
-    of_preset: bool
-    """Whether it studies a preset; else a reference by name."""
-    open: Callable[[Request], Experiment]
-    pictures: bool = False
-    """Whether it draws; else it is about motion."""
 
 
 def chosen_solvers(request: Request) -> list[str]:

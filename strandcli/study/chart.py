@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import cycle
-from typing import Any
 
 from .drawing import XY, Drawing, Patch, Stroke, Text, marker
 from .points import Point, by_line
+from .report import order_words, seconds, share, step
 from .sweep import Study
 
 WIDTH, HEIGHT = 1080, 640
@@ -17,9 +17,6 @@ INK, FAINT, GRID, FINE = "#22262b", "#6b7280", "#dfe3e8", "#f0f2f5"
 STYLES = {
     "thesis": ("#d55e00", "diamond"),
     "rod": ("#0072b2", "disc"),
-    "rod euler": ("#0072b2", "disc"),
-    "rod bdf2": ("#009e73", "square"),
-    "foil": ("#b0589a", "triangle"),
 }
 COLOURS = ("#e69f00", "#56b4e9", "#5c6066", "#8b5a2b", "#117733", "#882255")
 OTHERS = tuple((COLOURS[i % 6], ("disc", "square", "triangle", "diamond")[i % 4]) for i in range(12))
@@ -97,16 +94,6 @@ def styles_of(points: Sequence[Point]) -> dict[str, tuple[str, str]]:
     return {line: STYLES[line] if line in STYLES else next(others) for line in by_line(points)}
 
 
-def share(value: float) -> str:
-    """A share for people: 0.01 is 1 %."""
-    return f"{100 * value:.3g} %"
-
-
-def seconds(value: float) -> str:
-    """A run time for people."""
-    return f"{value:.3g} s" if value >= 1 else f"{1e3 * value:.3g} ms"
-
-
 def brief(point: Point) -> str:
     """A setting in a few letters."""
     parts = [f"{word}={point.knobs[knob]}" for knob, word in {**SHORT, **PLAIN}.items() if knob in point.knobs]
@@ -115,12 +102,6 @@ def brief(point: Point) -> str:
     if not parts:
         parts = [f"{name.rpartition('.')[2]} {value}" for name, value in point.knobs.items() if name != "solver"]
     return ", ".join(parts)
-
-
-def step(dt: float) -> str:
-    """A step in seconds for people: 1/240 s."""
-    per = 1 / dt
-    return f"1/{round(per)} s" if per > 1.5 and abs(per - round(per)) < 1e-6 * per else f"{dt:.3g} s"
 
 
 def _frame(out: Drawing, x: Scale, y: Scale, study: Study) -> None:
@@ -202,15 +183,3 @@ def _legend(out: Drawing, study: Study, styles: dict[str, tuple[str, str]]) -> N
     for one in study.absent:
         out.items.append(Text((x, y), f"{one['solver']}: not represented", FAINT, 12))
         y += 18
-
-
-def order_words(orders: Sequence[dict[str, Any]], line: str, metric: str) -> list[str]:
-    """What is known of a line's orders of convergence in a metric."""
-    names = {"dt": "Δt", "segment": "segment length", "spacing": "distance of guides"}
-    found = [one for one in orders if one["line"] == line and one["metric"] == metric]
-    return [
-        f"order {one['order']:.2f} in {names.get(one['in'], one['in'])}"
-        if one["order"] is not None
-        else f"no order seen in {names.get(one['in'], one['in'])}"
-        for one in found
-    ]

@@ -1,35 +1,28 @@
 """The cheapest settings of drawing under an error: what `render --max-error picture=ERROR` uses.
 
-Like a study of motion, one of a picture is kept beside the compiled kernels, by everything that changes the picture and
-by all code of strandcli, and serves any error that is asked for later.
+Like a study of motion, one of a picture is cached (`advice`), by everything that changes the picture.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import __version__
 from ..errors import MismatchError
 from ..fingerprint import fingerprint
-from ..output.earlier import is_number, is_number_or_none
-from ..output.files import read_json
 from ..output.report import finite
 from ..scene.model import Scene
 from . import advice, sweep
 from .axes import Axis, Request
-from .chart import seconds, share
-from .pictures.frame_study import CHECKED, FrameStudy
-from .pictures.settings import changed
+from .pictures.frame import CHECKED, FrameStudy
 from .points import described
+from .report import seconds, share
+from .settings import changed
 
 METRICS = {"picture": "rmse", "flip": "flip"}
 """Errors of points by the names that they are asked for by."""
@@ -91,12 +84,12 @@ def advise(
     Raises `MismatchError` where no settings keep under them, and `UsageError` for scenes that studies do not draw."""
     request = Request(scene=scene, name=name, frame=FRAME, fixed=frozenset(fixed))
     path = advice.folder() / f"picture-{key(scene, fixed)}.json"
-    data = read(path)
+    data = read_picture(path)
     reused = data is not None
     if data is None:
-        study = sweep.run(AXIS, request, None, step, begin)
+        study = sweep.run(Axis("frame", FrameStudy, True), request, None, step, begin)
         data = finite(study.as_dict())
-        advice.keep(path, data)
+        advice.write(path, data)
     return choose(data, name, asked, reused)
 
 
@@ -139,7 +132,7 @@ def check(
     simulate them again. The frame's light, which its pixels do not tell, is that of the frame drawn once more;
     ``redrawn_apart`` is the mean difference of the two in pixels, a share of their range.
     """
-    study = FrameCheck(Request(scene=scene, name=name, frame=number), positions)
+    study = FrameStudy(Request(scene=scene, name=name, frame=number), CHECKED, positions)
     windows = study.windows
     windows.move()
     study.draw_reference()
@@ -156,55 +149,21 @@ def check(
     }
 
 
-class FrameCheck(FrameStudy):
-    """Windows that the study has not seen, of a frame whose strands may be known."""
-
-    phase = CHECKED
-
-    def __init__(self, request: Request, positions: NDArray[np.float32] | None) -> None:
-        super().__init__(request)
-        self.windows.given = positions
-
-
-AXIS = Axis(
-    name="frame", doc="settings of drawing, in windows of the whole frame, against a converged picture", knobs=(),
-    metric="rmse", of_preset=True, open=FrameStudy, pictures=True,
-)  # fmt: skip
-
-
 def key(scene: Scene, fixed: Sequence[str]) -> str:
-    """What a study is kept by: everything that changes the picture, the code that does, the knobs that were fixed, and
-    the threads that it was timed with."""
+    """What a study is cached by: everything that changes the picture, the knobs that were fixed, and the threads that
+    it was timed with."""
     import numba
 
     whole = replace(scene, image=replace(scene.image, aovs=()))
-    parts = [__version__, _sources(), fingerprint(whole), FRAME, sorted(fixed), numba.get_num_threads()]
-    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:24]
+    return advice.digest([fingerprint(whole), FRAME, sorted(fixed), numba.get_num_threads()])
 
 
-@cache
-def _sources() -> str:
-    """A hash over all code of strandcli but its command line."""
-    root = Path(__file__).parents[1]
-    digest = hashlib.sha256()
-    for path in sorted(root.rglob("*.py")):
-        inside = path.relative_to(root)
-        if inside.parts[0] != "cli":
-            digest.update(str(inside).encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
-
-
-def read(path: Path) -> dict[str, Any] | None:
+def read_picture(path: Path) -> dict[str, Any] | None:
     """An earlier study; None where there is none that can be read, or one of another shape."""
-    try:
-        data = read_json(path)
+
+    def is_sound(data: dict[str, Any]) -> bool:
         reference = data["reference"]
-        sound = isinstance(reference["what"], str) and isinstance(reference["windows"], list)
-        sound = sound and isinstance(reference["width"], dict) and isinstance(data["points"], list)
-        for point in data["points"]:
-            errors = [point["error"][metric] for metric in SAID]
-            sound = sound and all(is_number_or_none(error) for error in errors)
-            sound = sound and isinstance(point["knobs"], dict) and is_number(point["seconds"])
-    except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError):
-        return None
-    return data if sound else None
+        kinds = {"what": str, "windows": list, "width": dict}
+        return all(isinstance(reference[name], kind) for name, kind in kinds.items())
+
+    return advice.read(path, is_sound, lambda data: tuple(SAID))

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .axes import Axis, Experiment, Request
-from .motion.contestants import CONTESTANTS
+from .axes import Axis, Request
 from .points import Point, by_line, cheapest, described, orders, pareto
 
 LADDER = (0.1, 0.05, 0.02, 0.01, 0.005, 0.001)
@@ -28,21 +26,9 @@ class Study:
     """What errors are measured against."""
     margins: Mapping[str, float]
     points: list[Point]
-    absent: list[dict[str, str]]
+    absent: Sequence[Mapping[str, str]]
     orders: list[dict[str, Any]]
     recommended: list[dict[str, Any]]
-
-    @property
-    def offered(self) -> list[Point]:
-        """Points of solvers that presets may ask for."""
-        return [point for point in self.points if is_offered(point.solver)]
-
-    def nearest(self) -> float | None:
-        """The least error of those, margin included; None where none has one."""
-        known = [(point, point.error.get(self.metric)) for point in self.offered]
-        found = [error + self.margins.get(point.solver, 0.0) for point, error in known if error is not None]
-        least = min(found, default=math.inf)
-        return least if math.isfinite(least) else None
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data: the mapping that `study --json` prints."""
@@ -65,7 +51,7 @@ class Study:
                 for point in self.points
             ],
             "orders": self.orders,
-            "not_represented": self.absent,
+            "not_represented": list(self.absent),
             "recommended": self.recommended,
         }
 
@@ -78,18 +64,7 @@ def run(
     begin: Callable[[int], None] = lambda runs: None,
 ) -> Study:
     """Measure all settings of a subject. ``begin`` is told how many runs there will be, ``step`` a line after each."""
-    return carry_out(axis.open(request), axis.name, request.name, max_error, step, begin)
-
-
-def carry_out(
-    experiment: Experiment,
-    axis: str,
-    name: str,
-    max_error: float | None = None,
-    step: Callable[[str], None] = lambda text: None,
-    begin: Callable[[int], None] = lambda runs: None,
-) -> Study:
-    """`run` for an experiment that is open already."""
+    experiment = axis.open(request)
     settings = list(experiment.settings())
     begin(experiment.references + len(settings))
     reference = experiment.prepare(step)
@@ -106,8 +81,8 @@ def carry_out(
     margins = experiment.margins()
     names = dict.fromkeys([metric, *(name for point in points for name in point.error)])
     return Study(
-        axis=axis,
-        name=name,
+        axis=axis.name,
+        name=request.name,
         title=experiment.title,
         metric=metric,
         unit=experiment.unit,
@@ -123,11 +98,9 @@ def carry_out(
 def recommendations(
     points: list[Point], metric: str, margins: Mapping[str, float], max_error: float | None
 ) -> list[dict[str, Any]]:
-    """The cheapest setting of each solver that presets may ask for, under each error."""
+    """The cheapest setting of each solver under each error."""
     out: list[dict[str, Any]] = []
     for solver, mine in by_line(points, lambda point: point.solver).items():
-        if not is_offered(solver):
-            continue
         seen = None
         for most in LADDER if max_error is None else (max_error,):
             found = cheapest(mine, metric, most, margins)
@@ -149,8 +122,3 @@ def recommendations(
 def rounded(error: float | None) -> float | None:
     """An error to three digits: what differs less counts as equally right, and the faster is the better."""
     return None if error is None else float(f"{error:.2e}")
-
-
-def is_offered(solver: str) -> bool:
-    """Whether presets may ask for a solver."""
-    return solver not in CONTESTANTS or CONTESTANTS[solver].offered

@@ -23,7 +23,7 @@ from strandcli.output.files import read_json
 from strandcli.output.layers import is_of, read_layer
 from strandcli.output.positions import PositionsWriter, read_positions
 from strandcli.output.report import of_another_film, of_others, read_report
-from strandcli.study.advice import _read
+from strandcli.study.advice import read_motion
 
 
 def test_a_pipe_or_a_device_as_report_is_none(tmp_path: Path) -> None:
@@ -140,11 +140,11 @@ SOUND = {
 def test_a_remembered_study_of_another_shape_is_none(path: str, tmp_path: Path) -> None:
     file = tmp_path / "study.json"
     file.write_text(json.dumps(SOUND))
-    assert _read(file, "rod") == SOUND
+    assert read_motion(file, "rod") == SOUND
     for odd in ([1], {"a": 1}, [{"error": 3}], True, "text"):
         if (path, odd) != ("metric", "text") and (path, odd) != ("margin", True):
             file.write_text(json.dumps({**SOUND, path: odd}))
-            assert _read(file, "rod") is None or path == "metric"
+            assert read_motion(file, "rod") is None or path == "metric"
 
 
 @pytest.mark.parametrize("kind", ["longer than it is", "cut off", "wider than it can be", "a sky"])

@@ -10,7 +10,7 @@ import strandcli
 from strandcli.errors import StrandError
 from strandcli.scene import SceneError, to_dict
 from strandcli.scene.quality import QUALITIES, settings_for
-from strandcli.study.pictures.settings import value_at
+from strandcli.study.settings import value_at
 
 TEXT = "extends: hair\nquality: best\nimage: {supersample: 3}\n"
 

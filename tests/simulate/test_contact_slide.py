@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import yaml
 from numba import njit
 from numpy.typing import NDArray
 
-from strandcli.scene import loads
 from strandcli.simulate.contact.kernels import contact_slide, contact_solve
 from strandcli.simulate.contact.kernels.contact_columns import NORMAL, START, VECTORS
-from strandcli.simulate.rod.solver import RodSolver
-from strandcli.simulate.rules import registry
-from strandcli.study.motion.contestants import follow
 from strandcli.study.references import incline
+from strandcli.study.references.experiment import track_of
 
 Floats = NDArray[np.float64]
 
@@ -69,9 +65,7 @@ def test_what_slides_obeys_coulombs_law(along: float, friction: float) -> None:
 def ways_on_slopes(friction: float, rate: float, monkeypatch: pytest.MonkeyPatch) -> Floats:
     """(slopes,) metres that tips go within a second of strands laid across others, in the order of `incline.OFF`."""
     monkeypatch.setattr(incline, "MU", friction)
-    case = incline.case(11)
-    scene = loads(yaml.safe_dump({"solver": "rod", **case.settings}), rules=registry(), name="incline")
-    track, _ = follow(lambda: RodSolver(scene, case.groom), 1 / rate, 1.0, True)
+    track = track_of(incline.case(11), 1 / rate, 1.0, moving=True)
     tips = track.positions[:, :: 1 + len(incline.RAILS), -1]
     found: Floats = np.linalg.norm(tips - tips[0], axis=-1).max(0)
     return found

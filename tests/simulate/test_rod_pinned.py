@@ -12,17 +12,13 @@ from strand_kit import require_same_after_restart, scene_of
 from strandcli.groom.emit import emit
 from strandcli.scene import SceneError
 from strandcli.simulate.rod.solver import RodSolver
-from strandcli.study.exactness import scene_of as reference_scene
-from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
 from strandcli.study.references import catenary
+from strandcli.study.references.experiment import track_of
 
 
 def hanging(particles: int) -> float:
     """Greatest distance from the catenary, as a share of the length."""
-    case = catenary.case(particles)
-    scene = reference_scene(case, CONTESTANTS["rod"], {})
-    track, _ = follow(lambda: prepare(CONTESTANTS["rod"], scene, case), 1 / 24, 10.0, False)
-    error = catenary.measure(track)["shape"]
+    error = catenary.measure(track_of(catenary.case(particles), 1 / 24, 10.0))["shape"]
     assert error is not None
     return error
 

@@ -14,7 +14,7 @@ from strandcli.simulate.rod import swing
 from strandcli.simulate.rod.kernels.begin import BLEND
 from strandcli.simulate.rod.setup import matter_of, shape_of
 from strandcli.simulate.rod.solver import RodSolver
-from strandcli.study.references.swing import oscillation
+from strandcli.study.references.oscillation import oscillation
 from tests.simulate.test_rod import PULL, scene
 from tests.simulate.test_rod_motion import FREE, energy, first, greatest_root
 

@@ -18,9 +18,8 @@ from strandcli.simd import load, store, vector_pointer
 from strandcli.simd.turning import cosine_sine
 from strandcli.simulate.advice import warnings
 from strandcli.simulate.rod.solver import RodSolver
-from strandcli.study.exactness import scene_of as reference_scene
-from strandcli.study.motion.contestants import CONTESTANTS, follow, prepare
 from strandcli.study.references import spring
+from strandcli.study.references.experiment import track_of
 
 
 @njit(error_model="numpy")
@@ -46,9 +45,7 @@ def stretched(particles: int, **rod: Any) -> float:
     """Relative error of the spring's stiffness."""
     case = spring.case(particles)
     case.settings["rod"].update(rod)
-    scene = reference_scene(case, CONTESTANTS["rod"], {})
-    track, _ = follow(lambda: prepare(CONTESTANTS["rod"], scene, case), 1 / 480, spring.REFERENCE.span, False)
-    error = spring.measure(track)["stiffness"]
+    error = spring.measure(track_of(case, 1 / 480, spring.SPRING.span))["stiffness"]
     assert error is not None
     return error
 

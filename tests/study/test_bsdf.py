@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from strandcli.study import bsdf_reference as ref
+from tests.reference import marschner as ref
 
 DEGREES = math.pi / 180
 SHARP = ref.Fibre(eta=1.55, alpha=0.0, beta=0.1, azimuthal=0.25 * DEGREES, sigma=0.2)

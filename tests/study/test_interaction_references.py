@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-import yaml
 
-from strandcli.scene import loads
-from strandcli.simulate.rod.solver import RodSolver
-from strandcli.simulate.rules import registry
-from strandcli.study.motion.contestants import follow
-from strandcli.study.references import (
-    Track,
-    incline,
-    layer,
-)
+from strandcli.study.references import Track, incline, layer
+from strandcli.study.references.experiment import track_of
 
 
 def test_the_angle_of_friction_is_where_ways_of_sliding_strands_vanish() -> None:
@@ -35,10 +29,7 @@ def test_the_angle_of_friction_is_where_ways_of_sliding_strands_vanish() -> None
 
 
 def test_a_strand_across_others_begins_to_slide_at_the_angle_of_friction() -> None:
-    case = incline.case(11)
-    scene = loads(yaml.safe_dump({"solver": "rod", **case.settings}), rules=registry(), name="incline")
-    track, _ = follow(lambda: RodSolver(scene, case.groom), 1 / 60, incline.REFERENCE.span, False)
-    found = incline.measure(track)["angle"]
+    found = incline.measure(track_of(incline.case(11), 1 / 60, incline.INCLINE.span))["angle"]
     assert found is not None
     assert found * incline.exact()["angle"] < 0.6
 
@@ -66,9 +57,7 @@ def test_a_pressed_layer_keeps_its_density_both_ways() -> None:
     errors = {}
     for rule in ("interaction", None):
         rules = case.settings["rules"] if rule else ["gravity", "collision"]
-        settings = {**case.settings, "rules": rules}
-        scene = loads(yaml.safe_dump({"solver": "rod", **settings}), rules=registry(), name="layer")
-        track, _ = follow(lambda scene=scene: RodSolver(scene, case.groom), 1 / 60, layer.REFERENCE.span, False)
-        errors[rule] = layer.measure(track)["density"]
+        one = replace(case, settings={**case.settings, "rules": rules})
+        errors[rule] = layer.measure(track_of(one, 1 / 60, layer.LAYER.span))["density"]
     assert errors["interaction"] < 0.01  # type: ignore[operator]
     assert errors[None] > 0.15  # type: ignore[operator]

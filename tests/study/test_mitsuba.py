@@ -25,10 +25,10 @@ pytest.importorskip("mitsuba", reason="Mitsuba is not installed: make check-agai
 
 import strandcli
 from path_tracer import figures, one_strand, seconds_to, trace
-from strandcli.study import chiang_reference as reference
 from strandcli.study.axes import Request
-from strandcli.study.pictures.settings import changed
 from strandcli.study.pictures.subject import Picture, Subject
+from strandcli.study.settings import changed
+from tests.reference import chiang as reference
 
 HAIR = """\
 title: ten thousand hairs, .035 pixels wide

@@ -15,8 +15,8 @@ from strandcli.errors import MismatchError, UsageError
 from strandcli.study import advice, picture_advice, sweep
 from strandcli.study.axes import Request
 from strandcli.study.pictures import windows as module
-from strandcli.study.pictures.settings import changed
 from strandcli.study.pictures.windows import Windows, spread
+from strandcli.study.settings import changed
 
 SMALL = """\
 title: a small brush
@@ -139,7 +139,7 @@ def test_a_study_is_kept_by_the_scene_what_is_fixed_and_the_code(monkeypatch: py
         picture_advice.key(strandcli.load("minimal", overrides=["rules.gravity.acceleration=[0, -1, 0]"]), []),
         picture_advice.key(scene, ["image.supersample"]),
     }
-    monkeypatch.setattr(picture_advice, "_sources", lambda: "other code")
+    monkeypatch.setattr(advice, "_sources", lambda: "other code")
     others.add(picture_advice.key(scene, []))
     assert len(others - {first}) == 4
 
@@ -148,12 +148,12 @@ def test_a_study_is_kept_by_the_scene_what_is_fixed_and_the_code(monkeypatch: py
 def test_a_study_of_another_shape_is_not_used(tmp_path: Path, spoilt: Any) -> None:
     path = tmp_path / "study.json"
     path.write_text(json.dumps(data((0.1, 0.1, 1.0))))
-    assert picture_advice.read(path) is not None
+    assert picture_advice.read_picture(path) is not None
     path.write_text(json.dumps({**data((0.1, 0.1, 1.0)), **spoilt} if isinstance(spoilt, dict) and spoilt else spoilt))
-    assert picture_advice.read(path) is None
+    assert picture_advice.read_picture(path) is None
     path.write_text("{")
-    assert picture_advice.read(path) is None
-    assert picture_advice.read(tmp_path / "none.json") is None
+    assert picture_advice.read_picture(path) is None
+    assert picture_advice.read_picture(tmp_path / "none.json") is None
 
 
 def test_render_keeps_under_an_error_and_says_how_it_knows(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:

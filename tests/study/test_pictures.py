@@ -14,12 +14,12 @@ from cli_runs import Runner
 from strandcli.draw.view.camera import axes
 from strandcli.study.axes import Request
 from strandcli.study.kernels import cylinders
-from strandcli.study.pictures import quality_front
 from strandcli.study.pictures.curves import bezier, to_polyline
-from strandcli.study.pictures.settings import changed, knows
+from strandcli.study.pictures.frame import quality_text
 from strandcli.study.pictures.shadow import ShadowStudy, frames_along
 from strandcli.study.pictures.subject import LinearRenderer, Subject, differences
 from strandcli.study.points import Point
+from strandcli.study.settings import changed, knows
 
 SMALL = """\
 title: a small brush
@@ -29,7 +29,7 @@ image: {size: [32, 24]}
 lights: [{kind: directional, direction: [0.3, -1, -0.5], shadow: {size: 64}}]
 rules: {elasticity: {}}
 """
-AXES = ("curves", "coverage", "shadow", "occlusion", "lod", "tables", "end-to-end", "quality")
+AXES = ("curves", "coverage", "shadow", "occlusion", "lod", "quality")
 
 
 @pytest.fixture
@@ -172,22 +172,8 @@ def test_every_axis_of_a_small_groom(run: Runner, axis: str) -> None:
     if axis == "shadow":
         assert data["reference"]["noise"] < 0.02
         assert by_name['{"lights.0.shadow.model": "off"}'] == pytest.approx(1 - data["reference"]["mean"])
-    if axis == "tables":
-        assert by_name['{"h": 256}'] < 1e-3 < by_name['{"phi": 12, "theta": 8}']
     rows = list(csv.DictReader(Path(f"s/brush-{axis}.csv").read_text().splitlines()))
     assert len(rows) == len(data["points"])
-
-
-def test_tables_of_both_models(run: Runner) -> None:
-    """Chiang's are measured as Marschner's are: quadrature converges, and so do tables, which keep white light."""
-    done = run("study", "brush.yaml", "--axis", "tables", "--set", "material.model=chiang", "--json", "-q")
-    assert done.code == 0, done.err
-    by_name = {json.dumps(point["knobs"], sort_keys=True): point["error"] for point in json.loads(done.out)["points"]}
-    assert by_name['{"h": 256}']["rms"] < 1e-3 < by_name['{"h": 4}']["rms"]
-    coarse, fine = by_name['{"phi": 16, "theta": 8}'], by_name['{"phi": 256, "theta": 64}']
-    assert fine["rms"] < 0.01 < 0.02 < coarse["rms"]
-    assert fine["picture"] < coarse["picture"]
-    assert fine["furnace"] < 1e-3
 
 
 def test_what_is_set_by_hand_is_not_turned_and_what_does_not_fit_is_refused(run: Runner) -> None:
@@ -199,7 +185,6 @@ def test_what_is_set_by_hand_is_not_turned_and_what_does_not_fit_is_refused(run:
         (("--axis", "coverage", "--frame", "900"), "--frame 900"),
         (("--frame", "2"), "--frame"),
         (("--axis", "shadow", "--set", "lights=[]"), "no light"),
-        (("--axis", "tables", "--set", "material.specular=0"), "material.specular"),
         (("--axis", "colour"), "no axis 'colour'"),
     ):
         done = run("study", "brush.yaml", *options, "-o", "other")
@@ -229,10 +214,7 @@ def test_a_quality_stands_beside_the_cheapest_setting_that_is_as_near() -> None:
         point(4.0, 0.100, quality="default"), point(1.0, 0.103, samples=1), point(3.0, 0.101, samples=2),
         point(0.5, 0.300, quality="draft"), point(0.4, None, samples=3), point(9.0, 0.01, quality="best"),
     ]  # fmt: skip
-    found = quality_front.standing(points)
-    assert (found["default"]["cheapest"], found["default"]["of_its_time"]) == ({"samples": 2}, 0.75)
-    assert found["draft"]["cheapest"] == {"quality": "draft"}
-    assert found["best"]["of_its_time"] == 1
-    text = quality_front.to_text(points[:4])
+    text = quality_text(points)
+    assert "best       1.0%, ꟻLIP 0.010, 9.00 s: it is the cheapest" in text
     assert "default   10.0%, ꟻLIP 0.100, 4.00 s: samples 2 takes 75% of its time" in text
     assert "draft     30.0%, ꟻLIP 0.300, 0.50 s: it is the cheapest" in text

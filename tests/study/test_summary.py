@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from strandcli.study import summary
+from strandcli.study import report
 from study_kit import made
 
 
 def test_a_row_for_each_subject_and_solver() -> None:
-    rows = summary.rows([made(), made()], 0.05)
+    rows = report.summary([made(), made()], 0.05)
     assert [row["solver"] for row in rows] == ["one", "two", "thesis"] * 2
     one, two, absent = rows[:3]
     # the finest of 33 particles and 0.005 s is the best of both
@@ -25,7 +25,7 @@ def test_a_row_for_each_subject_and_solver() -> None:
 
 
 def test_the_table_says_what_cannot_be_measured_and_what_is_not_reached() -> None:
-    lines = summary.to_text(summary.rows([made(margin=0.2)], 0.001)).splitlines()
+    lines = report.summary_text([made(margin=0.2)], 0.001).splitlines()
     assert len(lines) == 4
     assert "under 0.1 % in" in lines[0]
     assert lines[1].split()[:4] == ["synthetic", "one", "1.53", "%"]

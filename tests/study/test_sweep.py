@@ -10,11 +10,12 @@ import pytest
 
 from strand_kit import scene_of
 from strandcli.errors import MismatchError, UsageError
-from strandcli.study import advice, axes, registry, sweep
-from strandcli.study.exactness import Exactness
-from strandcli.study.motion.experiment import Motion, with_knobs
+from strandcli.study import advice, axes, sweep
+from strandcli.study.motion.experiment import Motion
 from strandcli.study.points import Point
-from study_kit import Synthetic, made
+from strandcli.study.references.experiment import References
+from strandcli.study.settings import changed
+from study_kit import AXIS, made
 
 
 def test_orders_of_a_synthetic_solver_are_found() -> None:
@@ -27,7 +28,7 @@ def test_orders_of_a_synthetic_solver_are_found() -> None:
 def test_every_run_is_counted() -> None:
     steps: list[str] = []
     totals: list[int] = []
-    study = sweep.carry_out(Synthetic(), "reference", "synthetic", None, steps.append, totals.append)
+    study = sweep.run(AXIS, axes.Request(), None, steps.append, totals.append)
     assert totals == [2 + 32]
     assert len(steps) == 34
     assert len(study.points) == 32
@@ -41,7 +42,6 @@ def test_the_cheapest_under_an_error_is_recommended() -> None:
         assert one["seconds"] == min(point.seconds for point in fit)
         assert one["error"] <= 0.1
     assert made(1e-5).recommended == []
-    assert made(1e-5).nearest() == pytest.approx(0.3 * (0.05**2 + 1 / 32**2))
     assert made(0.1, margin=0.2).recommended == []
 
 
@@ -63,34 +63,30 @@ def test_json_has_the_documented_keys() -> None:
 
 
 def test_the_registry_has_every_axis_by_its_name() -> None:
-    assert {"motion", "reference"} <= set(registry.every())
-    for name, axis in registry.every().items():
-        assert axis.name == name
-        assert axis.knobs
-        assert axis.metric
+    assert {"motion", "reference"} <= set(axes.axes_by_name())
+    for name, axis in axes.axes_by_name().items():
+        assert axes.find(name) == axis
     with pytest.raises(UsageError, match="axes are"):
-        registry.find("colour")
+        axes.find("colour")
     with pytest.raises(UsageError, match="solvers are"):
         axes.chosen_solvers(axes.Request(solvers=("mass_spring",)))
 
 
 def test_solvers_that_cannot_are_told_and_not_run() -> None:
-    opened = Exactness(axes.Request(name="catenary"))
+    opened = References(axes.Request(name="catenary"))
     assert [one["solver"] for one in opened.absent] == ["thesis"]
-    assert {knobs["solver"] for knobs in opened.settings()} == {"rod", "foil"}
-    spring = Exactness(axes.Request(name="spring", solvers=("thesis", "foil")))
+    assert {knobs["solver"] for knobs in opened.settings()} == {"rod"}
+    spring = References(axes.Request(name="spring", solvers=("thesis",)))
     assert spring.settings() == []
     assert all("not represented" in one["why"] and "twist" in one["why"] for one in spring.absent)
 
 
 def test_knobs_can_be_chosen() -> None:
     wishes = axes.Request(name="elastica", solvers=("rod",), substeps=(2,), iterations=(3,), particles=(8, 9))
-    chosen = Exactness(wishes)
+    chosen = References(wishes)
     assert chosen.settings() == [
         {"solver": "rod", "emitter.particles": n, "rod.iterations": 3, "dt": 1 / 48} for n in (8, 9)
     ]
-    moving = Exactness(axes.Request(name="pendulum", solvers=("rod",), steps=(0.01,), particles=(30,)))
-    assert {knobs["emitter.particles"] for knobs in moving.settings()} == {2}
 
 
 HANGING = """
@@ -114,7 +110,7 @@ def motion(**wishes: Any) -> Motion:
 
 def test_the_limit_is_sought_twice_as_fine_as_all_that_is_tried() -> None:
     opened = motion(solvers=("thesis",), substeps=(1, 4), particles=(5, 9), strands=10)
-    finer = opened.finer(opened.contestants[0])
+    finer = opened.finer(opened.solvers[0])
     assert [knobs["time.substeps"] for knobs in finer] == [2, 4, 8]
     assert [knobs["emitter.particles"] for knobs in finer] == [5, 9, 17]
     assert opened.references == 3
@@ -127,10 +123,10 @@ def test_iterations_are_few_and_as_many_as_the_preset_allows() -> None:
     opened = motion(solvers=("rod",), substeps=(1, 2), particles=(5,))
     found = [(one["rod.iterations"], one["time.substeps"]) for one in opened.settings()]
     assert found == [(2, 1), (2, 2), (200, 1), (200, 2)]
-    assert opened.finer(opened.contestants[0])[-1]["rod.iterations"] == 400
-    own = Motion(axes.Request(scene=with_knobs(opened.scene, {"rod.iterations": 700}), solvers=("rod",)))
+    assert opened.finer(opened.solvers[0])[-1]["rod.iterations"] == 400
+    own = Motion(axes.Request(scene=changed(opened.scene, {"rod.iterations": 700}), solvers=("rod",)))
     assert {one["rod.iterations"] for one in own.settings()} == {2, 700}
-    finest = own.finer(own.contestants[0])[-1]
+    finest = own.finer(own.solvers[0])[-1]
     assert validate_iterations(finest["rod.iterations"]) == 1000
     kept = motion(solvers=("rod",), iterations=(3,))
     assert {one["rod.iterations"] for one in kept.settings()} == {3}
@@ -155,7 +151,7 @@ def test_frames_keep_within_the_span() -> None:
 
 def test_steps_have_to_divide_a_frame() -> None:
     opened = motion(steps=(1 / 24, 1 / 96), solvers=("thesis",))
-    assert opened.substeps(opened.contestants[0]) == (1, 4)
+    assert opened.substeps() == (1, 4)
     with pytest.raises(UsageError, match="no whole part of a frame"):
         motion(steps=(0.03,)).settings()
 
@@ -168,16 +164,15 @@ def test_strands_of_a_study_are_the_first_of_the_groom() -> None:
 def test_the_thesis_falls_slower_in_smaller_steps_and_is_told_to_have_no_limit() -> None:
     """Its speed is g Δt (thesis §2): refining it changes the motion, and the study has to say so."""
     study = sweep.run(
-        registry.find("motion"),
+        axes.find("motion"),
         axes.Request(scene=scene_of(HANGING), name="hanging", solvers=("thesis",), substeps=(1, 2), strands=20),
         0.01,
     )
     assert study.margins["thesis"] > 0.05
     assert study.recommended == []
-    assert study.nearest() is not None
     still = scene_of(HANGING.replace("[gravity, elasticity]", "[elasticity]"))
     request = axes.Request(scene=still, name="still", solvers=("thesis",), substeps=(1, 2), strands=20)
-    at_rest = sweep.run(registry.find("motion"), request, 0.01)
+    at_rest = sweep.run(axes.find("motion"), request, 0.01)
     assert at_rest.margins["thesis"] == pytest.approx(0, abs=1e-5)
     assert all(point.error["max"] == pytest.approx(0, abs=1e-5) for point in at_rest.points)
 
@@ -193,16 +188,16 @@ def test_rules_that_rods_do_not_take_are_told() -> None:
 
     scene = scene_of(HANGING)
     object.__setattr__(scene, "rules", (*scene.rules, RuleUse("vortex", None, "vortex")))
-    opened = Motion(axes.Request(scene=scene, name="odd", solvers=("rod", "foil")))
-    assert [one["solver"] for one in opened.absent] == ["rod", "foil"]
+    opened = Motion(axes.Request(scene=scene, name="odd", solvers=("rod",)))
+    assert [one["solver"] for one in opened.absent] == ["rod"]
     assert "vortex" in opened.absent[0]["why"]
 
 
 def test_knobs_change_nothing_else() -> None:
     scene = scene_of(HANGING)
-    changed = with_knobs(scene, {"solver": "rod", "time.substeps": 5, "emitter.particles": 9})
-    assert (changed.solver, changed.time.substeps, changed.emitter.particles) == ("rod", 5, 9)
-    assert with_knobs(changed, {"solver": "thesis", "time.substeps": 1, "emitter.particles": 5}) == scene
+    other = changed(scene, {"solver": "rod", "time.substeps": 5, "emitter.particles": 9})
+    assert (other.solver, other.time.substeps, other.emitter.particles) == ("rod", 5, 9)
+    assert changed(other, {"solver": "thesis", "time.substeps": 1, "emitter.particles": 5}) == scene
 
 
 def data(margin: float | None) -> dict[str, Any]:
@@ -240,7 +235,7 @@ def test_finer_settings_are_tried_where_the_usual_will_not_do(tmp_path: Any, mon
 
     monkeypatch.setattr(advice, "folder", lambda: tmp_path)
     monkeypatch.setattr(sweep, "run", study)
-    scene = with_knobs(scene_of(HANGING), {"solver": "rod"})
+    scene = changed(scene_of(HANGING), {"solver": "rod"})
     assert advice.advise(scene, "made", 0.01).settings == {"time.substeps": 2}
     assert len(asked) == 1
     found = advice.advise(scene, "made", 1e-3)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-import yaml
 
-from strandcli.scene import loads
-from strandcli.simulate.rod.solver import RodSolver
-from strandcli.simulate.rules import registry
-from strandcli.study.motion.contestants import follow
 from strandcli.study.references import Track, tuft
+from strandcli.study.references.experiment import scene_of, solver_for, track_of
 from tests.study.discs import settle
 
 
@@ -43,10 +41,8 @@ def test_a_tuft_on_a_table_stands_as_high_as_its_strands_one_by_one() -> None:
     case = tuft.case(7)
     errors = {}
     for rules in (case.settings["rules"], ["gravity", "collision"]):
-        settings = {**case.settings, "rules": rules}
-        scene = loads(yaml.safe_dump({"solver": "rod", **settings}), rules=registry(), name="tuft")
-        track, _ = follow(lambda scene=scene: RodSolver(scene, case.groom), 1 / 60, tuft.REFERENCE.span, False)
-        errors[len(rules)] = tuft.measure(track)["height"]
+        one = replace(case, settings={**case.settings, "rules": rules})
+        errors[len(rules)] = tuft.measure(track_of(one, 1 / 60, tuft.TUFT.span))["height"]
     assert errors[3] < 0.05  # type: ignore[operator]
     assert errors[2] > 0.5  # type: ignore[operator]
 
@@ -56,9 +52,7 @@ def test_a_tuft_on_a_table_stands_as_high_as_its_strands_one_by_one() -> None:
 def test_it_does_so_in_steps_of_any_length(fps: int, particles: int) -> None:
     """Within 5 %. Where cells that change are filled up at once it stands 10 % too low at 240 steps a second, and 3 %
     lower where cells below the floor have no pressure."""
-    case = tuft.case(particles)
-    scene = loads(yaml.safe_dump({"solver": "rod", **case.settings}), rules=registry(), name="tuft")
-    track, _ = follow(lambda: RodSolver(scene, case.groom), 1 / fps, tuft.REFERENCE.span, False)
+    track = track_of(tuft.case(particles), 1 / fps, tuft.TUFT.span)
     assert tuft.measure(track)["height"] < 0.05  # type: ignore[operator]
 
 
@@ -66,8 +60,7 @@ def test_a_tuft_between_walls_comes_to_rest() -> None:
     """Without friction. By faces that were whole beside walls strands rose along those and sank in the middle, by 140
     mm/s as the root of the mean square, without end."""
     case = tuft.case(13)
-    scene = loads(yaml.safe_dump({"solver": "rod", **case.settings}), rules=registry(), name="tuft")
-    solver, found = RodSolver(scene, case.groom), []
+    solver, found = solver_for(scene_of(case, {}), case), []
     for step in range(90):
         before = solver.particles()
         solver.step((step + 1) / 60, 1 / 60)

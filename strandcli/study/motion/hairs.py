@@ -1,7 +1,8 @@
-"""Hairs that guides stand for, where each grows whatever the number of guides; and hair in the cells of a grid."""
+"""Hair as it is seen, of runs with any number of guides: single hairs at common roots, and metres in cells."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
@@ -43,6 +44,32 @@ class Hairs:
         for parent, weight in zip(parents.T, weights.T, strict=True):
             found += weight[:, None, None] * ways[:, parent]
         return found
+
+
+class Ruler:
+    """Cells that all runs are measured in: their side, how much of the hair they may hold, and where they are."""
+
+    def __init__(self, cell: float, density: float | None, away: float) -> None:
+        """``density``: strands a square metre that are allowed, None where nothing is; ``away``: metres that strands
+        may go beyond where they are in the first frame."""
+        self.cell, self._away = cell, away
+        self._full = None if density is None else density * cell**3
+        self._box: tuple[Array, tuple[int, ...]] | None = None
+
+    def metres(self, points: Array, each: Array) -> Array:
+        """Return the metres of strands in the cells. ``each`` (strands,): what each counts for. The box is that of the
+        first strands that are measured."""
+        if self._box is None:
+            low, high = points.min((0, 1)) - self._away, points.max((0, 1)) + self._away
+            counts = np.ceil((high - low) / self.cell).astype(int) + 2
+            self._box = self.cell * np.floor(low / self.cell), tuple(counts.tolist())
+        return in_cells(points, each, self.cell, *self._box)
+
+    def too_dense(self, cells: Sequence[Array]) -> float | None:
+        """Return the share of the hair that is more than cells may hold, the mean of all frames."""
+        if self._full is None:
+            return None
+        return float(np.mean([np.maximum(one - self._full, 0).sum() / one.sum() for one in cells]))
 
 
 def in_cells(points: Array, metres: NDArray[np.floating], cell: float, low: Array, counts: tuple[int, ...]) -> Array:

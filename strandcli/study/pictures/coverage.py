@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..axes import Axis
 from ..points import Knobs
+from ..settings import changed, silhouette
 from .experiment import Pictures
-from .settings import changed, silhouette
-from .subject import Picture
+from .subject import Picture, differences
 
 SAMPLES = 16
 """Of the reference, along each side of a pixel."""
@@ -41,21 +40,10 @@ class CoverageStudy(Pictures):
     def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
         """Of the picture; and of white strands before black their whole area, signed, and the root mean square of a
         pixel's share that they cover."""
-        error = self.against(picture.image, self.fine.image)
+        error = differences(picture.image, self.fine.image)
         white = self.subject.draw(silhouette(changed(self.scene, knobs)), draws=1)
-        shape = self.against(white.image, self.covered.image)
+        shape = differences(white.image, self.covered.image)
         error["area"] = shape["bias"]
         off = white.image - self.covered.image
         error["cover"] = float((off**2).mean() ** 0.5)
         return error
-
-
-AXIS = Axis(
-    name="coverage",
-    doc="samples and resolvers against 16×16 samples a pixel",
-    knobs=("image.resolver", "image.supersample"),
-    metric="rmse",
-    of_preset=True,
-    open=CoverageStudy,
-    pictures=True,
-)

@@ -11,11 +11,10 @@ from ...draw.common.scratch import Scratch
 from ...draw.geometry.curves import flatten
 from ...draw.view.camera import View
 from ...scene.model import Scene
-from ..axes import Axis
 from ..points import Knobs
+from ..settings import changed
 from .experiment import Pictures
-from .settings import changed
-from .subject import Picture
+from .subject import Picture, differences
 
 LEVEL = 8
 """Of the reference: 256 pieces a segment."""
@@ -56,7 +55,7 @@ class CurveStudy(Pictures):
 
     def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
         """Of the picture, and distances on the screen in pixels of the picture."""
-        error = self.against(picture.image, self.finest.image)
+        error = differences(picture.image, self.finest.image)
         scene = changed(self.scene, knobs)
         apart = self._distances(scene) if self.traced is not None else None
         known = apart is not None and len(apart) > 0
@@ -121,14 +120,3 @@ def to_polyline(points: NDArray[np.float64], line: NDArray[np.float64]) -> NDArr
     square = np.maximum((way**2).sum(1), 1e-300)
     t = np.clip(((points[:, None] - begin) * way).sum(2) / square, 0, 1)
     return np.asarray(np.linalg.norm(points[:, None] - begin - t[..., None] * way, axis=2).min(1))
-
-
-AXIS = Axis(
-    name="curves",
-    doc="smoothing: modes, levels and tolerances against 256 pieces a segment",
-    knobs=("curves.mode", "curves.level", "curves.tolerance"),
-    metric="rmse",
-    of_preset=True,
-    open=CurveStudy,
-    pictures=True,
-)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ...errors import UsageError
 from ...scene.model import Scene
-from ..axes import Request
+from ..axes import Experiment, Request
 from ..points import Knobs, Point
-from .settings import changed, knows, value_at
-from .subject import Picture, Subject, differences, total
+from ..settings import changed, knows, value_at
+from .subject import Picture, Subject, total
 
 
-class Pictures(ABC):
-    """Pictures of one preset at many settings, each against one reference."""
+class Pictures(Experiment):
+    """Pictures of one preset at many settings, each against one reference, which is finer by far."""
 
     axis = ""
     metric, unit = "rmse", "of the mean of the reference picture"
@@ -23,19 +23,15 @@ class Pictures(ABC):
     """Those whose time counts; none: all."""
     references = 1
 
-    def __init__(self, request: Request) -> None:
+    def __init__(self, request: Request, subject: Subject | None = None) -> None:
+        """``subject``: what is drawn; by default the first strands, small."""
         self.request = request
-        self.absent: list[dict[str, str]] = []
-        self.subject = self.open_subject(request)
+        self.subject = subject or Subject(request)
         scene = self.subject.scene
         size = "×".join(map(str, scene.image.size))
         strands, every = scene.emitter.strands, self.subject.all_strands
         of_all = "" if strands == every else f" of {every}"
         self.title = f"{request.name}, {strands}{of_all} strands at {size}: {self.axis}"
-
-    def open_subject(self, request: Request) -> Subject:
-        """What is drawn: the first strands, small."""
-        return Subject(request)
 
     @property
     def scene(self) -> Scene:
@@ -69,10 +65,6 @@ class Pictures(ABC):
         """The settings by dotted path that a choice stands for."""
         return knobs
 
-    def margins(self) -> Mapping[str, float]:
-        """Nothing: references are finer by far than what is measured against them."""
-        return {}
-
     def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
         """Move the strands, and draw the reference."""
         self.subject.move()
@@ -99,12 +91,5 @@ class Pictures(ABC):
 
     def point(self, knobs: Knobs, picture: Picture, error: dict[str, float | None]) -> Point:
         """The figures of a setting."""
-        return Point(
-            knobs=knobs,
-            seconds=total(picture.seconds, self.stages),
-            error=error,
-            series=self.series(knobs),
-            counts=picture.counts,
-        )
-
-    against = staticmethod(differences)
+        seconds = total(picture.seconds, self.stages)
+        return Point(knobs, seconds, error, series=self.series(knobs), counts=picture.counts)

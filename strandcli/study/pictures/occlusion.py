@@ -18,10 +18,9 @@ from ...draw.lighting import occlusion
 from ...draw.solids.kernels import rays
 from ...errors import UsageError
 from ...scene.model import AmbientOcclusion, DirectionalLight
-from ..axes import Axis
 from ..points import Knobs
+from ..settings import changed
 from .experiment import Pictures
-from .settings import changed
 from .shadow import bundle, transmittance
 from .subject import Picture
 
@@ -128,14 +127,3 @@ def seen_of_sky(
 
 def _knobs(cells: int, ways: int) -> Knobs:
     return {"ambient_occlusion.cells": cells, "ambient_occlusion.directions": ways}
-
-
-AXIS = Axis(
-    name="occlusion",
-    doc="ambient occlusion's grid against rays, cylinders and solids",
-    knobs=("cells", "directions"),
-    metric="share",
-    of_preset=True,
-    open=OcclusionStudy,
-    pictures=True,
-)

@@ -24,12 +24,12 @@ from ...errors import UsageError
 from ...groom.emit import PLASTIC
 from ...registry import SHADOWS
 from ...scene.model import DirectionalLight, Light, Scene
-from ..axes import Axis, Request
+from ..axes import Request
 from ..kernels import cylinders
 from ..points import Knobs
+from ..settings import changed, knows
 from .curves import on_screen
 from .experiment import Pictures
-from .settings import changed, knows
 from .subject import Picture
 
 PROBES = 400
@@ -275,14 +275,3 @@ def matt(scene: Scene) -> Scene:
                 "material.pigment": "rgb", "material.eumelanin": None, "material.pheomelanin": None,
                 "material.grey": 0.0, "ambient": (0.0, 0.0, 0.0), "environment": None}  # fmt: skip
     return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})
-
-
-AXIS = Axis(
-    name="shadow",
-    doc="models of shadow and sizes of maps against rays and cylinders",
-    knobs=("model", "size", "layers", "texel"),
-    metric="transmittance",
-    of_preset=True,
-    open=ShadowStudy,
-    pictures=True,
-)

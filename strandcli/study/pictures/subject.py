@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from ...draw.common.drawing import ProcessorDrawing
 from ...draw.common.scratch import Scratch
-from ...draw.fibre.tables import FibreTables
 from ...draw.geometry.curves import Polylines
 from ...draw.geometry.spacing import spacing_at, spacing_of
 from ...draw.renderer import Renderer
@@ -26,7 +25,7 @@ from ...groom.emit import emit
 from ...plan import available_memory, checked_plan
 from ...scene.model import Scene
 from ..axes import Request
-from .settings import changed
+from ..settings import changed
 
 STRANDS = 2000
 """Of a preset, where not said otherwise."""
@@ -102,10 +101,7 @@ class Subject:
     """Whether seconds are the processor's, of all threads, and not those of the clock."""
 
     def __init__(self, request: Request) -> None:
-        scene = request.scene
-        assert scene is not None
-        if scene.panels:
-            raise UsageError(f"{request.name}: a preset of several panels; study the preset of one panel")
+        scene = request.single
         if scene.emitter.groom is not None:
             raise UsageError(
                 f"{request.name}: axes of pictures draw strands that are grown, and this preset has those of a file "
@@ -206,11 +202,9 @@ class Subject:
         return self.scene.material.width * view.focal / depth
 
     def draw(
-        self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False,
-        tables: FibreTables | None = None, renderer: LinearRenderer | None = None,
-    ) -> Picture:  # fmt: skip
-        """Draw a scene with the subject's strands; ``tables`` stand in for the material's own, ``renderer`` for the
-        usual one of the scene.
+        self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False, renderer: LinearRenderer | None = None
+    ) -> Picture:
+        """Draw a scene with the subject's strands; ``renderer`` stands in for the usual one of the scene.
 
         Raises `RefusedError` where the samples would not fit into memory."""
         import numba
@@ -226,8 +220,6 @@ class Subject:
         if self.of_processor:
             renderer.clocked = ProcessorDrawing
         renderer.keep_shading = keep_shading
-        if tables is not None:
-            renderer.palette.use(tables)
         seconds: dict[str, float] = {}
         for _ in range(draws):
             drawing = renderer.draw(self.positions, self.lengths, self.at, numba.get_num_threads())

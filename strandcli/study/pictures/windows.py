@@ -18,8 +18,8 @@ from ...draw.view.camera import View
 from ...errors import UsageError
 from ...scene.model import Scene
 from ..axes import Request
+from ..settings import changed
 from .curves import on_screen
-from .settings import changed
 from .subject import LinearRenderer, Picture, Subject
 
 SIDE = 32
@@ -97,8 +97,7 @@ class Windows(Subject):
 
     def __init__(self, request: Request, phase: float = 0.5) -> None:
         """``phase``, 0 to 1: which windows are taken, see `spread`."""
-        scene = request.scene
-        assert scene is not None
+        scene = request.single
         self._phase = phase
         self.windows: list[Window] = []
         self.mean = 0.0

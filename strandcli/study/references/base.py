@@ -1,12 +1,12 @@
-"""What a reference is: a scene for one kind of strand, its exact behaviour, and a measure of any solver's run.
+"""What a reference is: a scene for one kind of strand, its exact behaviour, and a measure of any run.
 
-The measure sees nothing but particles over time, so that all solvers are measured by the same code.
+The measure sees nothing but particles over time, so that every solver could be measured by the same code.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,17 +18,8 @@ G = 9.81
 """Gravity in all references, m/s²."""
 DENSITY, RADIUS = 1000.0, 0.01
 """Of all references' rods, kg/m³ and m; their modulus is what the rigidity asks for."""
-
-NEEDS = {
-    "bending": "bending stiffness in physical units",
-    "inertia": "inertia",
-    "tip mass": "a mass on the tip",
-    "two ends": "a strand held at both ends",
-    "twist": "twist",
-    "contact": "contact between strands",
-    "interaction": "strands that push each other apart",
-}
-"""What a solver may have to represent, in words."""
+Errors = dict[str, float | None]
+"""By metric, as shares; None where a run does not hold the quantity at all."""
 
 
 @dataclass(frozen=True)
@@ -70,20 +61,20 @@ class Reference:
     """The error that settings are chosen by; `measure` gives it among others."""
     unit: str
     """What the metric is a share of."""
-    needs: tuple[str, ...]
-    """Keys of `NEEDS`: what a solver has to represent."""
+    needs: str
+    """What the solver thesis does not represent of it."""
     span: float
     """Seconds that a run takes."""
     exact: Callable[[], dict[str, float]]
     """The exact quantities by name."""
     case: Callable[[int], Case]
     """The scene for a number of particles."""
-    measure: Callable[[Track], dict[str, float | None]]
-    """Errors of a run by metric; None where the run does not hold the quantity at all."""
+    measure: Callable[[Track], Errors]
+    """Errors of a run."""
     moving: bool = False
     """Whether the motion is measured, at every step, and not only the end."""
-    steps: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    """Steps in seconds to try, by solver, where they are not the usual ones."""
+    steps: tuple[float, ...] = (1 / 24, 1 / 60, 1 / 240)
+    """Steps in seconds to try."""
     particles: tuple[int, ...] = (6, 10, 19)
     """Particles a strand to try."""
 
@@ -109,13 +100,18 @@ def preset(
     }
 
 
-def groom(directions: NDArray[np.floating] | list[list[float]], lengths: NDArray[np.floating] | list[float]) -> Groom:
-    """Straight strands that all begin at the origin: directions (strands, 3), lengths (strands,) metres."""
+def groom(
+    directions: NDArray[np.floating] | list[list[float]],
+    lengths: NDArray[np.floating] | list[float],
+    roots: NDArray[np.floating] | None = None,
+) -> Groom:
+    """Straight strands: directions (strands, 3), lengths (strands,) metres, roots (strands, 3) metres, by default at
+    the origin."""
     way = np.array(directions, np.float64)
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     count = len(lengths)
     return Groom(
-        np.zeros((count, 3), np.float32),
+        np.zeros((count, 3), np.float32) if roots is None else np.asarray(roots, np.float32),
         way.astype(np.float32),
         np.asarray(lengths, np.float32),
         np.zeros(count, np.float32),
@@ -125,9 +121,3 @@ def groom(directions: NDArray[np.floating] | list[list[float]], lengths: NDArray
 def off(measured: float, exact: float) -> float:
     """The relative error of a measured value."""
     return abs(measured / exact - 1)
-
-
-def greatest(errors: list[float | None]) -> float | None:
-    """The worst of several errors; None where one of them is not to be had."""
-    known = [one for one in errors if one is not None]
-    return max(known) if len(known) == len(errors) and known else None

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from .base import Case, Reference, Track, groom, off, preset
+from .base import Case, Errors, Reference, Track, groom, off, preset
 
 APART = 0.7
 """D: distance of the ends, as a share of the length L, which is one metre."""
@@ -45,7 +45,7 @@ def case(particles: int) -> Case:
     return Case(preset(0.0, 1, particles, drag=2.0), groom([[1, 0, 0]], [1.0]), tip_held_at=(APART, 0.0, 0.0))
 
 
-def measure(track: Track) -> dict[str, float | None]:
+def measure(track: Track) -> Errors:
     """``shape``: greatest distance of a particle from its exact place, as a share of the length; ``sag``: relative."""
     strand = track.last[0] - track.last[0, 0]
     goal = shape(np.linspace(0, 1, len(strand)))
@@ -53,15 +53,7 @@ def measure(track: Track) -> dict[str, float | None]:
     return {"shape": float(away.max()), "sag": off(-float(strand[:, 1].min()), sag())}
 
 
-REFERENCE = Reference(
-    name="catenary",
-    title="catenary: a limp strand held at both ends",
-    metric="shape",
-    unit="of the length",
-    needs=("two ends",),
-    span=20.0,
-    exact=exact,
-    case=case,
-    measure=measure,
-    particles=(7, 11, 21),
-)
+CATENARY = Reference(
+    name="catenary", title="catenary: a limp strand held at both ends", metric="shape", unit="of the length",
+    needs="a strand held at both ends", span=20.0, exact=exact, case=case, measure=measure, particles=(7, 11, 21),
+)  # fmt: skip

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...groom.record import Groom
-from .base import Case, Reference, Track, preset
+from .base import Case, Errors, Reference, Track, groom, preset
 
 MU = 0.4
 BENDING = 2.0
@@ -53,11 +53,7 @@ def strands() -> Groom:
             roots.append(origin + np.array([x - 0.01, 0.0, 0.0]) - RAIL / 2 * down)
             ways.append(down)
             lengths.append(RAIL)
-    count = len(lengths)
-    return Groom(
-        np.array(roots, np.float32), np.array(ways, np.float32), np.array(lengths, np.float32),
-        np.zeros(count, np.float32),
-    )  # fmt: skip
+    return groom(np.array(ways), lengths, np.array(roots))
 
 
 def exact() -> dict[str, float]:
@@ -73,7 +69,7 @@ def case(particles: int) -> Case:
     return Case(settings, made)
 
 
-def measure(track: Track) -> dict[str, float | None]:
+def measure(track: Track) -> Errors:
     """``angle``: error of the angle at which strands begin to slide, as a share. None where a strand on a slope flatter
     than atan µ moves as far as one on a steeper slope, or where steeper slopes do not bring strands further."""
     rows = slice(None, None, 1 + len(RAILS))
@@ -86,16 +82,8 @@ def measure(track: Track) -> dict[str, float | None]:
     return {"angle": abs(float(level / each)) / exact()["angle"]}
 
 
-REFERENCE = Reference(
-    name="incline",
-    title="a strand across others begins to slide at atan µ",
-    metric="angle",
-    unit="of the angle",
-    needs=("bending", "contact"),
-    span=1.0,
-    exact=exact,
-    case=case,
-    measure=measure,
-    steps={"rod": (1 / 24, 1 / 60, 1 / 240)},
-    particles=(11, 21),
-)
+INCLINE = Reference(
+    name="incline", title="a strand across others begins to slide at atan µ", metric="angle", unit="of the angle",
+    needs="bending stiffness in physical units, contact between strands", span=1.0, exact=exact, case=case,
+    measure=measure, particles=(11, 21),
+)  # fmt: skip

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...groom.record import Groom
-from .base import Case, Reference, Track
+from .base import Case, Errors, Reference, Track, groom
 
 DEPTH, WIDTH, LENGTH = 0.12, 0.36, 0.3
 """Of the rectangle of roots, before the plate and along it, metres; length of strands. A third of the width is as far
@@ -51,11 +51,7 @@ def strands() -> Groom:
     places = cells * [DEPTH / ROWS, WIDTH / COLUMNS] - [DEPTH / 2, WIDTH / 2]
     roots = np.stack([places[:, 0], np.zeros(len(places)), places[:, 1]], 1)
     roots = np.concatenate([roots, roots + np.array([0.0, 0.0, APART])])
-    count = len(roots)
-    return Groom(
-        roots.astype(np.float32), np.tile(np.array([0, -1, 0], np.float32), (count, 1)),
-        np.full(count, LENGTH, np.float32), np.zeros(count, np.float32),
-    )  # fmt: skip
+    return groom([[0.0, -1.0, 0.0]] * len(roots), np.full(len(roots), LENGTH), roots)
 
 
 def exact() -> dict[str, float]:
@@ -105,7 +101,7 @@ def density(positions: NDArray[np.float64], depth: float = BOX[0]) -> float:
     return float(metres / (depth * BOX[1] * (high - low)))
 
 
-def measure(track: Track) -> dict[str, float | None]:
+def measure(track: Track) -> Errors:
     """``pressed`` and ``sprung back``: error of the density, as a share; ``density``: the greater of both."""
     half = len(track.last) // 2
     after = track.last[half:] - [0.0, 0.0, APART]
@@ -114,16 +110,8 @@ def measure(track: Track) -> dict[str, float | None]:
     return {"density": max(errors.values()), **errors}
 
 
-REFERENCE = Reference(
-    name="layer",
-    title="a layer of strands that a plate presses keeps n strands a square metre",
-    metric="density",
-    unit="of n",
-    needs=("interaction",),
-    span=SPAN,
-    exact=exact,
-    case=case,
-    measure=measure,
-    steps={"rod": (1 / 24, 1 / 60, 1 / 240)},
+LAYER = Reference(
+    name="layer", title="a layer of strands that a plate presses keeps n strands a square metre", metric="density",
+    unit="of n", needs="strands that push each other apart", span=SPAN, exact=exact, case=case, measure=measure,
     particles=(11, 21),
-)
+)  # fmt: skip

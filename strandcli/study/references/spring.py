@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...groom.record import Groom
-from .base import Case, G, Reference, Track, off, preset
+from .base import Case, Errors, G, Reference, Track, off, preset
 
 R, CLIMB, TURNS = 0.05, 0.1, 3.0
 """Radius of the coil, its climb in radii a turn, and its turns, about."""
@@ -112,22 +112,14 @@ def case(particles: int) -> Case:
     return Case(settings, made, tip_mass=MASS)
 
 
-def measure(track: Track) -> dict[str, float | None]:
+def measure(track: Track) -> Errors:
     """``stiffness``: relative error of weight over way."""
     arm = arm_of(track.last.shape[1])
     return {"stiffness": off(way(arm), -float(track.last[0, -1, 1] - coil(arm)[-1, 1]))}
 
 
-REFERENCE = Reference(
-    name="spring",
-    title="a coil that a weight on its axis stretches, G d⁴ / (8 n D³)",
-    metric="stiffness",
-    unit="of the stiffness",
-    needs=("bending", "tip mass", "twist"),
-    span=0.5,
-    exact=exact,
-    case=case,
-    measure=measure,
-    steps={"rod": (1 / 480,)},
-    particles=tuple(len(coil(arm)) for arm in ARM),
-)
+SPRING = Reference(
+    name="spring", title="a coil that a weight on its axis stretches, G d⁴ / (8 n D³)", metric="stiffness",
+    unit="of the stiffness", needs="bending stiffness in physical units, a mass on the tip, twist", span=0.5,
+    exact=exact, case=case, measure=measure, steps=(1 / 480,), particles=tuple(len(coil(arm)) for arm in ARM),
+)  # fmt: skip

@@ -23,7 +23,7 @@ from .verdicts import WORDS, Verdict, judge, told_of
 Notify = Callable[[str], None]
 Task = PresetCase | tuple[Case, ...]
 """A piece of work: a preset's case, or a batch of cases that differ in the start alone."""
-CHUNK = 12
+CHUNK = 6
 """Tasks that a process is handed at once."""
 MASSLESS = "its particles have no mass"
 

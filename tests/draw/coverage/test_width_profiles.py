@@ -17,10 +17,10 @@ from strandcli.jit import parallel
 from strandcli.registry import FIBRES
 from strandcli.scene.model import Material, Scene
 from strandcli.simd import store, triple_pointer
-from strandcli.study import chiang_reference
-from strandcli.study.pictures.settings import changed
 from strandcli.study.pictures.subject import LinearRenderer
+from strandcli.study.settings import changed
 from tests.draw.geometry.test_detail import positions_of
+from tests.reference import chiang as chiang_reference
 
 POST = """
 emitter: {strands: 1, particles: 3, shape: {kind: disc, radius: 0.0001}, length: 3}

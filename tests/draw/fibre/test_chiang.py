@@ -22,8 +22,8 @@ from strandcli.draw.fibre.pigment import mass_colour
 from strandcli.draw.fibre.tables import FibreTables
 from strandcli.jit import function
 from strandcli.scene.model import Material
-from strandcli.study import chiang_reference as reference
-from strandcli.study.chiang_reference import Hair
+from tests.reference import chiang as reference
+from tests.reference.chiang import Hair
 
 TABLE = Path(__file__).parents[2] / "reference/hair_bsdf.csv"
 MEASURED = Hair(0.3, 0.3, -2.0, 0.3)

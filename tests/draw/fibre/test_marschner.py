@@ -14,7 +14,7 @@ from strandcli.draw.fibre.kernels import marschner as kernel
 from strandcli.draw.fibre.pigment import absorption
 from strandcli.jit import function
 from strandcli.scene.model import Material
-from strandcli.study import bsdf_reference as ref
+from tests.reference import marschner as ref
 
 BROWN = Material(colour=(0.4, 0.15, 0.03))
 DEGREES = math.pi / 180

@@ -19,8 +19,8 @@ from strandcli.groom.children import Children
 from strandcli.plan import make_plan
 from strandcli.scene.detail import BAND, near_of, needed_strands, share_at, share_bounds, strands_needed, tiers
 from strandcli.scene.model import Scene
-from strandcli.study.pictures.settings import changed
 from strandcli.study.pictures.subject import LinearRenderer
+from strandcli.study.settings import changed
 
 SCENE = """
 emitter: {strands: 1000, particles: 3, shape: {kind: sphere, radius: 0.5}, length: 0.3}

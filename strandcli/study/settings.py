@@ -6,12 +6,12 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from ...scene.fields import settings_of
-from ...scene.model import AmbientOcclusion, Detail, Scene
-from ...scene.specs import ChoiceSpec
-from ..points import Knobs
+from ..scene.fields import settings_of
+from ..scene.model import AmbientOcclusion, Children, Detail, Scene
+from ..scene.specs import ChoiceSpec
+from .points import Knobs
 
-ABSENT: Mapping[str, Any] = {"detail": Detail, "ambient_occlusion": AmbientOcclusion}
+ABSENT: Mapping[str, Any] = {"detail": Detail, "ambient_occlusion": AmbientOcclusion, "children": Children}
 """Parts of a scene that may be absent, and that knobs may bring in."""
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from ...scene.model import Scene
-from ..axes import Axis
 from ..points import Knobs
+from ..settings import changed, silhouette
 from .experiment import Pictures
-from .settings import changed, silhouette
-from .subject import Picture
+from .subject import Picture, differences
 
 SAMPLES = 8
 """Of the reference, along each side of a pixel."""
@@ -59,10 +58,10 @@ class DetailStudy(Pictures):
             scene = changed(self._farther(times), knobs)
             one = picture if times == 1 else self.subject.draw(scene, draws=1)
             white = self.subject.draw(silhouette(scene), draws=1)
-            seen = self.against(one.image, self.pictures[times].image)
+            seen = differences(one.image, self.pictures[times].image)
             ending = "" if times == 1 else f" ×{times}"
             error[f"rmse{ending}"] = seen["rmse"]
-            error[f"area{ending}"] = self.against(white.image, self.covered[times].image)["bias"]
+            error[f"area{ending}"] = differences(white.image, self.covered[times].image)["bias"]
             if times == 1:
                 error |= {"bias": seen["bias"], "p99": seen["p99"]}
         return error
@@ -70,14 +69,3 @@ class DetailStudy(Pictures):
     def _farther(self, times: int) -> Scene:
         width, height = self.scene.image.size
         return changed(self.scene, {"image.size": (max(1, width // times), max(1, height // times))})
-
-
-AXIS = Axis(
-    name="lod",
-    doc="fewer and wider strands against all of them, at three distances",
-    knobs=("detail.near", "detail.pixels", "detail.fraction", "detail.widen"),
-    metric="rmse",
-    of_preset=True,
-    open=DetailStudy,
-    pictures=True,
-)

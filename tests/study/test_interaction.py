@@ -14,11 +14,10 @@ from cli_runs import Runner
 from strand_kit import scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
-from strandcli.study import registry, sweep
-from strandcli.study.axes import Request
-from strandcli.study.motion.crowded_run import Ruler
-from strandcli.study.motion.crowding import Crowding
-from strandcli.study.motion.hairs import Hairs, elsewhere, in_cells
+from strandcli.study import sweep
+from strandcli.study.axes import Request, find
+from strandcli.study.motion.hairs import Hairs, Ruler, elsewhere, in_cells
+from strandcli.study.motion.interaction import Interaction
 
 TUFT = """
 title: a tuft that falls over
@@ -32,8 +31,8 @@ rules: [gravity, interaction: {density: 3.0e+5, cell: 0.02}]
 """
 
 
-def opened(text: str = TUFT, **wishes: Any) -> Crowding:
-    return Crowding(Request(scene=scene_of(text), name="tuft", **wishes))
+def opened(text: str = TUFT, **wishes: Any) -> Interaction:
+    return Interaction(Request(scene=scene_of(text), name="tuft", **wishes))
 
 
 def test_all_settings_have_the_same_hair() -> None:
@@ -42,7 +41,7 @@ def test_all_settings_have_the_same_hair() -> None:
     assert len(study.settings()) == 4
     for knobs in (*study.settings(), *study.finer(study.turned[0])):
         assert knobs["emitter.strands"] * knobs["children.count"] == 512
-        scene = study._scene(knobs)
+        scene = study.scene_with(knobs)
         assert scene.drawn_strands == 512
         solver_metres = emit(scene.emitter, scene.seed).lengths.sum() * scene.children.count  # type: ignore[union-attr]
         assert solver_metres == pytest.approx(512 * 0.12, rel=1e-5)
@@ -76,7 +75,11 @@ def test_of_strands_that_touch_each_stands_for_itself() -> None:
 
 
 def test_cells_that_are_wider_than_the_hair_is_long_are_left_out() -> None:
-    assert opened(TUFT.replace("cell: 0.02", "cell: 0.05")).turned[0].cells == (0.1, 0.0707, 0.05)
+    assert opened(TUFT.replace("cell: 0.02", "cell: 0.05")).turned[0].values["rules.interaction.cell"] == (
+        0.1,
+        0.0707,
+        0.05,
+    )
 
 
 def test_without_children_guides_stand_for_the_strands() -> None:
@@ -120,12 +123,12 @@ def test_more_guides_of_a_preset_come_nearer(preset: str) -> None:
     from strandcli import load
 
     request = Request(scene=load(preset), name=preset, guides=(90, 180, 360), span=0.5)
-    found = [point.error["mean"] for point in sweep.run(registry.find("interaction"), request).points]
+    found = [point.error["mean"] for point in sweep.run(find("interaction"), request).points]
     assert found == sorted(found, reverse=True)  # type: ignore[type-var]
 
 
 def test_errors_fall_toward_the_reference() -> None:
-    study = sweep.run(registry.find("interaction"), Request(scene=scene_of(TUFT), name="tuft", guides=(8, 16, 32, 64)))
+    study = sweep.run(find("interaction"), Request(scene=scene_of(TUFT), name="tuft", guides=(8, 16, 32, 64)))
     for metric in ("mean", "elsewhere"):
         found = [point.error[metric] for point in study.points]
         assert found == sorted(found, reverse=True)  # type: ignore[type-var]
@@ -138,7 +141,7 @@ def test_each_axis_has_a_reference_that_it_comes_nearer_to() -> None:
     """And what a run has of itself: in coarser cells more of the hair stays denser than allowed. More iterations than
     some change nothing."""
     text = TUFT.replace("density: 3.0e+5, cell: 0.02", "density: 1.0e+5, cell: 0.02")
-    study = sweep.run(registry.find("interaction"), Request(scene=scene_of(text), name="tuft"))
+    study = sweep.run(find("interaction"), Request(scene=scene_of(text), name="tuft"))
     assert list(study.reference["limits"]) == list(study.margins) == ["cells", "guides", "iterations"]
     errors = {name: [one.error for one in study.points if one.solver == name] for name in study.margins}
     for name, found in errors.items():
@@ -154,9 +157,9 @@ def test_each_axis_has_a_reference_that_it_comes_nearer_to() -> None:
 
 def test_what_is_too_dense_is_measured_in_the_same_cells() -> None:
     """Three metres in a cell that may hold two."""
-    ruler = Ruler(1.0, 2.0, 1, 0.0)
+    ruler = Ruler(1.0, 2.0, 0.0)
     assert ruler.too_dense([np.array([3.0, 1.0]), np.array([2.0, 2.0])]) == pytest.approx(1 / 8)
-    assert Ruler(1.0, None, 1, 0.0).too_dense([np.ones(2)]) is None
+    assert Ruler(1.0, None, 0.0).too_dense([np.ones(2)]) is None
 
 
 @pytest.mark.parametrize(

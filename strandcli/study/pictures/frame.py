@@ -1,9 +1,14 @@
 """Settings of drawing against a converged picture, in windows of a preset's whole frame: what `render --max-error
-picture=ERROR` chooses by."""
+picture=ERROR` chooses by, and where `quality: draft, default, best` stand beside the front of settings.
+
+All strands are there and pixels are those of the picture: strands that are a fifth of a pixel wide and crowded have
+errors several times those of the first 2,000 in a small picture.
+"""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -14,46 +19,48 @@ from ...errors import RefusedError
 from ...output.flip import mean_flip
 from ...plan import checked_plan
 from ...scene.look import LOOKS
-from ...scene.quality import settings_for, shadowed
+from ...scene.quality import QUALITIES, settings_for, shadowed
 from ..axes import Request
-from ..points import Knobs, Point
-from .end_to_end import LAYERS, SAMPLES, TEXELS, TOLERANCE, WholeStudy
-from .settings import changed
+from ..points import Knobs, Point, described, grid
+from ..settings import changed
+from .experiment import Pictures
 from .subject import Picture
 from .windows import Windows
 
+SAMPLES = 16
+"""Of the reference, along each side of a pixel."""
+TOLERANCE = 0.05
+"""Of its curves, in samples."""
+LAYERS, TEXELS = 29, 2048
+"""Of its opacity maps, at least, and of them texels along a side."""
+FINEST = 6
+"""Level of curves where a tolerance decides."""
 PATIENCE = 40.0
 """Seconds for the reference and all settings; those that are left then are not tried."""
 ALWAYS = 2
 """Settings that are tried in any case: the finest and the preset's own."""
-FINEST = 6
-"""Level of curves where a tolerance decides."""
 STUDIED, CHECKED = 2 / 3, 1 / 3
 """Which windows are taken (see `spread`) by the study, and after it to check a frame that was drawn: never the same
 where there are more than a few."""
+ADAPTIVE = {"curves.mode": "adaptive", "curves.level": FINEST}
 
 
-class FrameStudy(WholeStudy):
+class FrameStudy(Pictures):
     """Knobs of drawing that a preset's picture may be had cheaper or finer by, strands and their number untouched."""
 
     axis = "frame"
-    phase = STUDIED
 
-    def open_subject(self, request: Request) -> Windows:
-        """All strands of the frame, in windows of its picture."""
-        return Windows(request, self.phase)
-
-    @property
-    def windows(self) -> Windows:
-        """The subject."""
-        assert isinstance(self.subject, Windows)
-        return self.subject
+    def __init__(self, request: Request, phase: float = STUDIED, positions: NDArray[np.floating] | None = None) -> None:
+        """``phase``: which windows are taken; ``positions``: simulated strands of the frame, where they are known."""
+        self.windows = Windows(request, phase)
+        self.windows.given = positions
+        super().__init__(request, self.windows)
 
     def choices(self) -> list[Knobs]:
         """The finest, so that what can be reached is known however long the others take; the preset's own settings, the
         qualities, and samples and tolerances between them."""
         draft, default, best = (settings_for(name, self.scene) for name in ("draft", "default", "best"))
-        fine: dict[str, Any] = {"image.resolver": "sorted", "curves.mode": "adaptive", "curves.level": FINEST}
+        fine: dict[str, Any] = {"image.resolver": "sorted", **ADAPTIVE}
         fine |= {f"lights.{i}.shadow.model": "opacity" for i in shadowed(self.scene)}
 
         def made(samples: int, tolerance: float) -> dict[str, Any]:
@@ -67,25 +74,15 @@ class FrameStudy(WholeStudy):
             found += [{"image.supersample": samples} for samples in (2, 3, 4, 6, 8)]
         return found
 
-    def _fitting(self, knobs: Knobs) -> Knobs | None:
-        """A choice with the highest level of curves that the whole frame has memory for; None where it has none."""
-        assert self.request.scene is not None
-        for level in (None, 5, 4, 3, 2):
-            made = dict(knobs)
-            if level is not None:
-                if not knobs.get("curves.level", 0) > level:
-                    continue
-                made["curves.level"] = level
-            with suppress(RefusedError):
-                checked_plan(changed(self.request.scene, made), (self.subject.frame,))
-                return made
-        return None
+    def series(self, knobs: Knobs) -> str:
+        """The resolver."""
+        return str(knobs.get("image.resolver", self.scene.image.resolver))
 
     def converged(self) -> dict[str, Any]:
-        """The settings of the reference: those of the axis end to end, but always sorted, which converges sooner, and
-        with no fewer layers than the preset has."""
+        """The settings of the reference: sorted, which converges sooner, and with no fewer layers than the preset
+        has."""
         fine: dict[str, Any] = {"image.resolver": "sorted", "image.supersample": SAMPLES, "detail": None}
-        fine |= {"curves.mode": "adaptive", "curves.level": FINEST, "curves.tolerance": TOLERANCE}
+        fine |= {**ADAPTIVE, "curves.tolerance": TOLERANCE}
         for i in shadowed(self.scene):
             layers = max(LAYERS, self.scene.lights[i].shadow.layers)
             fine |= {f"lights.{i}.shadow.model": "opacity", f"lights.{i}.shadow.layers": layers}
@@ -107,6 +104,20 @@ class FrameStudy(WholeStudy):
                 found.append(knobs)
         return found
 
+    def _fitting(self, knobs: Knobs) -> Knobs | None:
+        """A choice with the highest level of curves that the whole frame has memory for; None where it has none."""
+        assert self.request.scene is not None
+        for level in (None, 5, 4, 3, 2):
+            made = dict(knobs)
+            if level is not None:
+                if not knobs.get("curves.level", 0) > level:
+                    continue
+                made["curves.level"] = level
+            with suppress(RefusedError):
+                checked_plan(changed(self.request.scene, made), (self.windows.frame,))
+                return made
+        return None
+
     def reference(self) -> dict[str, Any]:
         """Draw the reference, and learn what a whole frame takes."""
         self._began, self._measured = time.monotonic(), 0
@@ -124,13 +135,9 @@ class FrameStudy(WholeStudy):
         """Draw what errors are measured against; strands have to be moved."""
         self.fine = self.windows.draw(changed(self.scene, self.converged()))
 
-    def paths(self, knobs: Knobs) -> Knobs:
-        """Choices are settings already."""
-        return knobs
-
     def width_given(self) -> dict[str, float]:
         """The settings that give lines of no width the width of the reference; nothing for other strands."""
-        if not self.subject.widened:
+        if not self.windows.widened:
             return {}
         return {"material.width": self.scene.material.width, "material.taper": self.scene.material.drawn_taper}
 
@@ -140,10 +147,6 @@ class FrameStudy(WholeStudy):
         if self._measured > ALWAYS and time.monotonic() - self._began > PATIENCE:
             return Point(knobs=knobs, seconds=0.0, error={"rmse": None, "flip": None}, series=self.series(knobs))
         return super().measure(knobs)
-
-    def series(self, knobs: Knobs) -> str:
-        """The resolver."""
-        return str(knobs.get("image.resolver", self.scene.image.resolver))
 
     def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
         """Of the picture: root mean square in linear light, and ꟻLIP."""
@@ -161,3 +164,65 @@ class FrameStudy(WholeStudy):
         assert self.fine.pixels is not None
         pairs = zip(self.windows.apart(self.fine.pixels), self.windows.apart(pixels), strict=True)
         return float(np.mean([mean_flip(one, other) for one, other in pairs]))
+
+
+class QualityStudy(FrameStudy):
+    """The three by name, and samples, tolerances and levels of detail about them, all of the settings of `default`
+    else. Every one is drawn, however long that takes; seconds are the processor's, so that other programs do not move
+    the front."""
+
+    axis = "quality"
+
+    def __init__(self, request: Request) -> None:
+        scene = request.single if request.size is None else changed(request.single, {"image.size": request.size})
+        super().__init__(Request(scene=scene, name=request.name, frame=request.frame, fixed=request.fixed))
+        self.windows.of_processor = True
+
+    def choices(self) -> list[Knobs]:
+        """Those by name, then the grid."""
+        found: list[Knobs] = [{"quality": name} for name in ("preset", *QUALITIES)]
+        samples, tolerances = (1, 2, 3, 4, 6), (0.1, 0.25, 1.0)
+        found += [
+            {**ADAPTIVE, **knobs} for knobs in grid({"image.supersample": samples, "curves.tolerance": tolerances})
+        ]
+        return found + [{**ADAPTIVE, "curves.tolerance": 1.0, "detail.pixels": pixels} for pixels in (0.25, 0.5, 0.75)]
+
+    def settings(self) -> list[Knobs]:
+        """Those that the preset has."""
+        return Pictures.settings(self)
+
+    def paths(self, knobs: Knobs) -> Knobs:
+        """Of a name what it stands for; of the grid what it changes of `default`."""
+        name = knobs.get("quality", "default")
+        own = {} if name == "preset" else settings_for(name, self.scene)
+        return {**own, **{path: value for path, value in knobs.items() if path != "quality"}}
+
+    def series(self, knobs: Knobs) -> str:
+        """By name, or of the grid."""
+        return "by name" if "quality" in knobs else "grid"
+
+    def reference(self) -> dict[str, Any]:
+        """As in `FrameStudy`."""
+        told = super().reference()
+        return {**told, "what": f"{told['what']}; seconds are the processor's, of a whole frame"}
+
+    def measure(self, knobs: Knobs) -> Point:
+        """Draw one setting."""
+        return Pictures.measure(self, knobs)
+
+
+def quality_text(points: Sequence[Point]) -> str:
+    """A line a quality: its errors and seconds, and the cheapest setting that is no more than a fiftieth farther off,
+    by how much of its time."""
+    lines = ["beside the cheapest setting that is at most a fiftieth farther off:"]
+    known = [(point, point.error["rmse"]) for point in points]
+    for point, error in known:
+        if "quality" not in point.knobs or error is None:
+            continue
+        best = min((one for one, off in known if off is not None and off <= 1.02 * error), key=lambda one: one.seconds)
+        other = f"{described(best.knobs)} takes {best.seconds / (point.seconds or 1.0):.0%} of its time"
+        if best is point:
+            other = "it is the cheapest"
+        name, flip = point.knobs["quality"], point.error["flip"]
+        lines.append(f"  {name:<9}{error:6.1%}, ꟻLIP {flip:.3f}, {point.seconds:.2f} s: {other}")
+    return "\n".join(lines)

@@ -1,0 +1,257 @@
+"""A study's figures as text: a table for people, a row for each of several studies, CSV, and what to try."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from .points import Knobs, by_line, cheapest
+from .sweep import Study
+
+HEADS = {
+    "emitter.particles": "particles",
+    "time.substeps": "substeps",
+    "rod.iterations": "iterations",
+    "dt": "step",
+    "emitter.strands": "guides",
+    "children.count": "each for",
+    "rules.interaction.cell": "cell",
+}
+MOST_METRICS = 6
+"""Columns of errors in the table for people; the files hold all."""
+UNDER = 0.01
+"""Error for which the cheapest setting is told of several studies where none was asked for."""
+
+
+def share(value: float) -> str:
+    """A share for people: 0.01 is 1 %."""
+    return f"{100 * value:.3g} %"
+
+
+def seconds(value: float) -> str:
+    """A run time for people."""
+    return f"{value:.3g} s" if value >= 1 else f"{1e3 * value:.3g} ms"
+
+
+def step(dt: float) -> str:
+    """A step in seconds for people: 1/240 s."""
+    per = 1 / dt
+    return f"1/{round(per)} s" if per > 1.5 and abs(per - round(per)) < 1e-6 * per else f"{dt:.3g} s"
+
+
+def setting(knobs: Knobs) -> str:
+    """A setting as it is written after `--set`."""
+    return " ".join(f"step {step(value)}" if name == "dt" else f"{name}={value}" for name, value in knobs.items())
+
+
+def order_words(orders: Sequence[dict[str, Any]], line: str, metric: str) -> list[str]:
+    """What is known of a line's orders of convergence in a metric."""
+    names = {"dt": "Δt", "segment": "segment length", "spacing": "distance of guides"}
+    found = []
+    for one in orders:
+        if (one["line"], one["metric"]) == (line, metric):
+            order = "no order seen" if one["order"] is None else f"order {one['order']:.2f}"
+            found.append(f"{order} in {names.get(one['in'], one['in'])}")
+    return found
+
+
+def columns(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:
+    """Lines of a table; the columns whose numbers are ``left`` are flush left, the others right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            text.ljust(width) if i in left else text.rjust(width)
+            for i, (text, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def to_csv(study: Study) -> str:
+    """A row a point: its knobs, step, seconds, every error, and whether it is on the front."""
+    knobs = list(dict.fromkeys(name for point in study.points for name in point.knobs if name != "dt"))
+    metrics = list(dict.fromkeys(name for point in study.points for name in point.error))
+    counts = list(dict.fromkeys(name for point in study.points for name in point.counts))
+    steps = ["dt"] if any("dt" in point.sizes for point in study.points) or not study.points else []
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow([*knobs, *steps, "seconds", *metrics, *counts, "pareto"])
+    for point in study.points:
+        cells = [*(point.knobs.get(name) for name in knobs), *(point.sizes.get(name) for name in steps), point.seconds]
+        cells += [*(point.error.get(name) for name in metrics), *(point.counts.get(name) for name in counts)]
+        writer.writerow(["" if cell is None else cell for cell in cells] + [int(point.pareto)])
+    return out.getvalue()
+
+
+def to_text(study: Study) -> str:
+    """The table for people, then what follows from it."""
+    lines = [study.title, f"errors are shares {study.unit}; settings are chosen by {study.metric}", ""]
+    lines += _known(study)
+    if study.points:
+        lines += [*_rows(study), "", "* on the Pareto front: nothing measured is both as fast and as right"]
+    for line in by_line(study.points):
+        for metric in dict.fromkeys(one["metric"] for one in study.orders):
+            words = order_words(study.orders, line, metric)
+            if metric == study.metric:
+                lines += [f"{line}: {', '.join(words)}"] if words else []
+            elif any(not text.startswith("no") for text in words):
+                lines.append(f"{' ' * len(line)}  {', '.join(w for w in words if not w.startswith('no'))}: {metric}")
+    lines += [f"{one['solver']}: {one['why']}" for one in study.absent]
+    lines += [""] if study.recommended else []
+    for one in study.recommended:
+        margin = f", with the limit known to {share(one['margin'])}" if one["margin"] else ""
+        lines.append(
+            f"under {share(one['max_error'])}: {setting(one['knobs'])} in {seconds(one['seconds'])} "
+            f"(error {share(one['error'])}{margin})"
+        )
+    return "\n".join(lines)
+
+
+def _known(study: Study) -> list[str]:
+    what = study.reference.get("what")
+    if what:
+        return [f"reference: {what}", ""]
+    exact = study.reference.get("exact")
+    if exact:
+        return [f"exact: {', '.join(f'{name} {value:.6g}' for name, value in exact.items())}", ""]
+    out = []
+    for name, limit in study.reference.get("limits", {}).items():
+        sure = share(limit["uncertainty"]) if math.isfinite(limit["uncertainty"]) else "nothing"
+        order = "" if limit["order"] is None else f", order {limit['order']:.1f}"
+        drift = share(limit["gaps"][1]) if math.isfinite(limit["gaps"][1]) else "everything"
+        words = f"known to {sure}" if limit["converges"] else f"none seen: the last refinement moved strands by {drift}"
+        apart = limit.get("from_own_solver")
+        far = f"; {share(apart)} from that of the preset's own solver" if apart else ""
+        out.append(f"limit of {name}: {words}{order}{far}")
+    return [*out, ""] if out else []
+
+
+def _rows(study: Study) -> list[str]:
+    known = ("solver", *HEADS)
+    found = dict.fromkeys(name for point in study.points for name in point.knobs)
+    knobs = [name for name in known if name in found] + [name for name in found if name not in known]
+    metrics = list(dict.fromkeys([study.metric, *(name for point in study.points for name in point.error)]))
+    metrics = metrics[:MOST_METRICS]
+    table = [["", *[HEADS.get(name, name) for name in knobs], "time", *metrics]]
+    for point in study.points:
+        row = ["*" if point.pareto else ""]
+        row += [step(point.knobs["dt"]) if name == "dt" and "dt" in point.knobs else _cell(point.knobs.get(name))
+                for name in knobs]  # fmt: skip
+        row += [seconds(point.seconds), *(_error(name, point.error.get(name)) for name in metrics)]
+        table.append(row)
+    return columns(table, (0, 1))  # the mark, and the solver's name
+
+
+def _cell(value: Any) -> str:
+    return "-" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _error(metric: str, value: float | None) -> str:
+    """An error for people: a share, or pixels where the metric's name ends so."""
+    if value is None:
+        return "-"
+    return f"{value:.3g}" if metric.endswith(" px") else share(value)
+
+
+def summary(studies: Sequence[Study], most: float | None = None) -> list[dict[str, Any]]:
+    """A row for each study and line of its chart, and one for each solver that cannot be measured: the least error with
+    its setting and seconds, orders where they are to be seen, and the cheapest run under an error."""
+    out: list[dict[str, Any]] = []
+    for study in studies:
+        for line, points in by_line(study.points).items():
+            known = [point for point in points if point.error.get(study.metric) is not None]
+            best = min(known, key=lambda point: point.error[study.metric] or 0.0, default=None)
+            under = cheapest(points, study.metric, most or UNDER, study.margins)
+            orders = {
+                one["in"]: one["order"] for one in study.orders if one["line"] == line and one["metric"] == study.metric
+            }
+            out.append(
+                {
+                    "subject": study.name,
+                    "solver": line,
+                    "metric": study.metric,
+                    "unit": study.unit,
+                    "error": None if best is None else best.error[study.metric],
+                    "knobs": None if best is None else dict(best.knobs),
+                    "seconds": None if best is None else best.seconds,
+                    "order_dt": orders.get("dt"),
+                    "order_segment": orders.get("segment"),
+                    "max_error": most or UNDER,
+                    "seconds_under": None if under is None else under.seconds,
+                }
+            )
+        for absent in study.absent:
+            out.append({"subject": study.name, "solver": absent["solver"], "not_represented": absent["why"]})
+    return out
+
+
+def summary_text(studies: Sequence[Study], most: float | None = None) -> str:
+    """The same in columns."""
+    heads = ("subject", "solver", "least error", "of the", "with", "time", "order in Δt", "in length")
+    table: list[tuple[str, ...]] = [(*heads, f"under {share(most or UNDER)} in")]
+    notes = {}
+    for one in summary(studies, most):
+        if "not_represented" in one:
+            notes[len(table)] = one["not_represented"]
+            table.append((one["subject"], one["solver"], "-", *[""] * 6))
+            continue
+        nothing = one["error"] is None
+        knobs = {} if nothing else one["knobs"]
+        words = [f"{knobs[path]} {HEADS[path]}" for path in list(HEADS)[:3] if path in knobs]
+        words += [f"step {step(knobs['dt'])}"] if "dt" in knobs else []
+        orders = ["-" if one[key] is None else f"{one[key]:.1f}" for key in ("order_dt", "order_segment")]
+        least, unit = "none" if nothing else share(one["error"]), one["unit"].removeprefix("of the ")
+        table.append((
+            one["subject"], one["solver"], least, unit, ", ".join(words),
+            "" if nothing else seconds(one["seconds"]), *orders,
+            "-" if one["seconds_under"] is None else seconds(one["seconds_under"]),
+        ))  # fmt: skip
+    lines = columns(table, (0, 1, 3, 4))
+    room = sum(max(len(row[i]) for row in table) for i in (0, 1)) + 4
+    for place, why in notes.items():
+        lines[place] = lines[place][:room].ljust(room) + why
+    return "\n".join(lines)
+
+
+def why_missed(studies: Sequence[Study], most: float) -> str:
+    """Why no setting keeps under an error: how near each solver comes, and what to try."""
+    words = [f"{study.name}: {_nearest(study)}" for study in studies]
+    return f"no setting keeps under an error of {share(most)}: {'; '.join(words)}; {_suggestion(studies)}"
+
+
+def _nearest(study: Study) -> str:
+    """How near each solver comes."""
+    found = []
+    for solver, points in by_line(study.points, lambda point: point.solver).items():
+        limit = study.reference.get("limits", {}).get(solver)
+        if limit is not None and not limit["converges"]:
+            gap = limit["gaps"][1]
+            moved = f" (its last refinement moved strands by {share(gap)})" if math.isfinite(gap) else ""
+            found.append(f"{solver} has no limit in sight{moved}")
+            continue
+        errors = [point.error.get(study.metric) for point in points]
+        known = [error for error in errors if error is not None]
+        sure = f", its limit known to {share(limit['uncertainty'])}" if limit is not None else ""
+        found.append(f"{solver} comes to {share(min(known))}{sure}".strip() if known else f"{solver} has no error")
+    return ", ".join(found)
+
+
+def _suggestion(studies: Sequence[Study]) -> str:
+    """What to try: first of all segments as short as strands bend."""
+    if any(study.axis == "interaction" for study in studies):
+        return "try finer --cells or more --guides"
+    if any(study.axis not in ("motion", "reference") for study in studies):
+        return "allow a greater error"
+    for study in studies:
+        bend = study.reference.get("bend")
+        tried = [point.knobs["emitter.particles"] for point in study.points if "emitter.particles" in point.knobs]
+        if bend and tried and bend * (max(tried) - 1) < 1:
+            need = math.ceil(1 / bend) + 1
+            return (
+                f"strands bend within {share(bend)} of their length, less than a segment: "
+                f"try --solver rod --particles {need},{2 * need - 1}"
+            )
+    return "try finer --substeps or --particles"
