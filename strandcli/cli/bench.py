@@ -98,11 +98,11 @@ def command(
         from ..study import bench
 
         if preset is not None:
-            from ..study import preset_bench
+            from ..study import bench_preset
 
             wishes = {"strands": strands, "particles": particles, "solver": solver}
             changes = {path: wishes[name] for name, path in CHANGED.items() if name in given}
-            data = preset_bench.run(preset, frames, size, threads, quality, overrides, progress.note, cpu, changes)
+            data = bench_preset.run(preset, frames, size, threads, quality, overrides, progress.note, cpu, changes)
         elif growth:
             grown = bench.time_growth(solver, overrides, progress.note)
             data = {"solver": solver, **grown, "machine": runtime.machine()}

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import json
+import time
 from pathlib import Path
 
 import pytest
 
 from cli_runs import TINY, Runner
-from strandcli.study import preset_bench
+from strandcli.study import roofline
 
 
 @pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
     (tmp_path / "tiny.yaml").write_text(TINY)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(preset_bench, "LEAST", 256)
     return Runner(tmp_path, capsys)
 
 
@@ -36,6 +36,22 @@ def test_a_presets_stages_stand_beside_their_bounds(run: Runner) -> None:
             assert all(one["count"] > 0 and one["element_ns"] > 0 and one["bytes"] > 0 for one in row["bounds"])
     assert data["frame"]["median_ms"] >= sum(row["min_ms"] for row in stages.values()) * 0.999
     assert (data["counts"]["strands"], data["clock"]) == (150, "wall")
+
+
+def test_every_bound_is_of_bytes_and_operations_at_the_rates_of_the_machine() -> None:
+    counts = dict.fromkeys(
+        ("particles", "particle_steps", "children", "child_particles", "vertices", "splats", "map_texels", "lights",
+         "strand_vertices_in_maps", "fragments_found", "line_samples", "lit_vertices", "lights_with_maps",
+         "solid_samples", "samples", "samples_a_side", "fragments_blended", "strand_samples", "bytes"), 3,
+    )  # fmt: skip
+    stages = dict.fromkeys(bound.stage for bound in roofline.BOUNDS.values())
+    found = [one for stage in stages for one in roofline.bounds_of(stage, counts, (1e-10, 1e-9))]
+    assert [one["loop"] for one in found] == list(roofline.BOUNDS)
+    for one in found:
+        assert one["element_ns"] == pytest.approx(max(0.1 * one["bytes"], one["operations"]))
+    second, other = roofline.rates(time.perf_counter)
+    assert 1e-13 < second < 1e-8
+    assert 1e-13 < other < 1e-8
 
 
 def test_a_preset_has_as_many_strands_as_are_asked_for(run: Runner) -> None:

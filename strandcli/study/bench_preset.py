@@ -2,8 +2,7 @@
 
 Frames are drawn one by one on all threads that are asked for, and written before the next begins, so that no stage
 takes turns with another; to simulate is to move on to a frame, its errors looked at. The first is not counted, because
-it compiles and fills caches. Bounds (`bounds.loops`) are measured right after, on the same threads; each has the least
-time of some runs, and so has each stage that it is compared with.
+it compiles and fills caches. The rates that bounds are made of (`roofline`) are measured right after.
 """
 
 from __future__ import annotations
@@ -11,27 +10,23 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import load, runtime
 from ..errors import UsageError
 from ..plan import checked_plan
 from ..scene.model import Scene
 from .bench import spread
-from .bounds.arrays import MOST
-from .bounds.loops import BOUNDS, LEAST, STAGES, Counts, Loop, make_deflate
+from .roofline import Counts, bounds_of, rates
 
 Notify = Callable[[str], None]
 Clock = Callable[[], float]
 """Tells seconds."""
-
-RUNS = 5
-"""Runs of a bound's loop, the least of which counts, after one that does not."""
+Timed = list[tuple[dict[str, float], Counts]]
+"""Seconds by stage and counts, of each frame."""
 
 
 def run(
@@ -61,10 +56,9 @@ def run(
     runtime.start(threads, notify)
     clock = time.process_time if cpu else time.perf_counter
     with runtime.thread_count(runtime.checked_threads(threads)):
-        timed, image = time_frames(scene, frames, clock, notify)
-        counts = timed[-1][1]
-        bounds = measure_bounds(counts, image, clock, notify)
-    seconds = [sum(each for each in one.values()) for one, _ in timed]
+        timed = time_stages(scene, frames, clock, notify)
+        measured = rates(clock)
+    seconds = [sum(one.values()) for one, _ in timed]
     return {
         "preset": preset,
         "size": list(size),
@@ -74,17 +68,15 @@ def run(
         "set": [*overrides, *(f"{path}={value}" for path, value in (changes or {}).items())],
         "clock": "cpu" if cpu else "wall",
         "compile_seconds": runtime.compile_seconds(),
-        "stages": {name: stage_row(name, timed, bounds) for name in timed[-1][0]},
+        "stages": {name: stage_row(name, timed, measured) for name in timed[-1][0]},
         "frame": {**spread(seconds), "fps": 1 / float(np.median(seconds))},
-        "counts": counts,
+        "counts": timed[-1][1],
         "machine": runtime.machine(),
     }
 
 
-def time_frames(
-    scene: Scene, frames: int, clock: Clock, notify: Notify | None
-) -> tuple[list[tuple[dict[str, float], Counts]], NDArray[np.uint8]]:
-    """Seconds a stage and the counts of frames 2 to ``frames`` + 1, and the last picture."""
+def time_stages(scene: Scene, frames: int, clock: Clock, notify: Notify | None) -> Timed:
+    """Seconds a stage and the counts of frames 2 to ``frames`` + 1."""
     from .. import compile_ahead
     from ..draw.counting import CountingRenderer, ProcessorRenderer
     from ..frame_renderer import FrameRenderer
@@ -94,7 +86,6 @@ def time_frames(
 
     numbers = range(1, frames + 2)
     timed = []
-    image = np.zeros((0, 0, 3), np.uint8)
     compile_ahead.begin(scene, None)
     try:
         moved = SimulationStage(scene, numbers, None, RunOptions(notify=notify))
@@ -106,93 +97,47 @@ def time_frames(
                 began = clock()
                 begun = moved.begin(number)
                 simulated_in = clock() - began
-                simulated = begun.frame.report["counts"]["particles"]
+                particles = begun.frame.report["counts"]["particles"]
                 frame = draw(begun)
                 assert frame.image is not None
-                image = frame.image
                 began = clock()
-                png.pixels_sha256(image)
-                write_pieces(Path(folder) / "frame.png", png.encode(image))
-                drawn = frame.report["seconds"]
-                seconds = {**drawn, "simulate": simulated_in, "write": clock() - began}
-                counts = complete(frame.report["counts"], scene, moved.groom.strands, simulated, image.size)
+                png.pixels_sha256(frame.image)
+                write_pieces(Path(folder) / "frame.png", png.encode(frame.image))
+                seconds = {**frame.report["seconds"], "simulate": simulated_in, "write": clock() - began}
+                counts = frame.report["counts"]
+                more = {  # which the renderer does not know
+                    "guides": moved.groom.strands,
+                    "particles_a_strand": particles // moved.groom.strands,
+                    "particle_steps": particles * scene.time.substeps,
+                    "children": counts["strands"] if counts.get("child_particles") else 0,
+                    "samples_a_side": scene.image.supersample,
+                    "bytes": frame.image.size,
+                }
                 if number > 1:
-                    timed.append((seconds, counts))
+                    timed.append((seconds, {**counts, **more}))
     finally:
         compile_ahead.end()
-    return timed, image
+    return timed
 
 
-def complete(counts: Counts, scene: Scene, guides: int, particles: int, size: int) -> Counts:
-    """A frame's counts with what the renderer does not know: simulated particles and steps, and bytes of the file."""
-    return {
-        **counts,
-        "guides": guides,
-        "particles_a_strand": particles // guides,
-        "particle_steps": particles * scene.time.substeps,
-        "children": counts["strands"] if counts.get("child_particles") else 0,
-        "samples_a_side": scene.image.supersample,
-        "bytes": size,
-    }
-
-
-def measure_bounds(
-    counts: Counts, image: NDArray[np.uint8], clock: Clock, notify: Notify | None
-) -> dict[str, dict[str, Any]]:
-    """Of each bound that a frame with these counts has, what it does and its nanoseconds an element."""
-    found = {}
-    for name, bound in BOUNDS.items():
-        count = bound.count(counts)
-        if not count:
-            continue
-        if notify is not None:
-            notify(f"bound: {name}")
-        make = partial(make_deflate, image=image) if name == "deflate" else bound.make
-        found[name] = {
-            "loop": name,
-            "element": bound.element,
-            "bytes": bound.memory(counts),
-            "operations": bound.operations(counts),
-            "element_ns": 1e9 * least_seconds(make(counts, min(max(count, LEAST), MOST)), clock),
-        }
-    return found
-
-
-def least_seconds(loop: Loop, clock: Clock) -> float:
-    """Seconds an element of a loop's fastest run."""
-    times = []
-    for _ in range(RUNS + 1):
-        began = clock()
-        loop.run()
-        times.append(clock() - began)
-    return min(times[1:]) / loop.elements
-
-
-def stage_row(
-    name: str, timed: list[tuple[dict[str, float], Counts]], bounds: dict[str, dict[str, Any]]
-) -> dict[str, Any]:
+def stage_row(name: str, timed: Timed, measured: tuple[float, float]) -> dict[str, Any]:
     """A stage's milliseconds a frame; the element that it works on, their number in the last frame, and the fastest
     frame's nanoseconds each; the least time that its bounds ask for, of the fastest frame, too, and the ratio to that.
     None where the stage has no bound."""
     seconds = np.array([one.get(name) or 0.0 for one, _ in timed])
     fastest = int(np.argmin(seconds))
-    row: dict[str, Any] = {
-        **spread(seconds), "element": None, "count": None, "element_ns": None, "bound_element_ns": None,
-        "bound_ms": None, "ratio": None, "bounds": [],
-    }  # fmt: skip
-    mine = [bound for bound in STAGES.get(name, ()) if bound in bounds]
-    if not mine:
-        return row
-    last = timed[-1][1]
-    then = {bound: BOUNDS[bound].count(timed[fastest][1]) for bound in mine}
-    bound_ms = 1e-6 * sum(then[bound] * bounds[bound]["element_ns"] for bound in mine)
-    first = max(then[mine[0]], 1)
-    return row | {
-        "element": bounds[mine[0]]["element"],
-        "count": BOUNDS[mine[0]].count(last),
-        "element_ns": 1e9 * float(seconds[fastest]) / first,
-        "bound_element_ns": 1e6 * bound_ms / first,
+    last, then = (bounds_of(name, timed[i][1], measured) for i in (-1, fastest))
+    empty = dict.fromkeys(("element", "count", "element_ns", "bound_element_ns", "bound_ms", "ratio"))
+    if not last or not then:
+        return {**spread(seconds), **empty, "bounds": []}
+    bound_ms = 1e-6 * sum(one["count"] * one["element_ns"] for one in then)
+    return {
+        **spread(seconds),
+        "element": last[0]["element"],
+        "count": last[0]["count"],
+        "element_ns": 1e9 * float(seconds[fastest]) / then[0]["count"],
+        "bound_element_ns": 1e6 * bound_ms / then[0]["count"],
         "bound_ms": bound_ms,
         "ratio": 1e3 * float(seconds[fastest]) / bound_ms,
-        "bounds": [{**bounds[bound], "count": BOUNDS[bound].count(last)} for bound in mine],
+        "bounds": last,
     }
