@@ -192,11 +192,6 @@ def table(data: Mapping[str, Any]) -> str:
     for name, unit, of in alone:
         if name in data:
             lines.append(f"{name + ' alone':<20}{data[name]['ms']:>11.2f} ms   {data[name][unit]:.2f} ns {of}")
-    if cost := data.get("interaction"):
-        lines.append(
-            f"{'interaction':<20}{cost['ratio']:>11.2f} times the step without it, {cost['ms']:.2f} ms to "
-            f"{cost['without_ms']:.2f} ms in turns"
-        )
     for name, value in data["error"].items():
         if value is not None:
             lines.append(f"{name:<20}{value:>14.3g}")

@@ -51,13 +51,12 @@ class TogetherType(click.ParamType):
 @click.option("--solver", type=click.Choice(("rod", "thesis", "both")), help="Solver to test.  [default: both]")
 @click.option(
     "--with", "kinds", type=TogetherType(), default=(),
-    help="Run the matrix of rods with these on in every case: interaction, twist, or both with a comma.",
+    help="Run the cases of rods that have these: interaction, twist, or both with a comma.",
 )  # fmt: skip
 @click.option("--case", "case", metavar="NAME", help="Run this case alone, as the table and --json name it.")
 @click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name holds all of WORDS; or a pattern.")
 @click.option("--list", "listing", is_flag=True, help="Name the cases and run nothing.")
 @click.option("--quick", is_flag=True, help="The small matrix, of a few seconds.")
-@click.option("--accept", is_flag=True, help="Record the thesis solver's present failures as expected.")
 @click.option("--html", type=options.PathType(), metavar="FILE", help="Also write a page with all that is told.")
 @options.overwrite
 @options.threads
@@ -70,7 +69,6 @@ def command(
     pattern: str | None,
     listing: bool,
     quick: bool,
-    accept: bool,
     html: Path | None,
     overwrite: bool,
     threads: int | None,
@@ -87,16 +85,13 @@ def command(
     """
     if pattern is not None and not pattern.strip():
         raise UsageError("--filter: the text is empty; leave it out to run all cases")
-    if accept and (case or pattern or preset or kinds or solver == "rod"):
-        told = "none of --case, --filter, --with, PRESET"
-        raise UsageError(f"--accept: takes the whole matrix of the solver thesis, and {told}")
     if kinds and (case or preset or solver == "thesis"):
         raise UsageError("--with: takes the solver rod's matrix, without PRESET; --case runs its cases by name alone")
     if html is not None:
         options.refuse_existing(html, overwrite)
     from ..study.stress import run as stress
 
-    work, only = _chosen(preset, "rod" if kinds else solver, case, pattern, quick, accept, kinds)
+    work, only = _chosen(preset, "rod" if kinds else solver, case, pattern, quick, kinds)
     from ..study.stress.run import names_of
 
     names = [name for task in work for name in names_of(task) if only(name)]
@@ -120,9 +115,6 @@ def command(
             step=lambda count: progress.step(count=count),
             tell=tell,
         )
-    if accept:
-        say(f"{result.accept()}: rewritten", err=True)
-        return
     if html is not None:
         from ..html_report.measured import of_stress
         from ..output.files import prepare_folder, write_pieces
@@ -143,8 +135,7 @@ def command(
 
 
 def _chosen(
-    preset: str | None, solver: str | None, case: str | None, pattern: str | None, quick: bool, accept: bool,
-    kinds: tuple[str, ...],
+    preset: str | None, solver: str | None, case: str | None, pattern: str | None, quick: bool, kinds: tuple[str, ...]
 ) -> tuple[Sequence[Task], Any]:  # fmt: skip
     """The work to do, and which names of it are wanted."""
     from ..study.stress import run as stress
@@ -159,10 +150,7 @@ def _chosen(
     elif case is not None:
         work = [stress.named(case)]
     else:
-        solvers = ("thesis",) if accept else ("rod", "thesis") if solver in (None, "both") else (str(solver),)
-        work = stress.tasks(solvers, quick, kinds)
-        if accept:
-            work = list(dict.fromkeys([*work, *stress.tasks(solvers, quick=True)]))
+        work = stress.tasks(("rod", "thesis") if solver in (None, "both") else (str(solver),), quick, kinds)
     if case is not None:
         wanted = case if preset is not None else stress.canonical(case)
         return work, wanted.__eq__

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 ROOM = 1_000_000
 """Bytes that there has to be room for."""
-KINDS = ("csv", "json", "png", "svg", "html")
+KINDS = ("csv", "json", "svg", "html")
 """Files of a study."""
 
 max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help="Error to stay under: 1% or 0.01.")
@@ -32,8 +32,8 @@ max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help=
 @click.option("--reference", type=ListType("NAMES", word, "elastica,beam"), metavar="NAMES",
               help="Exact solutions in place of a preset: elastica, buckling, beam, chain, swing, catenary, spring, "
               "incline, layer, tuft, or all.")  # fmt: skip
-@click.option("--axis", metavar="NAME", help="What to study of a preset: motion, interaction, or of pictures curves, "
-              "coverage, shadow, occlusion, lod, quality.  [default: motion]")  # fmt: skip
+@click.option("--axis", metavar="NAME", help="What to study of a preset: motion, interaction, or of pictures coverage, "
+              "shadow, occlusion, quality.  [default: motion]")  # fmt: skip
 @max_error
 @click.option("--solver", "solvers", type=ListType("NAMES", word, "rod,thesis"), metavar="NAMES",
               help="Solvers: thesis, rod.  [default: all]")  # fmt: skip
@@ -80,8 +80,8 @@ def command(
 
     Of PRESET: where strands are, against the limit of finer settings, with --cells or --guides against finer cells or
     more guides; with --axis, one frame in linear light against a far finer one, or rays. With --reference: against
-    exact solutions; of several also a table with a row for each of them and each solver. Prints a table, writes
-    NAME.csv, .json, .png, .svg and .html, and recommends the cheapest setting under an error. A solver that cannot
+    exact solutions. Prints a table, writes
+    NAME.csv, .json, .svg and .html, and recommends the cheapest setting under an error. A solver that cannot
     represent something is listed as such. Exit code 3: no setting stays under --max-error.
     """
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
@@ -112,16 +112,13 @@ def command(
             _write(study, folder, max_error)
     if as_json:
         data = [one.as_dict() for one in studies]
-        several = {"studies": data, "summary": report.summary(studies, max_error)}
-        options.print_json(_finite(data[0] if len(data) == 1 else several))
+        options.print_json(_finite(data[0] if len(data) == 1 else {"studies": data}))
     elif not quiet:
         texts = [report.to_text(one) for one in studies]
         if axis == "quality":
             from ..study.pictures.frame import quality_text
 
             texts += [quality_text(one.points) for one in studies]
-        if len(studies) > 1:
-            texts.append(report.summary_text(studies, max_error))
         say("\n\n".join(texts))
     if not quiet:
         names = ", ".join(file_name(one.name, one.axis) for one in studies)
@@ -221,16 +218,13 @@ def _finite(data: Any) -> Any:
 def _write(study: Study, folder: Path, max_error: float | None) -> None:
     from .. import runtime
     from ..html_report.measured import of_study
-    from ..output.compare import write_image
     from ..output.files import prepare_folder, write_json, write_pieces
     from ..study.chart import chart
     from ..study.report import to_csv
 
     prepare_folder(folder, ROOM)
     name = file_name(study.name, study.axis)
-    drawing = chart(study, max_error)
     write_pieces(folder / f"{name}.csv", [to_csv(study).encode()])
-    write_pieces(folder / f"{name}.svg", [drawing.svg().encode()])
-    write_image(folder / f"{name}.png", drawing.picture())
+    write_pieces(folder / f"{name}.svg", [chart(study, max_error).encode()])
     write_pieces(folder / f"{name}.html", [of_study(study, max_error, runtime.machine())])
     write_json(folder / f"{name}.json", _finite({**study.as_dict(), "machine": runtime.machine()}))

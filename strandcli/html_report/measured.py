@@ -28,7 +28,7 @@ def of_study(study: Study, max_error: float | None, machine: Mapping[str, Any]) 
     rows = list(csv.reader(to_csv(study).splitlines()))
     numbers = [i for i, name in enumerate(rows[0]) if name != "solver"]
     shown = [[_short(cell) for cell in row] for row in rows[1 : MOST_ROWS + 1]]
-    drawing = chart(study, max_error).svg()
+    drawing = chart(study, max_error)
     return page.page(f"{study.title}: strandcli", [
         page.header(study.title, "no setting keeps under it" if missed else "measured", "bad" if missed else "",
                     f"error: {study.metric}, a share {study.unit}"),

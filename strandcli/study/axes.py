@@ -102,7 +102,7 @@ def axes_by_name() -> Mapping[str, Axis]:
     """All axes."""
     from .motion.experiment import Motion
     from .motion.interaction import Interaction
-    from .pictures import coverage, curves, detail, frame, occlusion, shadow
+    from .pictures import coverage, frame, occlusion, shadow
     from .references.experiment import References
 
     return {
@@ -111,11 +111,9 @@ def axes_by_name() -> Mapping[str, Axis]:
             Axis("motion", Motion),
             Axis("interaction", Interaction),
             Axis("reference", References),
-            Axis("curves", curves.CurveStudy, True),
             Axis("coverage", coverage.CoverageStudy, True),
             Axis("shadow", shadow.ShadowStudy, True),
             Axis("occlusion", occlusion.OcclusionStudy, True),
-            Axis("lod", detail.DetailStudy, True),
             Axis("quality", frame.QualityStudy, True),
         )
     }

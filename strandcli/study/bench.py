@@ -4,9 +4,8 @@ The scene is the preset `headline`. Times of stages are medians over frames afte
 because it compiles, touches fresh memory and fills caches. Where frames are drawn at once (`strandcli.ordered_map`),
 stages take the time of one frame on its share of the threads, and a frame takes the whole run's time over the number of
 frames. Threads that draw and write files take turns on the cores with the one that simulates, and a stage's time is
-that of the clock on the wall. So more figures stand on their own: `steps` (the solver asked for), `interaction` (what
-that rule costs, where the scene has it), and to be compared with bounds for one loop alone `rules` (six rules and two
-spheres) and `lines` (one-pixel lines with colours into a z-buffer).
+that of the clock on the wall. So more figures stand on their own: `steps` (the solver asked for), `rules` (six rules
+and two spheres) and `lines` (one-pixel lines with colours into a z-buffer).
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,7 +80,6 @@ def run(
         "frames": frames,
         "threads": runtime.machine()["threads"],
         "quality": quality,
-        "level": scene.curves.level,
         "set": list(overrides),
         "compile_seconds": runtime.compile_seconds(),
         "frames_at_once": at_once,
@@ -93,7 +90,6 @@ def run(
         "segment_ns": 1e6 * drawn / counts["segments"] / at_once,
         "error": timed["error"],
         "steps": time_steps(solver, strands, particles, 20, overrides),
-        "interaction": time_rule(scene, "interaction"),
         "rules": time_rules(strands, particles),
         "lines": time_lines(strands, 37, *size),
         "peak_rss_bytes": _peak(),
@@ -181,23 +177,6 @@ def time_steps(
     one = at_first_frame(load("headline", overrides=overrides, settings=settings, option="--set"))
     took = median_seconds(lambda j: one.advance(j + 2), repeats)
     return {"ms": 1e3 * took, "particle_step_ns": 1e9 * took / (strands * particles)}
-
-
-def time_rule(scene: Scene, rule: str, turns: int = 20) -> dict[str, float] | None:
-    """What a rule costs: milliseconds a step with it and without it, medians of steps in turns, so that whatever else
-    the machine does slows both; None for a scene without the rule."""
-    rules = tuple(use for use in scene.rules if use.name != rule)
-    if len(rules) == len(scene.rules):
-        return None
-    pair = at_first_frame(scene), at_first_frame(replace(scene, rules=rules))
-    times = np.empty((turns + 1, 2))
-    for turn in range(turns + 1):
-        for which, one in enumerate(pair):
-            began = time.perf_counter()
-            one.advance(turn + 2)
-            times[turn, which] = time.perf_counter() - began
-    with_it, without = (1e3 * np.median(times[1:], 0)).tolist()
-    return {"ms": with_it, "without_ms": without, "ratio": with_it / without}
 
 
 def at_first_frame(scene: Scene) -> Solver:

@@ -85,7 +85,7 @@ def time_stages(scene: Scene, frames: int, clock: Clock, notify: Notify | None) 
     from ..stages import RunOptions, SimulationStage
 
     numbers = range(1, frames + 2)
-    timed = []
+    timed: Timed = []
     compile_ahead.begin(scene, None)
     try:
         moved = SimulationStage(scene, numbers, None, RunOptions(notify=notify))

@@ -1,4 +1,4 @@
-"""A study's figures as text: a table for people, a row for each of several studies, CSV, and what to try."""
+"""A study's figures as text: a table for people, CSV, and what to try."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from .points import Knobs, by_line, cheapest
+from .points import Knobs, by_line
 from .sweep import Study
 
 HEADS = {
@@ -22,8 +22,6 @@ HEADS = {
 }
 MOST_METRICS = 6
 """Columns of errors in the table for people; the files hold all."""
-UNDER = 0.01
-"""Error for which the cheapest setting is told of several studies where none was asked for."""
 
 
 def share(value: float) -> str:
@@ -154,66 +152,6 @@ def _error(metric: str, value: float | None) -> str:
     if value is None:
         return "-"
     return f"{value:.3g}" if metric.endswith(" px") else share(value)
-
-
-def summary(studies: Sequence[Study], most: float | None = None) -> list[dict[str, Any]]:
-    """A row for each study and line of its chart, and one for each solver that cannot be measured: the least error with
-    its setting and seconds, orders where they are to be seen, and the cheapest run under an error."""
-    out: list[dict[str, Any]] = []
-    for study in studies:
-        for line, points in by_line(study.points).items():
-            known = [point for point in points if point.error.get(study.metric) is not None]
-            best = min(known, key=lambda point: point.error[study.metric] or 0.0, default=None)
-            under = cheapest(points, study.metric, most or UNDER, study.margins)
-            orders = {
-                one["in"]: one["order"] for one in study.orders if one["line"] == line and one["metric"] == study.metric
-            }
-            out.append(
-                {
-                    "subject": study.name,
-                    "solver": line,
-                    "metric": study.metric,
-                    "unit": study.unit,
-                    "error": None if best is None else best.error[study.metric],
-                    "knobs": None if best is None else dict(best.knobs),
-                    "seconds": None if best is None else best.seconds,
-                    "order_dt": orders.get("dt"),
-                    "order_segment": orders.get("segment"),
-                    "max_error": most or UNDER,
-                    "seconds_under": None if under is None else under.seconds,
-                }
-            )
-        for absent in study.absent:
-            out.append({"subject": study.name, "solver": absent["solver"], "not_represented": absent["why"]})
-    return out
-
-
-def summary_text(studies: Sequence[Study], most: float | None = None) -> str:
-    """The same in columns."""
-    heads = ("subject", "solver", "least error", "of the", "with", "time", "order in Δt", "in length")
-    table: list[tuple[str, ...]] = [(*heads, f"under {share(most or UNDER)} in")]
-    notes = {}
-    for one in summary(studies, most):
-        if "not_represented" in one:
-            notes[len(table)] = one["not_represented"]
-            table.append((one["subject"], one["solver"], "-", *[""] * 6))
-            continue
-        nothing = one["error"] is None
-        knobs = {} if nothing else one["knobs"]
-        words = [f"{knobs[path]} {HEADS[path]}" for path in list(HEADS)[:3] if path in knobs]
-        words += [f"step {step(knobs['dt'])}"] if "dt" in knobs else []
-        orders = ["-" if one[key] is None else f"{one[key]:.1f}" for key in ("order_dt", "order_segment")]
-        least, unit = "none" if nothing else share(one["error"]), one["unit"].removeprefix("of the ")
-        table.append((
-            one["subject"], one["solver"], least, unit, ", ".join(words),
-            "" if nothing else seconds(one["seconds"]), *orders,
-            "-" if one["seconds_under"] is None else seconds(one["seconds_under"]),
-        ))  # fmt: skip
-    lines = columns(table, (0, 1, 3, 4))
-    room = sum(max(len(row[i]) for row in table) for i in (0, 1)) + 4
-    for place, why in notes.items():
-        lines[place] = lines[place][:room].ljust(room) + why
-    return "\n".join(lines)
 
 
 def why_missed(studies: Sequence[Study], most: float) -> str:

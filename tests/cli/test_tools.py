@@ -148,11 +148,6 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
     assert "50.0 frames/s" in table
     assert "steps alone                1.50 ms   15.00 ns a particle and step" in table
     assert "penetration_max" not in table
-    assert "interaction" not in table
-    cost = {"ms": 3.0, "without_ms": 2.0, "ratio": 1.5}
-    monkeypatch.setattr(module, "run", lambda **_: {**BENCH, "interaction": cost})
-    assert "interaction                1.50 times the step without it, 3.00 ms to 2.00 ms in turns" in run("bench").out
-    monkeypatch.setattr(module, "run", fake)
     assert asked["overrides"] == ()
     assert run("bench", "--set", "wind.strength=2", "--set", "curves.level=7").code == 0
     assert asked["overrides"] == ("wind.strength=2", "curves.level=7")
@@ -160,27 +155,6 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
     assert (refused.code, "write --strands" in refused.error()) == (2, True)
     assert run("bench", "--strands", "0").code == 2
     assert run("bench", "--frames", "0").code == 2
-
-
-def test_bench_compares_steps_with_a_rule_and_without_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
-    turns: list[bool] = []
-    now = [0.0]
-
-    def at_first_frame(scene: Scene) -> SimpleNamespace:
-        windy = any(use.name == "wind" for use in scene.rules)
-
-        def advance(frame: int) -> None:
-            turns.append(windy)
-            now[0] += (0.03 if windy else 0.02) * (5 if len(turns) < 3 else 1)  # of which the first is not counted
-
-        return SimpleNamespace(advance=advance)
-
-    monkeypatch.setattr(bench, "at_first_frame", at_first_frame)
-    monkeypatch.setattr(bench, "time", SimpleNamespace(perf_counter=lambda: now[0]))
-    scene = strandcli.load("headline")
-    assert bench.time_rule(scene, "wind", turns=3) == pytest.approx({"ms": 30, "without_ms": 20, "ratio": 1.5})
-    assert turns == [True, False] * 4
-    assert bench.time_rule(scene, "interaction") is None
 
 
 def test_bench_tells_how_the_cost_of_a_particle_grows(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -64,7 +64,6 @@ def test_the_command_lists_replays_and_tells(command: Runner) -> None:
         told = command("stress", "--filter", empty)
         assert told.code == 2
         assert "--filter: the text is empty" in told.error()
-    assert command("stress", "--accept", "--solver", "rod").code == 2
 
 
 def test_a_failing_case_ends_in_exit_code_3_and_is_named(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -162,7 +161,7 @@ def test_rods_that_interact_and_twist_are_run_and_listed(command: Runner) -> Non
     listed = command("stress", "--with", "twist,interaction", "--quick", "--list").out.split()
     both = ("stress", "--with", "interaction,twist", "--quick")
     assert listed == command(*both, "--list", "--solver", "rod").out.split()
-    result = command(*both, "--filter", "contact=through emitter=flip between=grid", "--json", "--no-progress")
+    result = command(*both, "--filter", "between=grid n=1/", "--json", "--no-progress")
     assert result.code == 0, result.err
     data = json.loads(result.out)
     assert data["summary"]["pass"] == len(data["cases"]) > 1

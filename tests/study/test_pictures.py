@@ -14,7 +14,6 @@ from cli_runs import Runner
 from strandcli.draw.view.camera import axes
 from strandcli.study.axes import Request
 from strandcli.study.kernels import cylinders
-from strandcli.study.pictures.curves import bezier, to_polyline
 from strandcli.study.pictures.frame import quality_text
 from strandcli.study.pictures.shadow import ShadowStudy, frames_along
 from strandcli.study.pictures.subject import LinearRenderer, Subject, differences
@@ -29,7 +28,7 @@ image: {size: [32, 24]}
 lights: [{kind: directional, direction: [0.3, -1, -0.5], shadow: {size: 64}}]
 rules: {elasticity: {}}
 """
-AXES = ("curves", "coverage", "shadow", "occlusion", "lod", "quality")
+AXES = ("coverage", "shadow", "occlusion", "quality")
 
 
 @pytest.fixture
@@ -64,21 +63,10 @@ def test_what_is_studied_is_what_is_drawn_children_included(tmp_path: Path) -> N
 
 def test_the_first_of_the_children_are_studied_where_fewer_are_asked_for(run: Runner, tmp_path: Path) -> None:
     (tmp_path / "locks.yaml").write_text(f"{SMALL}children: {{count: 4}}\n")
-    done = run("study", "locks.yaml", "--axis", "curves", "--strands", "70", "--set", "curves.mode=off", "--json")
+    done = run("study", "locks.yaml", "--axis", "coverage", "--strands", "70", "--json")
     found = json.loads(done.out)
     assert found["reference"]["strands"] == 70
     assert "70 of 240 strands" in found["title"]
-
-
-def test_points_on_curves_and_their_distance() -> None:
-    straight = np.zeros((1, 5, 3))
-    straight[0, :, 1] = [-1, 0, 1, 2, 3]
-    curve = bezier(straight, np.array([1.0]), 7)
-    assert np.abs(curve[0, :, [0, 2]]).max() == 0
-    assert (np.diff(curve[0, :, 1]) > 0).all()
-    assert curve[0, -1, 1] == 3
-    line = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
-    assert to_polyline(np.array([[0.5, 0.25], [2.0, 0.5], [-3.0, 4.0]]), line) == pytest.approx([0.25, 1.0, 5.0])
 
 
 def test_frames_of_many_ways_are_those_of_each() -> None:
@@ -166,9 +154,6 @@ def test_every_axis_of_a_small_groom(run: Runner, axis: str) -> None:
         fine = [error for name, error in by_name.items() if '"image.supersample": 8' in name]
         coarse = [error for name, error in by_name.items() if '"image.supersample": 1' in name]
         assert min(fine) < 0.5 * max(coarse)
-    if axis == "curves":
-        pixels = [point["error"]["distance px"] for point in data["points"]]
-        assert pixels[0] > 10 * pixels[3] > 0
     if axis == "shadow":
         assert data["reference"]["noise"] < 0.02
         assert by_name['{"lights.0.shadow.model": "off"}'] == pytest.approx(1 - data["reference"]["mean"])
@@ -194,7 +179,7 @@ def test_what_is_set_by_hand_is_not_turned_and_what_does_not_fit_is_refused(run:
 
 def test_what_memory_cannot_hold_is_refused_before_anything_runs(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("strandcli.plan.require.available_memory", lambda: 10**8)
-    for words in (("study", "brush.yaml", "--axis", "lod"), ("bench", "--strands", "100000000")):
+    for words in (("study", "brush.yaml", "--axis", "coverage"), ("bench", "--strands", "100000000")):
         done = run(*words)
         assert done.code == 4
         assert "100 MB that are free" in done.error()

@@ -28,9 +28,8 @@ from ..axes import Request
 from ..kernels import cylinders
 from ..points import Knobs
 from ..settings import changed, knows
-from .curves import on_screen
 from .experiment import Pictures
-from .subject import Picture
+from .subject import Picture, on_screen
 
 PROBES = 400
 RAYS = 2048

@@ -230,6 +230,18 @@ class Subject:
         return Picture(renderer.linear, seconds, dict(drawing.counts), shaded, drawing.image)
 
 
+def on_screen(points: NDArray[np.float64], view: View) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Points (..., 3) in pixels (..., 2), and which of them the picture shows."""
+    away = points - view.eye
+    depth = away @ view.forward
+    away_from = np.where(depth > view.near, depth, 1.0) if view.perspective else np.ones_like(depth)
+    scale = view.focal / away_from
+    x = view.width / 2 + scale * (away @ view.right)
+    y = view.height / 2 - scale * (away @ view.up)
+    inside = (depth > view.near) & (x >= 0) & (y >= 0) & (x < view.width) & (y < view.height)
+    return np.stack([x, y], -1), inside
+
+
 def _small(size: tuple[int, int]) -> tuple[int, int]:
     """A picture's size at about `PIXELS` pixels, its shape kept; a smaller one as it is."""
     share = min(1.0, math.sqrt(PIXELS / (size[0] * size[1])))

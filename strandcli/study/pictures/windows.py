@@ -19,8 +19,7 @@ from ...errors import UsageError
 from ...scene.model import Scene
 from ..axes import Request
 from ..settings import changed
-from .curves import on_screen
-from .subject import LinearRenderer, Picture, Subject
+from .subject import LinearRenderer, Picture, Subject, on_screen
 
 SIDE = 32
 """Of a window, pixels, at most."""

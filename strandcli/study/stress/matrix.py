@@ -9,7 +9,6 @@ twist by and are pinned by meets pairs of the other axes.
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from itertools import chain, combinations, product
@@ -32,16 +31,13 @@ QUICK = {
 }  # fmt: skip
 """The small matrix of a test: short strands alone, so that little is compiled."""
 BESIDE: dict[str, tuple[str, ...]] = {
-    "dt": (), "B": ("0", "1e-2", "1", "1e6"), "gamma": ("0", "10", "1e4"), "wind": (), "emitter": (), "contact": (),
-    "n": ("1", "2", "10"), "start": (), "root": (), "torsion": (), "collide": (),
+    "dt": (), "substeps": (), "B": ("0", "1e-2", "1", "1e6"), "gamma": ("0", "10", "1e4"), "wind": (), "emitter": (),
+    "contact": (), "n": ("1", "2", "10"), "L": (), "tip": ("1e-3", "1", "1e3"), "start": (), "root": (), "torsion": (),
+    "collide": (),
 }  # fmt: skip
 """Axes whose pairs every combination of `between`, `twist` and `end` meets."""
-KINDS = ("interaction", "twist")
-"""What `stress --with` turns on in every case, of the axes ``between`` and ``twist``."""
-TOUCHING = 64
-"""Of how many cases one is tried with the rule contact, which takes a hundred times as long as a grid."""
-MOST_TOUCHING = 4
-"""Strands that contact is tried with at the most."""
+KINDS = {"interaction": "between", "twist": "twist"}
+"""What `stress --with` asks for, by the axis that has it."""
 
 Row = dict[str, str]
 Pair = tuple[str, str, str, str]
@@ -145,41 +141,12 @@ def quick(solver: str) -> tuple[Case, ...]:
     return tuple(dict.fromkeys(cases))
 
 
-def with_kinds(kinds: Sequence[str], small: bool) -> tuple[Case, ...]:
-    """The matrix of rods with some of `KINDS` on in every case and the others off. Each case meets two of the
-    combinations of the axes of `GROUPED`, one in the small matrix, chosen by its name, so that every value of every
-    axis meets every combination."""
-    found = []
-    for case in quick("rod") if small else full("rod"):
-        if not case.grouped:
-            place = zlib.crc32(case.name.encode())
-            for turn in range(1 if small else 2):
-                found.append(_joined(case, _combinations(tuple(kinds), False), place + 7 * turn))
-            if "interaction" in kinds and place // 4096 % (8 if small else TOUCHING) == 0:
-                near = case.with_labels(offset="0", n=case.label("n") if case.value("n") <= 10 else "10")
-                if near.value("strands") <= MOST_TOUCHING:
-                    found.append(_joined(near, _combinations(tuple(kinds), True), place))
-    return tuple(dict.fromkeys(found))
-
-
-@cache
-def _combinations(kinds: tuple[str, ...], touching: bool) -> tuple[Row, ...]:
-    """Labels of the axes of `GROUPED` with these kinds on, those with the rule contact or those without."""
-    found = []
-    for labels in product(*(values(axis) for axis in GROUPED)):
-        row = dict(zip(GROUPED, labels, strict=True))
-        on = {kind for kind, axis in (("interaction", "between"), ("twist", "twist")) if row[axis] != "none"}
-        touches = "contact" in AXES["between"][row["between"]]
-        if on == set(kinds) and touches == touching and not refusal(Case.of("rod", row)):
-            found.append(row)
-    return tuple(found)
-
-
-def _joined(case: Case, rows: Sequence[Row], place: int) -> Case:
-    """A case with a combination; strands without an edge that could bend are no coils."""
-    straight = case.label("start") == "coincident" or (case.label("start") == "zero" and case.value("n") == 1)
-    fit = [row for row in rows if not (straight and row["twist"] == "coil")]
-    return case.with_labels(**fit[place % len(fit)])
+def with_kinds(kinds: Sequence[str]) -> tuple[Case, ...]:
+    """The cases of rods with some of `KINDS` on and the others off."""
+    on = set(kinds)
+    return tuple(
+        case for case in groups() if {kind for kind, axis in KINDS.items() if case.label(axis) != "none"} == on
+    )
 
 
 def batches(cases: Sequence[Case]) -> list[tuple[Case, ...]]:

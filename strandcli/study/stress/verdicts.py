@@ -11,10 +11,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
-from ...output.files import write_pieces
 from .axes import Case
 
 LIMITS: dict[str, tuple[str, float, str]] = {
@@ -133,31 +131,3 @@ def passed_after_all(solver: str, failed: Iterable[tuple[str, str]], ran: Iterab
     """Names of cases that ran, and failed in less than what is listed for them."""
     happened, seen = set(failed), set(ran)
     return sorted({name for name, metric in expected(solver)[1] if name in seen and (name, metric) not in happened})
-
-
-def text_of(solver: str, failed: Iterable[tuple[str, str]]) -> str:
-    """The list of a solver for these failures, (name, metric), with the reasons that it has. Raises `KeyError` for a
-    metric without one, which is no failure that may be kept."""
-    reasons = expected(solver)[0]
-    scenes: dict[str, dict[str, list[str]]] = {}
-    for name, metric in failed:
-        reasons[metric]
-        scene, _, start = name.partition(START)
-        scenes.setdefault(scene, {}).setdefault(start or STRAIGHT, []).append(metric)
-    lines = [f"# Failures of the solver {solver} that are known and kept, as `strandcli stress --accept` wrote them."]
-    lines += [f"@{metric} {why}" for metric, why in reasons.items()]
-    for scene, starts in sorted(scenes.items()):
-        alike: dict[str, list[str]] = {}
-        for start, metrics in starts.items():
-            alike.setdefault(",".join(metrics), []).append(start)
-        bare = scene.removeprefix(solver).removeprefix("/")
-        lines += [" ".join([metrics, bare, *found]) for metrics, found in alike.items()]
-    return "\n".join(lines) + "\n"
-
-
-def accept(solver: str, failed: Iterable[tuple[str, str]]) -> Path:
-    """Rewrite the list of a solver; returns the file."""
-    path = Path(str(files(__package__).joinpath(f"expected_{solver}.txt")))
-    write_pieces(path, [text_of(solver, list(failed)).encode()])
-    expected.cache_clear()
-    return path
