@@ -30,7 +30,7 @@ help:
 	@echo "make study      every solver against exact solutions: out/study"
 	@echo "make figures-of-docs   measure the figures of README and docs/ again, on a machine that does nothing else; an hour"
 	@echo "make bench      time every stage of a frame"
-	@echo "make stress     the whole stability matrix of both solvers, some 62,000 cases"
+	@echo "make stress     the whole stability matrix of both solvers, some 38,000 cases"
 	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own; best beside libllvm19"
 	@echo "make check-against-blender   .abc and .usd in Blender and back, in an environment of its own; 400 MB, Python 3.11 or 3.13"
 	@echo "make faults     every place where a command writes fails once in every way; some minutes"

@@ -87,7 +87,7 @@ def command(
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
     if axis is None and preset is not None and (wishes["cells"] or wishes["guides"]):
         axis = "interaction"
-    from ..study.axes import find
+    from ..study.registry import find
 
     requests = _requests(preset, reference, axis, wishes)
     folder = output or Path("out", "study")
@@ -131,7 +131,8 @@ def command(
 def _requests(
     preset: str | None, reference: tuple[str, ...] | None, axis: str | None, wishes: dict[str, Any]
 ) -> list[Request]:
-    from ..study.axes import Request, chosen_solvers, find, settled
+    from ..study.axes import Request, chosen_solvers, settled
+    from ..study.registry import find
 
     overrides, seed = wishes.pop("overrides"), wishes.pop("seed")
     if (preset is None) == (reference is None):

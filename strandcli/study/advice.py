@@ -22,7 +22,8 @@ from ..output.report import finite
 from ..scene.dump import plain
 from ..scene.model import Scene
 from . import sweep
-from .axes import STRANDS, Request, find, settled
+from .axes import STRANDS, Request, settled
+from .registry import find
 from .report import share
 
 MOVING = ("seed", "solver", "rod", "time", "emitter", "rules", "solids")

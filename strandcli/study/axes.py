@@ -1,7 +1,7 @@
-"""What can be studied: axes by name, what a person can ask of one, and what each makes of it, an `Experiment`.
+"""What an axis of study is: what a person can ask of one, and what it makes of that, an `Experiment`.
 
 `sweep.run` does the rest: it measures every setting, finds the front, fits orders and recommends. An axis of another
-kind is one more class of experiment, and one entry in `axes_by_name`.
+kind is one more class of experiment, and one entry in `registry`.
 """
 
 from __future__ import annotations
@@ -96,35 +96,6 @@ class Axis:
     open: Callable[[Request], Experiment]
     pictures: bool = False
     """Whether it draws; else it is about motion."""
-
-
-def axes_by_name() -> Mapping[str, Axis]:
-    """All axes."""
-    from .motion.experiment import Motion
-    from .motion.interaction import Interaction
-    from .pictures import coverage, frame, occlusion, shadow
-    from .references.experiment import References
-
-    return {
-        axis.name: axis
-        for axis in (
-            Axis("motion", Motion),
-            Axis("interaction", Interaction),
-            Axis("reference", References),
-            Axis("coverage", coverage.CoverageStudy, True),
-            Axis("shadow", shadow.ShadowStudy, True),
-            Axis("occlusion", occlusion.OcclusionStudy, True),
-            Axis("quality", frame.QualityStudy, True),
-        )
-    }
-
-
-def find(name: str) -> Axis:
-    """An axis by name. Raises `UsageError`."""
-    axes = axes_by_name()
-    if name not in axes:
-        raise UsageError(f"no axis '{name}'; the axes are {', '.join(axes)}")
-    return axes[name]
 
 
 def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:

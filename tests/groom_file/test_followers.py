@@ -21,8 +21,9 @@ from strandcli.scene.model import Scene
 from strandcli.scene.motion import emitter_pose, rotation_matrix
 from strandcli.stages import RunOptions, SimulationStage
 from strandcli.study import sweep
-from strandcli.study.axes import Request, find
+from strandcli.study.axes import Request
 from strandcli.study.motion.experiment import Motion
+from strandcli.study.registry import find
 
 Floats = npt.NDArray[np.float64]
 

@@ -15,9 +15,10 @@ from strand_kit import scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.study import sweep
-from strandcli.study.axes import Request, find
+from strandcli.study.axes import Request
 from strandcli.study.motion.hairs import Hairs, Ruler, elsewhere, in_cells
 from strandcli.study.motion.interaction import Interaction
+from strandcli.study.registry import find
 
 TUFT = """
 title: a tuft that falls over
