@@ -106,7 +106,7 @@ def test_shadow_is_measured_apart_from_how_strands_scatter(tmp_path: Path) -> No
         knobs = {"lights.0.shadow.model": "opacity", "lights.0.shadow.size": 64}
         found.append((study.truth.mean(), study.errors(knobs, study.subject.draw(study.scene, draws=1))))
     assert found[0] == found[1]
-    assert found[0][1]["around"] < 0.1
+    assert found[0][1]["transmittance"] < 0.1
 
 
 def test_light_at_vertices_is_the_same_however_many_bands_of_rows_a_picture_has(tmp_path: Path) -> None:

@@ -56,23 +56,16 @@ class OcclusionStudy(Pictures):
         """Rays from points of strands that are seen."""
         rng = np.random.default_rng(0)
         subject, scene = self.subject, self.scene
-        shown = subject.draw(scene, draws=1, keep_shading=True).shaded
-        strands, points = [], []
-        first = 0
-        for lines, colours in shown:
-            seen = np.flatnonzero(np.isfinite(colours.sum(1)))
-            strands.append(first + np.searchsorted(lines.first, seen, "right") - 1)
-            points.append(lines.world[seen].astype(np.float64))
-            first += len(lines.first) - 1
-        if not sum(map(len, points)):
+        seen = subject.draw(scene, draws=1, keep_shading=True).vertices()
+        if not len(seen.light):
             raise UsageError(f"{subject.name}: no strand is seen, and so no occlusion to be studied")
-        chosen = rng.permutation(sum(map(len, points)))[:PROBES]
-        self.points = np.concatenate(points)[chosen]
+        chosen = rng.permutation(len(seen.light))[:PROBES]
+        self.points = seen.places[chosen]
         lines = flatten(*subject.whole(), subject.groom.strands, scene.curves, subject.view(scene), True, Scratch())
         thickness = Thickness(scene.material.width, scene.material.drawn_taper)
         spacing = subject.spacing()
         halves = seen_of_sky(
-            lines, thickness, self._packed(), self.points, np.concatenate(strands)[chosen],
+            lines, thickness, self._packed(), self.points, seen.strands[chosen],
             bundle(RAYS, spacing, rng), 0.01 * scene.emitter.length,
         )  # fmt: skip
         self.truth = halves.mean(1)

@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,19 @@ DRAWS = 3
 """Times that a setting is drawn; a stage takes the least of its times."""
 
 
+class Vertices(NamedTuple):
+    """Vertices of strands that a picture shows."""
+
+    light: NDArray[np.float64]
+    """(n,) of red, green and blue together."""
+    numbers: NDArray[np.int64]
+    """(n,) ascending."""
+    places: NDArray[np.float64]
+    """(n, 3) metres."""
+    strands: NDArray[np.int64]
+    """(n,) that they are on."""
+
+
 @dataclass
 class Picture:
     """One picture in linear light, and what it took."""
@@ -50,6 +63,18 @@ class Picture:
     """Where asked for: polylines, with the light at their vertices (V, 3); NaN where none was needed."""
     pixels: NDArray[np.uint8] | None = None
     """(height, width, 3) sRGB, as it would be written."""
+
+    def vertices(self, most_dark: float = 0.0) -> Vertices:
+        """The vertices whose light was needed, those alone with more of it where ``most_dark`` is above 0."""
+        found: list[tuple[NDArray[Any], ...]] = []
+        vertex = strand = 0
+        for lines, colours in self.shaded:
+            light = colours.sum(1, dtype=np.float64)
+            seen = np.flatnonzero(np.isfinite(light) & ((light > most_dark) | (most_dark == 0)))
+            strands = np.searchsorted(lines.first, seen, "right") - 1
+            found.append((light[seen], vertex + seen, lines.world[seen].astype(np.float64), strand + strands))
+            vertex, strand = vertex + len(lines.world), strand + len(lines.first) - 1
+        return Vertices(*map(np.concatenate, zip(*found, strict=True)))
 
 
 class LinearRenderer(Renderer):

@@ -59,7 +59,7 @@ AXES: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 """Values by label. ``n`` counts segments; ``start=zero`` has one segment without length, ``coincident`` has all;
 ``between`` has rules with their settings, and ``twist`` settings of rod: strands of coils begin as such."""
-GROUPED = ("between", "twist", "end", "root", "torsion", "collide")
+GROUPED = ("between", "twist", "end", "root", "torsion")
 """Axes of rods alone, in grooms of a few strands each."""
 
 DEFAULTS = {

@@ -22,7 +22,7 @@ SHEETS: dict[str, dict[str, tuple[str, ...]]] = {
     "substeps": {"gamma": ("0", "7.7", "1e4"), "dt": (), "substeps": (), "B": (), "start": ()},
 }
 """Axes of full products, with the labels that are taken; none: all."""
-ALONE = tuple(axis for axis in AXES if axis not in ("strands", "lengths", "start", *GROUPED))
+ALONE = tuple(axis for axis in AXES if axis not in ("strands", "lengths", "start", "collide", *GROUPED))
 SHORT = ("1", "2", "3", "10")
 """Segments of cheap strands."""
 QUICK = {
@@ -33,7 +33,6 @@ QUICK = {
 BESIDE: dict[str, tuple[str, ...]] = {
     "dt": (), "substeps": (), "B": ("0", "1e-2", "1", "1e6"), "gamma": ("0", "10", "1e4"), "wind": (), "emitter": (),
     "contact": (), "n": ("1", "2", "10"), "L": (), "tip": ("1e-3", "1", "1e3"), "start": (), "root": (), "torsion": (),
-    "collide": (),
 }  # fmt: skip
 """Axes whose pairs every combination of `between`, `twist` and `end` meets."""
 KINDS = {"interaction": "between", "twist": "twist"}
@@ -105,10 +104,16 @@ def pairs(solver: str) -> Iterator[Case]:
 
 def grooms(solver: str) -> Iterator[Case]:
     """Many strands: pairs of all axes, for short strands and for long ones with few of them."""
-    table = {axis: values(axis) for axis in AXES if axis not in GROUPED}
+    table = {axis: values(axis) for axis in AXES if axis not in ("collide", *GROUPED)}
     table |= {"strands": ("2", "129", "700"), "n": (*SHORT, "32")}
     for row in covering(table):
         yield Case.of(solver, row)
+
+
+def segments() -> Iterator[Case]:
+    """Rods: random strands whose whole segments are kept out of spheres, and not their particles alone."""
+    for contact, n in product(("inside", "through", "small", "moving"), ("3", "10")):
+        yield Case.of("rod", {"contact": contact, "n": n, "strands": "129", "start": "random", "collide": "segments"})
 
 
 def groups() -> Iterator[Case]:
@@ -126,7 +131,7 @@ def groups() -> Iterator[Case]:
 def full(solver: str) -> tuple[Case, ...]:
     """The whole matrix of one solver, each case once."""
     products = chain.from_iterable(product_of(solver, axes) for axes in SHEETS.values())
-    own = groups() if solver == "rod" else ()
+    own = chain(segments(), groups()) if solver == "rod" else ()
     return tuple(dict.fromkeys(chain(products, pairs(solver), grooms(solver), own)))
 
 
