@@ -115,19 +115,13 @@ def percent(error: float) -> str:
 
 
 def stages(found: Mapping[str, Any]) -> list[list[str]]:
-    """A row a stage, a column a preset: milliseconds, and how many times its bound."""
+    """A row a stage, a column a preset: milliseconds."""
     names = list(dict.fromkeys(stage for one in found.values() for stage in one["stages"]))
     rows = [["stage", *(f"`{one['preset']}`" for one in found.values())]]
     for name in names:
         cells = [one["stages"].get(name) for one in found.values()]
-        rows.append([name, *(stage_text(cell) if cell else "–" for cell in cells)])
+        rows.append([name, *(f"{number(cell['median_ms'])} ms" if cell else "–" for cell in cells)])
     return [*rows, ["frame", *(f"{number(one['frame']['median_ms'])} ms" for one in found.values())]]
-
-
-def stage_text(stage: Mapping[str, Any]) -> str:
-    """Milliseconds of a stage, and how many times its bound where it has one."""
-    bound = f", × {number(stage['ratio'])}" if stage["ratio"] else ""
-    return f"{number(stage['median_ms'])} ms{bound}"
 
 
 def qualities(found: Mapping[str, Any]) -> list[list[str]]:
@@ -213,10 +207,7 @@ def kept_of_axis(data: Any) -> Any:
 def kept_of_bench(data: Any) -> Any:
     """Of `bench` what pages tell."""
     keys = ("preset", "stages", "frame", "steps", "rules", "lines", "particle_step_ns", "peak_rss_bytes", "exponents")
-    found = {key: data[key] for key in keys if key in data}
-    for stage in found.get("stages", {}).values():
-        stage.pop("bounds", None)
-    return found
+    return {key: data[key] for key in keys if key in data}
 
 
 KEEP = {

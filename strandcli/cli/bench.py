@@ -83,8 +83,7 @@ def command(
     --set changes it: with image.resolver=sorted, material.model=chiang, material.width=0.0014 and
     lights.0.shadow.model=opacity strands are .2 pixels wide, sorted, and under an opacity map.
 
-    Of PRESET: each stage of its own frames, drawn one by one, what it works on, and the ratio to a loop that does only
-    what the stage cannot do without, measured in the same sitting.
+    Of PRESET: each stage of its own frames, drawn one by one, and what it works on.
 
     Compiling is told apart. Times are of this machine as it is now: compare within one sitting only.
     """
@@ -140,29 +139,21 @@ def refuse_contradictions(preset: str | None, given: set[str], overrides: Sequen
 
 
 def stage_table(data: Mapping[str, Any]) -> str:
-    """A row a stage: what it takes, what it works on, and how far it is from its bound."""
+    """A row a stage: what it takes, and what it works on."""
     wide, high = data["size"]
     lines = [
         f"{data['preset']}, {wide}x{high}, {counted(data['frames'], 'frame')} one by one, "
         f"{counted(data['threads'], 'thread')}" + (", the processor's time of all" if data["clock"] == "cpu" else ""),
         "",
-        f"{'stage':<10}{'median ms':>10}{'least ms':>10}{'elements':>14} {'each a':<24}"
-        f"{'ns':>8}{'bound ns':>10}{'ratio':>8}",
+        f"{'stage':<10}{'median ms':>10}{'least ms':>10}{'elements':>14} {'each a':<24}{'ns':>8}",
     ]
     for name, row in data["stages"].items():
         line = f"{name:<10}{_ms(row['median_ms']):>10}{_ms(row['min_ms']):>10}"
-        if row["ratio"] is not None:
+        if row["element"] is not None:
             line += f"{row['count']:>14,} {row['element']:<24}{row['element_ns']:>8.3g}"
-            line += f"{row['bound_element_ns']:>10.3g}{row['ratio']:>8.1f}"
         lines.append(line)
     frame = data["frame"]
-    lines += [f"{'frame':<10}{_ms(frame['median_ms']):>10}{_ms(frame['min_ms']):>10}", "", "bounds, the least:"]
-    for row in data["stages"].values():
-        for one in row["bounds"]:
-            lines.append(
-                f"  {one['loop']:<10}{one['count']:>14,} {one['element']:<26}{one['element_ns']:>7.3g} ns"
-                f"{one['bytes']:>6.3g} bytes{one['operations']:>5.3g} operations each"
-            )
+    lines += [f"{'frame':<10}{_ms(frame['median_ms']):>10}{_ms(frame['min_ms']):>10}", ""]
     lines.append(f"compiling took {data['compile_seconds']:.1f} s, not counted above")
     return "\n".join(lines)
 

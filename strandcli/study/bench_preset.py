@@ -1,8 +1,8 @@
-"""`strandcli bench PRESET`: where a frame's time goes, what each stage works on, and how far it is from its bound.
+"""`strandcli bench PRESET`: where a frame's time goes, and what each stage works on.
 
 Frames are drawn one by one on all threads that are asked for, and written before the next begins, so that no stage
 takes turns with another; to simulate is to move on to a frame, its errors looked at. The first is not counted, because
-it compiles and fills caches. The rates that bounds are made of (`roofline`) are measured right after.
+it compiles and fills caches.
 """
 
 from __future__ import annotations
@@ -20,13 +20,31 @@ from ..errors import UsageError
 from ..plan import checked_plan
 from ..scene.model import Scene
 from .bench import spread
-from .roofline import Counts, bounds_of, rates
 
 Notify = Callable[[str], None]
 Clock = Callable[[], float]
 """Tells seconds."""
-Timed = list[tuple[dict[str, float], Counts]]
+Timed = list[tuple[dict[str, float], dict[str, int]]]
 """Seconds by stage and counts, of each frame."""
+ELEMENTS: dict[str, tuple[tuple[str, Callable[[Mapping[str, int]], int]], ...]] = {
+    "simulate": (("particle and step", lambda c: c["particle_steps"]),),
+    "children": (("child's particle", lambda c: c.get("child_particles", 0)),),
+    "curves": (("vertex", lambda c: c["vertices"]),),
+    "shadow": (
+        ("splat", lambda c: c.get("splats", 0)), ("texel on a line", lambda c: c.get("map_texels", 0)),
+        ("vertex in a map", lambda c: c.get("strand_vertices_in_maps", 0)),
+    ),
+    "raster": (
+        ("fragment", lambda c: c.get("fragments_found", 0)), ("sample on a line", lambda c: c.get("line_samples", 0)),
+    ),
+    "shade": (
+        ("vertex and light", lambda c: c["lit_vertices"] * c["lights"]),
+        ("solid's sample and light", lambda c: c["solid_samples"] * c["lights"]),
+    ),
+    "film": (("sample", lambda c: c["samples"]),),
+    "write": (("byte", lambda c: c["bytes"]),),
+}  # fmt: skip
+"""What a stage works on, and how many of these a frame has, from its counts: of several the first that it has."""
 
 
 def run(
@@ -57,7 +75,6 @@ def run(
     clock = time.process_time if cpu else time.perf_counter
     with runtime.thread_count(runtime.checked_threads(threads)):
         timed = time_stages(scene, frames, clock, notify)
-        measured = rates(clock)
     seconds = [sum(one.values()) for one, _ in timed]
     return {
         "preset": preset,
@@ -68,7 +85,7 @@ def run(
         "set": [*overrides, *(f"{path}={value}" for path, value in (changes or {}).items())],
         "clock": "cpu" if cpu else "wall",
         "compile_seconds": runtime.compile_seconds(),
-        "stages": {name: stage_row(name, timed, measured) for name in timed[-1][0]},
+        "stages": {name: stage_row(name, timed) for name in timed[-1][0]},
         "frame": {**spread(seconds), "fps": 1 / float(np.median(seconds))},
         "counts": timed[-1][1],
         "machine": runtime.machine(),
@@ -109,8 +126,6 @@ def time_stages(scene: Scene, frames: int, clock: Clock, notify: Notify | None) 
                     "guides": moved.groom.strands,
                     "particles_a_strand": particles // moved.groom.strands,
                     "particle_steps": particles * scene.time.substeps,
-                    "children": counts["strands"] if counts.get("child_particles") else 0,
-                    "samples_a_side": scene.image.supersample,
                     "bytes": frame.image.size,
                 }
                 if number > 1:
@@ -120,24 +135,14 @@ def time_stages(scene: Scene, frames: int, clock: Clock, notify: Notify | None) 
     return timed
 
 
-def stage_row(name: str, timed: Timed, measured: tuple[float, float]) -> dict[str, Any]:
+def stage_row(name: str, timed: Timed) -> dict[str, Any]:
     """A stage's milliseconds a frame; the element that it works on, their number in the last frame, and the fastest
-    frame's nanoseconds each; the least time that its bounds ask for, of the fastest frame, too, and the ratio to that.
-    None where the stage has no bound."""
+    frame's nanoseconds each. None where nothing is counted."""
     seconds = np.array([one.get(name) or 0.0 for one, _ in timed])
     fastest = int(np.argmin(seconds))
-    last, then = (bounds_of(name, timed[i][1], measured) for i in (-1, fastest))
-    empty = dict.fromkeys(("element", "count", "element_ns", "bound_element_ns", "bound_ms", "ratio"))
-    if not last or not then:
-        return {**spread(seconds), **empty, "bounds": []}
-    bound_ms = 1e-6 * sum(one["count"] * one["element_ns"] for one in then)
-    return {
-        **spread(seconds),
-        "element": last[0]["element"],
-        "count": last[0]["count"],
-        "element_ns": 1e9 * float(seconds[fastest]) / then[0]["count"],
-        "bound_element_ns": 1e6 * bound_ms / then[0]["count"],
-        "bound_ms": bound_ms,
-        "ratio": 1e3 * float(seconds[fastest]) / bound_ms,
-        "bounds": last,
-    }
+    row: dict[str, Any] = {**spread(seconds), "element": None, "count": None, "element_ns": None}
+    for element, count in ELEMENTS.get(name, ()):
+        if row["element"] is None and count(timed[fastest][1]):
+            each = 1e9 * float(seconds[fastest]) / count(timed[fastest][1])
+            row |= {"element": element, "count": count(timed[-1][1]), "element_ns": each}
+    return row
