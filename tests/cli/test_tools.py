@@ -16,7 +16,6 @@ import strandcli
 from cli_runs import TINY, Runner
 from strandcli import study
 from strandcli.output.compare import write_image
-from strandcli.scene import Scene
 from strandcli.study import bench
 
 
