@@ -67,6 +67,7 @@ def command(
     from ..farm import job as jobs
     from ..farm import openjd, scripts
     from ..output.files import prepare_folder, write_pieces
+    from ..plan import make_plan
 
     scene = options.load_scene(preset, **scene_settings)
     numbers = options.frame_numbers(frames, scene)
@@ -77,10 +78,11 @@ def command(
     except ValueError as error:
         raise UsageError(str(error)) from None
     extra = ("--keep-going",) if keep_going else ()
+    threads = threads or min(USUAL_THREADS, options.available_cores())
+    plan = make_plan(scene, numbers, threads=threads)
     job = jobs.Job(
-        options.preset_name(preset), jobs.spelled(numbers), chunks, _simulated(scene, numbers),
-        threads or min(USUAL_THREADS, options.available_cores()),
-        ",".join(animate or ()), extra,
+        options.preset_name(preset), jobs.spelled(numbers), chunks, _simulated(scene, numbers) if plan.steps else "",
+        threads, jobs.asked_memory(plan.memory_at_once_bytes), ",".join(animate or ()), extra,
     )  # fmt: skip
     files = openjd.files(job) if target == "openjd" else scripts.files(job, target, options.available_cores())
     prepare_folder(folder, 0)
@@ -96,11 +98,10 @@ def command(
 
 
 def _simulated(scene: Scene, numbers: tuple[int, ...]) -> str:
-    """The frames to simulate beforehand, as -f takes them; "" where each task does it, or nothing moves."""
+    """The frames to simulate beforehand, as -f takes them; "" of panels, where each task does it."""
     from ..farm.job import spelled
-    from ..plan import make_plan
 
-    if scene.panels or not make_plan(scene, numbers).steps:
+    if scene.panels:
         return ""
     before = {number - 1 for number in numbers if number > 1} if scene.camera.shutter > 0 else set()
     return spelled(sorted({*numbers, *before}))

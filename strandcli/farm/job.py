@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+
+from ..plan import SHARE
 
 SCENE, POSITIONS, FRAMES, CHUNKS = "scene.yaml", "positions", "frames", "chunks.txt"
 """Beside the job files: the preset with all settings, simulated positions, pictures, and a line a chunk."""
@@ -11,21 +14,30 @@ MOST_CHUNKS = 1000
 """Tasks of one job: Slurm takes 1,001 of an array as it comes, Open Job Description 1,024 of a step."""
 USUAL_CHUNK = 8
 """Frames: a task starts in two seconds, which should be little beside its work."""
+COMPILER = 700
+"""MiB of a process that compiles: 530 were measured of `hair`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Job:
     """A run in pieces. ``name``: the preset's, for people; ``chunks``: frames of each task, as ``-f`` takes them;
-    ``simulated``: frames whose positions are needed, "" where nothing is simulated beforehand; ``threads``: of a task;
-    ``animate``: kinds of animation, "" for none; ``extra``: options of render that every task has."""
+    ``simulated``: frames whose positions are needed, "" where nothing is simulated beforehand; ``threads`` and
+    ``memory``, MiB: of a task; ``animate``: kinds of animation, "" for none; ``extra``: options of render that every
+    task has."""
 
     name: str
     frames: str
     chunks: tuple[str, ...]
     simulated: str
     threads: int
+    memory: int
     animate: str = ""
     extra: tuple[str, ...] = ()
+
+    @property
+    def warm_up_memory(self) -> int:
+        """MiB of the task that compiles, a process a thread."""
+        return max(self.memory, (self.threads + 1) * COMPILER)
 
     def warm_up(self, scene: str = SCENE) -> list[str]:
         """Arguments of strandcli that compile the kernels."""
@@ -58,6 +70,12 @@ class Job:
         animate = ["--animate", self.animate] if self.animate else []
         more = [*self.extra, *animate, "--resume", "--no-progress"]
         return ["render", scene, *cache, "-o", frames, "-f", self.frames, *more]
+
+
+def asked_memory(planned: int) -> int:
+    """MiB to ask a scheduler for, of the bytes that a plan tells within 15 %: so many that they are no more than the
+    share of free memory that a run may take."""
+    return math.ceil(1.15 * planned / SHARE / (1 << 20))
 
 
 def chunks_of(frames: Sequence[int], size: int | None = None) -> tuple[str, ...]:

@@ -23,12 +23,12 @@ def files(job: Job) -> dict[str, str]:
 def template(job: Job) -> dict[str, Any]:
     """The template as plain data."""
     draw = job.draw("{{Task.Param.Chunk}}", **PATHS)
-    steps = [_step("Warm up", job.warm_up(PATHS["scene"]), job.threads)]
+    steps = [_step(job, "Warm up", job.warm_up(PATHS["scene"]))]
     if job.simulated:
         moved = job.simulate(PATHS["scene"], PATHS["positions"])
-        steps.append(_step("Simulate", moved, job.threads, after=steps[-1]["name"]))
-    steps.append(_step("Draw", draw, job.threads, after=steps[-1]["name"], chunks=job.chunks))
-    steps.append(_step("Join", job.join(**PATHS), job.threads, after="Draw"))
+        steps.append(_step(job, "Simulate", moved, after=steps[-1]["name"]))
+    steps.append(_step(job, "Draw", draw, after=steps[-1]["name"], chunks=job.chunks))
+    steps.append(_step(job, "Join", job.join(**PATHS), after="Draw"))
     return {
         "specificationVersion": SPECIFICATION,
         "name": "".join(c if c.isprintable() and c not in "{}" else "-" for c in job.name)[:120] or "strands",
@@ -47,17 +47,17 @@ def _path(name: str, default: str, kind: str, flow: str, words: str) -> dict[str
             "description": words}  # fmt: skip
 
 
-def _step(
-    name: str, arguments: Sequence[str], threads: int, after: str = "", chunks: Sequence[str] = ()
-) -> dict[str, Any]:
-    """A step that runs strandcli, once or for each chunk."""
+def _step(job: Job, name: str, arguments: Sequence[str], after: str = "", chunks: Sequence[str] = ()) -> dict[str, Any]:
+    """A step that runs strandcli, once or for each chunk; the first one compiles."""
     step: dict[str, Any] = {"name": name}
     if after:
         step["dependencies"] = [{"dependsOn": after}]
     if chunks:
         definition = {"name": "Chunk", "type": "STRING", "range": list(chunks)}
         step["parameterSpace"] = {"taskParameterDefinitions": [definition]}
-    step["hostRequirements"] = {"amounts": [{"name": "amount.worker.vcpu", "min": threads}]}
-    action = {"command": COMMAND, "args": [*arguments, "--threads", str(threads)]}
+    memory = job.memory if after else job.warm_up_memory
+    needs = {"amount.worker.vcpu": job.threads, "amount.worker.memory": memory}
+    step["hostRequirements"] = {"amounts": [{"name": key, "min": least} for key, least in needs.items()]}
+    action = {"command": COMMAND, "args": [*arguments, "--threads", str(job.threads)]}
     step["script"] = {"actions": {"onRun": action}}
     return step

@@ -36,17 +36,18 @@ esac
 SLURM = """\
 #!/bin/sh
 # Submit "{name}" to Slurm: kernels, motion, {count} tasks of frames, then all joined, each after what it needs.
-# Options of sbatch go with it: sh submit.sh --partition=short --time=2:00:00
+# Options of sbatch go with it: sh submit.sh --partition=short --time=2:00:00 --mem=8G
 # Submit it again after a failure: finished work is kept.
 # This folder has to be on storage that all nodes share, and so has the cache of kernels: STRANDCLI_CACHE_DIR.
 set -eu
 cd "$(dirname "$0")"
 mkdir -p logs
 submit() {{
-  id="$(sbatch --parsable --chdir="$(pwd)" --cpus-per-task={threads} --requeue --kill-on-invalid-dep=yes "$@")"
+  id="$(sbatch --parsable --chdir="$(pwd)" --cpus-per-task={threads} --mem={memory}M --requeue \\
+    --kill-on-invalid-dep=yes "$@")"
   echo "${{id%%;*}}"
 }}
-warm="$(submit --job-name={short}-warmup --output=logs/warmup-%j.txt "$@" job.sh warmup)"
+warm="$(submit --job-name={short}-warmup --output=logs/warmup-%j.txt --mem={warm_memory}M "$@" job.sh warmup)"
 {simulate}drawn="$(submit --job-name={short}-draw --output=logs/draw-%A-%a.txt --array=0-{last} \\
   --dependency="afterok:${after}" "$@" job.sh draw)"
 joined="$(submit --job-name={short}-join --output=logs/join-%j.txt --dependency="afterok:$drawn" "$@" job.sh join)"
@@ -96,7 +97,8 @@ def _slurm(job: Job) -> str:
     simulate = SIMULATE.format(short=short) if job.simulated else ""
     return SLURM.format(
         name=_comment(job.name), count=len(job.chunks), threads=job.threads, short=short, last=len(job.chunks) - 1,
-        simulate=simulate, after="moved" if job.simulated else "warm",
+        simulate=simulate, after="moved" if job.simulated else "warm", memory=job.memory,
+        warm_memory=job.warm_up_memory,
     )  # fmt: skip
 
 

@@ -160,9 +160,9 @@ def test_templates_are_valid(run: Runner) -> None:
     """By the model that the specification's authors publish, where it is installed."""
     model = pytest.importorskip("openjd.model")
     for name, chunks in (("hair", ("1-8",)), ("{{odd}}\n" * 50, tuple(str(i) for i in range(1, 1001)))):
-        job = jobs.Job(name, "1-8", chunks, "1-8", 4, "gif")
+        job = jobs.Job(name, "1-8", chunks, "1-8", 4, 900, "gif")
         model.decode_job_template(template=openjd.template(job))
-        model.decode_job_template(template=openjd.template(jobs.Job(name, "1", chunks, "", 1)))
+        model.decode_job_template(template=openjd.template(jobs.Job(name, "1", chunks, "", 1, 300)))
 
 
 def test_a_scene_without_motion_is_not_simulated(run: Runner) -> None:
@@ -190,7 +190,7 @@ def test_a_job_that_meets_motion_of_another_film_says_what_to_do_with_it(run: Ru
 @given(st.text(max_size=30))
 @example("0" * 13)
 def test_no_name_gets_out_of_its_comment_or_its_quotes(name: str) -> None:
-    job = jobs.Job(f"$(touch x)`touch x`'\"\n{name}", "1", ("1",), "1", 1, "", ())
+    job = jobs.Job(f"$(touch x)`touch x`'\"\n{name}", "1", ("1",), "1", 1, 300, "", ())
     for target in ("slurm", "parallel"):
         for file, text in scripts.files(job, target, 4).items():
             if file.endswith(".sh"):
@@ -216,7 +216,7 @@ def test_too_many_tasks_are_refused_with_what_fits() -> None:
 
 
 def test_scripts_are_run_by_the_python_that_wrote_them() -> None:
-    job: Any = jobs.Job("x", "1", ("1",), "1", 1)
+    job: Any = jobs.Job("x", "1", ("1",), "1", 1, 300)
     assert f"{sys.executable} -m strandcli" in scripts.files(job, "slurm", 1)["job.sh"].replace("'", "")
 
 
@@ -232,3 +232,16 @@ def test_no_task_asks_for_more_threads_than_there_are(run: Runner, monkeypatch: 
             words = ["sh", "job/job.sh", *stage.split()]
             done = subprocess.run(words, capture_output=True, text=True, check=True)
             assert done.stdout.split()[-2:] == ["--threads", str(most)]
+
+
+def test_jobs_ask_for_the_memory_that_is_planned(run: Runner) -> None:
+    planned = json.loads(run("plan", "tiny.yaml", "--threads", "1", "--json").out)["memory_at_once_bytes"]
+    for target, file in (("slurm", "job/submit.sh"), ("openjd", "job/job.yaml")):
+        assert (
+            run("farm", "tiny.yaml", "--threads", "1", "--target", target, "-o", "job", "-q", "--overwrite").code == 0
+        )
+        text = Path(file).read_text()
+        asked = [int(one or two) for one, two in re.findall(r"--mem=(\d+)M|worker.memory\n *min: (\d+)", text)]
+        draws, compiles = min(asked), max(asked)
+        assert 1.15 * planned < 0.81 * draws * 2**20 < 1.5 * planned  # within 15 %, and a run is not refused
+        assert compiles == 2 * jobs.COMPILER > draws
