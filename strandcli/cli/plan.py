@@ -49,6 +49,7 @@ def command(
     # a million frames as numbers are 40 MB
     numbers = range(1, scene.time.frames + 1) if frames is None else options.frame_numbers(frames, scene)
 
+    from ..output.room import frame_bytes
     from ..plan import make_plan
     from ..plan.libraries import look
     from ..scene.named_files import naming_files
@@ -70,14 +71,11 @@ def command(
             if not runtime.lacks_compiler(error):
                 raise
             warnings = [*plan.warnings, f"solids and meshes were not looked at: {runtime.NO_COMPILER}"]
+    written = frame_bytes(plan.pixels, scene.image.aovs)
     if as_json:
-        sizes = plan.sizes and plan.sizes._asdict()
-        data = {
-            **dataclasses.asdict(plan),
-            "warnings": warnings,
-            "sizes": sizes,
-            "time": foretold and foretold._asdict(),
-        }
+        sizes, time = plan.sizes and plan.sizes._asdict(), foretold and foretold._asdict()
+        more = {"warnings": warnings, "sizes": sizes, "frame_bytes": written, "time": time}
+        data = {**dataclasses.asdict(plan), **more}
         del data["parts"]
         options.print_json(data)
         return
@@ -89,7 +87,7 @@ def command(
             say(f"  {one.stage:<{width}}  {one.why}")
         if not part:
             say("  nothing")
-    _totals(plan)
+    _totals(plan, written)
     _time(plan, foretold)
     for words in warnings:
         say(f"warning: {words}", err=True)
@@ -132,7 +130,8 @@ def _of_mesh(emitter: Emitter) -> list[str]:
     return notes(emitter)
 
 
-def _totals(plan: Plan) -> None:
+def _totals(plan: Plan, written: int) -> None:
+    from ..output.files import megabytes
     from ..plan.free import SHARE, available_memory
 
     say("Cost:")
@@ -147,6 +146,8 @@ def _totals(plan: Plan) -> None:
     if (free := available_memory()) is not None:
         too_much = f"; more than {100 * SHARE:.0f} % of that is refused" if plan.memory_bytes > SHARE * free else ""
         say(f"  {free / 1e6:,.0f} MB are free{too_much}")
+    whole = megabytes(written * plan.frames)
+    say(f"  at most about {megabytes(written)} of files a frame, {whole} for {counted(plan.frames, 'frame')}")
 
 
 def _foretold(plan: Plan, scene: Scene, threads: int, measure: bool) -> Foretold | None:

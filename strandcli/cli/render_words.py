@@ -46,7 +46,18 @@ def tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None
         words += f"; {kept} kept"
     for path in made:
         words += f"; {path.name}"
-    say(words, err=True)
+    say(f"{words}; {_written(writer, made)}", err=True)
+
+
+def _written(writer: FrameWriter, made: list[Path]) -> str:
+    """What the frames' files take, kept ones too, with their layers and the animations."""
+    from ..output.files import megabytes
+    from ..output.layers import layer_files
+
+    names = [one.file for one in writer.written.values()]
+    names += [name for frame in writer.written for name in layer_files(frame, writer.layers, writer.exr)]
+    paths = [*(writer.directory / name for name in names), *made]
+    return megabytes(sum(path.stat().st_size for path in paths if path.exists()))
 
 
 def _seconds(seconds: float) -> str:

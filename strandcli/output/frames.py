@@ -20,10 +20,9 @@ from ..inputs import unrecorded
 from . import png
 from .claim import Claim
 from .files import begin_pieces, prepare_folder, require_own, with_whole
-from .layers import Layers, is_of, is_whole, layer_bytes, layer_files, write_layers
+from .layers import Layers, is_of, is_whole, layer_files, write_layers
+from .room import frame_bytes
 
-# Bytes a pixel in a frame full of strands, measured as 0.4 to 1.6 (see png.py); the estimate for a whole run.
-BYTES_PER_PIXEL = 1.5
 _TOGETHER = 8
 """Pictures that wait for the disk together, which takes 8 in two and a half times as long as one."""
 _DISK_SECONDS = 0.25
@@ -97,8 +96,7 @@ class FrameWriter:
             for name in () if overwrite else own:
                 require_own(directory / name)
         self.wanted = tuple(frame for frame in frames if frame not in self.written)
-        each = width * height * BYTES_PER_PIXEL + layer_bytes(self.layers, exr, width * height)
-        prepare_folder(directory, round(len(self.wanted) * each))
+        prepare_folder(directory, len(self.wanted) * frame_bytes(width * height, self.layers, exr))
         self._claim = Claim(directory, "frames", self.wanted)
 
     def _look(self, frames: Sequence[int], overwrite: bool, resume: bool, also: Sequence[str]) -> None:

@@ -42,7 +42,6 @@ EXR_INTEGERS = 1 << 24
 """Strands that an EXR file can number: its floats hold whole numbers up to here."""
 EXR_SCENE, EXR_LAYERS, EXR_HEAD = "strandcliScene", "strandcliLayers", 1 << 16
 """The attributes with the fingerprint of the scene and the names of layers, and bytes that a header has at most."""
-_CHANNELS = {"tangent": 3, "linear": 4}
 _EXR_NAMES = {
     "depth": ("Z",),
     "linear": ("R", "G", "B", "A"),
@@ -55,11 +54,6 @@ def layer_files(frame: int, names: Sequence[str], exr: bool) -> list[str]:
     files = [f"{name}_{frame:04d}.npz" for name in names]
     files += [f"{name}_{frame:04d}.png" for name in names if name != "linear"]
     return files + ([f"frame_{frame:04d}.exr"] if exr else [])
-
-
-def layer_bytes(names: Sequence[str], exr: bool, pixels: int) -> int:
-    """At most so many bytes a frame."""
-    return sum((10 if exr else 6) * _CHANNELS.get(name, 1) for name in names) * pixels
 
 
 def require_exr(strands: int) -> None:
