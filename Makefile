@@ -97,7 +97,7 @@ wheel: $(READY)
 	cd $(WHEEL) && STRANDCLI_CACHE_DIR=cache venv/bin/strandcli doctor
 
 kernel-costs: $(READY)
-	$(BIN)/python tests/kernel_costs.py
+	$(BIN)/python tests/kernel_costs.py $(COSTS)
 
 # a home that is no folder: kernels are kept nowhere, and the run goes on
 unwritable: $(READY)

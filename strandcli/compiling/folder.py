@@ -112,8 +112,9 @@ class Folder:
             self._tell(words)
 
     def refuse(self, store: Store, why: str, whole: bool = True) -> None:
-        """Note that a store is not read, or, unless ``whole``, not all of it."""
-        self._refused.append(f"{store.path}: {why}: kernels are compiled instead")
+        """Note, once, that a store is not read, or, unless ``whole``, not all of it."""
+        if not any(one.startswith(f"{store.path}: ") for one in self._refused):
+            self._refused.append(f"{store.path}: {why}: kernels are compiled instead")
         if whole:
             self._read_only.remove(store)
 

@@ -121,7 +121,9 @@ class KernelCache(_Cache):
         for store in folder.cache.read_only:
             written = (store.made or {}).get("sources", {}).get(module)
             if written is not None and written != sources.digest(module):
-                folder.cache.refuse(store, f"kernels of {module} are not run, for its source has changed", whole=False)
+                folder.cache.refuse(
+                    store, f"kernels such as those of {module} are not run, for their sources have changed", whole=False
+                )
         folder.cache.missed()
 
     def _entry(self, sig: Any, codegen: Any, store: Store | None = None) -> tuple[str, bytes]:

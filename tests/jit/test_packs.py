@@ -161,7 +161,7 @@ def of_other_sources(made: dict[str, Any]) -> None:
         (other("llvmlite"), "is not run, for its llvmlite is another, and here it is "),
         (other("system"), "is not run, for its system is another, and here it is "),
         (foreign, "is not run, for it is for processors such as x86-64-v9, and this one has no avx4096"),
-        (of_other_sources, f"kernels of {__name__} are not run, for its source has changed"),
+        (of_other_sources, f"kernels such as those of {__name__} are not run, for their sources have changed"),
     ],
 )
 def test_a_pack_of_other_surroundings_is_not_run_and_one_line_says_why(
