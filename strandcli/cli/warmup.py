@@ -98,7 +98,7 @@ def command(
     if pack is not None:
         data["pack"] = {"file": str(pack), **_write_pack(pack)}
     if measured is not None:
-        data["profile"] = [one.as_dict() for one in measured.costs()]
+        data["profile"] = measured.costs()
     cache.arrays = True
     if as_json:
         options.print_json(data)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import inspect
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,37 +20,12 @@ from .dispatcher import KernelDispatcher
 KINDS = ("numba:compile", "numba:run_pass", "numba:llvm_lock")
 
 
-@dataclass(slots=True)
-class KernelCost:
-    """Processor seconds of a kernel, without those of kernels that it calls; ``functions``: that were typed and lowered
-    for it, the first kernel that calls them; LLVM's ``instructions`` and ``bytes`` of machine code at last; how often
-    it was ``compiled``, for which differences between arguments (``why``)."""
-
-    name: str
-    typing: float = 0.0
-    lowering: float = 0.0
-    llvm: float = 0.0
-    functions: int = 0
-    instructions: int = 0
-    bytes: int = 0
-    compiled: int = 0
-    why: list[str] = field(default_factory=list)
-
-    @property
-    def seconds(self) -> float:
-        return self.typing + self.lowering + self.llvm
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return {**asdict(self), "seconds": self.seconds}
-
-
 class Profile(event.Listener):
     """Adds up what is compiled while it listens."""
 
     def __init__(self) -> None:
-        self._costs: dict[KernelDispatcher, KernelCost] = {}
-        self._stack: list[tuple[KernelCost, str]] = []
+        self._costs: dict[KernelDispatcher, Counter[str]] = {}
+        self._stack: list[tuple[Counter[str], str]] = []
         """The kernel that is compiled, and what with, from the outermost one to the one that takes time now."""
         self._since = 0.0
 
@@ -67,32 +42,35 @@ class Profile(event.Listener):
         if self._stack:
             self._stack.pop()
 
-    def costs(self) -> list[KernelCost]:
-        """Of each kernel, the dearest first."""
+    def costs(self) -> list[dict[str, Any]]:
+        """A row a kernel, the dearest first: processor seconds without those of kernels that it calls; ``functions``
+        that were typed and lowered for it, the first kernel that calls them; LLVM's ``instructions`` and ``bytes`` of
+        machine code at last; how often it was ``compiled``, and for which differences between arguments (``why``)."""
+        rows = []
         for kernel, cost in self._costs.items():
-            cost.compiled, cost.why = len(kernel.signatures), _why(kernel)
             libraries: list[Any] = [one.library for one in kernel.overloads.values()]  # type: ignore[attr-defined]
-            text = "\n".join(one.get_llvm_str() for one in libraries)
-            cost.instructions = text.count("\n  ")
-            cost.bytes = sum(len(one._get_compiled_object()) for one in libraries)
-        return sorted(self._costs.values(), key=lambda one: -one.seconds)
+            rows.append({
+                "name": f"{kernel.py_func.__module__.removeprefix('strandcli.')}.{kernel.py_func.__name__}",
+                "seconds": cost["typing"] + cost["lowering"] + cost["llvm"],
+                **{name: cost[name] for name in ("typing", "lowering", "llvm", "functions")},
+                "instructions": sum(one.get_llvm_str().count("\n  ") for one in libraries),
+                "bytes": sum(len(one._get_compiled_object()) for one in libraries),
+                "compiled": len(libraries), "why": _why(kernel),
+            })  # fmt: skip
+        return sorted(rows, key=lambda row: -row["seconds"])
 
     def _begin(self, dispatcher: Any) -> None:
+        cost = self._stack[-1][0] if self._stack else Counter[str]()
         if isinstance(dispatcher, KernelDispatcher):
-            name = f"{dispatcher.py_func.__module__.removeprefix('strandcli.')}.{dispatcher.py_func.__name__}"
-            cost = self._costs.setdefault(dispatcher, KernelCost(name))
-        elif self._stack:
-            cost = self._stack[-1][0]
-        else:  # somebody else's
-            cost = KernelCost("")
-        cost.functions += 1
+            cost = self._costs.setdefault(dispatcher, Counter())
+        cost["functions"] += 1
         self._stack.append((cost, "typing"))
 
     def _count_time(self) -> None:
         now = time.thread_time()
         if self._stack:
             cost, kind = self._stack[-1]
-            setattr(cost, kind, getattr(cost, kind) + now - self._since)
+            cost[kind] += now - self._since  # type: ignore[assignment]
         self._since = now
 
 

@@ -67,14 +67,14 @@ def test_a_profile_has_a_line_a_kernel_the_dearest_first(run: Runner, monkeypatc
 
     monkeypatch.setattr(pipeline, "render", draw)
     (row,) = json.loads(run("warmup", "tiny.yaml", "--profile", "--json").out)["profile"]
-    assert row["name"].endswith("test_tools.plus")
+    assert row["name"].endswith("test_warmup.plus")
     assert (row["compiled"], row["why"], row["functions"]) == (2, ["x: float64, not int64"], 2)
     assert min(row["typing"], row["lowering"], row["llvm"]) > 0
     assert row["seconds"] == pytest.approx(row["typing"] + row["lowering"] + row["llvm"])
     assert min(row["instructions"], row["bytes"]) > 0
     plus = function(plus.py_func)
     lines = run("warmup", "tiny.yaml", "--profile").out.splitlines()
-    assert lines[1].endswith("test_tools.plus; x: float64, not int64")
+    assert lines[1].endswith("test_warmup.plus; x: float64, not int64")
     assert lines[2].endswith("1 kernel")
 
 
