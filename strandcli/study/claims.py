@@ -24,9 +24,8 @@ def run(threads: int | None = None, notify: Notify | None = None) -> dict[str, A
     """{"claims": rows with claim, source, ours and the numbers behind them, "machine": …}."""
     tell = notify or (lambda text: None)
     runtime.start(threads, notify)
-    rows: list[dict[str, Any]] = []
     tell("frames a second, shares of a frame")
-    rows += _speed(threads)
+    rows = _speed(threads)
     tell("stiffness under another step")
     rows.append(_stiffness())
     tell("points and segments against a thin capsule")
@@ -34,6 +33,11 @@ def run(threads: int | None = None, notify: Notify | None = None) -> dict[str, A
     tell("fewer strands, near and far")
     rows += _fewer(threads)
     return {"claims": rows, "machine": runtime.machine()}
+
+
+def row(claim: str, source: str, ours: str, **numbers: Any) -> dict[str, Any]:
+    """A claim with the source's figure, ours in words, and the numbers behind them."""
+    return {"claim": claim, "source": source, "ours": ours, **numbers}
 
 
 def _speed(threads: int | None) -> list[dict[str, Any]]:
@@ -50,34 +54,24 @@ def _speed(threads: int | None) -> list[dict[str, Any]]:
     smooth = 1 - frame["straight"] / frame["all"]
     work = sum(value for name, value in stage.items() if name != "write")
     return [
-        {
-            "claim": "10,000 strands of 10 particles, all on, 800x600: frames a second",
-            "source": "25-30 (2012, drawn by a GPU)",
-            "ours": f"{1e3 / frame['all']:.1f} (CPU alone, PNG files written)",
-            "fps": 1e3 / frame["all"],
-            "stages_ms": stage,
-        },
-        {
-            "claim": "100,000 strands, 900,000 particles: frames a second",
-            "source": "PhysX on a GPU: 840,000 particles",
-            "ours": f"{1e3 / frame['many']:.1f}",
-            "fps": 1e3 / frame["many"],
-        },
-        {
-            "claim": "smoothing's share of a frame",
-            "source": "30-50 %",
-            "ours": f"{100 * stage['curves'] / work:.0f} % in its own stage; a frame of straight segments takes "
-            f"{100 * smooth:.0f} % less",
-            "share": stage["curves"] / work,
-            "saved_without": smooth,
-        },
-        {
-            "claim": "the shadow map's share of a frame",
-            "source": "about 5 % of CPU time",
-            "ours": f"{100 * stage['shadow'] / work:.0f} %",
-            "share": stage["shadow"] / work,
-        },
-    ]
+        row(
+            "10,000 strands of 10 particles, all on, 800x600: frames a second", "25-30 (2012, drawn by a GPU)",
+            f"{1e3 / frame['all']:.1f} (CPU alone, PNG files written)", fps=1e3 / frame["all"], stages_ms=stage,
+        ),
+        row(
+            "100,000 strands, 900,000 particles: frames a second", "PhysX on a GPU: 840,000 particles",
+            f"{1e3 / frame['many']:.1f}", fps=1e3 / frame["many"],
+        ),
+        row(
+            "smoothing's share of a frame", "30-50 %",
+            f"{100 * stage['curves'] / work:.0f} % in its own stage; a frame of straight segments takes "
+            f"{100 * smooth:.0f} % less", share=stage["curves"] / work, saved_without=smooth,
+        ),
+        row(
+            "the shadow map's share of a frame", "about 5 % of CPU time", f"{100 * stage['shadow'] / work:.0f} %",
+            share=stage["shadow"] / work,
+        ),
+    ]  # fmt: skip
 
 
 def _stiffness() -> dict[str, Any]:
@@ -85,13 +79,11 @@ def _stiffness() -> dict[str, Any]:
     tips = {fps: rest(_drooping(fps))[:, -1] for fps in (30, 60, 120)}
     length = 1.0
     drift = {fps: float(np.linalg.norm(tips[fps] - tips[30], axis=-1).mean() / length) for fps in (60, 120)}
-    return {
-        "claim": "stiffness changes when the step changes: how far resting tips move",
-        "source": "admitted, no figure",
-        "ours": f"{100 * drift[60]:.0f} % of a strand's length from 1/30 to 1/60 s, "
-        f"{100 * drift[120]:.0f} % to 1/120 s",
-        "drift": {str(fps): value for fps, value in drift.items()},
-    }
+    return row(
+        "stiffness changes when the step changes: how far resting tips move", "admitted, no figure",
+        f"{100 * drift[60]:.0f} % of a strand's length from 1/30 to 1/60 s, {100 * drift[120]:.0f} % to 1/120 s",
+        drift={str(fps): value for fps, value in drift.items()},
+    )  # fmt: skip
 
 
 def _drooping(fps: int) -> Scene:
@@ -141,13 +133,12 @@ def _tunnelling() -> dict[str, Any]:
             },
         )
         shares[segments] = cut_share(rest(scene), *axis, 0.03)
-    return {
-        "claim": "strands cut by a capsule of radius 0.03, segments about 0.3 long: points against segments",
-        "source": "admitted for points, no figure",
-        "ours": f"{100 * shares[False]:.0f} % with points, {100 * shares[True]:.0f} % with segments: true",
-        "points": shares[False],
-        "segments": shares[True],
-    }
+    return row(
+        "strands cut by a capsule of radius 0.03, segments about 0.3 long: points against segments",
+        "admitted for points, no figure",
+        f"{100 * shares[False]:.0f} % with points, {100 * shares[True]:.0f} % with segments: true",
+        points=shares[False], segments=shares[True],
+    )  # fmt: skip
 
 
 def cut_share(strands: NDArray[np.floating], a: NDArray[np.floating], b: NDArray[np.floating], radius: float) -> float:
@@ -168,16 +159,11 @@ def _fewer(threads: int | None) -> list[dict[str, Any]]:
         for strands in (5_000, 1_000):
             plain = _difference(_picture(distance, strands, 1, threads), full)
             wide = _difference(_picture(distance, strands, 10_000 // strands, threads), full)
-            rows.append(
-                {
-                    "claim": f"{strands:,} strands instead of 10,000 at distance {distance}",
-                    "source": "looks the same when far",
-                    "ours": f"RMSE {plain['rmse']:.1f} of 255, area x{plain['area']:.2f}; widened: "
-                    f"RMSE {wide['rmse']:.1f}, area x{wide['area']:.2f}",
-                    "plain": plain,
-                    "widened": wide,
-                }
-            )
+            rows.append(row(
+                f"{strands:,} strands instead of 10,000 at distance {distance}", "looks the same when far",
+                f"RMSE {plain['rmse']:.1f} of 255, area x{plain['area']:.2f}; widened: RMSE {wide['rmse']:.1f}, "
+                f"area x{wide['area']:.2f}", plain=plain, widened=wide,
+            ))  # fmt: skip
     return rows
 
 
