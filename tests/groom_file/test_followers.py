@@ -263,7 +263,7 @@ def test_motion_of_guides_is_studied_and_pictures_are_not(tmp_path: Path) -> Non
     assert set(errors) == {(4, 1), (4, 2), (7, 1), (7, 2)}
     assert 0 < errors[7, 2] < errors[4, 2]  # type: ignore[operator]
     assert len(Motion(Request(given, "a", strands=5)).lengths) == 5
-    for axis in ("curves", "quality", "shadow"):
+    for axis in ("coverage", "quality", "shadow"):
         with pytest.raises(UsageError, match="a: axes of pictures draw strands that are grown, and this preset has"):
             find(axis).open(Request(given, "a"))
     with pytest.raises(UsageError, match="a: has the strands of a file"):
