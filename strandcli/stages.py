@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -46,9 +46,11 @@ class RunOptions:
     notify: Notify | None = None
     """Is handed what is being done."""
     warn: Notify | None = None
-    """Is handed what is hardly meant."""
+    """Is handed what is hardly meant, once for all panels."""
     checkpoints: Checkpoints | FirstFrame | Remembered | None = None
     """From where the simulation goes on, and where it leaves its state."""
+    heard: set[str] = field(default_factory=set)
+    """What ``warn`` was handed."""
 
     def of_panel(self, number: int) -> RunOptions:
         """Return the options of a panel of the scene, counted from 1."""
@@ -111,7 +113,7 @@ class SimulationStage:
         """Stretch of followers that a line was said of."""
         if given is None:
             for words in warnings(scene, self.groom):
-                self._warn(f"{scene.label}: {words}" if scene.label else words)
+                self._warn(words)
 
     def _at_rest(self, frames: Sequence[int]) -> Groom:
         """The strands that some frames need, neighbours together."""
@@ -241,8 +243,10 @@ class SimulationStage:
             )
 
     def _warn(self, words: str) -> None:
-        if self.options.warn is not None:
-            self.options.warn(words)
+        options, label = self.options, self.scene.label
+        if options.warn is not None and words not in options.heard:
+            options.heard.add(words)
+            options.warn(f"{label}: {words}" if label else words)
 
     def _drop_nonfinite(self, frame: Frame, before: NDArray[np.float32] | None) -> MovedStrands:
         """The strands alone that can be drawn, of those that level of detail draws: so many that were emitted first."""

@@ -84,7 +84,7 @@ def command(
     found = Views((), True) if cameras is None else camera_files.views(cameras, scene_settings["size"], camera)
     size = size_for(kind, scene_settings.pop("size"), found.views, cameras)
     numbers = numbers_for(views, first, found.views, cameras)
-    made = []
+    made, heard = [], set[str]()
     for groom, name in zip(grooms, names_of(grooms), strict=True):
         given = {
             **scene_settings,
@@ -99,7 +99,7 @@ def command(
         with Progress(
             len(numbers), options.preset_name(groom), hidden=no_progress or quiet, verbose=verbose, each="view"
         ) as progress:
-            warn = warner(progress, quiet)
+            warn = warner(progress, quiet, heard=heard)
             for note in found.notes:
                 warn(note)
             data = make(order, threads, Talk(progress.note, warn, stepper(progress)))

@@ -97,6 +97,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
     """What `render` would warn of before it simulates, of `LOOKED_AT` strands; of panels with their labels. Raises
     `UsageError` for what it would refuse of what strands do to each other."""
     from ..groom.emit import emit
+    from ..plan.warnings import labelled
     from ..scene.detail import needed_strands
     from ..scene.model import MeshShape
     from ..simulate.advice import warnings
@@ -119,8 +120,8 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
                 groom = at_start(one, groom)
             require_between(one, groom)
             lines += warnings(one, groom)
-        found += [f"{one.label}: {words}" if one.label else words for words in lines]
-    return found
+        found.append((one.label, lines))
+    return labelled(found)
 
 
 def _of_mesh(emitter: Emitter) -> list[str]:

@@ -206,10 +206,16 @@ def stepper(progress: Progress) -> Callable[[str], None]:
     return step
 
 
-def warner(progress: Progress, quiet: bool, *more: Callable[[str], None]) -> Callable[[str], None]:
-    """Says warnings above a progress line, unless all is quiet, and hands them on."""
+def warner(
+    progress: Progress, quiet: bool, *more: Callable[[str], None], heard: set[str] | None = None
+) -> Callable[[str], None]:
+    """Says warnings above a progress line, unless all is quiet, and hands them on; each once, and none of ``heard``."""
+    heard = set() if heard is None else heard
 
     def warn(text: str) -> None:
+        if text in heard:
+            return
+        heard.add(text)
         for hear in more:
             hear(text)
         if not quiet:

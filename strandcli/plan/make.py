@@ -13,7 +13,7 @@ from .free import SHARE, available_memory
 from .memory import memory_of, picture_bytes, program_bytes, shared_bytes
 from .motion import motion_decisions, solver_steps
 from .sizes import Sizes, most_strands, points_of, sizes_of
-from .warnings import warnings_of
+from .warnings import labelled, warnings_of
 
 if TYPE_CHECKING:
     from ..decision import Decision
@@ -103,7 +103,7 @@ def _of_panels(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
             stages += [Stage(f"{name}: {one.stage}", one.why) for one in more]
         for total in ("strands", "particles", "steps", "segments_max", "pixels", "samples"):
             setattr(plan, total, getattr(plan, total) + getattr(part, total))
-        plan.warnings += [f"{name}: {words}" for words in part.warnings]
+    plan.warnings = labelled((panel.label, part.warnings) for panel, part in zip(scene.panels, parts, strict=True))
     programs = [program_bytes(panel, draw) for panel in scene.panels]
     own = sum(part.memory_bytes - program for part, program in zip(parts, programs, strict=True))
     plan.memory_bytes = max(programs) + own

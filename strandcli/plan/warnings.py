@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from ..scene.motion import camera_at, emitter_pose
@@ -49,3 +49,12 @@ def samples_a_metre(scene: Scene, time: float) -> float:
         return samples / view.height
     away = math.dist(view.position, emitter_pose(scene.emitter, time).translation)
     return samples / 2 / math.tan(math.radians(view.fov) / 2) / max(away, camera.near)
+
+
+def labelled(parts: Iterable[tuple[str, Iterable[str]]]) -> list[str]:
+    """The warnings of panels, each once, behind the labels of those that it is of; a single scene's label is ""."""
+    labels: dict[str, list[str]] = {}
+    for label, found in parts:
+        for words in found:
+            labels.setdefault(words, []).append(label)
+    return [f"{', '.join(filter(None, names))}: {words}" if any(names) else words for words, names in labels.items()]
