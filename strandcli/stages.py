@@ -187,7 +187,7 @@ class SimulationStage:
     def _tell_others(self) -> None:
         """Say once that strands come and go."""
         if self.options.keep_positions and not self.options.draw:
-            raise UsageError("emitter.groom.file: strands come and go with time; their positions cannot be kept")
+            raise UsageError("emitter.groom.file: strands come and go with time; their positions cannot be stored")
         if "others" not in self._told:
             blur = ", and without motion blur" if self.scene.camera.shutter > 0 else ""
             self._warn(f"strands of the file come and go with time: each frame has those of the moment before it{blur}")
@@ -226,7 +226,7 @@ class SimulationStage:
         if trouble is None:
             return
         if not self.options.keep_going:
-            raise SimulationError(f"{trouble.message}, or go on regardless (--keep-going)", trouble)
+            raise SimulationError(f"{trouble.message}, or continue regardless (--keep-going)", trouble)
         self._wrong = True
         self._warn(f"{trouble.message}; going on")
 

@@ -82,7 +82,7 @@ def read(folder: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[
             raise UsageError(f"{path}: line {number}: is no picture of a camera as COLMAP writes it")
         views.append(Pinhole(Path(name).stem, width, height, focal, centre, rotation, -rotation.T @ shift))
     if not views:
-        raise UsageError(f"{path}: holds no picture")
+        raise UsageError(f"{path}: has no picture")
     own = MARK.encode() in content(folder / "cameras.txt").partition(b"\n")[0]
     return in_order(views), own
 

@@ -46,7 +46,7 @@ def picture_size(
     differ."""
     if width is None or height is None:
         if given is None:
-            raise MissingSize(f"{path}: does not tell the size of its pictures; add --size WxH")
+            raise MissingSize(f"{path}: has no size of its pictures; add --size WxH")
         return given
     finite = math.isfinite(width) and math.isfinite(height)
     own = (int(width), int(height)) if finite else (0, 0)

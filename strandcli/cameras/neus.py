@@ -41,7 +41,7 @@ def read(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[li
         count = sum(name.startswith(WORLD) and name[len(WORLD) :].isdigit() for name in arrays)
         missing = [number for number in range(count) if f"{WORLD}{number}" not in arrays]
         if missing or not count:
-            raise UsageError(f"{path}: holds no array {WORLD}{missing[0] if missing else 0}")
+            raise UsageError(f"{path}: has no array {WORLD}{missing[0] if missing else 0}")
         matrices = [arrays[f"{WORLD}{number}"] for number in range(count)]
     views = []
     for number, matrix in enumerate(matrices):
@@ -53,7 +53,7 @@ def read(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[li
             raise UsageError(f"{where}: {error}") from None
         views.append(view)
     if not views:
-        raise UsageError(f"{path}: holds no view")
+        raise UsageError(f"{path}: has no view")
     return views, own
 
 

@@ -20,5 +20,5 @@ def read(path: Path) -> list[Pinhole]:
     except (KeyError, TypeError, ValueError, OverflowError):
         raise UsageError(f"{path}: is no {FILE} of strandcli") from None
     if not views:
-        raise UsageError(f"{path}: holds no view")
+        raise UsageError(f"{path}: has no view")
     return views

@@ -47,7 +47,7 @@ def file_of(path: Path) -> Path:
                     f"{binary}: is binary; write text beside it: colmap model_converter --input_path {binary} "
                     f"--output_path {binary} --output_type TXT"
                 )
-            raise UsageError(f"{path}: holds no cameras that are known: {KINDS}")
+            raise UsageError(f"{path}: has no cameras that are known: {KINDS}")
         path = found
     if not path.exists():
         raise UsageError(f"{path}: no such file")

@@ -40,7 +40,7 @@ def read(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[li
         raise UsageError(f"{path}: is no JSON: {error}") from None
     frames = data.get("frames") if isinstance(data, dict) else None
     if not isinstance(frames, list) or not frames:
-        raise UsageError(f"{path}: frames: holds no view")
+        raise UsageError(f"{path}: frames: has no view")
     own = MARK in data
     views = []
     for number, frame in enumerate(frames):

@@ -85,7 +85,7 @@ def command(
 
     Of PRESET: each stage of its own frames, drawn one by one, and what it works on.
 
-    Compiling is told apart. Times are of this machine as it is now: compare within one sitting only.
+    Compile time is reported apart. Compare times of one sitting only.
     """
     given = {name for name in ctx.params if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE}
     refuse_contradictions(preset, given, overrides)

@@ -77,7 +77,7 @@ def _frames(first: Path, second: Path) -> list[tuple[Path, Path]]:
     `UsageError` where there are none."""
     names = [{path.name for path in folder.glob("frame_*.png")} for folder in (first, second)]
     if not names[0] | names[1]:
-        raise UsageError(f"{first} and {second}: neither holds a frame_*.png")
+        raise UsageError(f"{first} and {second}: neither has a frame_*.png")
     for alone in sorted(names[0] ^ names[1]):
         raise MismatchError(f"{alone}: only in {first if alone in names[0] else second}")
     return [(first / name, second / name) for name in sorted(names[0])]

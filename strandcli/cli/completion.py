@@ -23,6 +23,6 @@ def command(shell: str | None) -> None:
     """
     name = shell or os.path.basename(os.environ.get("SHELL", ""))
     if name not in CLASSES:
-        raise click.UsageError("SHELL tells no shell of these: name bash, zsh or fish")
+        raise click.UsageError("SHELL names none of these: name bash, zsh or fish")
     group = click.get_current_context().find_root().command
     click.echo(CLASSES[name](group, {}, "strandcli", VARIABLE).source(), nl=False)

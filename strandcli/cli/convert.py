@@ -67,12 +67,12 @@ class MatrixType(click.ParamType):
 @click.option("--matrix", type=MatrixType(), metavar="'12 NUMBERS'", help="An affine map, three rows of four.")
 @click.option("--min-length", type=FiniteType(min=0), metavar="X", help="Leave out strands shorter than this.")
 @click.option("--max-length", type=FiniteType(min=0), metavar="X", help="Leave out strands longer than this.")
-@click.option("--every", type=options.Whole(1), metavar="N", help="Keep every N-th strand.")
+@click.option("--every", type=options.Whole(1), metavar="N", help="Select every N-th strand.")
 @click.option(
     "--share", type=FiniteType(min=0, max=1), metavar="X",
-    help="Keep this part of the strands, drawn by --seed; a smaller part is held in a larger one.",
+    help="Select this fraction of the strands by --seed; a smaller one is a subset of a larger one.",
 )  # fmt: skip
-@click.option("--strands", type=options.COUNT_STRANDS, metavar="N", help="Keep so many strands, drawn by --seed.")
+@click.option("--strands", type=options.COUNT_STRANDS, metavar="N", help="Select so many strands by --seed.")
 @click.option("--seed", type=options.Whole(0, 2**63 - 1), default=0, show_default=True, metavar="N", help="Seed.")
 @click.option("--smooth", type=options.Whole(1, 10_000), metavar="N", help="Smooth strands in N passes.")
 @click.option("--resample", type=options.Whole(2, 65_536), metavar="N", help="N points a strand, by arc length.")
@@ -125,7 +125,7 @@ def command(
         samples = (TimeSample(one.seconds, again.points(one.points)) for one in moments.samples_of(source, how, chosen))
     lost = files.write(target, strands, samples, basis=basis)
     if frames is None and len(chosen) < there:
-        lost.append(f"{writer.name} holds one moment: the first of {there:,} is written, --frames chooses another")
+        lost.append(f"{writer.name} has one moment: the first of {there:,} is written, --frames chooses another")
     _tell(source, target, (before, strands), skipped, changes, lost, (as_json, quiet))
 
 
@@ -138,7 +138,7 @@ def _moments(source: Path, there: int, frames: FrameRange | None, moving: bool) 
         raise UsageError(f"--frames asks for moment {frames.last:,}, {source} has {there:,}")
     found = frames.numbers()
     if len(found) > 1 and not moving:
-        raise UsageError("--frames: asks for several moments, the format of OUT holds one; write .abc or .usd")
+        raise UsageError("--frames: asks for several moments, the format of OUT has one; write .abc or .usd")
     return found
 
 
@@ -148,7 +148,7 @@ def _check(edits: dict[str, Any]) -> None:
     options.exclusive(**{name: edits[name] is not None for name in names})
     options.exclusive(resample=edits["resample"] is not None, simplify=edits["simplify"] is not None)
     if edits["to_up"] != "y" and edits["up"] is None:
-        raise UsageError("--to-up: tell the up axis of IN with --up as well")
+        raise UsageError("--to-up: give the up axis of IN with --up as well")
 
 
 def _edits(chosen: dict[str, Any]) -> list[Step]:

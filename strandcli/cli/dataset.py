@@ -67,8 +67,7 @@ def command(
     """Draw labelled views of each GROOM, which is a file of strands, a preset, or a shipped preset's name, into DIR, or
     with several grooms into a folder of each there.
 
-    View k depends on --seed and k alone. Whatever ends the run, views that are done stay and are whole, and --resume
-    goes on from them.
+    View k depends on --seed and k alone. Whatever ends the run, finished views are complete, and --resume continues.
     """
     camera_files.require_file(cameras, camera)
     from ..cameras.read import Views

@@ -72,4 +72,4 @@ def _calibrate(as_json: bool, quiet: bool) -> None:
             f"frames take {found.factor:.2f} times as long here as where they were measured for docs/speed.md", err=True
         )
         if not kept:
-            say(f"warning: that cannot be kept: {runtime.cache_trouble()}", err=True)
+            say(f"warning: that cannot be stored: {runtime.cache_trouble()}", err=True)

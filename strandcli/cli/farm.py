@@ -62,7 +62,7 @@ def command(
 
     Kernels are compiled once, the scene is simulated once, chunks of frames are drawn side by side, and the results are
     checked, joined and reported. A copy of the preset with all its settings goes with the jobs, so that later changes
-    to yours do not mix into the film. The jobs may be submitted again: finished work is kept.
+    to yours do not mix into the film. The jobs may be submitted again: finished work is not repeated.
     """
     from ..farm import job as jobs
     from ..farm import openjd, scripts

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--on", type=options.PathType(), metavar="MESH",
-    help="Also tell whether strands fit this head in unit and up axis, and the option that mends it.",
+    help="Also report whether strands fit this head in unit and up axis, and the option that mends it.",
 )  # fmt: skip
 @options.overwrite
 @options.as_json
@@ -40,8 +40,8 @@ def command(
     overwrite: bool,
     as_json: bool,
 ) -> None:
-    """Tell what is in a FILE of strands: counts, lengths, box, curvature, guesses of roots, up axis and unit; faults,
-    with the option of 'convert' that mends each. Of a mesh (.obj, .ply, .stl, .glb or .gltf with faces): counts, box,
+    """Describe a FILE of strands: counts, lengths, box, curvature, guesses of roots, up axis and unit; faults, with the
+    option of 'convert' that mends each. Of a mesh (.obj, .ply, .stl, .glb or .gltf with faces): counts, box,
     area, volume, attributes, faults."""
     from ..exchange.facts import facts_of_file
     from ..exchange.files import ReadOptions

@@ -23,9 +23,9 @@ from .say import printable
 # name: module of this package and what --help says. Commands for pictures first, tools after.
 COMMANDS = {
     "render": ("render", "Simulate and draw a preset as PNG frames."),
-    "simulate": ("simulate", "Simulate a preset and keep the positions only."),
+    "simulate": ("simulate", "Simulate a preset and write the positions only."),
     "export": ("export", "Write the strands that a preset draws, for other programs."),
-    "plan": ("plan", "Tell what would run, what is left out and why; run nothing."),
+    "plan": ("plan", "Report what would run, what is left out and why; run nothing."),
     "new": ("new", "Write a commented preset that draws as it is."),
     "farm": ("farm", "Write job files for Slurm, GNU parallel or Open Job Description."),
     "presets": ("presets", "List, show or copy the presets that come with strandcli."),
@@ -36,7 +36,7 @@ COMMANDS = {
     "stress": ("stress", "Run the solvers through every extreme and judge them."),
     "golden": ("golden", "Check or update golden images."),
     "compare": ("compare", "Compare two images."),
-    "info": ("info", "Tell what is in a file of strands: counts, sizes, faults, guesses."),
+    "info": ("info", "Describe a file of strands: counts, sizes, faults, guesses."),
     "convert": ("convert", "Write a file of strands in another format, scaled, thinned, mended."),
     "dataset": ("dataset", "Draw labelled views of grooms, in the layouts that training reads."),
     "sheet": ("sheet", "Put images on one labelled contact sheet."),

@@ -105,7 +105,7 @@ keep_going = click.option(
     "--keep-going", is_flag=True,
     help="Do not stop where a run goes wrong; strands that are no longer finite are left out of the pictures.",
 )  # fmt: skip
-resume = click.option("--resume", is_flag=True, help="Keep complete files of an earlier run; make the rest.")
+resume = click.option("--resume", is_flag=True, help="Skip complete files of an earlier run.")
 overwrite = click.option("--overwrite", is_flag=True, help="Replace existing files.")
 from_cache = click.option(
     "--from-cache", type=PathType(), metavar="DIR",

@@ -38,8 +38,8 @@ LOOKED_AT = 100_000
 def command(
     preset: str, frames: FrameRange | None, threads: int | None, measure: bool, as_json: bool, **scene_settings: Any
 ) -> None:
-    """Tell what rendering PRESET would run, what it would leave out and why, how much memory and time it would take,
-    and which settings are probably mistakes. Runs nothing of it.
+    """Report what rendering PRESET would run, what it would leave out and why, its memory and time, and settings that
+    are probably mistakes. Runs nothing of it.
 
     Memory is estimated within 15 %, and time within a factor of 2 on an otherwise idle machine with compiled kernels.
     For time the machine's speed must be known: --time or 'strandcli doctor --calibrate' measures it once, and later

@@ -223,7 +223,7 @@ def _warn_of_others(writer: FrameWriter, warn: Callable[[str], None]) -> None:
     others = of_another_film(writer.directory, writer.scene, read_report(writer.directory), numbers)
     if others:
         there = f"{counted(len(others), 'frame')} there of another scene or other settings, such as {others[0]}"
-        warn(f"{writer.directory}: {there}; choose another folder with -o to keep films apart")
+        warn(f"{writer.directory}: {there}; choose another folder with -o")
 
 
 def _report(

@@ -20,7 +20,7 @@ def interrupted(writer: FrameWriter, besides: str = "") -> str:
 
     there = count_there(writer.directory / one.file for one in writer.written.values())
     finished = counted(there, "finished frame")
-    return f"{writer.directory}: interrupted; {besides}{finished} stay, --resume goes on"
+    return f"{writer.directory}: interrupted; {besides}{finished} stay, --resume continues"
 
 
 def frame_line(number: int, report: Mapping[str, Any]) -> str:

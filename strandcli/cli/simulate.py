@@ -47,7 +47,7 @@ def command(
     no_progress: bool,
     **scene_settings: Any,
 ) -> None:
-    """Simulate PRESET and keep the positions only, as positions_0001.npz … and manifest.json.
+    """Simulate PRESET and write the positions only, as positions_0001.npz … and manifest.json.
 
     'strandcli render --from-cache DIR' draws them.
     """

@@ -101,4 +101,4 @@ def _as_it_is(data: Mapping[str, Any]) -> str:
     taken = {"roots are first": (data["root"], guess["root"]), "up is y": (data["up"], guess["up"]),
              "units are metres": (data["unit"], guess["head"])}  # fmt: skip
     found = ", ".join(words for words, known in taken.items() if known == (None, None))
-    return found and f"{found}: nothing tells otherwise, and nothing is guessed"
+    return found and f"{found}: there is no evidence for a guess"

@@ -54,10 +54,10 @@ class TogetherType(click.ParamType):
     help="Run the cases of rods that have these: interaction, twist, or both with a comma.",
 )  # fmt: skip
 @click.option("--case", "case", metavar="NAME", help="Run this case alone, as the table and --json name it.")
-@click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name holds all of WORDS; or a pattern.")
+@click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name has all of WORDS; or a pattern.")
 @click.option("--list", "listing", is_flag=True, help="Name the cases and run nothing.")
 @click.option("--quick", is_flag=True, help="The small matrix, of a few seconds.")
-@click.option("--html", type=options.PathType(), metavar="FILE", help="Also write a page with all that is told.")
+@click.option("--html", type=options.PathType(), metavar="FILE", help="Also write a page with all results.")
 @options.overwrite
 @options.threads
 @options.talk("Name each case as it fails, and what is compiled.")
@@ -186,7 +186,7 @@ def table(result: Result) -> str:
             lines.append(f"  and {len(failed) - MOST_TOLD:,} more, which --json names")
     over = {(metric, one.told[metric]) for one in result.verdicts for metric in one.told if metric in one.metrics}
     if over:
-        lines += ["", "told and not judged:", *(f"  {metric}: {reason}" for metric, reason in sorted(over))]
+        lines += ["", "reported and not judged:", *(f"  {metric}: {reason}" for metric, reason in sorted(over))]
     absent = [one for one in result.verdicts if one.verdict == "not_represented"]
     if absent:
         reasons = dict.fromkeys(f"  {one.name.partition('/')[0]}: {one.why}" for one in absent)

@@ -70,9 +70,7 @@ def run(draw: Callable[..., None], given: Mapping[str, Any]) -> None:
 def _check(wanted: Sequence[Point], folder: Path, settings: Mapping[str, Any]) -> None:
     """Load every point's scene, so that a wrong value is told before the first is drawn."""
     if not (settings["overwrite"] or settings["resume"]) and (folder / TABLE).exists():
-        raise UsageError(
-            f"{folder}: holds {TABLE} already; add --overwrite to replace or --resume to keep what is there"
-        )
+        raise UsageError(f"{folder}: holds {TABLE} already; add --overwrite to replace or --resume to continue")
     names = ("size", "strands", "particles", "seed", "quality")
     own = {name: settings[name] for name in names}
     for point in wanted:

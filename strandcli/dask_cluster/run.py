@@ -70,9 +70,7 @@ def drawn(client: Any, job: Job, tasks: Iterator[Task], check: Callable[[], None
                     pending[_sent(client, job, task)] = task.number
             yield from _finished(pending)
     except (CommClosedError, CancelledError):
-        raise RefusedError(
-            "--dask: the scheduler is lost; finished frames stay, and --resume goes on from them"
-        ) from None
+        raise RefusedError("--dask: the scheduler is lost; finished frames stay, and --resume continues") from None
     finally:
         with suppress(Exception):
             client.cancel(list(pending), force=True)
@@ -124,5 +122,5 @@ class _Crew:
             if self._count:
                 self._seen = now
             elif now - self._seen > ALONE:
-                raise RefusedError("--dask: all workers are gone; finished frames stay, and --resume goes on from them")
+                raise RefusedError("--dask: all workers are gone; finished frames stay, and --resume continues")
         return max(1, self._count)

@@ -68,7 +68,7 @@ def wanted_views(
             there = [one for one in (path.format(name_of(view)) for path in paths) if (folder / one).exists()]
             if there:
                 raise UsageError(
-                    f"{folder}: already holds {there[0]}; add --overwrite to replace or --resume to keep what is there"
+                    f"{folder}: already has {there[0]}; add --overwrite to replace or --resume to continue"
                 )
     return wanted
 

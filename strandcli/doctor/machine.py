@@ -74,7 +74,7 @@ def memory() -> Iterator[Finding]:
 
     free, most = available_memory(), limits.memory()
     if free is None:
-        yield Finding("memory", NOTE, "not known on this system", "'strandcli plan PRESET' tells what a run takes")
+        yield Finding("memory", NOTE, "not known on this system", "'strandcli plan PRESET' reports what a run takes")
         return
     text = f"{megabytes(free)} free" + ("" if most is None else f", limit of its control group {megabytes(most)}")
     if free < LEAST_MEMORY:

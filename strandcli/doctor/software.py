@@ -114,7 +114,7 @@ def bytecode() -> Iterator[Finding]:
         yield Finding("bytecode", OK, f"kept in {os.path.dirname(kept)}")
     elif sys.dont_write_bytecode:
         yield Finding(
-            "bytecode", NOTE, "Python is told not to write any: each run begins a second later",
+            "bytecode", NOTE, "Python is set not to write any: each run starts a second later",
             "unset PYTHONDONTWRITEBYTECODE, or once, as in an image: python -m compileall -q "
             f"{os.path.dirname(os.path.dirname(spec.origin))}",
         )  # fmt: skip

@@ -98,11 +98,11 @@ class Archive:
         needs = math.prod(shape) * kind.itemsize
         if skip + needs != info.file_size:
             raise self.fault(
-                info, f"shape {shape} of {kind} needs {amount(needs)}, the archive tells of "
+                info, f"shape {shape} of {kind} needs {amount(needs)}, the archive lists "
                 f"{amount(max(0, info.file_size - skip))}; it is damaged",
             )  # fmt: skip
         if info.compress_type == zipfile.ZIP_STORED and info.file_size > self.file.size:
-            raise self.fault(info, f"{amount(info.file_size)} unpacked, the file holds {amount(self.file.size)}")
+            raise self.fault(info, f"{amount(info.file_size)} unpacked, the file has {amount(self.file.size)}")
         return Member(info.filename.removesuffix(".npy"), info, kind, shape, fortran, skip)
 
     def read(self, member: Member, double: bool = False) -> npt.NDArray[Any]:
@@ -125,7 +125,7 @@ class Archive:
                 part = np.frombuffer(_exactly(file, count * member.kind.itemsize), member.kind)
                 flat[begin : begin + count] = part.astype(kind, copy=False)
             if file.read(1):
-                raise self.fault(member.info, "goes on after its numbers; it is damaged")
+                raise self.fault(member.info, "continues after its numbers; it is damaged")
         return values
 
     def text(self, member: Member) -> tuple[str, ...]:

@@ -58,7 +58,7 @@ class Bounded:
             raise self.damaged(f"{field}: {count:,} cannot be", at)
         if count * each > self.left:
             needs, left = amount(count * each), amount(self.left)
-            raise self.damaged(f"{field}: {count:,} need {needs}, the file holds {left} there", at)
+            raise self.damaged(f"{field}: {count:,} need {needs}, the file has {left} there", at)
 
     def room(self, field: str, count: int, each: int) -> None:
         """Raise where ``count`` items of ``each`` bytes in memory take far more than the file: few bytes may name the
@@ -70,14 +70,14 @@ class Bounded:
     def seek(self, field: str, position: int, at: int | None = None) -> None:
         """Go on reading at a byte that the file itself names."""
         if not 0 <= position <= self.size:
-            raise self.damaged(f"{field}: begins at byte {position:,}, the file holds {amount(self.size)}", at)
+            raise self.damaged(f"{field}: begins at byte {position:,}, the file has {amount(self.size)}", at)
         self.file.seek(position)
         self.position = position
 
     def take(self, field: str, count: int) -> bytes:
         """The next ``count`` bytes."""
         if count > self.left:
-            raise self.damaged(f"{field}: needs {amount(count)}, the file holds {amount(self.left)} there")
+            raise self.damaged(f"{field}: needs {amount(count)}, the file has {amount(self.left)} there")
         data = self.file.read(count)
         if len(data) != count:
             self._shrunk()
@@ -134,7 +134,7 @@ class Bounded:
     def end(self) -> None:
         """Raise where something follows."""
         if self.left:
-            raise self.damaged(f"{amount(self.left)} after what the header tells")
+            raise self.damaged(f"{amount(self.left)} after what the header declares")
 
     def _shrunk(self) -> NoReturn:
         raise UsageError(f"{self.path}: became shorter while it was read; read it again when it is written")

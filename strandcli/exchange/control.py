@@ -121,7 +121,7 @@ class Fitter:
         needs = 12 * max(int(pieces.sum()), 1)
         most = min(splines.MOST, self.room // needs)
         if most < 1:
-            raise fault(f"{path}: holds more curves than is believed of a file of its size; is damaged")
+            raise fault(f"{path}: declares more curves than a file of its size can have; is damaged")
         bezier = control if spans is None else spans.bezier(control)
         each, off = splines.points_a_piece(in_basis, bezier, basis, int(most))
         each = each if known is None else min(known, int(most))

@@ -105,7 +105,7 @@ class End:
 @dataclass(frozen=True, slots=True)
 class Ends:
     """Which end is the root: "first", "last" or "" where nothing tells; whether the file states it; the sphere of the
-    scalp, None where roots lie on none; strands (S,) that run the other way than the rest."""
+    scalp, None where roots lie on none; strands (S,) that run the opposite way to the rest."""
 
     root: str
     stated: bool
@@ -116,7 +116,7 @@ class Ends:
     def why(self) -> str:
         """What tells that roots are last."""
         if self.stated:
-            return "the file holds strands at their last points"
+            return "the file fixes strands at their last points"
         return "there strands fan out from a scalp, and clearly less at their first points"
 
 

@@ -187,7 +187,7 @@ def _faults_of_strands(bad: Mask, fine: Strands, length: Mapping[str, float] | N
             found.append(Fault("attribute_not_finite", rows, f"{name} is not finite in {rows:,} rows", "--fix"))
     if "stride_guessed" in fine.source.facts:
         stride = fine.source.facts["stride_guessed"]
-        words = f"{stride} points a strand, as the jumps tell"
+        words = f"{stride} points a strand, by the jumps between strands"
         found.append(Fault("stride", fine.count + int(np.count_nonzero(bad)), words, f"--stride {stride}"))
     return found
 
@@ -228,7 +228,7 @@ def _faults_of_groom(strands: Strands, known: Ends) -> list[Fault]:
     others = int(np.count_nonzero(known.others))
     if others:
         who = counted(others, "strand runs", "strands run")
-        found.append(Fault("other_way", others, f"{who} the other way than the rest", "--fix"))
+        found.append(Fault("other_way", others, f"{who} the opposite way to the rest", "--fix"))
     up = up_axis(strands, known)
     if up is not None and up[0] != UP and strands.source.up is None:
         text = f"up is {up[0]}, if hair hangs down ({up[1]:.0%} of it); here up is {UP}"

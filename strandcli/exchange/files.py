@@ -89,7 +89,7 @@ def write(
     if samples is not None and not getattr(driver, "moving", False):
         moving = [one.name for one in drivers() if getattr(one, "moving", False)]
         where = f"; write {' or '.join(moving)}" if moving else ""
-        raise UsageError(f"{path}: {driver.name} holds one moment only{where}")
+        raise UsageError(f"{path}: {driver.name} has one moment only{where}")
     if getattr(driver, "staged", False):
         return list(driver.write(path, strands, samples, beside, basis))
     return list(driver.write(path, strands, samples))

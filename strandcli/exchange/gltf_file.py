@@ -64,7 +64,7 @@ class Gltf:
         if not found:
             return None
         return UsageError(
-            f"{self.path}: holds its geometry by {found[0]}, which is not read; write it without compression"
+            f"{self.path}: stores its geometry by {found[0]}, which is not read; write it without compression"
         )
 
     def objects(self, parent: dict[str, Any], name: str, where: str = "header") -> list[dict[str, Any]]:
@@ -138,7 +138,7 @@ class Gltf:
         begin = self.whole(one, "byteOffset", where)
         stride = self.whole(view, "byteStride", where, least=1, most=252) or width * item
         if count and begin + (count - 1) * stride + width * item > len(data):
-            raise self.fault(where, f"{count:,} items are more than its bufferView holds")
+            raise self.fault(where, f"{count:,} items are more than its bufferView has")
         return np.ndarray((count, width), kind, data, begin, (stride, item)) if count else np.zeros((0, width), kind)
 
     def view(self, index: Any, where: str) -> memoryview:

@@ -46,7 +46,7 @@ def with_width_each(strands: Strands) -> Strands:
 def left_out(strands: Strands, format: str, kept: Iterable[str]) -> list[str]:
     """A line for the attributes that a format does not hold, or none."""
     lost = [attribute for attribute in strands.attributes if attribute not in set(kept)]
-    return [f"{format} does not hold {', '.join(lost)}: left out"] if lost else []
+    return [f"{format} cannot store {', '.join(lost)}: left out"] if lost else []
 
 
 def records(columns: list[tuple[str, str, Any]], count: int) -> Iterator[Any]:

@@ -13,7 +13,7 @@ JOB, SUBMIT, RUN = "job.sh", "submit.sh", "run.sh"
 STAGES = """\
 #!/bin/sh
 # Stages of "{name}": sh job.sh warmup | simulate | draw [FRAMES] | join, in this folder.
-# All of them may run again: what is there and whole is kept.
+# All of them may run again: complete files are skipped.
 set -eu
 strandcli() {{
   if [ -n "${{STRANDCLI:-}}" ]; then $STRANDCLI "$@"; else {command} "$@"; fi
@@ -37,7 +37,7 @@ SLURM = """\
 #!/bin/sh
 # Submit "{name}" to Slurm: kernels, motion, {count} tasks of frames, then all joined, each after what it needs.
 # Options of sbatch go with it: sh submit.sh --partition=short --time=2:00:00 --mem=8G
-# Submit it again after a failure: finished work is kept.
+# Submit it again after a failure: finished work is not repeated.
 # This folder has to be on storage that all nodes share, and so has the cache of kernels: STRANDCLI_CACHE_DIR.
 set -eu
 cd "$(dirname "$0")"
@@ -62,7 +62,7 @@ PARALLEL = """\
 #!/bin/sh
 # Run "{name}" on this machine by GNU parallel, {threads} threads a task; its options go with it:
 #   sh run.sh --sshloginfile nodes.txt --workdir .   # on several that share this folder
-# Run it again after a failure: finished work is kept.
+# Run it again after a failure: finished work is not repeated.
 set -eu
 cd "$(dirname "$0")"
 sh job.sh warmup

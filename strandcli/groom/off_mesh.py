@@ -1,4 +1,4 @@
-"""Points led out of the mesh that strands grow on, for ties: combed strands lie on it."""
+"""Points moved out of the mesh that strands grow on, for ties: combed strands lie on it."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ thickness of the hair that crosses the arc at d; a strand lies on all strands ro
     h(d) = ρ² / 2 · (A(D) − A(d)) / (A(D_rim) c(d)).
 
 A mesh has the coordinates of a sphere about the emitter's origin, from which its surface is seen: ways are great
-circles of the sphere, led out of the mesh.
+circles of the sphere, moved out of the mesh.
 """
 
 from __future__ import annotations

@@ -114,7 +114,7 @@ def facts_on(file: Path, given: ReadOptions, solid: Any) -> dict[str, Any]:
     strands = read(file, given)
     strands = strands.select(~not_finite(strands))
     if not strands.count:
-        raise UsageError(f"{file}: holds no strand that could lie on {mesh}")
+        raise UsageError(f"{file}: has no strand that could lie on {mesh}")
     if ends(strands).root == "last":
         strands, _ = reversed_all(strands)
     roots = strands.roots()

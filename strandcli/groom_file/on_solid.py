@@ -154,7 +154,7 @@ def said(fit: Fit, surface: Surface, head: Head, file: str) -> list[str]:
     if fit.led_out:
         rest = f"; {counted(fit.left, 'strand')} point by point" if fit.left else ""
         found.append(
-            f"{file}: {counted(fit.led_out, 'strand')} led out of {head.name}, up to {fit.deepest:.2g} m deep, "
+            f"{file}: {counted(fit.led_out, 'strand')} moved out of {head.name}, up to {fit.deepest:.2g} m deep, "
             f"to at least {CLEARANCE * surface.size:.2g} m from it{rest}"
         )
     if found:

@@ -266,7 +266,7 @@ def _chosen(
     if given.strands is not None and given.strands < strands.count:
         strands, _ = some(strands, given.strands, seed)
     if not strands.count:
-        raise UsageError(f"{path}: holds no strand that could be drawn")
+        raise UsageError(f"{path}: has no strand that could be drawn")
     bare = None if given.fix else faults.without_length(strands)
     if bare is not None and bare.any():
         raise UsageError(

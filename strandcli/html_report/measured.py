@@ -30,7 +30,7 @@ def of_study(study: Study, max_error: float | None, machine: Mapping[str, Any]) 
     shown = [[_short(cell) for cell in row] for row in rows[1 : MOST_ROWS + 1]]
     drawing = chart(study, max_error)
     return page.page(f"{study.title}: strandcli", [
-        page.header(study.title, "no setting keeps under it" if missed else "measured", "bad" if missed else "",
+        page.header(study.title, "no setting is below it" if missed else "measured", "bad" if missed else "",
                     f"error: {study.metric}, a share {study.unit}"),
         page.section("Error against run time", re.sub(r"^<svg ", '<svg class="plain" ', drawing)),
         page.section("In words", f"<pre>{page.lines(to_text(study))}</pre>"),

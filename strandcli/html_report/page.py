@@ -135,7 +135,7 @@ def folded(summary: str, inner: str) -> str:
 
 def footer(version: str) -> str:
     """The last line."""
-    words = "this page holds all it shows; nothing is fetched and no script runs"
+    words = "this page is self-contained; nothing is fetched and no script runs"
     return f"<footer>strandcli {text(version)}: {words}</footer>"
 
 

@@ -240,7 +240,7 @@ def sentences(facts: MeshFacts, triangles: int) -> dict[str, str]:
         "no_area": ("triangle", "triangles", "without area: left out"),
         "repeated": ("triangle", "triangles", "equal to another: left out"),
         "unused": ("vertex", "vertices", "of no triangle: left out"),
-        "turned": ("of", "of", f"{triangles:,} triangles {was} wound the other way: turned"),
+        "turned": ("of", "of", f"{triangles:,} triangles {was} wound the opposite way: turned"),
         "twisted": ("edge", "edges", "whose triangles cannot agree on an outside; mend the mesh there"),
         "crowded": ("edge", "edges", "of three triangles or more; what is inside is doubtful there"),
         "boundary": ("edge", "edges", "on its rim; inside is where the surface goes more than half around"),

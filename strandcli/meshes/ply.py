@@ -46,9 +46,9 @@ def read_ply(path: Path, beside: Beside) -> list[RawMesh]:
         order, elements, comments = read_header(file)
         vertex, face = elements.get("vertex"), elements.get("face")
         if vertex is None or not set(XYZ) <= vertex.properties.keys() or vertex.lists:
-            raise file.damaged("header: tells of no element vertex with x, y and z", 0)
+            raise file.damaged("header: declares no element vertex with x, y and z", 0)
         if face is None or not face.count:
-            raise file.fault("header: tells of no element face; a surface is needed, not points or strands", vertex.at)
+            raise file.fault("header: declares no element face; a surface is needed, not points or strands", vertex.at)
         if not any(name in FACES and counts and kind[0] != "f" for name, kind, counts in face.columns):
             raise file.fault("element face: has no list vertex_indices", face.at)
         found = _binary(file, elements, order) if order else _text(file, elements)
@@ -157,7 +157,7 @@ class _Numbers:
             try:
                 found = np.fromstring(text, np.float64, sep=" ") if text.strip() else np.zeros(0)
             except (ValueError, DeprecationWarning):
-                raise self.file.damaged("is not numbers alone, as its header tells", begin) from None
+                raise self.file.damaged("has more than numbers, unlike its header", begin) from None
         self.waiting = np.concatenate([self.waiting, found])
         return True
 

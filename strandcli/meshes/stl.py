@@ -61,7 +61,7 @@ def _binary(file: Bounded) -> npt.NDArray[Any] | None:
     mark = len(MARK) if begin.startswith(MARK) else 0
     if b"\0" in begin or begin[mark:].lower().split(None, 1)[:1] != [b"solid"]:
         raise UsageError(
-            f"{file.path}: has {file.size:,} bytes, where {count:,} triangles, as its header tells, have {whole:,}, "
+            f"{file.path}: has {file.size:,} bytes, where {count:,} triangles, as its header declares, have {whole:,}, "
             f"and is no text that begins with 'solid': {MENDS}"
         )
     file.seek("content", mark)

@@ -45,7 +45,7 @@ def named(path: Path, preset: Path) -> str:
     found = near if near.parts.count("..") < 2 else path.resolve()
     text = found.as_posix()
     if not text.isprintable():
-        raise UsageError(f"{path}: its name has characters that a preset cannot hold; give it another one")
+        raise UsageError(f"{path}: its name has characters that a preset cannot have; rename it")
     return text
 
 
@@ -57,7 +57,7 @@ def mesh(path: Path, preset: Path) -> Placed:
     guess = data["guess"]
     up, why_up = _first((data["up"], "as the file says"), (guess["up"], "a guess: it stands on a flat side"))
     if up is None:
-        up, why_up = "y", "of the file; nothing tells, so look at the picture"
+        up, why_up = "y", "of the file; there is no evidence, so look at the picture"
     size = max(data["box"]["size"])
     guessed, words = (None, "") if guess["unit"] is None else (guess["unit"]["scale"], guess["unit"]["unit"])
     unit, why = _first((data["unit"], TOLD), (guessed, f"metres a unit, a guess: it is in {words}"))
@@ -76,13 +76,13 @@ def strands(path: Path, preset: Path) -> Placed:
 
     data = facts_of_file(path, ReadOptions()).data
     if data["box"] is None:
-        raise UsageError(f"{path}: holds no strand that could be drawn; 'strandcli info {path}' tells what is in it")
+        raise UsageError(f"{path}: has no strand that could be drawn; 'strandcli info {path}' describes it")
     guess = data["guess"]
     up, why_up = _first(
         (data["up"], "as the file says"), (guess["up"] and guess["up"]["axis"], "a guess: hair hangs from above")
     )
     if up is None:
-        up, why_up = "y", "of the file; nothing tells, so look at the picture"
+        up, why_up = "y", "of the file; there is no evidence, so look at the picture"
     head = guess["head"] or {"scale": None, "unit": ""}
     unit, why = _first((data["unit"], TOLD), (head["scale"], f"metres a unit, a guess: the head is in {head['unit']}"))
     size = max(data["box"]["size"])

@@ -25,7 +25,7 @@ seed: 1                    # of everything random
 
 MOVING = """
 solver: rod                # elastic rods with mass; `thesis` is the simpler one, with rules of its own
-rod: {rest: shape, drag: 8}   # strands keep the shape that they grow in; 1/s, how soon the air takes them along
+rod: {rest: shape, drag: 8}   # rest shape: as grown; 1/s, rate at which the air moves them
 
 time:
   fps: 24
@@ -43,7 +43,7 @@ emitter:                   # where strands grow
   strands: 600             # that are simulated; children.count as many are drawn
   particles: 16            # of each of them
   length: 0.18
-  comb: [0.8, -0.3, 0.5]   # the way they lie
+  comb: [0.8, -0.3, 0.5]   # direction along the surface
   lift: 25                 # degrees off the surface
   jitter: 10               # degrees of disorder
   keys:                    # the motion of the ball
@@ -63,18 +63,18 @@ ROOTS
   strands: 800             # that are simulated; children.count as many are drawn
   particles: 16            # of each of them
   length: LENGTH
-  comb: [0.5, -0.6, -0.6]  # the way they lie
+  comb: [0.5, -0.6, -0.6]  # direction along the surface
   lift: 15                 # degrees off the surface
   jitter: 10               # degrees of disorder
 """
 
 OF_FILE = """
 emitter:
-  groom:                   # strands of a file; 'strandcli info' tells what is in it
+  groom:                   # strands of a file; 'strandcli info' describes it
     file: FILE
 UP_AND_SCALE
-    fix: true              # what cannot be drawn is left out, and told
-    cover: 5               # strands of no known width are made so wide that they hide what is behind
+    fix: true              # what cannot be drawn is left out and reported
+    cover: 5               # without widths: so wide that strands cover what is behind
 ON
 #    guides: 1000          # of strands that rules move: so many are simulated, and all follow
 #  particles: 20           # of each guide
@@ -189,7 +189,7 @@ def _of_file(groom: Placed, head: Placed | None) -> str:
     if head is None:
         return _filled(OF_FILE, groom, ON="    place: origin          # the middle of their box")
     return _filled(
-        OF_FILE, groom, ON="    on: head               # the solid that roots are put on; strands inside are led out"
+        OF_FILE, groom, ON="    on: head               # the solid that roots are put on; strands inside are moved out"
     )
 
 

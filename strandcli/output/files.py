@@ -200,7 +200,7 @@ def refusal(error: OSError, path: Path) -> RefusedError:
 def with_whole(error: RefusedError, finished: Iterable[Path]) -> RefusedError:
     """The same of a run that can be resumed, with how many of its finished files are there."""
     count = count_there(finished)
-    whole = f"{count} finished {'frame is' if count == 1 else 'frames are'} whole, --resume keeps"
+    whole = f"{count} finished {'frame is' if count == 1 else 'frames are'} whole, --resume skips"
     return RefusedError(f"{error}; {whole} {'it' if count == 1 else 'them'}") if count else error
 
 

@@ -76,7 +76,7 @@ class FrameWriter:
         writing the same frames, and ``UsageError`` for files that are in the way.
         """
         if overwrite and resume:
-            raise UsageError("--overwrite and --resume exclude each other: replace the frames, or keep them")
+            raise UsageError("--overwrite and --resume exclude each other: replace the frames, or skip them")
         self.directory = directory
         self.size = size
         self.scene = scene
@@ -110,8 +110,7 @@ class FrameWriter:
             names = [frame_file(frame) for frame in there] + others
             listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
             raise UsageError(
-                f"{self.directory}: already holds {listed}; "
-                "add --overwrite to replace or --resume to keep what is there"
+                f"{self.directory}: already has {listed}; add --overwrite to replace or --resume to continue"
             )
 
     @unrecorded()

@@ -122,7 +122,7 @@ def read_layer(path: Path) -> NDArray[Any]:
     except (UsageError, RefusedError):
         raise
     except KeyError:
-        raise UsageError(f"{path}: holds no array named '{name}'") from None
+        raise UsageError(f"{path}: has no array named '{name}'") from None
     except Exception as error:  # damaged archives raise whatever their damage leads to
         words = " ".join(str(error).split()) or type(error).__name__
         raise UsageError(f"{path}: not a layer that can be read: {words}") from None

@@ -60,7 +60,7 @@ class PositionsWriter:
     ) -> None:
         """Refuses up front as `FrameWriter` does. With ``resume``, files that are whole and of this ``motion`` stay."""
         if overwrite and resume:
-            raise UsageError("--overwrite and --resume exclude each other: replace the files, or keep them")
+            raise UsageError("--overwrite and --resume exclude each other: replace the files, or skip them")
         self.directory = directory
         self.shape = (strands, particles, 3)
         self.motion = motion or Motion("", {})
@@ -69,8 +69,8 @@ class PositionsWriter:
         if there and not overwrite and not resume:
             more = f" and {len(there) - 3} more" if len(there) > 3 else ""
             raise UsageError(
-                f"{directory}: already holds {', '.join(there[:3])}{more}; "
-                "add --overwrite to replace or --resume to keep what is there"
+                f"{directory}: already has {', '.join(there[:3])}{more}; "
+                "add --overwrite to replace or --resume to continue"
             )
         if not overwrite:
             require_own(directory / MANIFEST)
@@ -178,7 +178,7 @@ class PositionCache:
             )
         self.files = {f: directory / files[f] for f in frames}
         self.motion = _motion_of(manifest)
-        """That the manifest tells of; None where it is of an earlier version, or of another program."""
+        """That the manifest lists; None where it is of an earlier version, or of another program."""
         self.digest = hashlib.sha256(json.dumps(manifest, sort_keys=True).encode()).hexdigest()
         for path in self.files.values():
             _check_header(path, self.shape, self.motion and self.motion.fingerprint)
@@ -218,13 +218,13 @@ def _check_header(path: Path, shape: tuple[int, int, int], motion: str | None = 
     try:
         with opened(path) as file, zipfile.ZipFile(file) as archive, archive.open(f"{ARRAY}.npy") as member:
             if motion and made_of(archive) != motion:
-                raise UsageError(f"{path}: is of another motion than {MANIFEST} tells of; {AGAIN}")
+                raise UsageError(f"{path}: is of another motion than {MANIFEST} lists; {AGAIN}")
             version = np.lib.format.read_magic(member)
             header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
             with warnings.catch_warnings(action="error"):  # a header of another program
                 found, _, dtype = header(member)
     except KeyError:
-        raise UsageError(f"{path}: holds no array named 'positions'; {AGAIN}") from None
+        raise UsageError(f"{path}: has no array named 'positions'; {AGAIN}") from None
     except (*ARCHIVE_ERRORS, UserWarning) as error:
         raise UsageError(f"{path}: not a file of positions: {_words(error)}; {AGAIN}") from None
     if tuple(found) != shape:

@@ -47,7 +47,7 @@ def gather(sources: Sequence[Path], leave_out: Path | None = None) -> list[Cell]
                 inner = [(folder, _images(folder, leave_out)) for folder in sorted(source.iterdir()) if folder.is_dir()]
                 found = [Cell(paths[-1], folder.name) for folder, paths in inner if paths]
             if not found:
-                raise UsageError(f"{source}: holds no images ({', '.join(KINDS)}), and neither do its folders")
+                raise UsageError(f"{source}: has no images ({', '.join(KINDS)}), and neither do its folders")
             cells += found
         elif source.is_file():
             cells.append(Cell(source, source.parent.name if _is_frame(source) else source.stem))

@@ -25,7 +25,7 @@ def motion_decisions(scene: Scene, strands: int) -> Iterator[Decision]:
     for use in scene.rules:
         why = idle(use, scene)
         if use.name in OWN_OF.get(scene.solver, ()):
-            why = "rods keep their lengths exactly and bend by their material"
+            why = "rod lengths are exact and rods bend by their material"
         yield Decision(f"rule {use.name}", why or "the preset lists it", runs=not why)
     for name in registry():
         if name not in listed:

@@ -38,7 +38,7 @@ def require_memory(
         return
     ways = [*_remedies(plan, scene, frames, draw, SHARE * free)]
     advice = f"take {' or '.join(ways)}" if ways else "draw fewer strands, or a smaller picture"
-    regardless = "; --no-memory-check goes on all the same" if check else ""
+    regardless = "; --no-memory-check runs it anyway" if check else ""
     raise RefusedError(
         f"this run would take about {_gigabytes(plan.memory_bytes)}, more than {100 * SHARE:.0f} % of the "
         f"{_gigabytes(free)} that are free: {advice}{regardless}"

@@ -36,7 +36,7 @@ def _lines_too_wide(scene: Scene, frames: Sequence[int]) -> Iterator[str]:
     if seen < THIN:
         yield (
             f"strands {1000 * width:g} mm wide are {seen:.2g} pixels wide here, and image.resolver zbuffer draws hard "
-            "lines of one pixel: add --quality default, or set image.resolver=sorted; look: source keeps the lines"
+            "lines of one pixel: add --quality default, or set image.resolver=sorted; look: source requires the lines"
         )
 
 

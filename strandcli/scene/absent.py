@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from .faults import shown
 
 GONE: Mapping[str, tuple[str, str]] = {
-    "rod.end: clamped": ("0.1.0", "use pinned, which holds the tip where it is emitted and lets it turn"),
+    "rod.end: clamped": ("0.1.0", "use pinned: the tip stays where it is emitted and turns freely"),
     "rod.end_keys": ("0.1.0", "pinned tips go where the emitter carries them; take it out"),
     "rod.integrator": ("0.1.0", "steps are of second order, shorter where swings ask for it; damping calms motion"),
     "rod.material: wire": ("0.1.0", "write its numbers: density: 7850, radius: 2.5e-4, young: 2.0e+11"),
     "rod.material: wool": ("0.1.0", "write its numbers: density: 1310, radius: 1.2e-5, young: 3.0e+9"),
     "rod.precision": ("0.1.0", "it is double where single would not be enough; take it out"),
-    "rod.root: free": ("0.1.0", "roots are held; use hinged, which lets strands turn, and move the emitter"),
+    "rod.root: free": ("0.1.0", "use hinged, which lets strands turn, and move the emitter"),
     "rod.section": ("0.1.0", "strands are round; give the radius that bends as they should as rod.radius"),
     "rod.yield_strain": ("0.1.0", "strands spring back to their rest shape; take it out"),
     "solids.*.blend": ("0.1.0", "solids stay apart; use kind: mesh for one smooth body, or take it out"),

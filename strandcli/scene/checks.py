@@ -114,7 +114,7 @@ def _tie(emitter: Emitter, solids: Sequence[Solid]) -> Iterator[Finding]:
         yield Finding(own, message, own)
     elif tie.direction is not None and _dot(tie.direction, normal) <= 1e-3 * math.hypot(*tie.direction):
         path = "emitter.tie.direction"
-        yield Finding((path,), "leads into the emitter's surface; turn it outward", (path, *own))
+        yield Finding((path,), "points into the emitter's surface; turn it outward", (path, *own))
     for key in ("direction", "comb", "parting"):
         if getattr(emitter, key) is not None:
             places = (f"emitter.{key}", "emitter.tie")
@@ -250,9 +250,9 @@ def _blind_between(before: Vector, after: Vector, camera: Camera) -> str:
     """The same on the straight way from one look to the next."""
     longest = max(math.hypot(*before), math.hypot(*after))
     if _least(before, after) < _PARALLEL * longest:
-        return "on the way from the key before, the camera passes through its own target"
+        return "between this key and the one before, the camera passes through its own target"
     if _least(_cross(camera.up, before), _cross(camera.up, after)) < _PARALLEL * longest * math.hypot(*camera.up):
-        return "on the way from the key before, the camera looks along `up`; turn `up` aside or add a key"
+        return "between this key and the one before, the camera looks along `up`; turn `up` aside or add a key"
     return ""
 
 

@@ -27,7 +27,7 @@ def _clashes(scene: Scene) -> Iterator[Clash]:
     if rod.root == "hinged" and rod.rest == "sag_free":
         yield (
             ("rod.root", "rod.rest"),
-            "hinged roots hold no strand up, as rest: sag_free asks of them; use root: clamped, or rest: shape",
+            "hinged roots cannot balance gravity, as rest: sag_free needs; use root: clamped, or rest: shape",
         )
     if rod.end == "pinned" and "emitter_motion" in listed and deforming_ground(scene) is not None:
         yield ("rod.end", "emitter", "rules"), "tips cannot be pinned on an emitter that deforms; use end: free"

@@ -155,7 +155,7 @@ def _panel(
         for key, entry in sorted(changes.entries.items(), key=lambda item: _turn(item[0])):
             where = f"{path}.set.{key}"
             if key.split(".")[0] in ("panels", "extends"):
-                faults.append(fault_at(entry.mark, where, "a panel cannot hold this; panels do not nest"))
+                faults.append(fault_at(entry.mark, where, "a panel cannot have this; panels do not nest"))
                 continue
             try:
                 root = place(root, key, entry.node, rules)

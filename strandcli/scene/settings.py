@@ -116,7 +116,7 @@ def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rul
             raise Unreachable(f"{shown(part)} cannot be reached inside {kind_of(node)}")
         specs = _specs(spec, node, rules)
         if specs is None:
-            raise Unreachable(f"{shown(part)} cannot be reached: the kind of what holds it is not known")
+            raise Unreachable(f"{shown(part)} cannot be reached: the kind of its entry is not known")
         if part not in specs:
             raise Unreachable(f"unknown key; {hint(part, specs, 'the keys are')}")
         child = _place(specs[part], node.get(part), parts[1:], value, rules)

@@ -121,13 +121,13 @@ class _Builder:
             line = text.count("\n", 0, error.position)
             column = error.position - (text.rfind("\n", 0, error.position) + 1)
             mark = Mark(self.origin.file, line + 1, column + 1) if self.lines else self.origin
-            self.stop(mark, f"holds a character that YAML does not allow: {shown(text[error.position])}")
+            self.stop(mark, f"has a character that YAML does not allow: {shown(text[error.position])}")
         except yaml.MarkedYAMLError as error:
             self.stop(self.mark(error.problem_mark or error.context_mark), _advice(error))
         except (ValueError, OverflowError):  # PyYAML on \UFFFFFFFF, and on a %YAML directive of 5,000 digits
             self.stop(
                 self.origin if not self.lines else Mark(self.origin.file, 1, 1),
-                "holds a number or an escape that YAML does not allow",
+                "has a number or an escape that YAML does not allow",
             )
         return self.root
 
@@ -152,7 +152,7 @@ class _Builder:
         if isinstance(event, yaml.DocumentStartEvent):
             self.documents += 1
             if self.documents > 1:
-                self.stop(mark, "holds more than one document; a preset is one, without `---` inside")
+                self.stop(mark, "has more than one document; a preset is one, without `---` inside")
         elif isinstance(event, yaml.AliasEvent):
             self.refuse(mark, f"`*{event.anchor}`: aliases are refused; write the value again, or use `extends`")
             self.add(Scalar("null", True, mark))
@@ -214,7 +214,7 @@ class _Builder:
     def checked(self, text: str, mark: Mark) -> str:
         """``text``, of which escapes may have made something that cannot be printed or encoded."""
         if any(_unwanted(c) for c in text):
-            self.refuse(mark, f"holds a control character or half a surrogate pair: {shown(text)}")
+            self.refuse(mark, f"has a control character or half a surrogate pair: {shown(text)}")
             return "".join(" " if _unwanted(c) else c for c in text)
         return text
 

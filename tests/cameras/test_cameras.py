@@ -150,7 +150,7 @@ ANGLE = json.dumps({"w": 64, "h": 48, "frames": [{"file_path": "a.png", "transfo
     [
         (_json(k1=0.1), "lens distortion (k1 0.1)"),
         (_json(camera_model="OPENCV_FISHEYE"), "is no pinhole"),
-        (_json(frames=[]), "holds no view"),
+        (_json(frames=[]), "has no view"),
         (_json(frames=[3]), "is no view"),
         (_json(fl_x=0), "must be above 0"),
         (_json(fl_x="wide"), "could not convert"),
@@ -191,7 +191,7 @@ def test_damaged_transforms_are_refused_in_one_line(text: str, words: str, tmp_p
         ("1 PINHOLE 10 10 9 9 5 5", "1 1 0 0 0 0 0 4 2 a.png", "is no picture"),
         ("1 PINHOLE 10 10 9 9 5 5", "1 0 0 0 0 0 0 4 1 a.png", "is no picture"),
         ("1 PINHOLE 10 10 9 9 5 5", "1 1 0 0 0 nan 0 4 1 a.png", "is no picture"),
-        ("1 PINHOLE 10 10 9 9 5 5", "", "holds no picture"),
+        ("1 PINHOLE 10 10 9 9 5 5", "", "has no picture"),
     ],
 )
 def test_damaged_colmap_files_are_refused_in_one_line(cameras: str, images: str, words: str, tmp_path: Path) -> None:
@@ -234,7 +234,7 @@ def test_damaged_archives_and_unknown_files_are_refused(tmp_path: Path) -> None:
         ({"world_mat_0": np.full((4, 4), np.nan)}, "is no projection matrix"),
         ({"world_mat_0": np.diag([1e300, 1e300, 1e-300, 1])}, "focal lengths"),
         ({"world_mat_0": np.eye(4), "image_size": np.array([np.nan, 4])}, "nanx4"),
-        ({"arr_0": np.zeros((0, 4, 4))}, "holds no view"),
+        ({"arr_0": np.zeros((0, 4, 4))}, "has no view"),
     ):
         np.savez(path, **arrays)
         with pytest.raises(UsageError) as error:

@@ -173,10 +173,10 @@ def test_a_lens_that_another_program_changes_counts(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "name", "words"),
     [
-        ('def Xform "a"\n{\n}\ndef Mesh "b"\n{\n}', "", "holds no camera; there are 1 Xform, 1 Mesh"),
-        ("", "", "holds no camera and nothing else"),
+        ('def Xform "a"\n{\n}\ndef Mesh "b"\n{\n}', "", "has no camera; there are 1 Xform, 1 Mesh"),
+        ("", "", "has no camera and nothing else"),
         (camera("a") + camera("b"), "", "holds 2 cameras: /a, /b; choose one"),
-        (camera("a") + camera("b"), "c", "holds no camera c; there are /a, /b"),
+        (camera("a") + camera("b"), "c", "has no camera c; there are /a, /b"),
         ('def Xform "x"\n{\n' + camera() + '}\ndef Xform "y"\n{\n' + camera() + "}", "cam", "2 cameras are called cam"),
         (camera(body="float focalLength = 0"), "", "/cam: focalLength 0"),
         (camera(body="float horizontalAperture = -1"), "", "must be above 0"),

@@ -49,7 +49,7 @@ def test_a_signal_while_an_animation_is_written_is_told(
     monkeypatch.setattr(png, "read", late)
     result = run("render", "tiny.yaml", "-o", "a", "-f", "1-5", "--resume", "--animate", "gif,webp")
     assert result.code == code
-    words = "animation.gif is not written; 5 finished frames stay, --resume goes on"
+    words = "animation.gif is not written; 5 finished frames stay, --resume continues"
     assert result.err.strip() == f"a: interrupted; {words}"
     assert names("a") == [".here", *(frames.frame_file(n) for n in range(1, 6)), "report.html", "report.json"]
     Path("a/.here").unlink()

@@ -163,7 +163,7 @@ def test_what_ends_the_run_leaves_whole_frames_and_no_process(run: Runner) -> No
     going.send_signal(signal.SIGTERM)
     _, told = going.communicate(timeout=60)
     assert going.returncode == 143, told
-    assert "--resume goes on" in told
+    assert "--resume continues" in told
     assert "Traceback" not in told
     assert len(hashes(run.folder / "out")) > 3
     alive = subprocess.run(["ps", "-o", "pid=", "-g", str(going.pid)], capture_output=True, text=True)

@@ -66,23 +66,23 @@ def curves(points: Any, counts: Any, *basis: Any) -> bytes:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (WHOLE[:10], "byte 0: header: needs 16 bytes, the file holds 10 bytes there"),
+        (WHOLE[:10], "byte 0: header: needs 16 bytes, the file has 10 bytes there"),
         (b"Ogawa\0" + WHOLE[6:], "byte 5: header: the program that wrote it did not finish"),
         (b"Ogawa\xff\0\2" + WHOLE[8:], "byte 6: header: version 0x0200 of Ogawa is not known"),
         (b"\x89HDF\r\n\x1a\n" + bytes(60), "HDF5 back end; convert it with abcconvert -toOgawa"),
-        (with_word(WHOLE, 8, 1 << 50), "byte 8: archive: begins at byte 1,125,899,906,842,624, the file holds"),
-        (with_word(WHOLE, 8, DATA | 16), "byte 8: archive: data are told where a group should be"),
+        (with_word(WHOLE, 8, 1 << 50), "byte 8: archive: begins at byte 1,125,899,906,842,624, the file has"),
+        (with_word(WHOLE, 8, DATA | 16), "byte 8: archive: data where a group should be"),
         (with_word(WHOLE, 8, 7), "byte 8: archive: begins at byte 7, in the header"),
         (with_word(WHOLE, 8, 0), "byte 8: archive: has 0 parts, 6 are needed"),
-        (with_word(WHOLE, 16, 1 << 40), "byte 16: /hair/.geom/P: 1,099,511,627,776 need 1.1 TB, the file holds"),
+        (with_word(WHOLE, 16, 1 << 40), "byte 16: /hair/.geom/P: 1,099,511,627,776 need 1.1 TB, the file has"),
         (with_word(WHOLE, 16, 16 + 143), "byte 24: /hair/.geom/P: 143 bytes are no whole number of 12 bytes each"),
         (with_word(WHOLE, 16, 16 + 132), "/hair: 11 points, the curves have 12"),
         (curves(POINTS, [4, 9, -1]), "/a/.geom/nVertices: curve 2 has -1 points"),
         (curves(POINTS[:, :2], COUNTS), "/a/.geom/P: 2 float32_t an element"),
         (curves(NOT_FINITE, COUNTS), "byte 52: /a/.geom/P: number 1 is not finite"),
-        (Builder().finish(), "holds no curves"),
-        (circle(), "is held twice, or holds itself"),
-        (tower(), "is held by 128 objects in one another"),
+        (Builder().finish(), "has no curves"),
+        (circle(), "is referenced twice, or by itself"),
+        (tower(), "is referenced by 128 objects in one another"),
         (shared(), "parts that are shared make more than is believed of a file of"),
         (curves(POINTS, COUNTS, np.ones((2, 4), "u1")), "/a/.geom/curveBasisAndType: 2 values of a scalar"),
     ],
@@ -113,4 +113,4 @@ def test_strands_that_come_and_go_are_refused_over_time(tmp_path: Path) -> None:
 def test_names_that_alembic_cannot_hold_are_left_out(tmp_path: Path) -> None:
     held = kit.of(STRANDS)
     wrong = {name: Attribute("strand", np.zeros((3, width), np.float32)) for name, width in (("a/b", 1), ("c", 300))}
-    assert write(tmp_path / "a.abc", Strands(held.first, held.points, wrong)) == [".abc does not hold a/b, c: left out"]
+    assert write(tmp_path / "a.abc", Strands(held.first, held.points, wrong)) == [".abc cannot store a/b, c: left out"]

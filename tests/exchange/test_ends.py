@@ -79,7 +79,7 @@ def test_info_says_what_is_not_guessed(tmp_path: Path, capsys: pytest.CaptureFix
     groom_file_kit.write(tmp_path / "grass.data", list(ends_kit.made("grass", 4).strands.points.reshape(-1, 2, 3)))
     (tmp_path / "hair.data").write_bytes(kit.data(list(head() * np.float32(0.01))))
     (tmp_path / "none.data").write_bytes(kit.data([]))
-    line = "as it is   roots are first, up is y, units are metres: nothing tells otherwise, and nothing is guessed"
+    line = "as it is   roots are first, up is y, units are metres: there is no evidence for a guess"
     assert line in run("info", tmp_path / "grass.data").out
     assert "roots are" not in run("info", tmp_path / "none.data").out
     assert "as it is" not in run("info", tmp_path / "hair.data").out

@@ -76,7 +76,7 @@ def test_tips_that_come_first_are_told() -> None:
     mixed = list(groom)
     mixed[3] = mixed[3][::-1]
     assert faults(kit.of(mixed)) == {"other_way": (1, "--fix")}
-    assert [one.text for one in facts(kit.of(mixed)).faults] == ["1 strand runs the other way than the rest"]
+    assert [one.text for one in facts(kit.of(mixed)).faults] == ["1 strand runs the opposite way to the rest"]
 
 
 @pytest.mark.parametrize("far", [1.0, 1e2, 1e4, 1e8])

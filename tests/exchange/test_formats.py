@@ -178,7 +178,7 @@ def test_arrays_beside_the_positions_are_kept(tmp_path: Path) -> None:
 
 def test_of_several_arrays_of_strands_one_is_asked_for() -> None:
     content = npz(a=np.stack(EQUAL), b=np.stack(EQUAL[:2]))
-    with pytest.raises(UsageError, match=r"a \(3, 4, 3\), b \(2, 4, 3\); tell which with --array"):
+    with pytest.raises(UsageError, match=r"a \(3, 4, 3\), b \(2, 4, 3\); choose one with --array"):
         read_bytes(content, ".npz")
     check(read_bytes(content, ".npz", ReadOptions(array="b")), EQUAL[:2])
 
@@ -195,9 +195,7 @@ def test_a_format_is_told_by_the_first_bytes(tmp_path: Path) -> None:
 def test_what_a_format_does_not_hold_is_told(tmp_path: Path) -> None:
     strands = kit.of(EQUAL)
     uv = {"uv": Attribute("strand", np.zeros((3, 2), np.float32))}
-    assert write(tmp_path / "a.hair", Strands(strands.first, strands.points, uv)) == [
-        ".hair does not hold uv: left out"
-    ]
+    assert write(tmp_path / "a.hair", Strands(strands.first, strands.points, uv)) == [".hair cannot store uv: left out"]
     assert write(tmp_path / "a.npz", Strands(strands.first, strands.points, uv)) == []
 
 
@@ -238,7 +236,7 @@ def test_longer_strands_than_a_format_can_tell_are_refused(tmp_path: Path) -> No
 
 
 def test_several_moments_need_a_format_that_takes_them(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"holds one moment only; write \.abc"):
+    with pytest.raises(UsageError, match=r"has one moment only; write \.abc"):
         write(tmp_path / "a.hair", kit.of(EQUAL), [])
 
 
@@ -249,21 +247,21 @@ def nan_at(content: bytes, at: int) -> bytes:
 @pytest.mark.parametrize(
     ("content", "suffix", "message"),
     [
-        (kit.hair(EQUAL)[:100], ".hair", "byte 0: header: needs 128 bytes, the file holds 100 bytes"),
-        (kit.hair(EQUAL)[:-1], ".hair", "byte 8: points: 12 need 144 bytes, the file holds 143 bytes"),
-        (kit.hair(EQUAL) + b"x", ".hair", "1 byte after what the header tells"),
+        (kit.hair(EQUAL)[:100], ".hair", "byte 0: header: needs 128 bytes, the file has 100 bytes"),
+        (kit.hair(EQUAL)[:-1], ".hair", "byte 8: points: 12 need 144 bytes, the file has 143 bytes"),
+        (kit.hair(EQUAL) + b"x", ".hair", "1 byte after what the header declares"),
         (b"HAIR" + b"\xff" * 124, ".hair", "byte 12: flags: 0xffffffff"),
         (b"HAIR" + struct.pack("<4I", 4_000_000_000, 9, 3, 0) + bytes(108), ".hair", "byte 4: segments: 4,000,000,000"),
         (nan_at(kit.hair(EQUAL), 128 + 6 + 12 * 5 + 4), ".hair", "byte 194: points: number 5 is not finite"),
         (nan_at(kit.data(EQUAL), 4 + 4 + 48 + 4 + 24), ".data", "byte 84: points: number 6 is not finite"),
         (struct.pack("<i", -5) + bytes(8), ".data", "byte 0: strands: -5"),
         (struct.pack("<2i", 1, 2**31 - 1) + bytes(24), ".data", "byte 4: points of strand 0: 2,147,483,647"),
-        (kit.data(EQUAL)[:-4], ".data", "byte 108: points of strand 2: 4, the file holds 3 more"),
+        (kit.data(EQUAL)[:-4], ".data", "byte 108: points of strand 2: 4, the file has 3 more"),
         (struct.pack("<f", 2.5) + bytes(200), ".tfx", "byte 0: version: 2.5 is not known"),
         (struct.pack("<f2I", 3.0, 2**24, 0) + bytes(300), ".tfx", "byte 8: vertices a strand: 0"),
         (kit.tfx4(EQUAL)[:170], ".tfx", "byte 4: strands: 12 need 192 bytes"),
         (kit.tfx4(EQUAL)[:12] + b"\xff" * 4 + kit.tfx4(EQUAL)[16:], ".tfx", "byte 12: offset of positions"),
-        (kit.ply(EQUAL)[:-1], ".ply", "element strand: 3 need 6 bytes, the file holds 5 bytes"),
+        (kit.ply(EQUAL)[:-1], ".ply", "element strand: 3 need 6 bytes, the file has 5 bytes"),
         (kit.ply(EQUAL, "")[:-4], ".ply", "element strand"),
         (b"ply\nformat ascii 2.0\n", ".ply", "byte 4: header: 'format ascii 2.0'"),
         (npz(positions=np.full((2, 3, 3), np.inf)), ".npz", "byte 0: positions: number 0 is not finite, and 5 more"),

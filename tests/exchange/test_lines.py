@@ -58,7 +58,7 @@ def test_lines_of_obj_may_name_textures_and_go_on_in_the_next_line(tmp_path: Pat
     (b"v 0 0 0\nl 1 x\n", "line 2: 'l' of '1 x'"),
     (b"v 0 0\nl 1 1\n", "line 1: 'v' of 2 numbers, 3 are needed"),
     (b"v 0 0 0\n#\nv 0 nan 0\nl 1 2\n", "line 3: vertex of a strand is not finite"),
-    (b"v 0 0 0\n", "byte 0: holds no lines"),
+    (b"v 0 0 0\n", "byte 0: has no lines"),
     (TRIANGLE, "is a mesh, neither a preset nor strands: it has no lines"),
 ])  # fmt: skip
 def test_what_is_wrong_with_an_obj_has_its_line(content: bytes, words: str, tmp_path: Path) -> None:
@@ -89,9 +89,9 @@ def saved(values: object) -> bytes:
     (saved(np.zeros((4, 3))), r"byte 0: header: an array of float64 of shape \(4, 3\)"),
     (saved(np.zeros((4, 3, 3), int)), "an array of int64"),
     (saved(np.zeros((4, 3, 5))), "or 4 with widths"),
-    (saved(np.zeros((4, 3, 3)))[:-8], r"needs 288 bytes, the\s+file holds 280 bytes"),
-    (saved(np.zeros((4, 3, 3))) + b"\0", "needs 288 bytes, the file holds 289 bytes"),
-    (saved(np.array([[[print]]])), "tells of no array of numbers"),
+    (saved(np.zeros((4, 3, 3)))[:-8], r"needs 288 bytes, the\s+file has 280 bytes"),
+    (saved(np.zeros((4, 3, 3))) + b"\0", "needs 288 bytes, the file has 289 bytes"),
+    (saved(np.array([[[print]]])), "declares no array of numbers"),
     (saved(np.zeros((4, 3, 3))).replace(b"(4, 3, 3)", b"(4000000000, 3, 3)")[:-11], "needs 288 GB"),
     (saved(np.full((2, 3, 3), np.nan, "<f4")), "byte 128: points: number 0 is not finite, and 5 more"),
 ])  # fmt: skip

@@ -96,7 +96,7 @@ def test_objects_go_from_format_to_format(suffix: str, tmp_path: Path) -> None:
 
 
 def test_formats_without_names_say_what_is_lost(tmp_path: Path) -> None:
-    assert write(tmp_path / "a.hair", hair()) == [".hair does not hold object: left out"]
+    assert write(tmp_path / "a.hair", hair()) == [".hair cannot store object: left out"]
     assert read(tmp_path / "a.hair").objects == ()
 
 

@@ -153,7 +153,7 @@ def test_what_is_not_for_pictures_is_left_out_and_told() -> None:
     assert facts["files_not_found"] == 1
     guides = read_text(usd_kit.HEAD + usd_kit.prim(STRANDS, more='    uniform token purpose = "guide"\n'))
     assert guides.source.facts["purpose"] == "guide"
-    with pytest.raises(UsageError, match="holds no curves that can be read; there are 1 PointInstancer"):
+    with pytest.raises(UsageError, match="has no curves that can be read; there are 1 PointInstancer"):
         read_text(usd_kit.HEAD + 'def PointInstancer "d"\n{\n}\n')
 
 
@@ -186,7 +186,7 @@ def test_widths_and_normals_go_with_transforms() -> None:
         (usd_kit.prim([POINTS[:5]], basis="bezier"), "5 points, which make no whole pieces of cubic bezier"),
         (usd_kit.prim(STRANDS, basis="power"), "basis power"),
         (usd_kit.prim(STRANDS).replace("(0, 1, 4)", "(0, nan, 4)"), "points: number 0 is not finite"),
-        ('def Xform "a"\n{\n}\n', "holds no curves"),
+        ('def Xform "a"\n{\n}\n', "has no curves"),
         ("def garbage", "damaged or no .usd file"),
     ],
 )  # fmt: skip
@@ -206,7 +206,7 @@ def test_short_curves_are_skipped_and_counted() -> None:
 def test_what_usd_cannot_hold_is_told(tmp_path: Path) -> None:
     held = kit.of(STRANDS)
     held = Strands(held.first, held.points, {"frame": Attribute("strand", np.ones((3, 9), np.float32))})
-    assert write(tmp_path / "a.usd", held) == [".usd does not hold frame: left out"]
+    assert write(tmp_path / "a.usd", held) == [".usd cannot store frame: left out"]
     with pytest.raises(RefusedError, match="cannot be written"):
         write(tmp_path / "none" / "a.usd", held)
     samples = [TimeSample(0, held.points), TimeSample(1, held.points[:4])]

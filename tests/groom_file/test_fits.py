@@ -133,7 +133,7 @@ def test_strands_that_are_not_finite_or_far_too_large_or_none_are_compared_in_a_
         (tmp_path / name).write_bytes(exchange_kit.data(list(some.astype(np.float32))))
     assert "they fit" in run("info", tmp_path / "bad.data", "--on", head).out
     assert "neither another unit" in run("info", tmp_path / "huge.data", "--on", head).out
-    assert "holds no strand that could lie on" in run("info", tmp_path / "none.data", "--on", head).error()
+    assert "has no strand that could lie on" in run("info", tmp_path / "none.data", "--on", head).error()
 
 
 def test_hair_that_is_put_on_a_head_tells_another_up_axis(head: Path, tmp_path: Path) -> None:

@@ -61,7 +61,7 @@ def test_strands_inside_are_led_out_and_the_others_stay() -> None:
     a, b = (one.points.reshape(before.count, -1, 3) for one in (before, after))
     np.testing.assert_array_equal(a[~inside].view(np.int32), b[~inside].view(np.int32))
     np.testing.assert_array_equal(a[:, 0], b[:, 0])
-    assert notes == [line for line in notes if "150 strands led out of head" in line]
+    assert notes == [line for line in notes if "150 strands moved out of head" in line]
     assert "0.0" in notes[0]
 
 
@@ -123,7 +123,7 @@ def test_a_mesh_is_as_its_ball(tmp_path: Path) -> None:
     away = np.linalg.norm(points.astype(np.float64), axis=2) - RADIUS
     assert np.abs(away[:, 0]).max() < 1e-4  # chords of the mesh
     assert away[:, 3:].min() > 0.9 * CLEAR
-    assert any("led out of head" in words for words in found.notes)
+    assert any("moved out of head" in words for words in found.notes)
     assert from_scene(made) is found
 
 

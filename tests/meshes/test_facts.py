@@ -65,7 +65,7 @@ def test_faults_are_told_with_their_numbers() -> None:
     assert found["holes"] == 1
     assert [one["text"] for one in found["faults"]] == [
         "1 triangle without area: left out", "1 triangle equal to another: left out",
-        "1 vertex of no triangle: left out", "1 of 11 triangles was wound the other way: turned",
+        "1 vertex of no triangle: left out", "1 of 11 triangles was wound the opposite way: turned",
         "open: 1 hole, 3 edges on its rim; inside is where the surface goes more than half around",
     ]  # fmt: skip
 

@@ -94,7 +94,7 @@ def test_binary_is_known_by_its_size(begin: bytes, tmp_path: Path) -> None:
     content = begin[:80] + kit.stl(BALL)[len(begin[:80]) :]
     np.testing.assert_array_equal(read(tmp_path / "a.stl", content), CORNERS.astype(np.float32))
     for wrong in (content[:-3], content + b"\0", content[: stl.HEADER - 1]):
-        with pytest.raises(UsageError, match=r"bytes, where [\d,]+ triangles, as its header tells, have [\d,]+"):
+        with pytest.raises(UsageError, match=r"bytes, where [\d,]+ triangles, as its header declares, have [\d,]+"):
             read(tmp_path / "a.stl", wrong)
 
 

@@ -144,7 +144,7 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatc
     monkeypatch.setattr(module, "begin_pieces", fill)
     monkeypatch.setattr(FrameWriter, "_help", lambda _: False)  # so that the order is known
     monkeypatch.setattr("os.fsync", lambda file: time.sleep(0.05))
-    words = "frame_0003.png: .*disk is full.*; 2 finished frames are whole, --resume keeps them"
+    words = "frame_0003.png: .*disk is full.*; 2 finished frames are whole, --resume skips them"
 
     def run() -> None:
         with FrameWriter(tmp_path, range(1, 20), SIZE) as writer:
@@ -179,7 +179,7 @@ def test_a_disk_that_fails_after_other_frames_have_been_written_loses_that_one_a
 
     monkeypatch.setattr(FrameWriter, "_help", lambda _: False)  # so that the order is known
     monkeypatch.setattr("os.fsync", refuse)
-    words = r"frame_0003.png: [^;]*; choose another place; [0-9]+ finished frames are whole, --resume keeps them$"
+    words = r"frame_0003.png: [^;]*; choose another place; [0-9]+ finished frames are whole, --resume skips them$"
     with pytest.raises(RefusedError, match=words):
         write(tmp_path, list(range(1, 20)))
     finished = [frame_file(frame) for frame in range(1, len(synced) + 1) if frame != 3]
@@ -266,4 +266,4 @@ def test_frames_of_a_folder_that_is_gone_are_not_counted_as_whole(
             writer.submit(2, picture(2))
         writer._failure = None
     assert "whole" not in str(told.value)
-    assert interrupted(writer).endswith("interrupted; 0 finished frames stay, --resume goes on")
+    assert interrupted(writer).endswith("interrupted; 0 finished frames stay, --resume continues")

@@ -74,7 +74,7 @@ def test_files_that_hold_something_else(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no such file"):
         read_layer(path)
     np.savez(path, mask=np.zeros((2, 2)))
-    with pytest.raises(UsageError, match="holds no array named 'depth'"):
+    with pytest.raises(UsageError, match="has no array named 'depth'"):
         read_layer(path)
     np.savez(path, depth=np.zeros(2))
     with pytest.raises(UsageError, match="is no picture"):
@@ -130,7 +130,7 @@ def test_the_command_writes_layers_and_keeps_them_on_resume(run: Runner) -> None
     assert (np.isfinite(depth) == (ids != -1)).all()
     refused = run("render", "tiny.yaml", "-f", "1", "-o", "out", "--aov", "depth")
     assert refused.code == 2
-    assert "already holds" in refused.error()
+    assert "already has" in refused.error()
     # a picture without its layers is drawn again; one with them is kept
     Path("out/depth_0001.npz").unlink()
     again = run("render", "tiny.yaml", "-f", "1-2", "-o", "out", "--aov", asked, "--resume", "--quiet", "--json")

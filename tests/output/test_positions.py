@@ -100,7 +100,7 @@ def test_a_header_of_another_program_is_refused_and_not_warned_of(cache: Path) -
 
 def test_a_file_without_the_array_is_refused(cache: Path) -> None:
     np.savez(cache / positions_file(1), other=positions(1))
-    with pytest.raises(UsageError, match="holds no array named 'positions'"):
+    with pytest.raises(UsageError, match="has no array named 'positions'"):
         PositionCache(cache, [1], 5, 4)
 
 
@@ -131,7 +131,7 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(cache: Path, monkeypatch: 
 
     writer = PositionsWriter(cache, [1, 2, 3], 5, 4, overwrite=False, resume=True)
     monkeypatch.setattr(np.lib.format, "write_array", fail)
-    with pytest.raises(RefusedError, match=r"disk is full.*; 2 finished frames are whole, --resume keeps them"):
+    with pytest.raises(RefusedError, match=r"disk is full.*; 2 finished frames are whole, --resume skips them"):
         writer.write(3, np.zeros((5, 4, 3), np.float32))
 
 

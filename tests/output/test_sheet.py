@@ -67,7 +67,7 @@ def test_the_sheet_does_not_take_itself_in(folder: Path) -> None:
 
 def test_sources_without_images_are_named(tmp_path: Path, folder: Path) -> None:
     (tmp_path / "empty").mkdir()
-    with pytest.raises(UsageError, match="empty: holds no images"):
+    with pytest.raises(UsageError, match="empty: has no images"):
         gather([folder, tmp_path / "empty"])
     with pytest.raises(UsageError, match="lost: no such file or folder"):
         gather([tmp_path / "lost"])

@@ -164,7 +164,7 @@ def test_a_rule_that_is_not_listed_is_added_with_its_parameters(rules: str) -> N
         ("camera={fov: 3, fov: 4}", "duplicate key 'fov'"),
         ("camera=[", "not valid YAML"),
         ("camera={positon: [1, 2, 3]}", "camera.positon: unknown key; did you mean 'position'?"),
-        ("title=\x00", "holds a character that YAML does not allow"),
+        ("title=\x00", "has a character that YAML does not allow"),
         ("seed", "must be PATH=VALUE, such as wind.strength=3"),
         ("=3", "must be PATH=VALUE"),
         ("", "must be PATH=VALUE"),

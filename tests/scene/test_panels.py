@@ -57,7 +57,7 @@ def test_no_panels(none: str) -> None:
         ("[3]", "p.yaml:2:10: panels.0: must be a mapping with `label` and `set`, not a single value"),
         ("[{lable: a}]", "p.yaml:2:11: panels.0.lable: unknown key; did you mean 'label'?"),
         ("[{set: 3}]", "panels.0.set: must be a mapping of settings, not a single value"),
-        ("[{set: {panels: []}}]", "p.yaml:2:17: panels.0.set.panels: a panel cannot hold this; panels do not nest"),
+        ("[{set: {panels: []}}]", "p.yaml:2:17: panels.0.set.panels: a panel cannot have this; panels do not nest"),
         ("[{set: {extends: hair}}]", "panels do not nest"),
         ("[{}, {set: {wind.strenght: 3}}]", "p.yaml:2:21: panels.1.set.wind.strenght: unknown key; did you mean"),
         ("[{set: {wind.strength: -1}}]", "p.yaml:2:32: panels.0.set.wind.strength: must be a number of at least 0"),

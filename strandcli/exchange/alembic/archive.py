@@ -143,9 +143,9 @@ class Archive:
             path, place = f"{parent.path}/{name}", place + 1
             child = self.container.child(group, place, path)
             if child.word and child.word in seen:
-                raise self.file.damaged(f"{path}: is held twice, or holds itself", child.at)
+                raise self.file.damaged(f"{path}: is referenced twice, or by itself", child.at)
             if parent.depth >= DEEPEST:
-                raise self.file.damaged(f"{path}: is held by {DEEPEST} objects in one another", child.at)
+                raise self.file.damaged(f"{path}: is referenced by {DEEPEST} objects in one another", child.at)
             seen.add(child.word)
             yield Object(path, metadata, self.container.group(child), parent, parent.depth + 1)
 

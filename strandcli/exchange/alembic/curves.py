@@ -88,7 +88,7 @@ def all_curves(archive: Archive) -> Iterator[Curves]:
             others.add(schema or "no schema")
     if not found:
         there = f"; there are objects of {', '.join(sorted(others)[:5])}" if others else ""
-        raise archive.file.fault(f"holds no curves{there}", archive.container.root.at)
+        raise archive.file.fault(f"has no curves{there}", archive.container.root.at)
 
 
 def _curves(archive: Archive, one: Object) -> Curves:

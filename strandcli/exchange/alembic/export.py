@@ -61,7 +61,7 @@ def write_curves(path: Path, strands: Strands, samples: Iterable[TimeSample] | N
         if moving and len(when) == 1 and cycle != 1.0:
             told["_ai_DCC_FPS"] = f"{1 / cycle:.6g}"
         writer.close(top, told, samplings)
-    left_out = [f".abc does not hold {', '.join(lost)}: left out"] if lost else []
+    left_out = [f".abc cannot store {', '.join(lost)}: left out"] if lost else []
     return left_out + renamed(strands, legal, ".abc")
 
 

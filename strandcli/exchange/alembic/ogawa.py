@@ -70,7 +70,7 @@ class Container:
     def group(self, child: Child) -> Group:
         """A child that is a group."""
         if child.word & layout.DATA:
-            raise self.file.damaged(f"{child.name}: data are told where a group should be", child.at)
+            raise self.file.damaged(f"{child.name}: data where a group should be", child.at)
         if not child.word:
             return Group(0, 0)
         self._go(child.name, child.word, child.at)
@@ -89,7 +89,7 @@ class Container:
     def data(self, child: Child) -> Data:
         """A child that is data."""
         if not child.word & layout.DATA:
-            raise self.file.damaged(f"{child.name}: a group is told where data should be", child.at)
+            raise self.file.damaged(f"{child.name}: a group where data should be", child.at)
         position = child.word - layout.DATA
         if not position:
             return Data(child.at, 0)

@@ -52,7 +52,7 @@ def dice(count: int, seed: int) -> npt.NDArray[np.float64]:
 
 def _kept(strands: Strands, keep: Mask, how: str, facts: dict[str, object]) -> tuple[Strands, Change]:
     changed = strands.select(keep)
-    text = f"{counted(changed.count, 'strand')} of {strands.count:,} kept, {how}"
+    text = f"{counted(changed.count, 'strand')} of {strands.count:,} selected, {how}"
     return changed, Change(
         "subsample", text, {**facts, "kept": changed.count, "left_out": strands.count - changed.count}
     )

@@ -94,7 +94,7 @@ def _walk(words: npt.NDArray[np.int32], width: int) -> _Layout | tuple[int, str]
     size, strands, at = len(view), view[0], 1
     begins, counts = array("q"), array("q")
     if not 0 <= strands < size:
-        return 0, f"strands: {strands:,}, with a count each; the file holds {counted(size - 1, 'number')}"
+        return 0, f"strands: {strands:,}, with a count each; the file has {counted(size - 1, 'number')}"
     each = 1 + width * view[1] if strands else 0
     if each > SHORTEST * width and strands * each == size - 1 and (words[1::each] == view[1]).all():
         begins_of_all = even_offsets(strands - 1, each)
@@ -107,13 +107,13 @@ def _walk(words: npt.NDArray[np.int32], width: int) -> _Layout | tuple[int, str]
         step = 1 + width * points
         if points < 0 or step > size - at:
             left = (size - at - 1) // width
-            return at, f"points of strand {strand:,}: {points:,}, the file holds {left:,} more"
+            return at, f"points of strand {strand:,}: {points:,}, the file has {left:,} more"
         if points >= SHORTEST:
             begins.append(at + 1)
             counts.append(points)
         at += step
     if at != size:
-        return at, f"{4 * (size - at):,} bytes follow the {strands:,} strands that the file tells of"
+        return at, f"{4 * (size - at):,} bytes follow the {strands:,} strands that the file declares"
     first = offsets(np.frombuffer(counts, np.int64))
     return _Layout(width, np.frombuffer(begins, np.int64), first, strands - len(begins))
 

@@ -53,12 +53,12 @@ def read(path: Path, options: ReadOptions) -> Strands:
             file.need("points", points, 12, AT_POINTS)
             if strands * (default + 1) != points:
                 raise file.damaged(
-                    f"points: {points:,} are told, {counted(strands, 'strand')} of {counted(default, 'segment')} "
+                    f"points: {points:,} are declared, {counted(strands, 'strand')} of {counted(default, 'segment')} "
                     f"have {strands * (default + 1):,}", AT_POINTS,
                 )  # fmt: skip
             first = even_offsets(strands, default + 1)
         if first[-1] != points:
-            raise file.damaged(f"points: {points:,} are told, the strands have {first[-1]:,}", AT_POINTS)
+            raise file.damaged(f"points: {points:,} are declared, the strands have {first[-1]:,}", AT_POINTS)
         begin = file.position
         xyz = file.array("points", "<f4", (points, 3), AT_POINTS)
         file.finite("points", xyz, lambda row: begin + 12 * row)
@@ -73,7 +73,7 @@ def _check_flags(file: Bounded, flags: int) -> None:
     if flags & ~known:
         raise file.damaged(f"flags: {flags:#x} has bits of which nothing is known", AT_FLAGS)
     if not flags & POINTS:
-        raise file.damaged("flags: tell of no points", AT_FLAGS)
+        raise file.damaged("flags: declare no points", AT_FLAGS)
 
 
 def _attributes(file: Bounded, flags: int, points: int, defaults: Sequence[float]) -> dict[str, Attribute]:

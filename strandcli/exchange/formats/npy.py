@@ -33,14 +33,14 @@ def read(path: Path, options: ReadOptions) -> Strands:
     with opened(path, ".npy file", options.lenient) as file:
         header = array_header(lambda count: file.take("header", count))
         if header is None:
-            raise file.damaged("header: tells of no array of numbers", 0)
+            raise file.damaged("header: declares no array of numbers", 0)
         kind, shape, fortran, begin = header
         if len(shape) != 3 or shape[1] < 1 or shape[2] not in (3, 4) or kind.kind != "f":
             raise file.fault(f"header: an array of {kind} of shape {shape}; strands are an array of floating-point "
                              "numbers of shape (strands, points, 3), or 4 with widths", 0)  # fmt: skip
         if math.prod(shape) * kind.itemsize != file.left:
             raise file.damaged(f"header: shape {shape} of {kind} needs {amount(math.prod(shape) * kind.itemsize)}, the "
-                               f"file holds {amount(file.left)} there", 0)  # fmt: skip
+                               f"file has {amount(file.left)} there", 0)  # fmt: skip
         columns = _columns(file, kind, shape, fortran)
         for column, values in columns.items():
             place = begin + (3 * kind.itemsize if column == WIDTH else 0)
@@ -77,7 +77,7 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
     number of points."""
     equal = strands.equal()
     if not equal and strands.count:
-        raise UsageError(f"{path}: {name} holds strands of equally many points; make them so with --resample N")
+        raise UsageError(f"{path}: {name} needs strands of equally many points; make them so with --resample N")
     width = values_of(strands, WIDTH, 1)
     found = strands.points
     if width is not None:

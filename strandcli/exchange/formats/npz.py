@@ -107,7 +107,7 @@ def _chosen(file: Bounded, members: dict[str, Member], wanted: str | None) -> Me
     for one in USUAL:
         if one in shaped:
             return shaped[one]
-    which = "; tell which with --array NAME, or to draw it with --set emitter.groom.array=NAME" if shaped else ""
+    which = "; choose one with --array NAME, or to draw it with --set emitter.groom.array=NAME" if shaped else ""
     raise UsageError(f"{file.path}: {_there(members, shaped)}{which}")
 
 
@@ -115,7 +115,7 @@ def _there(members: dict[str, Member], shaped: dict[str, Member]) -> str:
     if shaped:
         return f"arrays of strands are {', '.join(f'{one.name} {one.shape}' for one in shaped.values())}"
     listed = ", ".join(f"{one.name} {one.shape} of {one.kind}" for one in members.values())
-    return f"holds no array of floating-point numbers of shape (strands, points, 3); there are {listed or 'none'}"
+    return f"has no array of floating-point numbers of shape (strands, points, 3); there are {listed or 'none'}"
 
 
 def _has_points(one: Member) -> bool:
@@ -155,5 +155,5 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
             entry = zipfile.ZipInfo(f"{array}.npy")  # of no date: the same strands make the same bytes
             with archive.open(entry, "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, np.ascontiguousarray(values), allow_pickle=False)
-    left_out = [f"{name} does not hold {', '.join(lost)}: left out"] if lost else []
+    left_out = [f"{name} cannot store {', '.join(lost)}: left out"] if lost else []
     return left_out + renamed(strands, str, name)

@@ -66,7 +66,7 @@ def read(path: Path, options: ReadOptions) -> Strands:
             _block(file, found, [one.split() for one in lines], line)
             line += len(lines)
         if not found.lengths.size:
-            raise UsageError(f"{path}: {IS_MESH}") if found.faces else file.damaged("holds no lines (l)", 0)
+            raise UsageError(f"{path}: {IS_MESH}") if found.faces else file.damaged("has no lines (l)", 0)
     rows, count = found.rows.taken(), found.vertices.size
     if rows.max(initial=-1) >= count:
         line_number = int(np.searchsorted(np.cumsum(found.lengths.rows), int(rows.argmax()), side="right"))

@@ -62,7 +62,7 @@ def read(path: Path, options: ReadOptions) -> Strands:
         order, elements, comments = read_header(file)
         vertex = elements.get("vertex")
         if vertex is None or not set(XYZ) <= vertex.properties.keys():
-            raise file.damaged("header: tells of no element vertex with x, y and z", 0)
+            raise file.damaged("header: declares no element vertex with x, y and z", 0)
         if elements.get("face", Element("face", 0, 0)).count:
             raise file.fault("element face: this is a mesh, not strands", elements["face"].at)
         begin = file.position
@@ -143,7 +143,7 @@ def _text(file: Bounded, element: Element, wanted: dict[str, Any]) -> None:
     width, row = len(element.properties), 0
     while row < element.count:
         at = file.position
-        ended = file.damaged(f"element {element.name}: {element.count:,} told, the file holds {row:,}", element.at)
+        ended = file.damaged(f"element {element.name}: {element.count:,} declared, the file has {row:,}", element.at)
         data = file.take(f"element {element.name}", min(SLICE, file.left))
         if not data:
             raise ended
@@ -190,7 +190,7 @@ def _first(
             raise file.damaged(f"strand: one has {segments.min():,} to {segments.max():,} segments", vertex.at)
         first = offsets(segments, 1)
         if first[-1] != count:
-            raise file.damaged(f"vertex: {count:,} are told, the strands have {first[-1]:,} points", vertex.at)
+            raise file.damaged(f"vertex: {count:,} are declared, the strands have {first[-1]:,} points", vertex.at)
         return first
     edges = found.pop("edge", {})
     if {"vertex1", "vertex2"} <= edges.keys() and edges["vertex1"].size:
@@ -205,7 +205,7 @@ def _first(
         known = ", ".join(str(one) for one in divisors(count)[:40])
         why = f"{stride} does not divide them" if stride else "the file does not say how many make a strand"
         raise UsageError(
-            f"{file.path}: vertices alone, {count:,} of them, and {why}; tell it with --stride N"
+            f"{file.path}: vertices alone, {count:,} of them, and {why}; give it with --stride N"
             + (f" (they divide into strands of {known})" if known else "")
             + ", or to draw it with --set emitter.groom.stride=N"
         )

@@ -53,7 +53,7 @@ def write_stage(
             path, request, _messages(path, strands, (there, [held for held, _ in attributes]), samples, (beside, basis))
         ):
             pass
-    left_out = [f".usd does not hold {', '.join(lost)}: left out"] if lost else []
+    left_out = [f".usd cannot store {', '.join(lost)}: left out"] if lost else []
     return left_out + renamed(strands, legal, ".usd")
 
 

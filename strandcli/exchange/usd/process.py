@@ -151,9 +151,9 @@ def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None)
             yield found, arrays
             process.deadline = time.monotonic() + SECONDS + size / BYTES_A_SECOND
     except OverflowError:
-        raise UsageError(f"{path}: holds more than is believed of a file of {amount(size)}; it is damaged") from None
+        raise UsageError(f"{path}: declares more than can be in a file of {amount(size)}; it is damaged") from None
     except EndedError:
-        raise _error(path, told["do"], "ends Pixar's library, or keeps it busy for too long; it is damaged") from None
+        raise _error(path, told["do"], "crashes Pixar's library, or takes it too long; it is damaged") from None
     finally:
         if done and not _kept and (moves or taken <= KEPT):
             process.deadline = float("inf")

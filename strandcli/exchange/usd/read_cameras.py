@@ -66,7 +66,7 @@ def _chosen(stage: Usd.Stage, name: str, settings: UsdRender.Settings | None) ->
     if not found:
         kinds = Counter(str(prim.GetTypeName()) or "prims without a type" for prim in prims)
         there = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common(MOST_TOLD))
-        raise RefusedFileError(f"holds no camera; there are {there}" if there else "holds no camera and nothing else")
+        raise RefusedFileError(f"has no camera; there are {there}" if there else "has no camera and nothing else")
     listed = ", ".join(list(found)[:MOST_TOLD]) + (
         f" and {len(found) - MOST_TOLD} more" if len(found) > MOST_TOLD else ""
     )
@@ -77,7 +77,7 @@ def _chosen(stage: Usd.Stage, name: str, settings: UsdRender.Settings | None) ->
                 f"{len(meant)} cameras are called {name}: {', '.join(meant[:MOST_TOLD])}; give a path"
             )
         if not meant:
-            raise RefusedFileError(f"holds no camera {name}; there are {listed}")
+            raise RefusedFileError(f"has no camera {name}; there are {listed}")
         return found[name if name in found else meant[0]]
     if len(found) > 1:
         targets = [str(path) for path in settings.GetCameraRel().GetForwardedTargets()] if settings else []

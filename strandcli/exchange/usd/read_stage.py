@@ -138,7 +138,7 @@ def curves_of(stage: Usd.Stage) -> tuple[list[Usd.Prim], dict[str, Any]]:
         there += ", whose instances are curves once its program makes them real"
     missing = len(stage.GetCompositionErrors())
     there += f"{'; ' if there else ''}{missing} of the files that it names cannot be read" if missing else ""
-    raise RefusedFileError("holds no curves" + (f" that can be read; there are {there}" if there else ""))
+    raise RefusedFileError("has no curves" + (f" that can be read; there are {there}" if there else ""))
 
 
 def times_of(prims: list[Usd.Prim]) -> list[float]:

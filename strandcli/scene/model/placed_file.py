@@ -42,4 +42,4 @@ def place(where: str = "it is", box: str = "its box") -> Any:
 def both_sizes(path: str, given: Any) -> Iterator[tuple[tuple[str, ...], str]]:
     """Yield the clash of a scale and a size where settings at a path have both: paths and message."""
     if given.size is not None and given.scale is not None:
-        yield (f"{path}.scale", f"{path}.size"), f"clashes with {path}.size, which tells the same; set one to null"
+        yield (f"{path}.scale", f"{path}.size"), f"clashes with {path}.size, which sets the same; set one to null"
