@@ -215,13 +215,17 @@ class SimulationStage:
 
     def _examine(self, number: int, error: dict[str, Any]) -> None:
         """Stop, or go on, where a frame with these errors has gone wrong."""
-        from .simulate.health import examine, interpenetration
+        from .simulate.health import crowding, examine, interpenetration
 
         if self._wrong:
             return
-        if "closeness" not in self._told and (words := interpenetration(self.solver, number, error)):
-            self._told.add("closeness")
-            self._warn(words)
+        for about, words in (
+            ("closeness", interpenetration(self.solver, number, error)),
+            ("density", crowding(self.solver)),
+        ):
+            if words and about not in self._told:
+                self._told.add(about)
+                self._warn(words)
         trouble = examine(self.solver, number, error, simulated=self._given is None and not self.solver.independent)
         if trouble is None:
             return

@@ -97,6 +97,18 @@ def interpenetration(solver: Any, frame: int, error: dict[str, Any]) -> str:
     )
 
 
+def crowding(solver: Any) -> str:
+    """Say that strands that interact begin too dense for the density that their preset allows, if they do."""
+    grid = getattr(solver, "grid", None)
+    if grid is None or grid.given_density is None or not grid.density > grid.given_density:
+        return ""
+    return (
+        f"{grid.where}: strands begin up to {grid.density / grid.given_density:.2g} times as dense as density "
+        f"{grid.given_density:g} allows, and could not part; they may stay as dense as {grid.density:.2g}; spread "
+        "their roots, or give that density"
+    )
+
+
 def stretches(solver: Any) -> NDArray[np.float64]:
     """Return (strands,) the greatest error of a segment's length as a share of it, less the rounding of coordinates."""
     x = solver.particles().astype(np.float64)

@@ -39,7 +39,6 @@ from .kernels.records import (
     LOST,
     LOW,
     NUMBERS,
-    OVERLAP,
     RATIO,
     ROWS,
     SIZE,
@@ -54,7 +53,6 @@ from .kernels.records import MOST as SHARE_OF_MOST
 from .kernels.shelter import layer_size
 from .kernels.transfer import deposit
 from .moment import Moment
-from .overlap import Overlap
 from .samples import samples_of
 from .strands import GridStrands
 
@@ -64,8 +62,11 @@ if TYPE_CHECKING:
 FRICTION_TIME = 0.01
 """Seconds in which `friction` is the share that is lost."""
 EASE, MOST = 15.0, 0.5
-"""Share of the density that pressure makes up for a second, and in a step, at the most: strands that begin inside each
-other are led apart."""
+"""Share of the density that pressure makes up for a second, and in a step, at the most."""
+INSIDE = 5.0
+"""Times as dense as the preset allows up to which strands may begin; a tie presses them to four or five times that.
+Where they begin closer, as from one point, they could not part at their roots, and pressure would burst them: they may
+stay as dense as they are."""
 NONE_MET = np.empty(0, np.float32), np.empty(0, np.int8), np.empty((2, 1), np.int32)
 """What `forces.act` takes where there are no solids."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
@@ -97,7 +98,6 @@ class StrandGrid:
         count = max(len(self.parts), numba.get_num_threads())
         self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
         self.strands = GridStrands(self.samples, n, metres, len(self.boxes), dtype)
-        self.overlap = Overlap(packs, len(self.samples.first), dtype)
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
@@ -107,8 +107,10 @@ class StrandGrid:
         """Cells that the box of all has beside strands: closed ones lend theirs to open neighbours."""
         self._empty_grid()
         self._last_step = 0.0
-        self.density = parameters.density
-        """Greatest density, strands a square metre; None until the first step, where the preset gives none."""
+        self.density = self.given_density = parameters.density
+        """Greatest density, strands a square metre; None until the first step, where the preset gives none; greater
+        than the preset's where strands begin more than `INSIDE` times as dense."""
+        self._started = False
         self.found = 0.0
         """The greatest at the begin of the last step, strands a square metre."""
         self.given = np.zeros(3)
@@ -136,25 +138,23 @@ class StrandGrid:
             state.acceleration[...], state.jolted[...] = 0, 0
             self._last_step = 0.0
             return
-        if self.overlap.begin(moving, lattice, self.parts, self._found(moment), self.scratch[0]):
+        if not self._started and self.density is not None and self.found > INSIDE * self.density:
+            self.density = self.found
             self.pressure[...] = 0
             self._press(moving, lattice, moment)
+        self._started = True
         if moment.solids is not None or any(moment.wind):
             less, *back = self._others.sum((0, 2), dtype=np.float64)
             self.given += less * self._numbers[CHANGE : CHANGE + 3]
             self.given += float(self._numbers[SPEED] * self._numbers[FULL]) * np.array(back)
         self.density, self._last_step = self.found if self.density is None else self.density, dt
         given = self.boxes[-1], self.targets, self.scratch, strands.shares(lattice, mass)
-        moving = self.overlap.taken(moving)
         accelerate(moving, lattice, self.parts, *given, state.acceleration, strands.handed)
-        found = self.boxes[-1], self.grid, self.pressure.reshape(-1), self._numbers
-        self.overlap.advance(moving, lattice, self.parts, found, self.scratch[0])
 
     def _press(self, moving: Moving, lattice: Lattice, moment: Moment) -> bool:
         """Set pressure, and what it does to cells, in a step; False where a coordinate is not finite."""
         if not self._lay(lattice):
             return False
-        moving = self.overlap.taken(moving)
         most = deposit(
             moving, lattice, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
             self.near,
@@ -170,13 +170,6 @@ class StrandGrid:
         )  # fmt: skip
         self.found = float(most_open if among else most) / self.cell**3
         return True
-
-    def _found(self, moment: Moment) -> tuple[Any, ...] | None:
-        """Return what `Overlap.begin` takes of a step; None where no density is given: none is too dense."""
-        if self.density is None:
-            return None
-        met = (NONE_MET if moment.solids is None else self._met)[1:]
-        return self.boxes[-1], self.grid, self.room.open, self._numbers, *met
 
     def begin_frame(self) -> None:
         """Forget what strands have handed to each other."""
@@ -202,7 +195,6 @@ class StrandGrid:
         numbers[FULL] = (found if self.density is None else self.density) * self.cell**3
         numbers[RATIO], numbers[SHARE_OF_MOST] = dt / (2 * self.cell), min(EASE * dt, MOST)
         numbers[LOST] = 1 - (1 - self.friction) ** (dt / FRICTION_TIME)
-        numbers[OVERLAP] = self.overlap.roots is not None
         numbers[SPEED], numbers[STOP] = self.cell / dt, self._thickness / self.cell**2
         for axis, (wind, pull) in enumerate(zip(moment.wind, moment.gravity, strict=True)):
             numbers[WAY + axis] = wind / speed if speed > 0 else wind
@@ -213,14 +205,13 @@ class StrandGrid:
         numbers = np.array([math.nan if self.density is None else self.density, self.found, self._last_step])
         pressure = {"free pressure": self.pressure.reshape(-1), "box": self.boxes[-1]}
         strands = {name: getattr(self.strands, name) for name in ("others", "pushed", "handed")}
-        return {**pressure, **strands, **self.overlap.state_arrays(), "numbers": numbers, "given": self.given}
+        return {**pressure, **strands, "numbers": numbers, "given": self.given}
 
     def check(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Raise `ValueError` where pressure is not of its box."""
         size = state["box"][SIZE : SIZE + 3].tolist()
         if min(size) < 0 or math.prod(size) != len(state["free pressure"]):
             raise ValueError("its pressure is not of its box")
-        self.overlap.check(state)
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""
@@ -231,9 +222,8 @@ class StrandGrid:
         for name in ("others", "pushed", "handed"):
             getattr(self.strands, name)[...] = state[name]
         self.given[...], self.strands.noted = state["given"], False
-        self.overlap.restore(state)
         density, self.found, self._last_step = state["numbers"].tolist()
-        self.density = None if math.isnan(density) else density
+        self.density, self._started = None if math.isnan(density) else density, True
 
     def _empty_grid(self) -> None:
         """Make arrays for the box of all."""
@@ -276,9 +266,7 @@ class StrandGrid:
         """Set the boxes about the strands of each part and of all, and their origins; False where a coordinate is not
         finite. Raises `UsageError` where they take too many cells."""
         margin, found = self._margin, (self._ends, self.boxes, self._before, lattice.origins)
-        cells, count, changed = find_boxes(
-            self.strands.ends, self.cell, self.overlap.reach, self.parts, margin, float(MOST_CELLS), *found
-        )
+        cells, count, changed = find_boxes(self.strands.ends, self.cell, self.parts, margin, float(MOST_CELLS), *found)
         if math.isnan(cells):
             return False
         require_few(self.where, cells, self.cell, self._ends, margin)

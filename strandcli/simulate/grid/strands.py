@@ -49,7 +49,7 @@ class GridStrands:
         if last is None or last.roots is not roots or last.positions is not state.positions or last.mass is not mass:
             self._moving = last = Moving(
                 state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
-                self._metres, mass, None, None,
+                self._metres, mass,
             )  # fmt: skip
         return last
 

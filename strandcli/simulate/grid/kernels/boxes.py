@@ -11,22 +11,21 @@ from .records import BOX, FIRST, LANES, LAST, LOW, OFFSET, SIZE
 
 
 @function
-def find_boxes(found, cell, reach, parts, margin, most, ends, boxes, before, origins):
+def find_boxes(found, cell, parts, margin, most, ends, boxes, before, origins):
     """Set the boxes about the strands of each part and of all. Return the cells of the last, NaN where a coordinate is
     not finite; the cells of all parts; and whether the box of all has changed. Where cells are more than ``most``,
     boxes stay as they are.
 
-    found: `Moving.ends`; cell: side of a cell, metres; reach: cells from strands to their samples at the most; margin:
-    cells that the box of all has beside these; ends
-    (parts, 6) float64, scratch; boxes (parts + 1, `BOX`) int64; before (`BOX`,): is set to the box of all as it was;
-    origins: `Lattice.origins`, are set."""
+    found: `Moving.ends`; cell: side of a cell, metres; margin: cells that the box of all has beside these;
+    ends (parts, 6) float64, scratch; boxes (parts + 1, `BOX`) int64; before (`BOX`,): is set to the box of all as it
+    was; origins: `Lattice.origins`, are set."""
     for part in range(len(parts)):
         for axis in range(3):
             low, high = found[parts[part, FIRST], axis], found[parts[part, FIRST], 3 + axis]
             for pack in range(parts[part, FIRST], parts[part, LAST]):
                 low, high = max(low, found[pack, axis]), max(high, found[pack, 3 + axis])
-            ends[part, axis] = np.floor(-low / cell - 0.5 - reach)
-            ends[part, 3 + axis] = np.floor(high / cell - 0.5 + reach) + 1
+            ends[part, axis] = np.floor(-low / cell - 0.5)
+            ends[part, 3 + axis] = np.floor(high / cell - 0.5) + 1
     last, changed = len(parts), False
     for column in range(BOX):
         before[column] = boxes[last, column]

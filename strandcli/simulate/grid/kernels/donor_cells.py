@@ -14,12 +14,12 @@ import numpy as np
 
 from ....jit import device, function
 from ....simd import any_lane, broadcast, load, pointer, reduce_max
-from .records import BETWEEN, CELL, COUNTING, LANES, MASS, MOMENTUM, PUSH, RATE, SIZE, TARGET
+from .records import BETWEEN, CELL, LANES, MASS, MOMENTUM, PUSH, RATE, SIZE, TARGET
 
 WAYS = 6
 """Neighbours of a cell: along x, y and z the one before and the one after. Homes are their numbers and 1, 0 where there
 is none, and `WAYS` more where the neighbour is closed and has a home."""
-COLUMNS = MASS, MOMENTUM, MOMENTUM + 1, MOMENTUM + 2, COUNTING
+COLUMNS = MASS, MOMENTUM, MOMENTUM + 1, MOMENTUM + 2
 """Of what is by trilinear weights."""
 LEAST_ROOM = np.float32(0.5)
 """Share of a cell that counts as outside of solids at the least, where the greatest density is told."""

@@ -6,7 +6,6 @@ import numpy as np
 
 from ....jit import device
 from ....simd import broadcast, load, pointer, store, where
-from .overlap import allowed
 from .records import FULL, LANES, MASS, MOMENTUM, MOST, RATIO, SIZE
 from .rows import beside_across, beside_along
 
@@ -57,7 +56,7 @@ def excess_of(at, sides, grid, room, pressure, numbers):
     dense, free = load(cells, MASS * count + at) / full, load(pointer(room.open), at)
     own = load(apertures, at)
     inverse = where(own > 0.0, 1.0 / own, 0.0)
-    more = dense - allowed(at, free, cells, count, numbers)
+    more = dense - free
     haste = min(HASTE * most, np.float32(1))
     more = min(more * haste, most * min(max(dense, 1.0), DENSEST))
     store(pointer(room.held), at, HELD * load(pressure, at))

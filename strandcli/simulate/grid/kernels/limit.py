@@ -12,8 +12,7 @@ a step, the pressure p' of the step before, and the share s of the density that 
 proportion to them, and a is an acceleration and w a speed that do not depend on how short: steps that are cut into many
 for coils add up, and half a cell in each would throw strands. Of all pressures that are no greater than what was found,
 the greatest with that is taken: the least of sums along all ways from a cell, which sweeps to and fro find. Impulses
-are those of a pressure still, so that sums of momentum stay. Where strands begin inside each other a and w are for the
-share of them that counts as too dense (`overlap`).
+are those of a pressure still, so that sums of momentum stay.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ import numpy as np
 
 from ....jit import device, function
 from ....simd import any_lane, load, pointer
-from .records import BETWEEN, COUNTING, FALL, FULL, LANES, MASS, MOMENTUM, MOST, OVERLAP, SIZE, SPEED
+from .records import BETWEEN, FALL, FULL, LANES, MASS, MOMENTUM, MOST, SIZE, SPEED
 
 HASTENED, LED = np.float32(2), np.float32(1)
 """a over s², and w over s. With w alone strands that move on together could not be held; with a alone curls that press
@@ -114,14 +113,11 @@ def greatest(at, next, first, axis, way, grid, room, numbers, pressure):
     face = full * room.aperture[at] * room.aperture[next]
     m = moved(first, at + next - first, axis, grid, SLIVER * full) / face
     both = max(grid[MASS, at] + grid[MASS, next], SLIVER * full)
-    some = np.float32(1)
-    if numbers[OVERLAP] != 0:
-        some = (grid[COUNTING, at] + grid[COUNTING, next]) / both
-    apart = some * (HASTENED * numbers[MOST] * numbers[MOST])
+    apart = HASTENED * numbers[MOST] * numbers[MOST]
     if pressure[at] <= pressure[next] + m * apart:
         return pressure[at]
     against = (grid[MOMENTUM + axis, at] + grid[MOMENTUM + axis, next]) / both * -way / numbers[SPEED]
     held = max(room.held[at] - room.held[next], np.float32(0))
     fall = -way * numbers[FALL + axis]
-    led = max(apart + max(against, np.float32(0)), some * (LED * numbers[MOST]) + against)
+    led = max(apart + max(against, np.float32(0)), LED * numbers[MOST] + against)
     return pressure[next] + held + m * (led + max(fall, np.float32(0)))

@@ -14,22 +14,21 @@ LOW, SIZE, OFFSET = 0, 3, 6
 """Columns of boxes: number of the lowest cell along x, y and z, cells along each, and place of the first in the
 memory of all parts."""
 BOX = 7
-MASS, MOMENTUM, BETWEEN, COUNTING = 0, 1, 4, 7
+MASS, MOMENTUM, BETWEEN = 0, 1, 4
 """Columns of a cell: metres of strand; those times their velocity (3), m²/s; metres between its middle and that of the
-next cell along x, y and z (3), by bilinear weights across; and the metres that count as too dense: see
-`overlap`."""
+next cell along x, y and z (3), by bilinear weights across. One is not used."""
 RATE, TARGET, PUSH = 0, 1, 4
 """Columns of a target: share of its velocity against the cell's that a strand loses in the step, the rest of what its
 velocity changes by (3), m/s, and what is added to that between two middles (3), m/s. One is not used."""
 CELL = 8
 """Columns of each."""
-FULL, RATIO, MOST, LOST, SPEED, STOP, WAY, CHANGE, FALL, OVERLAP = 0, 1, 2, 3, 4, 5, 6, 9, 12, 15
+FULL, RATIO, MOST, LOST, SPEED, STOP, WAY, CHANGE, FALL = 0, 1, 2, 3, 4, 5, 6, 9, 12
 """Numbers of a step: metres in a cell that is as dense as allowed; half the step over the cell's side, s/m; the share
 of the density that pressure makes up for at the most; the share of its velocity against a cell that is as dense as
 allowed that a strand loses; the cell's side over the step, m/s; and of the wind, τ of a cell that holds a metre of
 strand, for a way as long as a cell's side, its unit direction (3), and by how much the open wind changes velocities
-(3), m/s; by how much gravity does (3), cells a step; and 1 where some metres do not count as too dense, else 0."""
-NUMBERS = 16
+(3), m/s; and by how much gravity does (3), cells a step."""
+NUMBERS = 15
 
 
 NODE = 6
@@ -38,8 +37,7 @@ SHARE, BELOW, VELOCITY = 0, 3, 4
 """Rows of scratch, one lane a strand of the pack: of a sample, shares (3) of the cells beyond it along x, y and z, the
 number of the cell before it, and its velocity (3), m/s. A box has no more cells than single precision can count."""
 RESULT = 7
-"""(4) Targets at the sample: the rate, and the rest with what lies between middles. And before that, of samples that
-`Moving.overlap` tells of, the share that counts as too dense."""
+"""(4) Targets at the sample: the rate, and the rest with what lies between middles."""
 OF_ROOT = 11
 """(3) What the root's share of all samples would accelerate the first particle by, m/s²."""
 ROWS = 14
@@ -76,10 +74,6 @@ class Moving(NamedTuple):
     of padding."""
     mass: Any
     """(N,) relative mass of a particle."""
-    overlap: Any
-    """(P, samples, S) root of the share with which samples count as too dense, None where that is 1."""
-    offsets: Any
-    """(P, 3 S) by how much the grid takes strands beside themselves that do not count as too dense, in cells."""
 
 
 class Lattice(NamedTuple):

@@ -28,12 +28,10 @@ from ....simd import (
     store_records,
 )
 from ...rod.kernels.arrays import AXES, PACK
-from .overlap import beside, counting
 from .records import (
     BELOW,
     BETWEEN,
     CELL,
-    COUNTING,
     FIRST,
     LANES,
     LAST,
@@ -111,7 +109,7 @@ def weigh(moving, pack, share, rows, found):
             found[(CELL + c) * PACK + k] = rows[VELOCITY + c, k]
     m = load(pointer(moving.metres), pack * PACK) * share
     u, v, w = load3(records, CELL * PACK, PACK)
-    store_records(records, 0, (m, m * u, m * v, m * w, m, m, m, counting(moving.overlap, m, rows, found)))
+    store_records(records, 0, (m, m * u, m * v, m * w, m, m, m, m * 0.0))
 
 
 @device
@@ -174,9 +172,7 @@ def locate(moving, lattice, packs, sample, box, origins, rows):
             prefetch3(others, (place + ahead) * AXES + lane, PACK)
             a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
             u, v, w = u + weight * a, v + weight * b, w + weight * c
-        at = pack, sample, lane
-        counts = wide, high, deep
-        x, y, z = beside(moving.overlap, moving, at, rows, (x * inverse, y * inverse, z * inverse), counts)
+        x, y, z = x * inverse, y * inverse, z * inverse
         below, above, behind = cell_before(x, wide), cell_before(y, high), cell_before(z, deep)
         store3(out, SHARE * PACK + lane, PACK, x - below, y - above, z - behind)
         store(out, BELOW * PACK + lane, below + above * wide + behind * (wide * high))
@@ -215,11 +211,10 @@ def part_columns(line, at, out, place, cells):
     """Write a vector of cells, one after the other, to the planes of columns; return their metres."""
     counted = load(pointer(COUNTED), 0)
     m, u, v, w = gather4(line, at, counted, CELL, 0.0)
-    x, y, z, n = gather4(line, at + BETWEEN, counted, CELL, 0.0)
+    x, y, z, _ = gather4(line, at + BETWEEN, counted, CELL, 0.0)
     store(out, MASS * cells + place, m)
     store3(out, MOMENTUM * cells + place, cells, u, v, w)
     store3(out, BETWEEN * cells + place, cells, x, y, z)
-    store(out, COUNTING * cells + place, n)
     return m
 
 
