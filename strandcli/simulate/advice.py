@@ -15,8 +15,7 @@ from ..scene.motion import emitter_pose, own_pose, solid_pose
 from ..scene.touched import touched
 from ..solids.shapes import other, other_code
 from .rod.material import matter_along, stiffness, torsion
-from .rod.rest_shape import coiled, unit_edges
-from .rod.sag_free import hold
+from .rod.rest_shape import coiled, hold, unit_edges
 from .rod.surroundings import gravity
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from strandcli.simulate import advice
-from strandcli.simulate.rod.sag_free import SAFETY, TILT, TURNS, hold
+from strandcli.simulate.rod.rest_shape import SAFETY, TILT, TURNS, hold
 from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod import PULL, scene
 from tests.simulate.test_rod_motion import first, solver_of

@@ -18,8 +18,8 @@ from strandcli.scene.model import SOLIDS, Emitter
 from strandcli.scene.model.solids import SHAPES
 from strandcli.scene.motion import solid_pose
 from strandcli.simulate.kernels import measure
-from strandcli.simulate.rod.custom import step_among
 from strandcli.simulate.rod.solver import RodSolver
+from strandcli.simulate.rod.step import step_among
 from strandcli.solid_shapes import cone
 from strandcli.solids import pack_all, register
 from strandcli.solids.shapes.other_code import depth as depth_by_distance

@@ -52,9 +52,7 @@ from .kernels.records import (
 from .kernels.records import MOST as SHARE_OF_MOST
 from .kernels.shelter import layer_size
 from .kernels.transfer import deposit
-from .moment import Moment
-from .samples import samples_of
-from .strands import GridStrands
+from .strands import GridStrands, Moment, samples_of
 
 if TYPE_CHECKING:
     from ...scene.model import Scene

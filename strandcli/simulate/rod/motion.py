@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ...groom.record import Groom
 from ...scene.motion import Pose, emitter_pose
+from .roots import Jumps
 from .surroundings import Placed, Poses, Surroundings, flat
-from .teleport import Jumps
 
 if TYPE_CHECKING:
     from ...scene.model import Scene

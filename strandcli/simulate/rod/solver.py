@@ -27,12 +27,12 @@ from ..solver import Solver
 from .kernels.arrays import PACK, Step
 from .material import torsion
 from .motion import Motion, change_of
-from .pins import HEAVY, Pins
-from .pins import TOLERANCE as PINNED_TOLERANCE
-from .roots import Roots
+from .roots import Roots, begin_before_roots, carry, stop, turned, velocity_of_roots
 from .setup import (
     ANCHOR,
     CLAMP,
+    HEAVY,
+    Pins,
     drive_of,
     hinged,
     material_of,
@@ -44,10 +44,10 @@ from .setup import (
     state_of,
     world_edges,
 )
+from .setup import TOLERANCE as PINNED_TOLERANCE
 from .step import StepKernel
 from .surroundings import Surroundings, flat, pose_of
 from .swing import parts, swing_rate
-from .teleport import begin_before_roots, carry, stop, turned, velocity_of_roots
 
 if TYPE_CHECKING:
     from ...scene.model import Scene

@@ -1,16 +1,21 @@
-"""The compiled step of the rod solver, on the arrays of one solver."""
+"""The compiled step of the rod solver, on the arrays of one solver: that of `kernels.step`, or among custom solids a
+module written for their kinds."""
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Sequence
 from typing import Any
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ... import runtime
 from ...blocks import aligned
 from ...constants import VECTOR
-from .custom import step_among
+from ...solids.shapes.other_code import module_for
+from ...written import module_of
 from .kernels import step, work_queue
 from .kernels.arrays import PACK, Drive, Material, Needs, State, Step
 from .kernels.scratch import vectors_for
@@ -46,3 +51,49 @@ class StepKernel:
         if workers > 1:
             workers = min(workers, numba.get_num_threads())
         work_queue.run_workers(self._code, given, self._queue, workers)
+
+
+TEXT = '''\
+"""A step of rods, written by strandcli.simulate.rod.step."""
+
+from typing import Any, NamedTuple
+
+from strandcli.jit import device, function
+from strandcli.simd import fused_pointer
+from strandcli.simulate.rod.kernels.step import contact_of, work
+from {solids} import Others, deepest, distance, drift, normal
+
+
+class Custom(NamedTuple):
+    """Solids without kernels of their own, as `strandcli.simulate.contact.kernels.search` takes them."""
+
+    all: Any
+    last: Any
+    columns: Any
+
+
+Custom.distance, Custom.normal, Custom.deepest, Custom.drift = distance, normal, deepest, drift
+
+
+@device
+def custom_of(solids):
+    rows = solids[4]
+    return Custom(Others(fused_pointer(rows){data}), rows.size, rows.shape[1])
+
+
+@function
+def step(state, material, drive, step, needs, solids, scratch, queue, worker):
+    work(state, material, drive, step, needs, contact_of(solids, custom_of(solids)), scratch, queue, worker)
+'''
+
+
+def step_among(others: Sequence[Any]) -> Any:
+    """`kernels.step.run` among solids of these kinds, whose rows and data follow those of others."""
+    module = module_for(others)
+    data = "".join(f", solids[{5 + place}]" for place in range(len(module.Others._fields) - 1))
+    return _load(TEXT.format(solids=module.__name__, data=data)).step
+
+
+@functools.cache
+def _load(text: str) -> Any:
+    return module_of(text, "rod", runtime.cache_folder())
