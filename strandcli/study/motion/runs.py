@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +14,6 @@ from ...errors import UsageError
 from ...groom.emit import emit
 from ...groom.record import Groom
 from ...scene.model import Scene
-
-if TYPE_CHECKING:
-    from ...simulate.solver import Solver
-else:
-    Solver = Any
-
-__all__ = ["Solver", "Stopwatch", "apart", "follow", "guides_of", "least", "resample", "with_fewer_guides"]
 
 T = TypeVar("T")
 Array = NDArray[np.float64]

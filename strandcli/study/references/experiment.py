@@ -8,8 +8,9 @@ from typing import Any
 
 from ...errors import UsageError
 from ...scene.model import Rod, Scene
+from ...simulate.rod.solver import RodSolver
 from ..axes import Experiment, Request, chosen_solvers
-from ..motion.runs import Solver, follow, least
+from ..motion.runs import follow, least
 from ..points import Knobs, Point, grid
 from . import REFERENCES, Case, Track
 
@@ -81,10 +82,8 @@ def scene_of(case: Case, knobs: Knobs) -> Scene:
     return loads(json.dumps(data), rules=registry(), name="reference")
 
 
-def solver_for(scene: Scene, case: Case) -> Solver:
+def solver_for(scene: Scene, case: Case) -> RodSolver:
     """The solver of a case's scene, its extra conditions set."""
-    from ...simulate.rod.solver import RodSolver
-
     solver = RodSolver(scene, case.groom)
     if case.tip_mass:
         # masses are kept relative to a segment's, of which a strand has as many as it has particles but the root
