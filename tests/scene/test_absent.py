@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import pytest
 
-from cli_runs import Runner
 from scene_files import refused
 from scene_kit import complaint
 from strandcli.scene.absent import GONE, NEVER
@@ -48,19 +47,3 @@ def test_each_is_told_in_a_preset_and_where_it_is_set(
         assert refused(BALL, f"{where}={value or 1}") == f"--set {where}={value or 1}: {one.told}"
         if not value:
             assert refused(BALL, f"{where}.0.a=1") == f"--set {where}.0.a=1: {one.told}"
-
-
-@pytest.mark.parametrize("path", GONE)
-def test_a_command_is_refused_with_the_version_and_what_to_do(
-    path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    one = written(path)
-    Path("old.yaml").write_text(one.text, encoding="utf-8")
-    result = Runner(tmp_path, capsys)("plan", "old.yaml")
-    assert result.code == 2
-    line = result.error()
-    assert line.endswith(f"old.yaml:2:{one.column}: {one.path}: {one.told}")
-    version, instead = GONE[path]
-    assert f"gone after {version}; " in line
-    assert len(instead.split()) > 3

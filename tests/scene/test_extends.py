@@ -9,7 +9,7 @@ import pytest
 from scene_files import changed, fails, make_library, refused, write
 from scene_kit import RULES
 from strandcli.scene import load
-from strandcli.scene.model import Detail, DirectionalLight, DiscShape, SphereShape
+from strandcli.scene.model import DirectionalLight, DiscShape, SphereShape
 
 
 @pytest.fixture(autouse=True)
@@ -45,13 +45,6 @@ def test_extends_merges_mappings_replaces_lists_and_deletes_by_null() -> None:
     assert got.emitter.strands == 5
 
 
-def test_extending_by_an_empty_mapping_changes_nothing() -> None:
-    write("base.yaml", "camera: {fov: 20}\nrules: [wind]\n")
-    got = changed("extends: base.yaml\ncamera:\nrules:\n")
-    assert got.camera.fov == 20.0
-    assert len(got.rules) == 1
-
-
 def test_another_kind_of_shape_inherits_nothing_from_the_first() -> None:
     write("base.yaml", "emitter: {shape: {kind: sphere, cap: 90}}")
     assert changed("extends: base.yaml\nemitter: {shape: {kind: disc}}").emitter.shape == DiscShape()
@@ -63,12 +56,6 @@ def test_extends_is_relative_to_the_file_and_names_are_shipped() -> None:
     got = load("a/b/one.yaml", rules=RULES)
     assert (got.title, got.seed) == ("shipped hair", 2)
     assert load("figures/fig03", rules=RULES).title == "figure 2"
-
-
-def test_a_deleted_key_may_be_given_again_further_down() -> None:
-    write("one.yaml", "detail: {near: 3, fraction: 0.5}")
-    write("two.yaml", "extends: one.yaml\ndetail: null\n")
-    assert changed("extends: two.yaml\ndetail: {near: 4}").detail == Detail(near=4.0)
 
 
 def test_rules_inherited() -> None:
@@ -128,7 +115,3 @@ def test_syntax_errors_of_an_extended_file_are_told_with_faults_above() -> None:
     write("base.yaml", "title: [\n")
     lines = refused("extends: base.yaml\nseed: 1\nseed: 2\n").splitlines()
     assert [line.split(":")[0] for line in lines] == ["p.yaml", "base.yaml"]
-
-
-def test_extends_null_is_no_extends() -> None:
-    assert changed("extends: null\nseed: 3").seed == 3

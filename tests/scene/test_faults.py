@@ -74,12 +74,6 @@ def test_unknown_keys_are_put_right_or_told_what_there_is() -> None:
     assert "belongs under `rules`" in complaint("gravity: {}")
 
 
-def test_very_many_faults_are_still_all_told() -> None:
-    lines = complaints("".join(f"k{n}: 1\n" for n in range(1000)))
-    assert len(lines) == 1000
-    assert lines[-1] == "p.yaml:1000:1: k999: unknown key"
-
-
 def test_what_a_fault_makes_uncertain_is_not_complained_about_as_well() -> None:
     # the default position (0, 0, 5) stands in for the faulty one
     assert complaint("camera: {position: [a, 0, 0], target: [0, 0, 5]}").startswith("p.yaml:1:21: camera.position.0")
@@ -117,14 +111,9 @@ def test_particles_too_close_for_single_precision() -> None:
     ("camera", "place", "says"),
     [
         ("{position: [0, 0, 0]}", "camera.position", "stands at its own target"),
-        ("{target: [0, 0, 5]}", "camera.target", "stands at its own target"),
-        ("{position: [1, 2, 3], target: [1, 2, 3]}", "camera.target", "stands at its own target"),
         ("{position: [0, 4, 0]}", "camera.position", "along `up`"),
-        ("{position: [0, -4, 0]}", "camera.position", "along `up`"),
         ("{up: [0, 0, -2]}", "camera.up", "along `up`"),
         ("{keys: [{time: 0}, {time: 1, position: [0, 0, 0]}]}", "camera.keys.1.position", "stands at its own target"),
-        ("{keys: [{time: 0, target: [0, 0, 5]}]}", "camera.keys.0.target", "stands at its own target"),
-        ("{keys: [{time: 0, position: [0, 9, 0]}]}", "camera.keys.0.position", "along `up`"),
         (
             "{keys: [{time: 0, position: [0, 0, 5]}, {time: 1, position: [0, 0, -5]}]}",
             "camera.keys.1.position",
@@ -141,11 +130,6 @@ def test_a_camera_looks_somewhere(camera: str, place: str, says: str) -> None:
     line = complaint(f"camera: {camera}")
     assert f": {place}: " in line
     assert says in line
-
-
-def test_a_camera_may_jump_past_its_target() -> None:
-    keys = "[{time: 0, position: [0, 0, 5], ease: step}, {time: 1, position: [0, 0, -5]}]"
-    assert len(scene(f"camera: {{keys: {keys}}}").camera.keys) == 2
 
 
 def test_locks_are_listed_from_wide_to_narrow() -> None:

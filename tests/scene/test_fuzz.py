@@ -18,7 +18,7 @@ from strandcli.scene.model import Camera, Emitter
 from strandcli.scene.yaml_source import read
 
 thorough = settings(
-    max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much]
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much]
 )
 
 CLASSES: tuple[type, ...] = (Scene, Camera, Emitter, Breeze)

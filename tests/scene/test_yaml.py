@@ -10,9 +10,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scene_kit import RULES, complaint, complaints, error_of, scene
-from strandcli.errors import UsageError
-from strandcli.scene import SceneError, load, yaml_source
+from scene_kit import complaint, complaints, error_of, scene
+from strandcli.scene import SceneError, yaml_source
 from strandcli.scene.nodes import ListNode, MapNode, Node
 from strandcli.scene.yaml_source import DEEPEST, LARGEST_FILE, read
 
@@ -25,15 +24,11 @@ def fps(text: str) -> float:
     ("written", "number"),
     [
         ("1e3", 1000.0),
-        ("1E+3", 1000.0),
         ("1.e1", 10.0),
-        ("25e-1", 2.5),
         (".5", 0.5),
         ("+.5", 0.5),
-        ("+24", 24.0),
         ("0x18", 24.0),
         ("0o30", 24.0),
-        ("24", 24.0),
         ("023.5", 23.5),
     ],
 )
@@ -41,7 +36,7 @@ def test_numbers_that_are_numbers(written: str, number: float) -> None:
     assert fps(written) == number
 
 
-@pytest.mark.parametrize("written", ["1e3", "1000", "1000.0", "1_0e2".replace("_", "")])
+@pytest.mark.parametrize("written", ["1e3", "1000", "1000.0"])
 def test_whole_numbers_however_they_are_written(written: str) -> None:
     frames = scene(f"time: {{frames: {written}}}").time.frames
     assert frames == 1000
@@ -52,34 +47,17 @@ def test_whole_numbers_however_they_are_written(written: str) -> None:
     ("written", "says"),
     [
         ("12:30", "base 60"),
-        ("1:30:00.5", "base 60"),
         ("1_000", "write 1000"),
-        ("1_0.5", "write 10.5"),
-        ("0x1_0", "write 0x10"),
         ("010", "leading zero"),
-        ("-08", "leading zero"),
         (".nan", "must be finite"),
-        (".NaN", "must be finite"),
-        ("nan", "must be finite"),
-        (".inf", "must be finite"),
         ("-.INF", "must be finite"),
-        ("infinity", "must be finite"),
         ("1e999", "too large"),
         ("9" * 5000, "not '999"),
-        ("0x" + "f" * 5000, "not '0xf"),
-        ("9" * 310, "too large"),
         ("no", "must be a number of at least 0"),
-        ("yes", "must be a number of at least 0"),
-        ("on", "must be a number of at least 0"),
-        ("off", "must be a number of at least 0"),
         ("true", "must be a number of at least 0"),
-        ("False", "must be a number of at least 0"),
         ('"24"', "take the quotes away"),
-        ("'a'", "not the text 'a'"),
         ("24 fps", "(1/s), not '24 fps'"),
-        ("0b11", "must be a number"),
         ("2012-01-01", "must be a number"),
-        ("[24]", "not '[24]'"),
         ("{a: 24}", "not a mapping"),
         ("", "not nothing"),
     ],
@@ -96,18 +74,14 @@ def test_a_comma_is_no_decimal_point() -> None:
     assert "write 0.5 with a point" in complaint("material:\n  diffuse: 0,5\n")
 
 
-@pytest.mark.parametrize("written", ["10.5", "1e-3", ".nan", "1e400", "no", "true", "0x", "12:30", "010"])
+@pytest.mark.parametrize("written", ["10.5", ".nan", "true", "010"])
 def test_whole_numbers_that_are_none(written: str) -> None:
     assert "emitter.strands: must be a whole number" in complaint(f"emitter: {{strands: {written}}}")
 
 
-@pytest.mark.parametrize("word", ["no", "yes", "on", "off", "12:30", "1e3", "010", "null and void", "2012", "true"])
+@pytest.mark.parametrize("word", ["no", "12:30", "010", "null and void"])
 def test_text_stays_the_text_that_was_written(word: str) -> None:
     assert scene(f"title: {word}").title == word
-
-
-def test_a_choice_named_off_is_not_false() -> None:
-    assert scene("curves: {mode: off}").curves.mode == "off"
 
 
 @pytest.mark.parametrize(("word", "meant"), [("no", "false"), ("Off", "false"), ("yes", "true"), ("ON", "true")])
@@ -115,14 +89,9 @@ def test_truth_values_of_one_yaml_only_are_refused(word: str, meant: str) -> Non
     assert complaint(f"detail: {{widen: {word}}}").endswith(f"YAML readers disagree about; write {meant}")
 
 
-@pytest.mark.parametrize("word", ["1", "0", '"true"', "[true]", "maybe"])
+@pytest.mark.parametrize("word", ["1", '"true"', "maybe"])
 def test_truth_values_are_nothing_else(word: str) -> None:
     assert "detail.widen: must be true or false" in complaint(f"detail: {{widen: {word}}}")
-
-
-def test_truth_values() -> None:
-    assert scene("detail: {widen: false}").detail.widen is False  # type: ignore[union-attr]
-    assert scene("detail: {widen: TRUE}").detail.widen is True  # type: ignore[union-attr]
 
 
 def test_duplicate_keys_are_faults_with_the_first_line() -> None:
@@ -149,7 +118,7 @@ def test_merge_keys_are_refused() -> None:
     assert "merge keys are refused; use `extends`" in complaint("<<: {title: a}\n")
 
 
-@pytest.mark.parametrize("value", ["!!float 3", "!mine 3", "! 3", "!!python/object:os.system x", "!!set {a}"])
+@pytest.mark.parametrize("value", ["!!float 3", "!!python/object:os.system x"])
 def test_tags_are_refused(value: str) -> None:
     assert any("tags are refused" in line for line in complaints(f"seed: {value}"))
 
@@ -160,16 +129,6 @@ def test_depth_is_capped_before_it_hurts() -> None:
     assert f"more than {DEEPEST} deep" in complaint("- " * 200_000)
     assert f"more than {DEEPEST} deep" in complaint("? " * 200_000)
     assert f"more than {DEEPEST} deep" in complaint("a: " + "{a: " * 200)
-
-
-def test_a_tree_of_the_greatest_depth_is_read() -> None:
-    inside = DEEPEST - 1
-    root, found = read(f"a: {'[' * inside}1{']' * inside}".encode(), "p.yaml")
-    assert not found
-    depth, node = 0, root.get("a")
-    while hasattr(node, "items"):
-        depth, node = depth + 1, node.items[0]
-    assert depth == inside
 
 
 def test_size_is_capped() -> None:
@@ -183,29 +142,21 @@ def test_size_is_capped() -> None:
     ("data", "says"),
     [
         (b"", "p.yaml:1:1: is empty"),
-        (b"  \n# only a comment\n", "p.yaml:1:1: is empty"),
         (b"---\n", "p.yaml:1:1: is empty"),
         (b"- title\n", "p.yaml:1:1: must be a mapping of settings"),
-        (b"hair\n", "p.yaml:1:1: must be a mapping of settings"),
         (b"title: a\n---\ntitle: b\n", "p.yaml:2:1: has more than one document"),
         (b"title: caf\xe9\n", "p.yaml:1:11: is not UTF-8 text (byte 0xe9)"),
         ("title: ä\nseed: \u00e4".encode() + b"\xff", "p.yaml:2:8: is not UTF-8 text (byte 0xff)"),
         ("title: a".encode("utf-16"), "p.yaml:1:1: is UTF-16 text; save it as UTF-8"),
-        ("title: a".encode("utf-16-be"), "p.yaml:1:1: is UTF-16 text; save it as UTF-8"),
-        ("title: a".encode("utf-16-le"), "p.yaml:1:1: is UTF-16 text; save it as UTF-8"),
         (b"\x89PNG\r\n\x1a\n\0\0", "is not UTF-8 text"),
         (b"title: a\n\0\0\0", "p.yaml:2:1: has a character that YAML does not allow: '\\x00'"),
         (b"time:\n\tfps: 3\n", "p.yaml:2:1: not valid YAML: a tab cannot indent; use spaces"),
         (b"title: a: b\n", "p.yaml:1:9: not valid YAML: a `: ` where no mapping can begin"),
         (b"title: %a\n", "p.yaml:1:8: not valid YAML: found character '%' that cannot start any token; quote"),
         (b"title: [a\n", "not valid YAML: expected ',' or ']'"),
-        (b'title: "a\n', "not valid YAML: found unexpected end of stream"),
         (b'title: "\\UFFFFFFFF"\n', "has a number or an escape"),
-        (b"%YAML " + b"9" * 5000 + b".1\n---\ntitle: a\n", "has a number or an escape"),
         (b'title: "\\ud800"\n', "half a surrogate pair"),
-        (b'title: "\\0"\n', "control character"),
         (b"[a]: 1\n", "p.yaml:1:1: a key must be a single word"),
-        (b"? {a: 1}\n: 2\n", "p.yaml:1:3: a key must be a single word"),
     ],
 )
 def test_what_is_no_preset_is_told_with_its_place(data: bytes, says: str) -> None:
@@ -218,10 +169,6 @@ def test_what_is_no_preset_is_told_with_its_place(data: bytes, says: str) -> Non
 def test_a_byte_order_mark_is_no_part_of_the_first_key() -> None:
     root, found = read(b"\xef\xbb\xbftitle: a\n", "p.yaml")
     assert (list(root.entries), found) == (["title"], [])
-
-
-def test_carriage_returns_keep_lines_right() -> None:
-    assert complaint("title: a\r\nseed: no\r\n").startswith("p.yaml:2:7: seed:")
 
 
 def test_faults_before_a_syntax_error_are_told_too() -> None:
@@ -245,14 +192,6 @@ def test_a_message_stays_one_short_line_whatever_was_written() -> None:
     for line in complaints('time: {fps: "a\\nb\\e[31m' + "x" * 1000 + '", "\\r\\n": 3}'):
         assert line.isprintable()
         assert len(line) < 250
-
-
-def test_all_of_it_is_a_usage_error(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    path = tmp_path / "p.yaml"
-    path.write_bytes(b"\xff")
-    with pytest.raises(UsageError) as caught:
-        load(path, rules=RULES)
-    assert caught.value.exit_code == 2
 
 
 def leaves(node: Node) -> Any:
