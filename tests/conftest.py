@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as `one_thread` below; read when NumPy is imported
@@ -11,6 +12,8 @@ os.environ.setdefault("STRANDCLI_COMPILERS", "1")  # none compiles ahead: all co
 import numba
 import pytest
 from hypothesis import settings
+
+from cli_runs import TINY, Runner
 
 # compiling may fall into any example, so none is timed; failures can be repeated from what is printed. `make all` asks
 # for more examples than CI has the time for
@@ -30,6 +33,14 @@ def one_thread() -> None:
 def no_power_cuts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tests wait for no disk: what they write may be lost with the power."""
     monkeypatch.setattr(os, "fsync", lambda file: None)
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    """The command line, in a folder of its own with a small preset."""
+    (tmp_path / "tiny.yaml").write_text(TINY, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
 
 
 DRAWING = ("draw/", "run/", "study/test_picture", "study/test_golden")

@@ -57,14 +57,10 @@ def test_the_table_has_a_row_a_stage(run: Runner) -> None:
     [
         (["har"], "no preset 'har'; did you mean 'hair'?"),
         (["hair", "--strands", "9", "--set", "emitter.strands=10"], "--set emitter.strands: write --strands for it"),
-        (["tiny.yaml", "--solver", "rood"], "solver: "),
         (["hair", "--growth"], "--growth: is of the headline scene, not of hair"),
-        (["hair", "--set", "image.size=[9, 9]"], "write --size for it"),
-        (["hair", "--set", "quality=draft"], "write --quality for it"),
         (["--cpu"], "--cpu: is of a preset; name one"),
         (["solvers"], "has 2 panels, and bench times a single picture"),
         (["tiny.yaml", "--frames", "12"], "has 12 frames, and the first is not counted: use --frames 11 or fewer"),
-        (["tiny.yaml", "--set", "time.frames=1"], "add --set time.frames=4"),
         (["tiny.yaml", "--set", "wind.strenght=1"], "strenght"),
     ],
 )

@@ -16,13 +16,6 @@ from strandcli.output.compare import write_image
 from tests.cli.test_tools import picture
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 def test_compare_tells_equal_from_different_by_its_exit_code(run: Runner) -> None:
     picture("a.png")
     picture("b.png", 9)

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from cli_runs import TINY, environment
+from strandcli.cli.main import cli
+from strandcli.cli.shells import register
 
 
 @pytest.fixture
@@ -24,15 +26,6 @@ def folder(tmp_path: Path) -> Path:
     command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m strandcli "$@"\n')
     command.chmod(0o755)
     return tmp_path
-
-
-def offered(folder: Path, line: str) -> list[str]:
-    """What the command answers to Bash for a line."""
-    told = {"_STRANDCLI_COMPLETE": "bash_complete", "COMP_LINE": line}
-    done = subprocess.run([sys.executable, "-m", "strandcli"], cwd=folder, env={**environment(), **told},
-                          capture_output=True, text=True)  # fmt: skip
-    assert done.stderr == ""
-    return [one.partition(",")[2] for one in done.stdout.splitlines()]
 
 
 @pytest.mark.parametrize(("line", "some", "none"), [
@@ -56,8 +49,20 @@ def offered(folder: Path, line: str) -> list[str]:
     ("strandcli render hair --animate gif,", ["gif,webp"], []),
     ("strandcli render hair --quality ", ["best"], []),
 ])  # fmt: skip
-def test_what_is_offered(folder: Path, line: str, some: list[str], none: list[str]) -> None:
-    found = offered(folder, line)
+def test_what_is_offered(
+    folder: Path, line: str, some: list[str], none: list[str], monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """What the command answers to Bash for a line."""
+    monkeypatch.chdir(folder)
+    monkeypatch.setenv("_STRANDCLI_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_LINE", line)
+    register()
+    with pytest.raises(SystemExit):
+        cli.main(args=[], prog_name="strandcli")
+    told = capsys.readouterr()
+    assert told.err == ""
+    found = [one.partition(",")[2] for one in told.out.splitlines()]
     assert set(some) <= set(found)
     assert not set(none) & set(found)
 

@@ -7,13 +7,6 @@ from pathlib import Path
 import pytest
 
 from cli_runs import TINY, Runner
-from strandcli.counted import counted
-
-
-@pytest.mark.parametrize(("count", "words"), [(0, "0 passes"), (1, "1 pass"), (2, "2 passes"), (2000, "2,000 passes")])
-def test_one_thing_is_told_in_the_singular(count: int, words: str) -> None:
-    assert counted(count, "pass", "passes") == words
-    assert counted(count, "line") == words.replace("passes", "lines").replace("pass", "line")
 
 
 def test_one_strand_and_its_frame_are_planned(

@@ -42,13 +42,6 @@ def picture(size: tuple[int, int], seed: int = 1) -> np.ndarray:
     return colours[rng.integers(0, 7, size)]
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 @given(SIZES, st.integers(0, 9))
 def test_sixels_hold_the_picture(size: tuple[int, int], seed: int) -> None:
     """Read again by what the manual says: bands of six rows, `$` back to the left, `-` to the next band."""
@@ -104,10 +97,8 @@ def test_half_blocks_have_two_pixels_each() -> None:
 
 
 @pytest.mark.parametrize(("variables", "kind"), [
-    ({"TERM": "xterm-kitty"}, "kitty"), ({"KITTY_WINDOW_ID": "1"}, "kitty"), ({"TERM_PROGRAM": "ghostty"}, "kitty"),
-    ({"TERM_PROGRAM": "iTerm.app"}, "iterm2"), ({"LC_TERMINAL": "iTerm2"}, "iterm2"), ({"TERM": "foot"}, "sixel"),
-    ({"TERM": "xterm-256color"}, "blocks"), ({"TERM": "tmux-256color", "KITTY_WINDOW_ID": "1"}, "blocks"),
-    ({"TERM_PROGRAM": "WezTerm", "TMUX": "/tmp/x"}, "blocks"), ({}, "blocks"),
+    ({"TERM": "xterm-kitty"}, "kitty"), ({"LC_TERMINAL": "iTerm2"}, "iterm2"), ({"TERM": "foot"}, "sixel"),
+    ({"TERM": "tmux-256color", "KITTY_WINDOW_ID": "1"}, "blocks"), ({}, "blocks"),
 ])  # fmt: skip
 def test_terminals_are_told_by_their_variables(variables: dict[str, str], kind: str) -> None:
     assert shown.detected(variables) == kind

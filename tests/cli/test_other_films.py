@@ -8,11 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import strandcli
 from cli_runs import TINY, Runner
-from strandcli import checkpoints, fingerprint
-from strandcli.farm.job import Job
-from strandcli.fingerprint import difference
 from strandcli.output import png
 
 LOOP = """
@@ -63,14 +59,6 @@ def test_positions_of_another_motion_are_not_resumed(run: Runner) -> None:
         assert Path(f"a/positions_{frame:04d}.npz").read_bytes() == Path(f"b/positions_{frame:04d}.npz").read_bytes()
 
 
-def test_a_farm_job_that_is_submitted_again_with_another_seed_keeps_no_positions(run: Runner) -> None:
-    words = Job("tiny", "1-2", ("1-2",), "1-2", 1).simulate("tiny.yaml", "positions")
-    assert run(*words).code == 0
-    assert run(*words).code == 0
-    Path("tiny.yaml").write_text(TINY + "seed: 2\n", encoding="utf-8")
-    refused(run, " ".join(words), "positions_0001.npz", OTHER)
-
-
 def test_positions_of_another_motion_are_not_drawn(run: Runner) -> None:
     simulated(run, "-f 1-2 -o a")
     draw = "render tiny.yaml --from-cache a -f 1-2 -q"
@@ -114,17 +102,6 @@ def test_positions_of_another_version_are_drawn_but_not_mixed(run: Runner) -> No
     fine(run, "render tiny.yaml --from-cache a -o c -f 1-2 -q --resume")
 
 
-def test_fingerprints_are_those_of_a_version(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    def found() -> set[str]:
-        scene = strandcli.load("tiny.yaml")
-        return {fingerprint.fingerprint(scene), fingerprint.motion_fingerprint({}), checkpoints.key_of(scene)}
-
-    before = found()
-    for module in (fingerprint, checkpoints):
-        monkeypatch.setattr(module, "__version__", "0.0.0")
-    assert len(before | found()) == 6
-
-
 def test_frames_of_a_loop_of_another_period_are_not_resumed(run: Runner) -> None:
     fine(run, "render loop.yaml -o a -f 1-2 -q")
     refused(run, "render loop.yaml --set time.frames=24 -o a -f 1-3 --resume", "frame_0001.png", OTHER)
@@ -154,17 +131,3 @@ def test_layers_of_another_camera_are_not_resumed(run: Runner) -> None:
     for name in ("depth", "mask"):
         for suffix in (".npz", ".png"):
             assert Path(f"a/{name}_0001{suffix}").read_bytes() == Path(f"b/{name}_0001{suffix}").read_bytes()
-
-
-def test_what_differs_is_named() -> None:
-    rule = {"": "RuleUse", "name": "wind", "parameters": {"": "Wind", "strength": 1.0}}
-    other = {**rule, "parameters": {"": "Wind", "strength": 2.0}}
-    one = {"": "Scene", "rules": [rule], "emitter": {"": "Emitter", "keys": [1, 2]}, "solids": [{"": "Box", "size": 2}]}
-    for changed, named in (
-        ({}, ""), ({"rules": [other]}, "wind.strength"), ({"rules": []}, "rules"), ({"seed": 1}, "seed"),
-        ({"emitter": {"": "Emitter", "keys": [1, 3]}}, "emitter.keys"), ({"": "Other"}, "."),
-        ({"solids": [{"": "Box", "size": 1}]}, "solids.0.size"),
-        ({"emitter": {"": "Mesh", "keys": [1, 2]}}, "emitter"), ({"emitter": None}, "emitter"),
-    ):  # fmt: skip
-        assert difference(one, {**one, **changed}) == named
-        assert difference({**one, **changed}, one) == named

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from strandcli.cli.progress import Progress, compiling, duration, pace
+from strandcli.cli.progress import Progress, compiling
 from strandcli.compiling import costs
 from strandcli.compiling.clock import Clock
 
@@ -59,26 +59,6 @@ def test_time_left_never_grows_while_a_frame_is_drawn(clock: list[float]) -> Non
     progress.__exit__(None, None, None)
 
 
-def test_the_first_frame_is_drawn_and_counted_after_what_was_simulated(clock: list[float]) -> None:
-    progress = Progress(4, "hair")
-    progress.__enter__()
-    progress.note("simulating up to frame 90")
-    clock[0] += 30.0
-    progress.note("drawing frame 90")
-    clock[0] += 2.0
-    assert progress.text(clock[0]) == "hair: drawing frame 90 ... 2.0 s"
-    progress.step()
-    assert progress.text(clock[0]).endswith("1/4 2.0 s a frame, 6 s left")
-    progress.__exit__(None, None, None)
-
-
-@pytest.mark.parametrize(
-    ("done", "seconds", "words"), [(48, 4.0, "12.0 frames/s"), (3, 3.0, "1.0 frames/s"), (2, 90.0, "45.0 s a frame")]
-)
-def test_a_slow_run_has_seconds_a_frame(done: int, seconds: float, words: str) -> None:
-    assert pace(done, seconds) == words
-
-
 def test_compiling_is_told_while_it_runs_and_not_counted_as_drawing(clock: list[float]) -> None:
     progress = Progress(4, "hair")
     progress.__enter__()
@@ -92,15 +72,6 @@ def test_compiling_is_told_while_it_runs_and_not_counted_as_drawing(clock: list[
     progress.step()
     assert progress.text(clock[0]).endswith("2/4 4.0 frames/s, 0 s left")
     progress.__exit__(None, None, None)
-
-
-def test_other_notes_are_shown_with_their_time(clock: list[float]) -> None:
-    progress = Progress(4, "hair")
-    progress.note("simulating up to frame 90")
-    clock[0] += 7.0
-    assert progress.text(clock[0]) == "hair: simulating up to frame 90 ... 7.0 s"
-    progress.note("")
-    assert progress.text(clock[0]).startswith("hair: [")
 
 
 def test_a_terminal_gets_one_line_redrawn_and_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -220,10 +191,3 @@ def test_long_runs_are_heard_of_without_a_terminal_too(monkeypatch: pytest.Monke
         progress.note("compiling step")
         progress.step("rod")
     assert stream.getvalue().strip("\0") == ""
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"), [(0.2, "0 s"), (59.4, "59 s"), (59.6, "1:00"), (185, "3:05"), (7385, "2:03:05")]
-)
-def test_durations(seconds: float, words: str) -> None:
-    assert duration(seconds) == words

@@ -19,18 +19,11 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from cli_runs import TINY, Runner, child, environment, listen
+from cli_runs import Runner, child, environment, listen
 from strandcli import pipeline
 from strandcli.errors import RefusedError, SimulationError
 from strandcli.output import frames, png
 from tests.cli.test_render import names, report
-
-
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
@@ -83,9 +76,7 @@ def test_what_is_too_big_for_memory_is_refused_before_anything_runs(
     ("error", "code", "status"),
     [
         (SimulationError("frame 3: strand 7 is not finite"), 1, "failed"),
-        (RefusedError("no memory"), 4, "failed"),
         (MemoryError(), 4, "failed"),
-        (ZeroDivisionError("bug"), 1, "failed"),
         (KeyboardInterrupt(), 130, "interrupted"),
     ],
 )
@@ -141,17 +132,16 @@ def test_a_report_that_cannot_be_written_does_not_hide_what_ended_the_run(
     assert run("render", "tiny.yaml", "-o", "b", "-f", "1").code == 130
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
-def test_a_signal_keeps_finished_frames_and_writes_the_report(run: Runner, number: int, code: int) -> None:
+def test_a_signal_keeps_finished_frames_and_writes_the_report(run: Runner) -> None:
     process = child(run.folder, "render", "tiny.yaml", "-o", "a", "--set", "time.frames=100000")
     deadline = time.monotonic() + 120
     while not Path("a/frame_0004.png").exists():
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < deadline
         time.sleep(0.02)
-    process.send_signal(number)
+    process.send_signal(signal.SIGTERM)
     out, err = process.communicate(timeout=60)
-    assert process.returncode == code
+    assert process.returncode == 143
     assert out == ""
     assert "Traceback" not in err
     assert "Exception" not in err

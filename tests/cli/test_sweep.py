@@ -14,19 +14,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cli_runs import TINY, Runner
+from cli_runs import Runner
 from strandcli import pipeline
 from strandcli.cli import sweep_values
 from strandcli.cli.sweep_values import Axis, SweepType, points
 from strandcli.errors import SimulationError
 from strandcli.output import png
-
-
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
 
 
 def table(path: str) -> list[dict[str, str]]:
@@ -100,7 +93,7 @@ def test_a_point_that_goes_wrong_is_told_and_the_others_go_on(run: Runner, monke
 
 @pytest.mark.parametrize(("arguments", "words"), [
     (["wind.strength"], "is not KEY=VALUES"), (["seed=3-1"], "runs backwards; write 1-3"), (["seed=1,,2"], "empty"),
-    (["seed=1-8x0"], "at least 1"), (["seed=1-99999999"], "more than 10,000 values"),
+    (["seed=1-99999999"], "more than 10,000 values"),
     (["seed=1-200", "wind.strength=1-200"], "40,000 combinations"), (["seed=1", "seed=2"], "is given twice"),
     (["wind.strenght=1"], "did you mean"), (["wind.strength=1,x"], "--sweep wind.strength=x: must be"),
 ])  # fmt: skip

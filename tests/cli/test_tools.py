@@ -19,13 +19,6 @@ from strandcli.output.compare import write_image
 from strandcli.study import bench
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 def picture(path: str, change: int = 0) -> None:
     image = np.random.default_rng(1).integers(0, 200, (20, 30, 3), dtype=np.uint8)
     image[4, 5, 1] += change
@@ -171,17 +164,6 @@ def test_bench_tells_how_the_cost_of_a_particle_grows(run: Runner, monkeypatch: 
     assert table[0].startswith("thesis, ")
     assert table[3].split()[:2] == ["20", "4"]
     assert re.fullmatch(r"cost grows as strands \*\* \S+ and as particles \*\* \S+; \*\* 1 is linear", table[-1])
-
-
-def test_the_exponent_of_a_cost_is_that_of_the_power_law_beside_it() -> None:
-    sizes = [10.0, 20.0, 50.0, 1000.0]
-    assert bench.exponent(sizes, [3 * size for size in sizes]) == pytest.approx(1)
-    assert bench.exponent(sizes, [0.2 * size**1.5 for size in sizes]) == pytest.approx(1.5)
-    # of a law that bends, the straight line through logarithms: by 10, 100 and 1,000 the slope of the outer two
-    assert bench.exponent([10, 100, 1000], [10, 500, 1000]) == pytest.approx(1)
-    assert bench.exponent([10, 100, 1000], [10, 100, 10_000]) == pytest.approx(1.5)
-    assert bench.exponent([10], [1]) is None
-    assert bench.exponent([10, 10], [1, 2]) is None
 
 
 def test_claims_are_a_table_or_json(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:

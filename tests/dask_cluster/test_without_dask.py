@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import pickle
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,13 +21,6 @@ from strandcli.frame import Frame
 from strandcli.scene import Scene
 
 BLURRED = TINY + "camera: {shutter: 0.5, samples: 2}\n"
-
-
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
 
 
 def test_a_missing_package_is_told_with_what_brings_it(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,12 +18,6 @@ from strandcli.doctor.finding import BROKEN, NOTE, OK, Finding
 from strandcli.plan import limits
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 def test_all_is_well_here(run: Runner) -> None:
     result = run("doctor", "--json")
     data = json.loads(result.out)
