@@ -47,19 +47,6 @@ def helix(points: int, radius: float = 0.01) -> Any:
     return np.stack([radius * np.cos(turn), -0.002 * turn, radius * np.sin(turn)], axis=1).astype(np.float32)
 
 
-def test_a_helix_of_a_b_spline_is_as_wide_as_the_curve() -> None:
-    """Its joints are (1, 4, 1)/6 of control points: .01 (4 + 2 cos 60°)/6 from the axis."""
-    found = archive([helix(49)], (CUBIC, 0, BSPLINE))
-    assert found.source.facts["basis"] == ["cubic bspline"]
-    each = found.source.facts["points_a_piece"][0]
-    assert found.first.tolist() == [0, 46 * each + 1]
-    radius = np.hypot(found.points[:, 0], found.points[:, 2])
-    np.testing.assert_allclose(radius[::each], 0.01 * 5 / 6, rtol=1e-5)
-    assert radius.max() < 0.0084
-    note = note_of(found.source.facts)
-    assert (note or "").startswith(f"curves are cubic bspline; points on them are taken, {each} a piece")
-
-
 @pytest.mark.parametrize("basis", list(NAMES))
 @pytest.mark.parametrize("periodic", [0, 1])
 def test_points_and_values_are_those_of_usd(basis: int, periodic: int) -> None:
@@ -171,7 +158,6 @@ def test_what_has_no_basis_is_joined_straight_and_said(told: tuple[int, int, int
     [((CUBIC, 0, POWER), {}, "cubic curves of the basis power are not read"),
      ((CUBIC, 0, 77), {}, "of the basis of number 77"),
      ((CUBIC, 0, BEZIER), {}, "curve 0 has 9 points, which make no whole pieces of cubic bezier"),
-     ((CUBIC, 0, HERMITE), {}, "curve 0 has 9 points, which make no whole pieces of cubic hermite"),
      ((VARIABLE, 0, BSPLINE), {"orders": np.array([6], "u1"), "knots": np.zeros(15, "<f4")}, "there are some of 6"),
      ((VARIABLE, 0, BSPLINE), {"orders": np.array([3], "u1"), "knots": np.zeros(9, "<f4")}, "9 knots, 12 are needed"),
      ((VARIABLE, 0, BSPLINE), {"orders": np.array([3, 3], "u1")}, "2 orders for 1 curve"),
@@ -221,22 +207,3 @@ def test_curves_that_move_are_evaluated_at_each_time_and_written() -> None:
         if corners is not None:
             for control, one in zip(stored, seen, strict=True):
                 np.testing.assert_allclose(one.points[::each], control[corners] + [1, 2, 3], atol=1e-6)
-
-
-@settings(max_examples=40, deadline=None)
-@given(basis=st.sampled_from(list(NAMES)), periodic=st.booleans(), seed=st.integers(0, 999))
-def test_curves_follow_affine_maps_and_weights_sum_to_one(basis: int, periodic: bool, seed: int) -> None:
-    """What an affine map makes of control points are control points of what it makes of the curve."""
-    generator = np.random.default_rng(seed)
-    control = generator.normal(size=(12 + (basis == BEZIER and not periodic), 3)).astype(np.float32)
-    linear, shift = generator.normal(size=(3, 3)), generator.normal(size=3)
-    moved = control @ linear + shift
-    if basis == HERMITE:
-        moved[1::2] = control[1::2] @ linear
-    both = [archive([control], (CUBIC, periodic, basis)), archive([moved], (CUBIC, periodic, basis))]
-    steps = [one.source.facts["points_a_piece"][0] for one in both]
-    few, many = (one.points[:: step // np.gcd(*steps)] for one, step in zip(both, steps, strict=True))
-    np.testing.assert_allclose(many, few @ linear + shift, rtol=1e-4, atol=1e-4)
-    if basis != HERMITE:  # whose weights of points alone sum to one
-        same = archive([np.ones_like(control)], (CUBIC, periodic, basis))
-        np.testing.assert_allclose(same.points, 1, rtol=1e-6)

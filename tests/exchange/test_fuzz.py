@@ -10,7 +10,7 @@ import pytest
 import fuzz
 from fuzz_guard import guarded
 
-COUNT, FEWER = 300, 60
+COUNT, FEWER = 100, 30
 
 
 @pytest.mark.parametrize("suffix", fuzz.seeds())

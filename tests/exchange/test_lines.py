@@ -21,12 +21,6 @@ from strandcli.exchange.strands import Attribute, Strands, even_offsets
 TWO = [np.float32([[0, 0, 0], [0, 1, 0], [0, 2, 1]]), np.float32([[1, 0, 0], [1, 1, 0]])]
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
 
@@ -54,9 +48,7 @@ def test_lines_of_obj_may_name_textures_and_go_on_in_the_next_line(tmp_path: Pat
 @pytest.mark.parametrize(("content", "words"), [
     (b"v 0 0 0\nv 1 1 1\nl 1 3\n", "line 3: 'l' wants 'v' 3 of 2"),
     (b"v 0 0 0\nl -1 -2\n", "line 2: 'l' wants a 'v' before the first"),
-    (b"v 0 0 0\nl 0 1\n", "line 2: 'l' wants a 'v' before the first"),
     (b"v 0 0 0\nl 1 x\n", "line 2: 'l' of '1 x'"),
-    (b"v 0 0\nl 1 1\n", "line 1: 'v' of 2 numbers, 3 are needed"),
     (b"v 0 0 0\n#\nv 0 nan 0\nl 1 2\n", "line 3: vertex of a strand is not finite"),
     (b"v 0 0 0\n", "byte 0: has no lines"),
     (TRIANGLE, "is a mesh, neither a preset nor strands: it has no lines"),
@@ -87,10 +79,8 @@ def saved(values: object) -> bytes:
 
 @pytest.mark.parametrize(("content", "words"), [
     (saved(np.zeros((4, 3))), r"byte 0: header: an array of float64 of shape \(4, 3\)"),
-    (saved(np.zeros((4, 3, 3), int)), "an array of int64"),
     (saved(np.zeros((4, 3, 5))), "or 4 with widths"),
     (saved(np.zeros((4, 3, 3)))[:-8], r"needs 288 bytes, the\s+file has 280 bytes"),
-    (saved(np.zeros((4, 3, 3))) + b"\0", "needs 288 bytes, the file has 289 bytes"),
     (saved(np.array([[[print]]])), "declares no array of numbers"),
     (saved(np.zeros((4, 3, 3))).replace(b"(4, 3, 3)", b"(4000000000, 3, 3)")[:-11], "needs 288 GB"),
     (saved(np.full((2, 3, 3), np.nan, "<f4")), "byte 128: points: number 0 is not finite, and 5 more"),

@@ -55,7 +55,7 @@ def by_name(strands: Strands) -> dict[str, list[bytes]]:
     return found
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(names=names_of_objects, suffix=st.sampled_from([".abc", ".npz", ".ply"]), seed=st.integers(0, 99))
 def test_strands_stay_with_their_names(names: list[str], suffix: str, seed: int) -> None:
     """Whatever the names are: each format gives other ones to those that it does not take, and all differ."""

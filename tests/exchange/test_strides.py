@@ -33,21 +33,6 @@ def test_jumps_that_leave_no_doubt_tell_the_stride() -> None:
         read_bytes(kit.ply(list(generator.normal(size=(50, 100, 3)).astype(np.float32)), told="nothing"), ".ply")
 
 
-def test_strands_of_20_and_30_points_in_turn_are_not_strands_of_50() -> None:
-    generator = np.random.default_rng(4)
-    lines = [generator.normal(size=3) + np.linspace(0, 0.1, 20 + 10 * (i % 2))[:, None] for i in range(60)]
-    strands = [one.astype(np.float32) for one in lines]
-    with pytest.raises(UsageError, match="--stride"):
-        read_bytes(kit.ply(strands, told="nothing"), ".ply")
-
-
-def test_of_strands_of_which_one_has_twice_the_points_there_is_no_stride() -> None:
-    generator = np.random.default_rng(5)
-    lines = [generator.normal(size=3) + np.linspace(0, 0.1, 20 * (1 + (i == 7)))[:, None] for i in range(60)]
-    with pytest.raises(UsageError, match="--stride"):
-        read_bytes(kit.ply([one.astype(np.float32) for one in lines], told="nothing"), ".ply")
-
-
 @pytest.mark.filterwarnings("error")
 def test_numbers_that_are_not_finite_have_no_stride_and_no_warning() -> None:
     """Signalling NaN too, which warn where they are cast."""
