@@ -6,14 +6,10 @@ from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
-import pytest
 
-from strand_kit import frames_of, groom_of, moved, scene_of
-from strandcli.blocks import unpack
+from strand_kit import frames_of, groom_of, scene_of
 from strandcli.constants import VECTOR
-from strandcli.draw.common.scratch import Scratch
 from strandcli.groom.arrange import LEAF, arranged, spatial_order
-from strandcli.groom.children import Children
 from strandcli.simulate.rod.solver import RodSolver
 
 SCENE = """
@@ -35,12 +31,6 @@ def sides(points: np.ndarray, together: int) -> float:
     return float(np.ptp(rows, axis=1).max(1).mean())
 
 
-@pytest.mark.parametrize("count", [1, 2, 15, 16, 17, 32, 700, 4096, 5000])
-def test_every_point_has_one_place(count: int) -> None:
-    points = np.random.default_rng(count).normal(size=(count, 3))
-    np.testing.assert_array_equal(np.sort(spatial_order(points)), np.arange(count))
-
-
 def test_so_many_in_a_row_are_near_each_other() -> None:
     """As near as squares that tile the sphere would have them, about, and 32 or 64 as well."""
     points = np.random.default_rng(1).normal(size=(5000, 3))
@@ -50,13 +40,6 @@ def test_so_many_in_a_row_are_near_each_other() -> None:
     for together in (LEAF, 2 * LEAF, 4 * LEAF):
         assert sides(found, together) < 1.2 * np.sqrt(4 * np.pi * together / len(points))
     assert sides(points, LEAF) > 1.5
-
-
-def test_points_that_tie_keep_their_order() -> None:
-    points = np.zeros((100, 3))
-    np.testing.assert_array_equal(spatial_order(points), np.arange(100))
-    points[::2, 1] = 1.0
-    np.testing.assert_array_equal(spatial_order(points)[:50], np.arange(1, 100, 2))
 
 
 def test_what_strands_have_goes_with_them_and_back() -> None:
@@ -83,13 +66,6 @@ def test_what_strands_have_goes_with_them_and_back() -> None:
     # neighbours are those that hang beside each other, which are simulated
     assert sides(arranged(tied).roots, LEAF) < 0.7 * sides(tied.roots[spatial_order(tied.grown)], LEAF)
     np.testing.assert_array_equal(groom.emitted(groom.lengths), groom.lengths)
-
-
-def test_frames_have_the_strands_in_the_order_of_emission() -> None:
-    """The rules move each by itself: to the same bits."""
-    scene = scene_of(SCENE)
-    frame = frames_of(scene, 3)[0]
-    np.testing.assert_array_equal(frame.positions, moved(scene, 3))
 
 
 def test_positions_are_taken_in_the_order_of_emission() -> None:
@@ -120,16 +96,3 @@ def test_pictures_are_the_same() -> None:
         same = frame.aovs["strand_id"] == plain.aovs["strand_id"]
         assert same.mean() > 0.99  # what covers as much as another may give way to it
         assert (plain.aovs["strand_id"] >= 0).mean() > 0.02
-
-
-def test_children_follow_the_same_guides() -> None:
-    scene = scene_of(SCENE + CHILDREN)
-    groom = groom_of(scene)
-    grown = []
-    for guides in (groom, arranged(groom)):
-        solver, children = RodSolver(scene, guides), Children(scene, guides)
-        _, ids = children.select(solver.positions)
-        positions, lengths = children.grow(solver.positions, solver.lengths, 0.0, ids, Scratch())
-        grown.append((unpack(positions, len(ids)), lengths.reshape(-1)[: len(ids)]))
-    np.testing.assert_allclose(grown[1][0], grown[0][0], atol=1e-6)
-    np.testing.assert_allclose(grown[1][1], grown[0][1], rtol=1e-6)

@@ -33,13 +33,3 @@ def test_strands_turn_evenly_from_the_onset_on() -> None:
         turned, np.broadcast_to(160 * np.maximum(middles - 0.5, 0)[:, None], (20, 300)), atol=1e-3
     )
     assert aside.max() < 1e-6
-
-
-def test_below_0_they_turn_away() -> None:
-    turned, _ = angles(-40.0, 0.0)
-    assert (turned < 0).all()
-
-
-def test_straight_strands_share_their_directions() -> None:
-    assert emit(Emitter(**ON_A_BALL), 1).bend is None
-    assert emit(Emitter(**ON_A_BALL, bend=30.0), 1).bend is not None

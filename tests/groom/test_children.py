@@ -6,7 +6,6 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-import numba
 import numpy as np
 import pytest
 
@@ -79,26 +78,8 @@ def steps(strands: np.ndarray) -> np.ndarray:
     return np.asarray(np.linalg.norm(np.diff(strands, axis=1), axis=2))
 
 
-def test_guides_are_drawn_where_they_are() -> None:
-    scene, children = family()
-    guides, rest = bent(scene)
-    drawn, _ = grown(children, guides, rest)
-    assert len(drawn) == 7 * 300
-    np.testing.assert_allclose(drawn[:300], guides[:, 1:], atol=1e-6)
-
-
-def test_children_of_straight_parallel_guides_are_parallel_to_them() -> None:
-    """Weights add up to one: whatever three guides have in common a child has too."""
-    scene, children = family()
-    guides, rest = bent(dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, jitter=0.0)), 0.0)
-    drawn, _ = grown(children, guides, rest)
-    np.testing.assert_allclose(drawn - drawn[:, :1], np.broadcast_to(guides[:1, 1:] - guides[:1, 1:2], drawn.shape),
-                               atol=2e-6)  # fmt: skip
-
-
-@pytest.mark.parametrize("settings", [{}, {"clumps": LOCKS}, {"waves": WAVES}, {"clumps": LOCKS, "waves": WAVES}])
-def test_roots_and_lengths_are_kept(settings: dict[str, Any]) -> None:
-    scene, children = family(cut=0.5, **settings)
+def test_roots_and_lengths_are_kept() -> None:
+    scene, children = family(cut=0.5, clumps=LOCKS, waves=WAVES)
     guides, rest = bent(scene)
     drawn, lengths = grown(children, guides, rest)
     plain, _ = grown(family()[1], guides, rest)
@@ -108,13 +89,6 @@ def test_roots_and_lengths_are_kept(settings: dict[str, Any]) -> None:
     assert whole.min() == pytest.approx(0.2, rel=0.01)
     assert whole.max() == pytest.approx(0.4, rel=0.01)
     assert np.median(whole) == pytest.approx(0.3, rel=0.03)
-
-
-def test_no_strength_and_no_radius_change_nothing() -> None:
-    guides, rest = bent(family()[0])
-    plain, _ = grown(family()[1], guides, rest)
-    idle = {"clumps": tuple(dataclasses.replace(one, strength=0.0) for one in LOCKS), "waves": (Wave(radius=0.0),)}
-    np.testing.assert_array_equal(grown(family(**idle)[1], guides, rest)[0], plain)
 
 
 def test_children_do_not_depend_on_how_many_there_are() -> None:
@@ -236,15 +210,3 @@ def test_few_guides_are_enough(guides: int) -> None:
     drawn, _ = grown(children, *bent(scene))
     assert np.isfinite(drawn).all()
     np.testing.assert_allclose(emitted(children).weights.sum(1), 1, atol=1e-6)
-
-
-def test_bits_do_not_depend_on_threads() -> None:
-    guides, rest = bent(family()[0])
-    children = family(free=False, clumps=LOCKS, waves=WAVES)[1]
-    many, _ = grown(children, guides, rest)
-    before = numba.get_num_threads()
-    try:
-        numba.set_num_threads(1)
-        np.testing.assert_array_equal(grown(children, guides, rest)[0], many)
-    finally:
-        numba.set_num_threads(before)

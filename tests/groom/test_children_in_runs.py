@@ -112,24 +112,3 @@ def test_a_run_goes_on_with_the_children_that_are_left() -> None:
     scene = dataclasses.replace(scene, children=dataclasses.replace(scene.children, clumps=LOCKS))
     with pytest.raises(SimulationError, match="every child has a guide that is not finite"):
         frames_of(scene, 1, positions=lambda number: lost, keep_going=True)
-
-
-def test_a_frame_of_children_is_drawn_and_told() -> None:
-    text = """
-emitter: {strands: 40, particles: 6, jitter: 20}
-image: {size: [80, 60], resolver: sorted}
-rules: [gravity, elasticity]
-%s
-"""
-    (plain,) = frames_of(scene_of(text % ""), 3)
-    (frame,) = frames_of(scene_of(text % "children: {count: 5, clumps: [{size: 0.5}]}"), 3)
-    assert plain.positions is not None
-    assert frame.positions is not None
-    np.testing.assert_array_equal(frame.positions, plain.positions)
-    assert frame.report["counts"]["strands"] == 200
-    assert "children" in frame.report["seconds"]
-    assert "children" not in plain.report["seconds"]
-    assert frame.image is not None
-    assert plain.image is not None
-    bare = plain.image[0, 0]
-    assert (frame.image != bare).any(2).sum() > 1.5 * (plain.image != bare).any(2).sum()

@@ -12,7 +12,6 @@ from scene_kit import complaint
 from strand_kit import scene_of
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit, rim, sides
-from strandcli.groom.fringe import BEHIND
 from strandcli.scene.model import Fringe, SphereShape
 
 RADIUS, CAP, RAGGED, PARTING = 0.1, 108.0, 12.0, -0.02
@@ -83,19 +82,6 @@ def test_along_the_parting_it_grows_on_both_sides() -> None:
     assert (np.abs(sides(children.scene.emitter, children.every.roots[moved])) > 0.1).mean() > 0.99
 
 
-def test_hairline_and_parting_have_their_shares_of_it() -> None:
-    """In proportion to their lengths, of which the parting's counts twice, for its two sides."""
-    children = family()
-    inside = polar(children)[1][(family(None).every.roots != children.every.roots).any(1)]
-    assert inside.min() > -2e-4
-    edge, behind = 2 * np.pi * np.sin(np.radians(CAP)), -BEHIND
-    line = 2 * np.cos(np.arcsin(PARTING / RADIUS)) * (np.radians(CAP) + behind)
-    whole = np.radians(CAP - RAGGED * (0.25 + 1 / 6)) + behind  # as far as the ragged rim, in the mean
-    far = 5 * FRINGE.within  # from the rim: e^-5 of the hairline's, the rest of the parting's
-    expected = line / (edge + line) * (1 - far / RADIUS / whole) + edge / (edge + line) * np.exp(-5)
-    assert (inside > far).mean() == pytest.approx(expected, abs=0.015)
-
-
 def test_children_do_not_depend_on_how_many_there_are() -> None:
     few, many = family(count=8), family(count=80)
     np.testing.assert_array_equal(few.every.roots, many.every.roots[: few.count])
@@ -114,8 +100,6 @@ def test_lengths_are_even_down_to_the_shortest() -> None:
     ("text", "words"),
     [
         ("children: {fringe: {share: 2}}", "children.fringe.share: must be a number"),
-        ("children: {fringe: {within: 0}}", "children.fringe.within: must be a number"),
-        ("children: {fringe: {length: 0}}", "children.fringe.length: must be a number"),
         ("children: {fringe: {}}", "children.fringe: a fringe grows at a sphere's `cap`"),
         ("emitter: {shape: {kind: disc}}\nchildren: {fringe: {}}", "children.fringe: a fringe grows at a sphere's"),
         ("emitter: {tie: {}}\nchildren: {fringe: {}}", "children.fringe: strands that are tied"),

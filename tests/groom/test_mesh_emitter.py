@@ -16,7 +16,7 @@ from strandcli.groom.arrange import arranged
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
 from strandcli.groom.on_mesh import at_anchors, described, notes, seedbed
-from strandcli.groom.record import Anchors, Groom
+from strandcli.groom.record import Groom
 from strandcli.meshes.bvh import make_bvh
 from strandcli.meshes.closest import closest
 from strandcli.scene.model import Emitter, MeshShape
@@ -122,15 +122,6 @@ def test_nothing_grows_where_density_is_0(ball: str) -> None:
     assert bed.even <= bed.grown <= bed.area
 
 
-def test_strands_grow_above_a_height_alone(ball: str) -> None:
-    roots = grown(ball, above=0.3).roots
-    mesh = seedbed(MeshShape(file=ball)).mesh
-    crossing = mesh.vertices[mesh.triangles][(mesh.vertices[mesh.triangles][:, :, 1] > 0.3).any(axis=1)]
-    assert crossing[:, :, 1].min() <= roots[:, 1].min() < 0.3
-    with pytest.raises(UsageError, match="nothing grows above 2 m"):
-        grown(ball, above=2.0)
-
-
 def test_pictures_spread_and_shorten(tmp_path: Path) -> None:
     square = textured(tmp_path / "square.obj")
     picture = np.zeros((8, 8), np.uint8)
@@ -181,19 +172,6 @@ def test_strands_depend_on_the_seed_and_their_number_alone(ball: str) -> None:
         single = grown(ball, 3, density="ramp")
     np.testing.assert_array_equal(single.roots, many.roots)
     assert (grown(ball, 4).roots != grown(ball, 5).roots).any(axis=1).all()
-
-
-def test_anchors_follow_affine_motion_and_the_order(ball: str) -> None:
-    groom = grown(ball, count=500)
-    mesh = seedbed(MeshShape(file=ball)).mesh
-    matrix, shift = np.array([[1.0, 0.4, 0], [0, 2, 0.1], [-0.3, 0, 0.5]]), np.array([1.0, 2, 3])
-    assert groom.anchors is not None
-    moved = at_anchors(mesh.with_vertices(mesh.vertices @ matrix.T + shift), groom.anchors)[0]
-    still = at_anchors(mesh, groom.anchors)[0]
-    np.testing.assert_allclose(moved, still @ matrix.T + shift, atol=1e-12)
-    near = arranged(groom)
-    assert isinstance(near.anchors, Anchors)
-    np.testing.assert_allclose(at_anchors(mesh, near.anchors)[0], near.roots, atol=1e-6)
 
 
 def test_children_root_on_the_mesh_and_not_across_a_sheet(tmp_path: Path) -> None:

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strandcli.groom.neighbours import cells_of, nearest_of
+from strandcli.groom.neighbours import nearest_of
 
-Points = NDArray[np.float32]
 LOTS = np.random.default_rng(1)
 PLACES: dict[str, Callable[[int], NDArray[np.floating]]] = {
     "a cloud": lambda n: LOTS.normal(size=(n, 4)),
@@ -29,7 +28,7 @@ def _halves(points: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 @pytest.mark.parametrize("kind", PLACES)
-@pytest.mark.parametrize(("others", "many"), [(1, 1), (3, 3), (60, 4), (700, 4)])
+@pytest.mark.parametrize(("others", "many"), [(3, 3), (700, 4)])
 def test_the_nearest_are_the_nearest(kind: str, others: int, many: int) -> None:
     points, among = (PLACES[kind](n).astype(np.float32) for n in (300, others))
     points[: others // 2] = among[: min(others // 2, 300)]  # some of them are where another one is
@@ -40,12 +39,3 @@ def test_the_nearest_are_the_nearest(kind: str, others: int, many: int) -> None:
     there = ((points[:, None].astype(np.float64) - among[found]) ** 2).sum(2)
     np.testing.assert_allclose(there, true, rtol=1e-5, atol=1e-30)
     assert all(len(set(row)) == many for row in found.tolist())
-
-
-def test_cells_hold_each_point_once_and_few_at_once() -> None:
-    points = PLACES["a plane, far away"](5000).astype(np.float32)
-    cells = cells_of(points)
-    assert sorted(cells.names.tolist()) == list(range(5000))
-    assert {cells.a, cells.b} == {0, 2}
-    assert 5000 / 4 < cells.rows * cells.columns < 5000
-    assert np.diff(cells.begins).max() < 20

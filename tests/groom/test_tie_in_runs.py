@@ -13,15 +13,12 @@ from strandcli.blocks import lanes, pack, unpack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import flatten
 from strandcli.draw.view.camera import camera_view
-from strandcli.groom.children import Children
 from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
 from strandcli.plan import make_plan
 from strandcli.scene.model import Camera, Curves
 from strandcli.scene.model.emitter import TIED
 from strandcli.scene.motion import emitter_pose
-from strandcli.study.axes import Request
-from strandcli.study.pictures.subject import Subject
 from tests.groom.test_tie import SCENE
 
 
@@ -98,30 +95,6 @@ def test_a_frame_of_tied_strands_covers_the_scalp_and_solvers_know_only_what_han
     assert more.aovs["mask"][20:40, 30:50].mean() > ball.mean()
 
 
-def test_studies_measure_strands_from_where_they_grow() -> None:
-    scene = scene_of(SCENE + "image: {size: [80, 60], resolver: sorted}\nmaterial: {width: 0.002}\n")
-    subject = Subject(Request(scene, "tied", size=(80, 60), strands=300))
-    subject.move()
-    positions, lengths = subject.whole()
-    assert lengths is None
-    assert positions.shape[1] == 1 + TIED + 6
-    rotation, shift = (np.array(part) for part in emitter_pose(subject.scene.emitter, 0.0))
-    assert subject.groom.grown is not None
-    np.testing.assert_allclose(subject.points()[:, 1], subject.groom.grown @ rotation.T + shift, atol=1e-5)
-    low, high = subject.bounds()
-    assert (high - low).min() > 0.15  # the ball, of .2 across, and not what hangs from its tie alone
-
-
-def test_children_hang_from_the_tie_and_lie_on_ways_of_their_own() -> None:
-    scene = scene_of(SCENE + "children: {count: 5, clumps: [{size: 0.004}]}\n")
-    children = Children(scene, emit(scene.emitter, scene.seed))
-    points = Combed(scene, children.every).points
-    np.testing.assert_array_equal(points[:300], Combed(scene, children.groom).points)
-    assert len(np.unique(points[:, 1].round(6), axis=0)) == 1500
-    # locks are as wide as asked in the bundle, where they hang from
-    assert len(np.unique(children.family.middles[0])) == round(np.pi * 0.016**2 / 0.004**2)
-
-
 def test_a_plan_tells_of_what_is_combed() -> None:
     stages = {one.stage: one.why for one in make_plan(scene_of(SCENE), [1]).used}
     assert str(TIED) in stages["combed parts"]
@@ -134,14 +107,10 @@ def test_a_plan_tells_of_what_is_combed() -> None:
     [
         ("tie: {position: [0, -1, 0]}, shape: {kind: sphere, cap: 90}",
          "the tie is above no place of the emitter's surface that strands grow from; move it there"),
-        ("tie: {position: [0, 0, 0]}", "p.yaml:1:27: emitter.tie.position: the tie is above no place"),
         ("tie: {position: [0.6, 0, 0]}, shape: {kind: disc, radius: 0.5}", "emitter.tie.position: the tie is above no"),
-        ("tie: {position: [0, 0, 3]}, shape: {kind: plane}", "emitter.tie.position: the tie is above no place"),
         ("tie: {direction: [1, -0.1, 0]}",
          "p.yaml:1:28: emitter.tie.direction: points into the emitter's surface; turn it outward"),
         ("tie: {}, comb: [1, 0, 0]", "strands that are tied are combed to their tie; take one of the two out"),
-        ("tie: {}, parting: 0.1", "emitter.parting: strands that are tied are combed to their tie"),
-        ("tie: {}, direction: [1, 0, 0]", "emitter.direction: strands that are tied are combed to their tie"),
         ("tie: {over: [skul]}", "emitter.tie.over.0: no solid has the name 'skul'"),
         ("tie: {radius: 0}", "emitter.tie.radius: must be a number above 0"),
     ],

@@ -28,10 +28,6 @@ TIES = [
 ]
 
 
-SMALL, OPEN = (SphereShape(radius=RADIUS, cap=cap) for cap in (20, 160))
-RIMS = [*TIES, (SMALL, Tie(position=(0.01, 0.09, 0.01))), (OPEN, Tie(position=(0.05, 0.03, 0.08)))]
-
-
 def emitter_of(shape: Any, tie: Tie, strands: int = 12) -> Emitter:
     return Emitter(strands=strands, length=0.3, shape=shape, tie=tie)
 
@@ -73,49 +69,6 @@ def rim(chart: Chart, way: np.ndarray) -> float:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if grows(chart, at(chart, middle, way)[0]) else (low, middle)
     return float(low)
-
-
-def around(chart: Chart, count: int) -> np.ndarray:
-    """Unit vectors all round the foot."""
-    one = np.cross(chart.normal, [0.6, 0.0, 0.8])
-    one /= np.linalg.norm(one)
-    return np.array([turned(one, chart.normal, angle) for angle in np.linspace(0, 2 * np.pi, count, endpoint=False)])
-
-
-@pytest.mark.parametrize(("shape", "tie"), RIMS)
-def test_the_rim_is_where_strands_end_to_grow(shape: Any, tie: Tie) -> None:
-    chart = chart_of(emitter_of(shape, tie))
-    ways = around(chart, 24)
-    np.testing.assert_allclose(chart.rim(ways), [rim(chart, way) for way in ways], rtol=1e-6)
-
-
-@pytest.mark.parametrize("place", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1), (1, 2, 3)])
-def test_a_chart_has_the_surfaces_polar_coordinates(place: tuple[float, float, float]) -> None:
-    """Also where they have no direction, at the foot, and close to it."""
-    for shape in (BALL, FLOOR):
-        chart = chart_of(emitter_of(shape, Tie(position=place)))
-        ways = around(chart, 12)
-        for d in (1e-5, 0.02, 0.3):
-            points = np.array([at(chart, d, way)[0] for way in ways])
-            found, begun = chart.polar(points)
-            np.testing.assert_allclose(found, d, rtol=1e-6)
-            np.testing.assert_allclose(begun, ways, atol=1e-8)
-            zero = np.zeros(12)
-            for height in (0.0, 0.01):
-                where, normals = chart.point(zero + d, ways, zero + height)
-                np.testing.assert_allclose(where, points + height * normals, atol=1e-15)
-                np.testing.assert_allclose(normals, [at(chart, d, way)[1] for way in ways], atol=1e-12)
-        found, begun = chart.polar(chart.foot[None])
-        np.testing.assert_allclose(found, 0, atol=1e-12)
-        np.testing.assert_allclose(np.linalg.norm(begun, axis=1), 1)
-        np.testing.assert_allclose(begun @ chart.normal, 0, atol=1e-12)
-    # all of the ball, and a disc; the arc is what the area grows by
-    ball, flat = (chart_of(emitter_of(shape, Tie(position=place))) for shape in (BALL, FLOOR))
-    assert 2 * np.pi * ball.area(np.array(np.pi * RADIUS)) == pytest.approx(4 * np.pi * RADIUS**2)
-    assert 2 * np.pi * flat.area(np.array(0.2)) == pytest.approx(np.pi * 0.2**2)
-    for chart in (ball, flat):
-        d, step = np.linspace(0.01, 0.3, 9), 1e-6
-        np.testing.assert_allclose((chart.area(d + step) - chart.area(d - step)) / (2 * step), chart.arc(d), rtol=1e-6)
 
 
 def away(points: np.ndarray) -> np.ndarray:

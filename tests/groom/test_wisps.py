@@ -17,7 +17,7 @@ from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.groom.tie import chart_of
-from strandcli.groom.wisps import ASIDE, BEND, OFF, SHORTEST, chosen, wisps
+from strandcli.groom.wisps import OFF, chosen, wisps
 from strandcli.scene.model import DiscShape, Emitter, Scene, SphereShape, Tie
 from strandcli.scene.model.emitter import TIED
 from strandcli.scene.motion import emitter_pose
@@ -58,41 +58,6 @@ def test_they_are_as_many_as_asked_at_the_rim_and_fewer_by_the_exponential_law(s
     for k in range(5):
         here = (inside >= 0.01 * k) & (inside < 0.01 * (k + 1))
         assert short[here].mean() == pytest.approx(np.mean(0.6 * np.exp(-inside[here] / LENGTH)), rel=0.06)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_of_middle_lots_they_go_straight_to_the_tie(shape: Any) -> None:
-    emitter, roots, points = made(shape, 0.5)
-    chart = chart_of(emitter)
-    far = chart.polar(roots)[0] > 2 * LENGTH  # the others would pass the tie
-    roots, points = roots[far], points[far]
-    d, ways = chart.polar(roots)
-    below = points[:, -1] if np.isfinite(chart.radius) else points[:, -1] * [1, 0, 1]
-    after, along = chart.polar(below)
-    np.testing.assert_allclose(points[:, 1], roots, atol=1e-8)
-    np.testing.assert_allclose(points[:, 0] + points[:, 2], 2 * points[:, 1], atol=1e-8)
-    gone = LENGTH * (SHORTEST + 0.5 * (1 - SHORTEST))
-    np.testing.assert_allclose(d - after, 0.1 * np.arctan(gone / 0.1) if np.isfinite(chart.radius) else gone, rtol=1e-3)
-    np.testing.assert_allclose(along, ways, atol=1e-3)
-    np.testing.assert_allclose(height(shape, points[:, -1]), OFF * 0.125 * gone, rtol=1e-3)
-
-
-@pytest.mark.parametrize("lot", [0.0, 1 - 1e-9])
-def test_they_begin_aside_by_an_angle_and_turn_by_another(lot: float) -> None:
-    shape = SHAPES[1]
-    emitter, roots, points = made(shape, lot)
-    chart = chart_of(emitter)
-    flat = points[:, 1:, [0, 2]]
-    step = np.diff(flat, axis=1)
-    to_tie = chart.foot[[0, 2]] - roots[:, [0, 2]]
-    turned = np.arctan2(step[..., 1], step[..., 0]) - np.arctan2(to_tie[:, 1], to_tie[:, 0])[:, None]
-    turned = np.angle(np.exp(1j * turned))
-    side = np.sign(turned[:, :1])
-    assert (side == side[0]).all()
-    pieces = ROWS - 2
-    expected = ASIDE + BEND * (np.arange(pieces) + 0.5) / pieces
-    np.testing.assert_allclose(side * turned, np.broadcast_to(expected, turned.shape), atol=2e-3)
-    assert np.linalg.norm(step, axis=2).sum(1) == pytest.approx(LENGTH * (SHORTEST if lot == 0 else 1), rel=1e-4)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
