@@ -15,8 +15,7 @@ from strandcli.groom_file import from_file
 from strandcli.scene.motion import emitter_pose
 
 
-@pytest.mark.parametrize("size", [(64, 48), (48, 64), (200, 20)])
-@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+@pytest.mark.parametrize(("kind", "size"), [("perspective", (200, 20)), ("orthographic", (48, 64))])
 def test_the_camera_sees_all_strands_and_comes_as_near_as_asked(
     kind: str, size: tuple[int, int], tmp_path: Path
 ) -> None:

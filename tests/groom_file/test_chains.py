@@ -51,7 +51,7 @@ def strands(draw: st.DrawFn) -> Points:
     return (draw(st.sampled_from((1e-3, 1.0, 1e3))) * (points + far)).astype(np.float32)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(strands(), st.integers(3, 40))
 def test_chains_are_as_long_as_their_strands_and_end_at_their_tips(points: Points, particles: int) -> None:
     wide = points.astype(np.float64)
@@ -63,15 +63,6 @@ def test_chains_are_as_long_as_their_strands_and_end_at_their_tips(points: Point
     assert (joints[0] == wide[0]).all()
     assert (joints[-1] == wide[-1]).all()
     assert deviation <= 2 * whole / (particles - 1) + 1e-9 * scale
-
-
-@pytest.mark.parametrize("particles", [8, 9, 24])
-def test_chains_of_arcs_are_nearer_than_chords(particles: int) -> None:
-    """The chord of a segment that spans the angle a of a circle is 1 − cos(a / 2) off in its middle."""
-    t = np.linspace(0, np.pi, 2000)
-    arc = np.stack([np.cos(t), np.sin(t), 0 * t], 1).astype(np.float32)
-    _, deviation = chain(arc, particles)
-    assert 0 < deviation < 1 - np.cos(np.pi / (particles - 1) / 2)
 
 
 @pytest.mark.parametrize("points", [2, 3, 60])

@@ -21,7 +21,7 @@ def coloured(path: Path, strands: list[Strand], colours: npt.NDArray[np.floating
     return path
 
 
-@pytest.mark.parametrize("count", [1, 3, 40, 2000])
+@pytest.mark.parametrize("count", [3, 2000])
 def test_each_strand_has_its_colour(tmp_path: Path, count: int) -> None:
     colours = np.random.default_rng(count).random((2000, 3)).astype(np.float32)[np.arange(2000) % count]
     path = coloured(tmp_path / "a.hair", hanging([5] * 2000), colours)
@@ -44,9 +44,9 @@ def along(groom: Any) -> npt.NDArray[np.float32]:
     return np.asarray(groom.emitted(groom.colours.transpose(1, 0, 2)[rows]))
 
 
-@pytest.mark.parametrize("counts", [[9] * 60, [5, 2, 9, 3] * 15])
-def test_colours_stay_at_their_points(tmp_path: Path, counts: list[int]) -> None:
+def test_colours_stay_at_their_points(tmp_path: Path) -> None:
     """Where colours are taken along a strand, they are those of the points that are drawn there."""
+    counts = [5, 2, 9, 3] * 15
     strands = hanging(counts)
     colours = np.random.default_rng(1).random((sum(counts), 3)).astype("<f4")
     path = tmp_path / "a.hair"
@@ -58,20 +58,6 @@ def test_colours_stay_at_their_points(tmp_path: Path, counts: list[int]) -> None
         places = [int(np.flatnonzero((line == point).all(axis=1))[0]) / (len(line) - 1) for point in strand]
         want = [np.interp(np.linspace(0, 1, 17), places, column) for column in own.T]
         np.testing.assert_allclose(made, np.transpose(want), atol=1e-6)
-
-
-def test_many_ways_of_changing_colour_become_a_few(tmp_path: Path) -> None:
-    rng = np.random.default_rng(1)
-    root, tip = rng.random((2, 2000, 1, 3))
-    colours = (root + np.linspace(0, 1, 5)[:, None] * (tip - root)).astype("<f4")
-    path = tmp_path / "a.hair"
-    path.write_bytes(exchange_kit.hair(hanging([5] * 2000), more=colours.tobytes(), flags=16))
-    found = from_file(scene(path).emitter.groom, 0)  # type: ignore[arg-type]
-    assert found.groom.colours is not None
-    assert found.groom.colours.shape == (17, 256, 3)
-    off = along(found.groom)[:, ::4] - colours
-    assert np.sqrt((off**2).mean()) < 0.5 * colours.std()  # in six dimensions 256 cells halve it
-    np.testing.assert_allclose(found.colour, colours.mean(axis=(0, 1)), atol=1e-3)
 
 
 def test_strands_are_drawn_with_colours_that_change_along_them(tmp_path: Path) -> None:

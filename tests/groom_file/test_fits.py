@@ -41,19 +41,13 @@ def turned(strands: Strands, up: str, factor: float) -> Strands:
 
 
 @pytest.fixture
-def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Runner:
-    return Runner(tmp_path, capsys)
-
-
-@pytest.fixture
 def head(tmp_path: Path) -> Path:
     path = tmp_path / "head.ply"
     path.write_bytes(mesh_kit.ply(HEAD))
     return path
 
 
-@pytest.mark.parametrize("up", AXES)
-@pytest.mark.parametrize("unit", SHARE)
+@pytest.mark.parametrize(("up", "unit"), [("y", "m"), ("y", "cm"), ("z", "m"), ("-x", "in")])
 def test_info_tells_the_unit_and_the_up_axis_that_fit_a_head(
     up: str, unit: str, head: Path, tmp_path: Path, run: Runner
 ) -> None:
@@ -78,7 +72,7 @@ def test_info_tells_the_unit_and_the_up_axis_that_fit_a_head(
     assert json.loads(run("info", tmp_path / "mended.ply", "--on", head, "--json").out)["on"]["fits"]
 
 
-@pytest.mark.parametrize("up", ["y", "z", "-x"])
+@pytest.mark.parametrize("up", ["y", "-x"])
 def test_what_hangs_tells_the_up_axis_where_another_fits_as_well(
     up: str, head: Path, tmp_path: Path, run: Runner
 ) -> None:

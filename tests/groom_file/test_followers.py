@@ -14,11 +14,11 @@ from groom_file_kit import Strand, hanging, scene, write
 from strandcli.blocks import unpack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.errors import UsageError
-from strandcli.groom.followers import Followers, quaternion
+from strandcli.groom.followers import Followers
 from strandcli.groom_file.following import guided
 from strandcli.scene import SceneError
 from strandcli.scene.model import Scene
-from strandcli.scene.motion import emitter_pose, rotation_matrix
+from strandcli.scene.motion import emitter_pose
 from strandcli.stages import RunOptions, SimulationStage
 from strandcli.study import sweep
 from strandcli.study.axes import Request
@@ -95,9 +95,6 @@ def test_without_forces_strands_stay(tmp_path: Path) -> None:
 
 
 def test_where_guides_move_rigidly_so_do_all_strands(tmp_path: Path) -> None:
-    given = moving(
-        write(tmp_path / "a.data", curls(300)), emitter__groom__guides=40, rules=[FALL, {"emitter_motion": {}}]
-    )
     key = {"time": 0.0, "position": (0.1, 0.0, 0.2), "rotation": (20.0, -10.0, 30.0)}
     there = {"time": 0.5, "position": (0.4, 0.3, -0.1), "rotation": (150.0, 70.0, -80.0)}
     given = moving(
@@ -182,17 +179,6 @@ def test_a_parting_is_not_blended(tmp_path: Path) -> None:
     assert following.weights.sum(1) == pytest.approx(1)
 
 
-def test_more_guides_come_nearer_to_simulating_all(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.data", curls(400))
-    every = drawn(moving(path, emitter__groom__guides=400), 10)
-    off = [
-        np.linalg.norm(drawn(moving(path, emitter__groom__guides=guides), 10) - every, axis=2).mean()
-        for guides in (4, 40, 200)
-    ]
-    assert off[0] > off[1] > off[2]
-    assert off[2] < 0.02 * lengths(every).mean()
-
-
 def test_guides_are_told_with_how_far_they_are_off(tmp_path: Path) -> None:
     path = write(tmp_path / "a.data", curls(200))
     few, many = (moving(path, emitter__particles=n).emitter.followers for n in (6, 60))
@@ -271,25 +257,3 @@ def test_motion_of_guides_is_studied_and_pictures_are_not(tmp_path: Path) -> Non
     still = scene(tmp_path / "a.data")
     with pytest.raises(UsageError, match="a: nothing moves the strands of its file"):
         Motion(Request(still, "a"))
-
-
-def test_quaternions_are_those_of_the_matrices() -> None:
-    for angles in [(0, 0, 0), (180, 0, 0), (0, 180, 0), (0, 0, 180), (10, 20, 30), (-170, 80, 95)]:
-        turn = np.array(rotation_matrix(angles))
-        w, x, y, z = quaternion(turn)
-        own = np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-            ]
-        )
-        assert own == pytest.approx(turn, abs=1e-12)
-
-
-def test_a_scene_that_is_completed_stays_as_it_is(tmp_path: Path) -> None:
-    from strandcli.groom_file import completed
-
-    given = moving(write(tmp_path / "a.data", hanging([80] * 40)))
-    assert completed(given) is given
-    assert dataclasses.replace(given, title="x").emitter.followers == given.emitter.followers

@@ -13,7 +13,6 @@ import groom_file_kit as groom_kit
 from strandcli.errors import UsageError
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import TimeSample
-from strandcli.groom.file_roots import least_turns, rigid, units
 from strandcli.scene.model import Scene
 from strandcli.stages import RunOptions, SimulationStage
 from tests.groom_file.test_followers import follow, stage_of
@@ -86,19 +85,3 @@ def test_what_cannot_be_followed_is_one_line(tmp_path: Path) -> None:
         stage.begin(3)
     with pytest.raises(UsageError, match=r"rod\.end: free"):
         moving(tmp_path, np.eye(3), ["emitter_motion"], solver="rod", **{"rod.end": "pinned"})
-
-
-def test_turns() -> None:
-    """A rigid motion is found; the least turn takes each unit vector to the other, opposite ones too."""
-    rng = np.random.default_rng(3)
-    points = rng.normal(size=(20, 3))
-    turn = rigid(points, points @ QUARTER.T + SHIFT)
-    np.testing.assert_allclose(turn, QUARTER, atol=1e-12)
-    np.testing.assert_array_equal(rigid(points[:2], 2 * points[:2]), np.eye(3))
-    first, second = units(rng.normal(size=(50, 3))), units(rng.normal(size=(50, 3)))
-    second[:3] = -first[:3]
-    found = least_turns(first, second)
-    np.testing.assert_allclose(np.einsum("nij,nj->ni", found, first), second, atol=1e-12)
-    np.testing.assert_allclose(np.linalg.det(found), 1)
-    cosines = np.einsum("ni,ni->n", first, second)
-    np.testing.assert_allclose(np.trace(found, axis1=1, axis2=2), 1 + 2 * cosines, atol=1e-9)

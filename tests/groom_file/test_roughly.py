@@ -10,9 +10,8 @@ import pytest
 
 import exchange_kit
 from cli_runs import Runner
-from groom_file_kit import hanging, scene, write
+from groom_file_kit import hanging, write
 from strandcli.groom_file import read
-from strandcli.groom_file.read import from_file
 
 COUNT = 600
 
@@ -48,20 +47,6 @@ KINDS = ("even", "uneven", "faults", "widths", "widths that are none", "colour o
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_some_strands_tell_what_all_are_like(kind: str, tmp_path: Path) -> None:
-    path = made(kind, tmp_path)
-    given = scene(path, emitter__groom__fix=True, emitter__groom__up="auto").emitter.groom
-    assert given is not None
-    whole, some = from_file(given, 0), from_file(given, 0, roughly=True)
-    assert some.notes == whole.notes
-    assert (some.strands, some.points, some.colour) == (whole.strands, whole.points, whole.colour)
-    assert (some.groom.strands < whole.groom.strands) == (kind not in KINDS[4:])
-    assert some.width == pytest.approx(whole.width) if whole.width is not None else some.width is None
-    assert some.seen.length == pytest.approx(whole.seen.length, rel=0.1)
-    np.testing.assert_allclose(np.ptp(some.seen.points, axis=0), np.ptp(whole.seen.points, axis=0), rtol=0.1)
-
-
-@pytest.mark.parametrize("kind", KINDS)
 def test_plan_says_the_same(kind: str, tmp_path: Path, run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     # free memory changes from one run to the next, and seconds follow from sizes that are rough
     monkeypatch.setattr("strandcli.plan.free.available_memory", lambda: 8_000_000_000)
@@ -81,8 +66,3 @@ def without_memory(words: str) -> tuple[int, str]:
     """The megabytes that a plan tells, and its words without them."""
     (found,) = re.findall(r"about (\d+) MB of memory", words)
     return int(found), words.replace(f"about {found} MB", "about so many MB")
-
-
-@pytest.fixture
-def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Runner:
-    return Runner(tmp_path, capsys)

@@ -9,19 +9,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as some
 
 import exchange_kit
 import usd_kit
 from groom_file_kit import Strand, hanging, image, scene, write
 from strandcli import pipeline
-from strandcli.blocks import unpack
 from strandcli.exchange import files
-from strandcli.exchange.edit.resample import resampled, simplified
 from strandcli.exchange.strands import Attribute, Strands
 from strandcli.export import drawn_strands
-from strandcli.groom_file import from_file, rows
+from strandcli.groom_file import from_file
 from strandcli.scene.model import Scene
 from tests.groom_file.test_followers import curls, moving
 
@@ -105,7 +101,7 @@ def test_widths_that_some_curves_of_a_file_lack_are_told(tmp_path: Path) -> None
     assert any("not all of its curves have them" in words for words in notes)
 
 
-@pytest.mark.parametrize("name", [".npz", ".hair", ".ply", ".usdc", ".abc"])
+@pytest.mark.parametrize("name", [".npz", ".hair", ".usdc"])
 def test_widths_come_back_from_a_file_that_was_exported(tmp_path: Path, name: str) -> None:
     strands, widths = hanging([9] * 20), waves([9] * 20)
     first, second = tmp_path / f"a{name}", tmp_path / f"b{name}"
@@ -120,7 +116,7 @@ def test_widths_come_back_from_a_file_that_was_exported(tmp_path: Path, name: st
     np.testing.assert_allclose(tapered, widths * np.tile(np.linspace(1, 0.5, 9), 20), rtol=1e-6)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ["thickness", "pscale"])
 def test_other_names_of_widths_count_as_well(tmp_path: Path, name: str) -> None:
     strands, widths = hanging([9] * 20), waves([9] * 20)
     path = tmp_path / "a.npz"
@@ -153,47 +149,6 @@ def test_strands_of_unlike_numbers_of_points_have_widths_at_all_that_are_added(t
         np.testing.assert_allclose(own, np.interp(here, at, wide), atol=2e-6)
 
 
-def test_strands_of_too_many_points_keep_their_widths() -> None:
-    """Those that are drawn with fewer have them where these stand; others in every bit."""
-    strands = exchange_kit.of(hanging([40, 3, 5]))
-    widths = waves([40, 3, 5])
-    given = Strands(strands.first, strands.points, {"width": Attribute("point", widths)})
-    fewer, count, _ = rows.with_at_most(given, 12)
-    assert count == 1
-    np.testing.assert_array_equal(fewer.attributes["width"].values[12:], widths[40:])
-    alone, _ = resampled(given.select(np.array([True, False, False])), 12)
-    np.testing.assert_array_equal(fewer.attributes["width"].values[:12], alone.attributes["width"].values)
-
-
-@settings(max_examples=25, deadline=None)
-@given(some.lists(some.integers(2, 12), min_size=1, max_size=8), some.integers(0, 2**32 - 1))
-def test_points_keep_the_bits_of_their_widths(counts: list[int], seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    strands, values = exchange_kit.of(hanging(counts, seed)), rng.random(sum(counts)).astype(np.float32)
-    order, most = rng.permutation(len(counts)).astype(np.int32), max(counts)
-    own = rows.rows_in(strands.first, strands.points, most)
-    found = rows.values_in(strands.first, values, own, order, most)
-    blocks = rows.packed(strands.first, strands.points, own, order, most)
-    packed = unpack(blocks[:, 1:], len(order))
-    for k, s in enumerate(order):
-        part = slice(strands.first[s], strands.first[s + 1])
-        for point, value in zip(strands.points[part], values[part], strict=True):
-            here = (packed[k] == point).all(axis=1)
-            assert value in found[k][here]
-
-
-def test_simplified_strands_keep_points_that_tell_widths() -> None:
-    """The edges of a strand stay within the tolerance of where they were, as its axis does."""
-    line = np.linspace([0, 0, 0], [0, 1, 0], 200).astype(np.float32)
-    widths = (0.02 + 0.01 * np.sin(20 * line[:, 1])).astype(np.float32)
-    fewer, _ = simplified(with_widths([line], widths), 1e-4)
-    assert 10 < fewer.points.shape[0] < 100
-    between = np.interp(line[:, 1], fewer.points[:, 1], fewer.attributes["width"].values)
-    assert np.abs(between - widths).max() <= 2e-4
-    plain, _ = simplified(exchange_kit.of([line]), 1e-4)
-    assert plain.points.shape[0] == 2
-
-
 def test_strands_that_follow_have_the_widths_of_their_points(tmp_path: Path) -> None:
     """Of the points that are left out, the edges are within the tolerance of those of the strand that is drawn."""
     strands = curls(60, points=200)
@@ -217,7 +172,7 @@ def test_strands_that_follow_have_the_widths_of_their_points(tmp_path: Path) -> 
         assert np.abs(off).max() / 2 < 1.2 * known.tolerance
 
 
-@pytest.mark.parametrize(("resolver", "width"), [("sorted", 0.3), ("sorted", 12.0), ("zbuffer", 3.0)])
+@pytest.mark.parametrize(("resolver", "width"), [("sorted", 0.3), ("zbuffer", 3.0)])
 def test_the_mask_is_the_area_of_a_strand(tmp_path: Path, resolver: str, width: float) -> None:
     """Of one that is straight, its length times its mean width, pixels."""
     t, metre = np.linspace(0, 1, 40), 50.0
@@ -236,19 +191,12 @@ def test_the_mask_is_the_area_of_a_strand(tmp_path: Path, resolver: str, width: 
     assert frame.aovs["mask"].sum(dtype=float) == pytest.approx(want, rel=0.003)
 
 
-@pytest.mark.parametrize("turn", [np.eye(3), np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]])
-def test_one_straight_strand_keeps_its_width(tmp_path: Path, turn: npt.NDArray[np.float64]) -> None:
-    line = (np.linspace([0, 0, 0], [0, 1, 0], 5) @ turn).astype(np.float32)
-    files.write(tmp_path / "a.npz", with_widths([line], np.full(5, 0.01, np.float32)))
-    np.testing.assert_allclose(own_width(scene(tmp_path / "a.npz")), 0.01, rtol=1e-6)
-
-
 def test_a_few_fine_strands_keep_their_widths(tmp_path: Path) -> None:
     files.write(tmp_path / "a.npz", with_widths(hanging([8] * 4), np.full(32, 1e-4, np.float32)))
     np.testing.assert_allclose(own_width(scene(tmp_path / "a.npz")), 1e-4, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("count", "width"), [(60, 1e3), (1, 5.0), (60, 1e-7), (60, 0.0)])
+@pytest.mark.parametrize(("count", "width"), [(60, 1e3), (60, 0.0)])
 def test_widths_that_cannot_be_meant_are_left_out(tmp_path: Path, count: int, width: float) -> None:
     path = tmp_path / "a.hair"
     more = np.full(8 * count, width, "<f4").tobytes()
