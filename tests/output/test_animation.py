@@ -28,12 +28,6 @@ def test_no_frame_is_ever_further_from_its_time_than_rounding(fps: float, gaps: 
     assert np.abs(ends - true).max() <= 0.5 + 1e-6
 
 
-def test_24_frames_a_second_last_one_second_in_hundredths() -> None:
-    shown = durations(range(1, 25), 24.0, 10, 2)
-    assert sum(shown) == 1000
-    assert set(shown) == {40, 50}
-
-
 @pytest.fixture
 def pictures(tmp_path: Path) -> list[Path]:
     """A gradient that changes a little from frame to frame in one half, and stays in the other."""

@@ -68,16 +68,6 @@ def test_a_file_that_a_killed_run_left_claims_nothing(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == []
 
 
-def test_who_has_nothing_to_claim_removes_the_file_of_a_killed_run_alone(tmp_path: Path) -> None:
-    with another(tmp_path, "frames", [1]) as process:
-        Claim(tmp_path, "frames", []).release()
-        assert os.listdir(tmp_path) == [".frames.lock"]
-        process.kill()
-        process.wait()
-        Claim(tmp_path, "frames", []).release()
-    assert os.listdir(tmp_path) == []
-
-
 def test_an_owner_that_leaves_takes_nobody_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Who has locked a file that is no longer there holds nothing: the next one makes a file of its own."""
     hold, path = module._hold, tmp_path / ".frames.lock"

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from cli_runs import Runner
-from strandcli.errors import MismatchError
 from strandcli.output import flip as module
 from strandcli.output.compare import write_image
 from strandcli.output.flip import flip, mean_flip
@@ -60,12 +59,6 @@ def test_black_against_white_is_about_one() -> None:
     assert mean_flip(even(0, 255, 0), even(0, 0, 255)) == pytest.approx(1.0)
 
 
-def test_one_step_of_a_level_is_hardly_seen_and_more_is_seen_more() -> None:
-    found = [mean_flip(even(120, 120, 120), even(120 + step, 120, 120 - step)) for step in (1, 5, 25, 100)]
-    assert found == sorted(found)
-    assert found[0] < 0.05
-
-
 def test_what_is_too_fine_to_be_seen_counts_for_less_than_what_is_coarse() -> None:
     y, x = np.mgrid[:64, :64]
     grey = even(128, 128, 128, size=(64, 64))
@@ -86,32 +79,6 @@ def test_filters_are_those_of_two_dimensions() -> None:
     for channel, parts in enumerate((((1, 0.0047),), ((1, 0.0053),), ((34.1, 0.04), (13.5, 0.025)))):
         kernel = sum(a * math.sqrt(math.pi / b) * np.exp(-(math.pi**2) * (x**2 + y**2) / b) for a, b in parts)
         assert found[channel] == pytest.approx((part[..., channel] * kernel).sum() / kernel.sum(), rel=1e-12)
-
-
-def test_a_ramp_has_an_edge_and_no_point() -> None:
-    """Along an even ramp the filter of edges finds slope times the mean distance of its weights from the middle, that
-    of points nothing."""
-    density = 30.0
-    sigma = 0.5 * 0.082 * density
-    ramp = np.broadcast_to(np.linspace(0, 50, 61), (40, 61)).copy()
-    x = np.arange(-math.ceil(3 * sigma), math.ceil(3 * sigma) + 1)
-    weights = np.maximum(x, 0) * np.exp(-(x**2) / (2 * sigma**2))
-    slope = (50 / 60) / 116 * 2 * (weights * x).sum() / weights.sum()
-    found = module._feature_difference(ramp, np.zeros_like(ramp), density)[20, 30]
-    assert found == pytest.approx(math.sqrt(slope / math.sqrt(2)), rel=1e-9)
-
-
-def test_bands_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
-    rng = np.random.default_rng(5)
-    one, two = rng.integers(0, 256, (2, 60, 7, 3), dtype=np.uint8)
-    whole = flip(one, two)
-    monkeypatch.setattr(module, "BAND", 7 * 11)
-    np.testing.assert_allclose(flip(one, two), whole, rtol=1e-12)
-
-
-def test_sizes_that_differ_are_a_mismatch() -> None:
-    with pytest.raises(MismatchError, match="sizes differ: 6x4 against 6x3"):
-        flip(even(0, 0, 0), even(0, 0, 0, size=(3, 6)))
 
 
 def test_compare_tells_it_where_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import os
 import shutil
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -157,15 +156,6 @@ def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatc
     assert sorted(os.listdir(tmp_path)) == [frame_file(1), frame_file(2)]
 
 
-def test_a_failure_with_the_very_last_frame_is_not_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(path: Path, pieces: list[bytes]) -> Callable[[], None]:
-        raise RefusedError(f"{path}: no")
-
-    monkeypatch.setattr(module, "begin_pieces", refuse)
-    with pytest.raises(RefusedError, match=r"frame_0001.png: no$"):
-        write(tmp_path, [1])
-
-
 def test_a_disk_that_fails_after_other_frames_have_been_written_loses_that_one_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -196,21 +186,6 @@ def test_a_frame_is_finished_though_no_other_comes(tmp_path: Path) -> None:
         assert (tmp_path / frame_file(1)).exists()
 
 
-def test_a_run_too_big_for_the_disk_is_refused_before_it_starts(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    usage = type("Usage", (), {"free": 4_000_000})
-    monkeypatch.setattr("shutil.disk_usage", lambda path: usage)
-    FrameWriter(tmp_path / "a", [1], (1000, 1000))
-    with pytest.raises(RefusedError, match="15 MB are needed and 4 MB are free"):
-        FrameWriter(tmp_path / "b", range(1, 11), (1000, 1000))
-
-
-def test_frames_of_another_size_are_a_fault_of_the_caller(tmp_path: Path) -> None:
-    with FrameWriter(tmp_path, [1], SIZE) as writer, pytest.raises(ValueError, match="is 4x2, not 12x8"):
-        writer.submit(1, np.zeros((2, 4, 3), np.uint8))
-
-
 def test_a_writer_that_gets_no_time_holds_nothing_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a machine whose cores other programs have, its thread of low priority hardly runs."""
     go = threading.Event()
@@ -229,23 +204,6 @@ def test_a_writer_that_gets_no_time_holds_nothing_up(tmp_path: Path, monkeypatch
     assert sorted(writer.written) == list(range(1, 8))
     for frame, one in writer.written.items():
         np.testing.assert_array_equal(png.read(tmp_path / one.file), picture(frame))
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="threads have no priority of their own")
-def test_the_writer_takes_what_time_kernels_leave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    encode, found, there = png.encode, dict[str, int](), threading.Event()
-
-    def watched(*arguments: object) -> list[bytes]:
-        found[threading.current_thread().name] = os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
-        there.set()
-        return encode(*arguments)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(png, "encode", watched)
-    with FrameWriter(tmp_path, [1], SIZE) as writer:
-        writer.submit(1, picture(1))
-        assert there.wait(10)
-    assert found.keys() == {"frame writer"}
-    assert found["frame writer"] >= 10
 
 
 def test_frames_of_a_folder_that_is_gone_are_not_counted_as_whole(

@@ -36,16 +36,6 @@ def test_a_pipe_or_a_device_as_report_is_none(tmp_path: Path) -> None:
         read_json(tmp_path / "report.json")
 
 
-def test_small_files_of_json_take_little_memory(tmp_path: Path) -> None:
-    path = tmp_path / "report.json"
-    path.write_text('{"a": 1}')
-    tracemalloc.start()
-    assert read_json(path) == {"a": 1}
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 1_000_000
-
-
 def test_a_report_without_frames_has_none(tmp_path: Path) -> None:
     (tmp_path / "report.json").write_text('{"strandcli": "0", "scene": "s"}')
     report = read_report(tmp_path)
@@ -86,7 +76,7 @@ def test_damaged_pictures_end_in_one_line(kind: str, tmp_path: Path) -> None:
         pytest.skip(f"Pillow writes no {kind} here")
     whole = path.read_bytes()
     generator = np.random.default_rng(1)
-    for _ in range(200):
+    for _ in range(80):
         damaged = bytearray(whole[: generator.integers(4, len(whole) + 1)])
         for place in generator.integers(0, len(damaged), 8):
             damaged[place] = generator.integers(256)
@@ -120,14 +110,6 @@ def test_archives_that_say_they_are_encrypted_or_packed_oddly_are_refused(
     path.write_bytes(data)
     with pytest.raises(UsageError, match="not a file of positions"):
         read_positions(path, (2, 3, 3))
-
-
-def test_an_archive_with_a_member_that_is_no_array_is_read(tmp_path: Path) -> None:
-    path = tmp_path / "positions_0001.npz"
-    np.savez(path, positions=np.ones((2, 3, 3), np.float32))
-    with zipfile.ZipFile(path, "a") as archive:
-        archive.writestr("raw", b"x")
-    assert read_positions(path, (2, 3, 3)).sum() == 18
 
 
 SOUND = {

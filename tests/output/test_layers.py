@@ -26,13 +26,6 @@ SHAPES = st.tuples(st.integers(1, 9), st.integers(1, 9))
 FLOATS = st.floats(allow_nan=False, width=32)
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 @settings(max_examples=50, deadline=None)
 @given(st.data(), SHAPES)
 def test_what_is_written_is_read_again_bit_for_bit(data: st.DataObject, shape: tuple[int, int]) -> None:
@@ -144,16 +137,10 @@ def test_the_command_writes_layers_and_keeps_them_on_resume(run: Runner) -> None
     ("options", "message"),
     [
         (["--aov", "depht"], "Invalid value for '--aov': unknown layer 'depht'; did you mean 'depth'?"),
-        (["--aov", "depth,"], "'depth,' is not a list of layers such as depth,mask"),
         (["--aov", "depth,depth"], "the layer 'depth' is listed twice"),
         (["--set", "image.crop=40x40+30+0"], "the window 40x40+30+0 reaches beyond the picture of 64x48"),
-        (["--set", "image.crop=0x4+1+1"], 'must be a part of the picture [x, y, width, height] or "400x300+100+50"'),
         (["--set", "image.crop=[1, 2, 3]"], "must be a part of the picture"),
-        (["--set", "image.tone=film"], ": must be one of srgb, filmic, not 'film'; did you mean 'filmic'?"),
-        (["--set", "camera.aperture=-1"], ": must be a number of at least 0"),
         (["--set", "camera.shutter=1.5"], ": must be a number of at least 0 and of at most 1"),
-        (["--set", "camera.samples=0"], ": must be a whole number of at least 1"),
-        (["--set", "camera.focus=0"], ": must be a number above 0"),
         (["--set", "camera.aperture=1", "--set", "camera.kind=orthographic"], "an orthographic camera has no lens"),
     ],
 )

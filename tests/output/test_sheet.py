@@ -80,10 +80,3 @@ def test_a_sheet_too_big_is_refused(folder: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(module, "LARGEST", 300)
     with pytest.raises(RefusedError, match="too big"):
         make_sheet(gather([folder]), 5, 400)
-
-
-def test_long_labels_are_cut_to_their_cell(folder: Path) -> None:
-    cells = [module.Cell(folder / "a.png", "a very long label that does not fit in sixty pixels")] * 2
-    sheet = make_sheet(cells, 2, 400)
-    gap = sheet[:, GAP + 60 : GAP + 60 + GAP]
-    assert (gap == PAPER).all()

@@ -31,12 +31,6 @@ def test_what_is_written_is_read(path: Path) -> None:
     assert [one.name for one in path.parent.iterdir()] == [path.name]
 
 
-def test_numbers_that_are_none_keep_their_bits(tmp_path: Path) -> None:
-    odd = {"odd": np.array([np.nan, -0.0, np.inf, 5e-324]).view(np.uint64)}
-    write_state(tmp_path / "odd", KEY, odd)
-    np.testing.assert_array_equal(read_state(tmp_path / "odd", KEY, odd)["odd"], odd["odd"])
-
-
 def test_free_arrays_are_as_long_as_the_file_says_and_no_longer_than_it_is(tmp_path: Path) -> None:
     path = tmp_path / "free"
     kept = {"free pressure": np.arange(5, dtype=np.float32), "clock": np.array([1.0])}
