@@ -29,7 +29,7 @@ def test_a_box_as_it_is() -> None:
     assert mesh.size() == 2
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_mixed_winding_is_made_one_and_outward(seed: int) -> None:
     vertices, triangles = kit.sphere(2)
     generator = np.random.default_rng(seed)
@@ -123,13 +123,6 @@ def test_what_cannot_be_used_is_left_out_and_told() -> None:
         assert any(word in note for note in mesh.notes), word
 
 
-def test_edges_of_three_triangles_are_told() -> None:
-    vertices, triangles = kit.cube()
-    mesh = make_mesh(np.concatenate([vertices, [[0.0, 0, 5]]]), np.concatenate([triangles, [(4, 5, 8)]]))
-    assert mesh.facts.crowded == 1
-    assert not mesh.closed
-
-
 def test_a_moebius_strip_has_no_outside_and_says_so() -> None:
     turns = np.arange(12) / 12 * 2 * np.pi
     across = np.stack([np.cos(turns / 2) * np.cos(turns), np.cos(turns / 2) * np.sin(turns), np.sin(turns / 2)], axis=1)
@@ -166,13 +159,6 @@ def test_what_is_no_mesh(vertices: np.ndarray, triangles: list, words: str) -> N
     assert words in str(told.value)
 
 
-def test_vertices_that_nothing_uses_may_be_anything() -> None:
-    vertices, triangles = kit.cube()
-    mesh = make_mesh(np.concatenate([vertices, [[np.nan, 0, 0]]]), triangles)
-    assert mesh.closed
-    assert mesh.facts.unused == 1
-
-
 @pytest.mark.parametrize(
     "matrix", [np.diag((2.0, 3, 4)), np.diag((-1.0, 1, 1)), [[0.0, 1, 0], [0.5, 0, 0], [0, 0.2, 1]]]
 )
@@ -188,14 +174,6 @@ def test_a_transformed_mesh_is_wound_and_shaded_outward(matrix: np.ndarray) -> N
     assert (np.einsum("tkj,tj->tk", placed.corner_normals, faces) > 0.3).all()
     back = np.linalg.solve(np.array(matrix), (placed.vertices[placed.triangles] - (1, 2, 3)).reshape(-1, 3).T).T
     np.testing.assert_allclose(placed.uv, back.reshape(-1, 3, 3)[:, :, :2], atol=1e-6)
-
-
-def test_moved_vertices_keep_the_rest() -> None:
-    mesh = kit.mesh("ball")
-    moved = mesh.with_vertices(mesh.vertices * (1, 2, 1))
-    assert moved.triangles is mesh.triangles
-    direct = make_mesh(mesh.vertices * (1, 2, 1), mesh.triangles)
-    np.testing.assert_allclose(moved.normals, direct.normals)
 
 
 def test_triangles_that_share_no_vertex_take_little_memory() -> None:

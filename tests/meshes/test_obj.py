@@ -44,9 +44,8 @@ def expected(ways: list[str]) -> RawMesh:
     )
 
 
-@pytest.mark.parametrize("block", [64, 1000, 1 << 20])
-@pytest.mark.parametrize("back", [False, True])
-@pytest.mark.parametrize("ways", [[one] for one in WAYS] + [["v", "v/t/n"], ["v/t", "v//n", "v/t/"]])
+@pytest.mark.parametrize(("block", "back"), [(64, True), (1000, False), (1 << 20, False)])
+@pytest.mark.parametrize("ways", [["v"], ["v//n"], ["v", "v/t/n"], ["v/t", "v//n", "v/t/"]])
 def test_corners_in_every_way(
     ways: list[str], back: bool, block: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -85,11 +84,8 @@ def test_colours_and_the_picture_of_the_first_material(tmp_path: Path) -> None:
         ("f 1 2 0", "line 4: '0'"), ("f 1 2 -4", "line 4: '-4'"), ("f 1 2 9", "line 4: a corner wants 'v' 9 of 3"),
         ("f 1 2 1/x", "line 4: '1/x': is no corner"), ("f 1/1 2/1 3/1", "line 4: a corner wants 'vt' 1 of 0"),
         ("f 1 2 x", "line 4: 'x': is no corner"), ("f 1/ 2//x 3", "line 4: '2//x': is no corner"),
-        ("f 1 2 3/1/1/1", "line 4: '3/1/1/1': is no corner"), ("f 1 2 \x1b", "line 4: '\\x1b'"),
-        ("v 1 2", "line 4: 'v' of 2 numbers, 3 are needed"), ("v", "line 4: 'v' of 0 numbers"),
         ("v 1 2 x", "line 4: 'v' with what is no number: '1 2 x'"), ("v 1 2 3\nv 1,5 2 3", "line 5: 'v' with"),
         ("v nan 1 2\nf 1 2 4", "line 4: vertex (nan, 1, 2) of a polygon is not finite"),
-        ("f 1 2 3/\nf 1 2 99999999999999999999", "line 5"), ("f 1 2 3/\nf 1 2 9999999999999999", "line 5"),
         ("f 1 2 99999999999999999999", "line 4: a corner wants 'v'"), ("l " + "1 " * (3 << 20), "no end of line"),
     ],
 )  # fmt: skip

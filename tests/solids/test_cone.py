@@ -9,17 +9,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strand_kit import groom_of, scene_of, solver_of
+from strand_kit import scene_of, solver_of
 from strandcli.blocks import pack
-from strandcli.constants import W
 from strandcli.draw.solids.kernels import rays
 from strandcli.scene import SceneError, loads
 from strandcli.scene.model import SOLIDS, Emitter
 from strandcli.scene.model.solids import SHAPES
 from strandcli.scene.motion import solid_pose
-from strandcli.simulate.kernels import measure
-from strandcli.simulate.rod.solver import RodSolver
-from strandcli.simulate.rod.step import step_among
 from strandcli.solid_shapes import cone
 from strandcli.solids import pack_all, register
 from strandcli.solids.shapes.other_code import depth as depth_by_distance
@@ -29,10 +25,8 @@ STILL = Emitter()
 FAR, SKIN = np.float32(1e3), np.float32(1e-3)
 ASKEW: dict[str, Any] = {"position": (0.1, -0.2, 0.3), "rotation": (25.0, 40.0, -10.0)}
 SHAPES_OF_IT: dict[str, dict[str, float]] = {
-    "cone": {"radius": 0.5, "length": 1.2},
     "flat": {"radius": 0.8, "top": 0.3, "length": 0.2},
     "funnel": {"radius": 0.1, "top": 0.6, "length": 0.7},
-    "cylinder": {"radius": 0.3, "top": 0.3, "length": 0.9},
 }
 EVERY = pytest.mark.parametrize("sizes", SHAPES_OF_IT.values(), ids=SHAPES_OF_IT.keys())
 ANGLES = np.linspace(-math.pi / 2, math.pi / 2, 20001)
@@ -279,22 +273,3 @@ def test_it_is_known_by_its_file_alone() -> None:
         loads("solids: [{kind: cone, radios: 0.2}]", rules={})
     with pytest.raises(SceneError, match="cone"):
         loads("solids: [{kind: coned}]", rules={})
-
-
-@pytest.mark.long
-def test_its_kernels_can_be_kept_in_the_cache() -> None:
-    """Machine code that holds addresses of this process, as of functions that are handed on, is compiled every time."""
-    solids = pack_all([of(SHAPES_OF_IT["cone"])], STILL, 0.0)
-    one = np.float32(1)
-    rays.meet(solids, 0, *[one] * 6)
-    rays.normal(solids, 0, *[one] * 3)
-    rays.visibility(solids, *[one] * 6, FAR, SKIN)
-    measured = np.zeros((1, 2), np.float32)
-    measure.depths(np.zeros((1, 4, 3 * W), np.float32), solids, measured)
-    scene = scene_of("solver: rod\nrules: [gravity, collision]\nsolids: [{kind: cone}]\nemitter: {strands: 1}\n")
-    solver = RodSolver(scene, groom_of(scene))
-    solver.step(0.1, 0.1)
-    step = step_among(solver.surroundings.others)
-    for kernel in (rays.meet, rays.normal, rays.visibility, measure.depths, step):
-        assert kernel.overloads
-        assert not any(made.library.has_dynamic_globals for made in kernel.overloads.values()), kernel.__name__

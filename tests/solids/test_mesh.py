@@ -27,7 +27,7 @@ from strandcli.mesh_file import data as mesh_data
 from strandcli.mesh_file.kernels import arrays
 from strandcli.mesh_file.prepared import key_of, mesh_of, prepared
 from strandcli.scene import SceneError, loads
-from strandcli.scene.model import Emitter, PoseKey, SphereSolid
+from strandcli.scene.model import Emitter, SphereSolid
 from strandcli.simulate import advice
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
@@ -251,13 +251,6 @@ def cube_of(half: float) -> tuple[Any, Any]:
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float) * half
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     return corners, np.array([one for a, b, c, d in quads for one in ((a, b, c), (a, c, d))])
-
-
-def test_keys_move_it(balls: dict[int, Path]) -> None:
-    keys = (PoseKey(time=0.0, position=(0.0, 0.0, 0.0)), PoseKey(time=1.0, position=(2.0, 0.0, 0.0), ease="linear"))
-    one = settings(balls[4], keys=keys)
-    for time, x in ((0.0, 0.0), (1.0, 2.0)):
-        assert advice.depth(np.array([[x, 0.2, 0.0]]), one, STILL, time)[0] == pytest.approx(0.3, abs=2e-3)
 
 
 def test_it_deforms_from_file_to_file(tmp_path: Path) -> None:
