@@ -151,22 +151,14 @@ ANGLE = json.dumps({"w": 64, "h": 48, "frames": [{"file_path": "a.png", "transfo
         (_json(k1=0.1), "lens distortion (k1 0.1)"),
         (_json(camera_model="OPENCV_FISHEYE"), "is no pinhole"),
         (_json(frames=[]), "has no view"),
-        (_json(frames=[3]), "is no view"),
         (_json(fl_x=0), "must be above 0"),
-        (_json(fl_x="wide"), "could not convert"),
-        (_json(w=64.5), "64.5x48"),
         (_json(frames=[{"file_path": "a"}]), "has no transform_matrix"),
-        (_json(frames=[{"transform_matrix": [[1, 0], [0, 1]]}]), "is no matrix"),
         (_json(frames=[{"transform_matrix": [[1, 0], [0]]}]), "transform_matrix: is no matrix (4, 4) of finite"),
         (_json(frames=[{"transform_matrix": (2 * np.eye(4)).tolist()}]), "is no rotation"),
         (_json(frames=[{"transform_matrix": np.diag([1, 1, -1, 1]).tolist()}]), "mirrors"),
         (_json(fl_x=None, frames=[{"file_path": "9" * 5000, "transform_matrix": [[10**400]]}]), "frames[0]"),
-        (_json(w=float("inf")), "infx48"),
         (_json(w=10**30), "too large"),
-        (_json(cx=float("nan")), "is no finite number"),
-        (_json(fl_x=10**400), "int too large"),
         (json.dumps({**json.loads(ANGLE), "camera_angle_x": 0}), "camera_angle_x 0 is no angle of view"),
-        (json.dumps({**json.loads(ANGLE), "camera_angle_x": 3.2}), "camera_angle_x 3.2 is no angle of view"),
         ("[1, 2", "is no JSON"),
     ],
 )
@@ -183,13 +175,9 @@ def test_damaged_transforms_are_refused_in_one_line(text: str, words: str, tmp_p
     ("cameras", "images", "words"),
     [
         ("1 OPENCV 10 10 9 9 5 5 .1 0 0 0", "1 1 0 0 0 0 0 4 1 a.png", "k1 0.1"),
-        ("1 FOV 10 10 9 9 5 5 1", "", "is no pinhole"),
         ("1 P\x01N 10 10 9 9 5 5", "", "model P\\x01N is no pinhole"),
         ("1 PINHOLE inf 10 9 9 5 5", "", "infx10"),
-        ("1 PINHOLE 10 10 9 9 nan 5", "1 1 0 0 0 0 0 4 1 a.png", "is no finite number"),
-        ("1 PINHOLE 10 10 9 9 5", "", "is no camera"),
         ("1 PINHOLE 10 10 9 9 5 5", "1 1 0 0 0 0 0 4 2 a.png", "is no picture"),
-        ("1 PINHOLE 10 10 9 9 5 5", "1 0 0 0 0 0 0 4 1 a.png", "is no picture"),
         ("1 PINHOLE 10 10 9 9 5 5", "1 1 0 0 0 nan 0 4 1 a.png", "is no picture"),
         ("1 PINHOLE 10 10 9 9 5 5", "", "has no picture"),
     ],
@@ -212,8 +200,7 @@ def test_names_of_thousands_of_digits_are_names(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "changes",
     [
-        {"width": 0}, {"height": -4}, {"width": float("inf")}, {"width": 10**30}, {"focal": 0}, {"near": -1},
-        {"focal": float("nan")}, {"centre": [float("inf"), 1]}, {"eye": [0, float("nan"), 0]}, {"eye": [10**400, 0, 0]},
+        {"width": 0}, {"width": 10**30}, {"near": -1}, {"centre": [float("inf"), 1]}, {"eye": [10**400, 0, 0]},
     ],
 )  # fmt: skip
 def test_views_that_cannot_be_drawn_are_refused(changes: dict[str, Any], tmp_path: Path) -> None:

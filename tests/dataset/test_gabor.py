@@ -9,7 +9,6 @@ import pytest
 
 import dataset_kit as kit
 import groom_file_kit
-from strandcli.dataset import orientation
 
 
 def wisps(path: Path, seed: int, slant: float, waves: float) -> Path:
@@ -28,7 +27,7 @@ def wisps(path: Path, seed: int, slant: float, waves: float) -> Path:
 
 
 @pytest.mark.parametrize(("slant", "waves"), [
-    (35, 0.12), (80, 0.0), *(pytest.param(*one, marks=pytest.mark.long) for one in ((0, 0.2), (-60, 0.15))),
+    (35, 0.12), (80, 0.0),
 ])  # fmt: skip
 def test_angles_are_those_that_the_filters_find(slant: float, waves: float, tmp_path: Path) -> None:
     path = wisps(tmp_path / "wisps.data", 3, slant, waves)
@@ -48,16 +47,4 @@ def test_angles_are_those_that_the_filters_find(slant: float, waves: float, tmp_
     print(f"slant {slant}: median {np.median(off):.2f} degrees, of {inside.sum()} pixels")
     assert np.median(off) < 3
     assert np.median(upright) > 60
-    if slant not in (0,):
-        assert np.median(mirrored) > 15
-
-
-@pytest.mark.parametrize("slant", [0, 20, 45, 100, 150])
-def test_filters_find_waves_and_the_least_variance_is_theirs(slant: float) -> None:
-    """The bank itself, in waves of its own length whose crests are at a slant."""
-    y, x = np.mgrid[:128, :128]
-    angle = np.radians(slant)
-    wave = 127 + 60 * np.sin(2 * np.pi * 0.23 * (x * np.cos(angle) - y * np.sin(angle)))
-    found, spread = (one[30:-30, 30:-30] for one in kit.gabor(np.repeat(wave[..., None], 3, 2).astype(np.uint8)))
-    assert np.median(kit.apart(found, slant)) <= 1
-    assert np.median(spread) == pytest.approx(orientation.LEAST, rel=0.1)
+    assert np.median(mirrored) > 15

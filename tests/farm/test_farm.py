@@ -8,9 +8,7 @@ import re
 import shutil
 import stat
 import subprocess
-import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
@@ -46,17 +44,6 @@ for task in $(seq "${array%-*}" "${array#*-}"); do
   SLURM_CPUS_PER_TASK=1 SLURM_ARRAY_TASK_ID=$task sh "$copy" "$@" >&2 || { rm "$copy"; echo "$id;cluster"; exit 0; }
 done
 rm "$copy"; echo "$id" >> "$JOBS.well"; echo "$id;cluster"
-"""
-PARALLEL = """\
-#!/bin/sh
-# Runs a command for each line of the file after ::::, in place of {}.
-command=""
-while [ "$1" != sh ]; do shift; done
-while [ "$1" != :::: ]; do command="$command $1"; shift; done
-while read -r line; do
-  echo "$line" >> "$JOBS"
-  sh -c "$(printf '%s' "$command" | sed "s/{}/$line/")" < /dev/null || exit 1
-done < "$2"
 """
 
 
@@ -119,17 +106,6 @@ def test_slurm_draws_the_frames_of_a_plain_run_and_again_what_is_missing(run: Ru
     assert shell(run.folder, submit, "sbatch", SBATCH).returncode == 0
     assert hashes("job/frames") == found
     assert Path("job/frames/frame_0001.png").stat().st_mtime_ns == kept
-
-
-@pytest.mark.long
-def test_parallel_draws_the_frames_of_a_plain_run(run: Runner) -> None:
-    if shutil.which("sh") is None:
-        pytest.skip("no POSIX shell")
-    assert run(*FARM, "--target", "parallel", "-o", "job").code == 0
-    done = shell(run.folder, ["sh", "job/run.sh"], "parallel", PARALLEL)
-    assert done.returncode == 0, done.stderr
-    assert Path("jobs.log").read_text().split() == ["1-3x2", "5-7x2", "9"]
-    assert hashes("job/frames") == plain(run)
 
 
 def test_open_job_description_draws_the_frames_of_a_plain_run(run: Runner) -> None:
@@ -213,11 +189,6 @@ def test_too_many_tasks_are_refused_with_what_fits() -> None:
     with pytest.raises(ValueError, match=r"makes 5,000 tasks; at most 1,000: take 5"):
         jobs.chunks_of(range(1, 5001), 1)
     assert len(jobs.chunks_of(range(1, 100_001))) == jobs.MOST_CHUNKS
-
-
-def test_scripts_are_run_by_the_python_that_wrote_them() -> None:
-    job: Any = jobs.Job("x", "1", ("1",), "1", 1, 300)
-    assert f"{sys.executable} -m strandcli" in scripts.files(job, "slurm", 1)["job.sh"].replace("'", "")
 
 
 @pytest.mark.skipif(shutil.which("sh") is None, reason="no POSIX shell")

@@ -105,7 +105,7 @@ def damaged(data: bytes) -> Iterator[bytes]:
     """Truncated, longer, empty, and with one bit the other way round, from the first byte to the last."""
     yield from (b"", data[:10], data[: len(data) // 2], data[:-1], data + b"x")
     chance = random.Random(1)
-    for k in (0, 19, 30, 51, len(data) - 1, *(chance.randrange(len(data)) for _ in range(40))):
+    for k in (0, 19, 30, 51, len(data) - 1, *(chance.randrange(len(data)) for _ in range(9))):
         yield data[:k] + bytes([data[k] ^ 1 << chance.randrange(8)]) + data[k + 1 :]
 
 
@@ -249,29 +249,3 @@ def test_the_entries_that_were_not_used_for_longest_go_where_there_are_too_many(
         os.utime(path, (time.time() - 3600 * k,) * 2)
     folder.sweep(tmp_path, tmp_path)
     assert [path.exists() for path in paths] == [True, True, False, False]
-
-
-def test_loading_an_entry_says_that_it_is_in_use(entry: Path) -> None:
-    os.utime(entry, (time.time() - 3 * folder.DAY,) * 2)
-    fresh(plus_one)(1)
-    assert entry.stat().st_mtime > time.time() - 60
-
-
-def test_time_counts_once_however_deep_and_after_an_error(place: Path, told: list[str]) -> None:
-    @function
-    def whole(x):
-        return plus_one(x) + plus_two(x)
-
-    @function
-    def wrong(x):
-        return x.nothing
-
-    before, began = clock.seconds, time.perf_counter()
-    with pytest.raises(Exception, match="nothing"):
-        wrong(1)
-    assert whole(np.int8(1)) == 5
-    spent = clock.seconds - before
-    assert 0 < spent <= time.perf_counter() - began
-    assert told == ["compiling wrong", "compiling whole"]
-    whole(np.int8(1))
-    assert clock.seconds == before + spent

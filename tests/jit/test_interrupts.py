@@ -51,11 +51,3 @@ def test_it_is_raised_where_a_wait_begins() -> None:
                 done.append("never")
 
     assert interrupted(work) == ["loading"]
-
-
-def test_outside_of_any_block_it_is_raised_at_once() -> None:
-    def work(done: list[str]) -> None:
-        os.kill(os.getpid(), signal.SIGINT)
-        done.append("never")
-
-    assert interrupted(work) == []

@@ -77,7 +77,7 @@ def test_folders_and_files_that_strandcli_makes_are_the_users_alone(base: Path) 
     assert called()
 
 
-@pytest.mark.parametrize("open_to", [0o770, 0o707, 0o777, 0o1777])
+@pytest.mark.parametrize("open_to", [0o770, 0o1777])
 def test_kernels_in_a_folder_that_others_may_change_are_not_run(
     base: Path, monkeypatch: pytest.MonkeyPatch, open_to: int
 ) -> None:

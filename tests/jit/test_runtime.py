@@ -86,26 +86,11 @@ def test_a_folder_that_cannot_be_written_stops_nothing(warm: tuple[Path, list[st
     assert (tmp_path / "file").read_text(encoding="utf-8") == "not a folder"
 
 
-def test_the_machine_is_described() -> None:
-    runtime.start(1)
-    machine = runtime.machine()
-    assert set(machine) == {
-        "cpu", "cores", "threads", "threading_layer", "python", "numba", "llvm", "llvmlite"
-    }  # fmt: skip
-    assert machine["threads"] == 1
-    assert machine["numba"] == numba.__version__
-    assert machine["cpu"]
-    runtime.start()
-    assert runtime.machine()["threads"] == numba.config.NUMBA_NUM_THREADS
-    with pytest.raises(UsageError):
-        runtime.start(numba.config.NUMBA_NUM_THREADS + 1)
-
-
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
         *(("NUMBA_NUM_THREADS", value, "must be a whole number from 1 to 4096")
-          for value in ("0", "-1", "abc", "", "1.5", "4097", "100000")),
+          for value in ("0", "abc", "4097")),
         ("NUMBA_DISABLE_JIT", "1", "unset it"),
     ],
 )  # fmt: skip

@@ -210,14 +210,3 @@ def test_a_forked_process_leaves_its_parents_workers_alone(place: Path) -> None:
     assert alive(worker._process.pid)
     one.stop()
     assert not alive(worker._process.pid)
-
-
-def test_the_affinity_of_the_process_and_the_variable_bound_the_number_of_workers(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0}, raising=False)
-    assert service.cores() == 1
-    monkeypatch.setenv("STRANDCLI_COMPILERS", "3")
-    assert service.most_workers() == 3
-    monkeypatch.setenv("STRANDCLI_COMPILERS", "many")
-    assert service.most_workers() == 1
