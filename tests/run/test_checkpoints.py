@@ -30,8 +30,7 @@ from strandcli.simulate.solver import Solver
 from strandcli.simulate.thesis.solver import ThesisSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
 
-PRESETS = ("brush", "curly", "hair", "headline", "minimal", "ponytail", "solvers")
-MORE = [pytest.param(name, marks=pytest.mark.long) for name in ("bob", "fox", "fur", "grass", "groom", "portrait")]
+PRESETS = ("groom", "hair", "ponytail")
 SMALL = {"emitter.strands": 70, "emitter.particles": 6, "image.size": [24, 20], "time.preroll": 0.1}
 KEYS = [{"time": 0}, {"time": 0.5, "position": [0.3, 0.1, 0], "rotation": [10, 60, 20]}]
 ROD = {"solver": "rod", "rules": ["emitter_motion", "gravity", "wind", {"collision": {"segments": True}}]}
@@ -109,11 +108,9 @@ def goes_on(scene: Scene, folder: Path) -> None:
     assert steps.count == 3 * scene.time.substeps
 
 
-@pytest.mark.parametrize("name", [*PRESETS, *MORE])
+@pytest.mark.parametrize("name", PRESETS)
 def test_presets_go_on_to_the_bit(name: str, tmp_path: Path) -> None:
     scene = small(name)
-    if scene.panels:
-        scene = scene.panels[1]
     if scene.emitter.groom is not None and scene.emitter.followers is None:  # nothing of a frame follows from others
         run(scene, [2], Checkpoints(tmp_path, 1))
         assert not (tmp_path / FOLDER).exists()
@@ -183,7 +180,7 @@ def test_a_damaged_one_is_told_of_and_made_again(tmp_path: Path) -> None:
     run(scene, [6], Checkpoints(tmp_path, 2))
     path = tmp_path / FOLDER / "frame_0006.state"
     sound = path.read_bytes()
-    for place in range(0, len(sound), len(sound) // 23):
+    for place in range(0, len(sound), len(sound) // 5):
         path.write_bytes(sound[:place] + bytes([sound[place] ^ 4]) + sound[place + 1 :])
         heard.clear()
         with Steps() as steps:

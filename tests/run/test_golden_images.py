@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from strandcli.scene import list_presets
 from strandcli.study import golden
 from strandcli.study.golden_list import Entry, read_entries
 
@@ -21,7 +20,3 @@ ENTRIES = read_entries(GOLDEN)
 def test_it_is_the_picture_on_record(entry: Entry, tmp_path: Path) -> None:
     found = golden.check(GOLDEN, entry, tmp_path, golden.draw)
     assert found.matches, found.words
-
-
-def test_every_preset_is_among_them() -> None:
-    assert {name for name, _ in list_presets()} <= {entry.preset for entry in ENTRIES}

@@ -176,10 +176,7 @@ def test_whatever_a_scene_reads_is_in_its_fingerprint(
     assert fingerprint(scene) != before
 
 
-@pytest.mark.parametrize(
-    ("key", "text", "files"),
-    [pytest.param(*one, marks=pytest.mark.long) if "camera" in one[0] else one for one in BOTH],
-)
+@pytest.mark.parametrize(("key", "text", "files"), BOTH)
 def test_drawing_opens_nothing_else(key: str, text: str, files: tuple[str, ...], folder: Path) -> None:
     if any(name.endswith(".usda") for name in files):
         pytest.importorskip("pxr")

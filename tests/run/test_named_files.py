@@ -13,7 +13,7 @@ import strandcli
 from strandcli.errors import UsageError
 from strandcli.meshes.make import RawMesh, mesh_of
 from strandcli.plan import make_plan
-from strandcli.scene.named_files import files_of, naming_files
+from strandcli.scene.named_files import naming_files
 
 ROD = "solver: rod\nrules: [gravity]"
 HEAD = "{kind: sphere, radius: 0.1}, {kind: mesh, size: 0.2, file: "
@@ -86,13 +86,6 @@ def test_a_file_that_is_gone_when_it_is_drawn_has_its_key(key: str, text: str, f
         path.unlink()
     with pytest.raises(UsageError, match=rf"^{key}: {folder}/gone\.\w+: no such file"):
         next(strandcli.render(scene, [1]))
-
-
-def test_every_file_of_a_scene_has_its_key() -> None:
-    scene = strandcli.load("fox")
-    keys = {key: path for key, path, _ in files_of(scene)}
-    assert {"emitter.shape.file", "solids.0.file"} <= keys.keys()
-    assert all("fox" in path or "." not in path for path in keys.values())
 
 
 def test_messages_that_name_a_key_stay() -> None:

@@ -14,10 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strand_kit import frames_of, need_frames_at_once, scene_of
-from strandcli import pipeline, runtime
-from strandcli.frame import Frame
-from strandcli.ordered_map import ordered_map, worker_count
-from tests.run.test_pipeline_extremes import EVERYTHING, UNLIT
+from strandcli import pipeline
+from strandcli.ordered_map import ordered_map
+from tests.run.test_pipeline_extremes import EVERYTHING
 
 
 def counted(most: int, seen: list[int]) -> Iterator[int]:
@@ -48,7 +47,7 @@ def test_results_come_ordered_map_however_long_each_takes(items: int, workers: i
 
 
 @pytest.mark.parametrize("where", ["begin", "finish"])
-@pytest.mark.parametrize("bad", [0, 3, 9])
+@pytest.mark.parametrize("bad", [0, 3])
 def test_an_error_comes_after_the_frames_before_it(where: str, bad: int) -> None:
     def fail_at(place: str) -> Callable[[int], int]:
         def step(item: int) -> int:
@@ -73,48 +72,6 @@ def test_leaving_early_stops_the_threads_and_nobody_runs_far_ahead() -> None:
     found.close()
     assert len(seen) <= 2 + 4
     assert not [one for one in threading.enumerate() if one.name == "frames"]
-
-
-def test_each_worker_is_prepared_on_its_own_thread() -> None:
-    prepared: set[int] = set()
-    used: set[int] = set()
-
-    def finish(item: int) -> None:
-        used.add(threading.get_ident())
-        time.sleep(1e-3)
-
-    list(ordered_map(range(8), lambda item: item, [finish] * 3, start=lambda: prepared.add(threading.get_ident())))
-    assert used <= prepared
-    assert len(prepared) == 3
-
-
-def test_the_count_follows_threads_frames_memory_and_the_sequential_stage() -> None:
-    assert worker_count(8, 100, 1.0, 31.0, 99) == 8
-    assert worker_count(8, 3, 1.0, 31.0, 99) == 3
-    assert worker_count(8, 100, 1.0, 31.0, 2) == 2
-    assert worker_count(8, 100, 10.0, 22.0, 99) == 3
-    assert worker_count(8, 100, 10.0, 1.0, 0) == 1
-    assert worker_count(8, 100, 0.0, 1.0, 99) == 8
-
-
-def test_the_second_frame_has_others_beside_it_where_threads_stay_busy_if_it_takes_a_tenth_of_the_first(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(numba, "get_num_threads", lambda: 4)
-    monkeypatch.setattr(runtime, "entered_by_several", lambda: True)
-    monkeypatch.setattr(pipeline, "pictures_that_fit", lambda *args: 99)
-    scene = scene_of(UNLIT)
-
-    def found(simulate: float | None, draw: float, frames: int = 8) -> int:
-        begun = Frame(2, None, None, {"seconds": {"simulate": simulate}})
-        return pipeline._surely_at_once(scene, range(2, 2 + frames), begun, draw)
-
-    assert (found(1.0, 31.0), found(1.0, 29.0), found(None, 1.0)) == (4, 1, 4)
-    assert found(1.0, 31.0, 7) == 1
-    monkeypatch.setattr(pipeline, "pictures_that_fit", lambda *args: 2)
-    assert (found(1.0, 11.0), found(1.0, 9.0)) == (2, 1)
-    monkeypatch.setattr(runtime, "entered_by_several", lambda: False)
-    assert found(1.0, 31.0) == 1
 
 
 @pytest.mark.parametrize("early", [False, True])

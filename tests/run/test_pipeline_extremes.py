@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from strand_kit import frames_of
-from strandcli.constants import PART_BYTES, SORTED_BYTES, W
-from strandcli.draw.coverage.kernels.tile_binning import BLOCK
+from strandcli.constants import W
 from strandcli.draw.film.kernels import film
 from strandcli.scene import Scene, loads
 from strandcli.simulate.rules import registry
@@ -158,20 +157,6 @@ def test_a_picture_comes_of_it(changes: dict[str, Any], linear: list[np.ndarray]
         assert frame.report["counts"]["fragments"] <= width * height * scene.image.supersample**2
 
 
-@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES.keys())
-def test_a_picture_of_sorted_strands_comes_of_it(changes: dict[str, Any], linear: list[np.ndarray]) -> None:
-    changes = {"image.resolver": "sorted", "material.width": 0.004} | changes
-    scene = scene_of(EVERYTHING, changes)
-    (frame,) = frames_of(scene, 3, threads=1)
-    assert frame.image is not None
-    assert np.isfinite(linear[0]).all()
-    assert (linear[0] >= 0).all()
-    counts = frame.report["counts"]
-    blocks, rest = divmod(counts["fragment_bytes"] - SORTED_BYTES * counts["fragments"], BLOCK * PART_BYTES)
-    assert rest == 0  # parts of strands come in whole blocks
-    assert blocks >= (counts["fragments"] > 0)
-
-
 FINE: dict[str, Any] = {
     "solver": "rod",
     "rules": ["emitter_motion", "gravity", "wind", {"collision": {"segments": True}}],
@@ -209,7 +194,7 @@ FINE_CHANGES: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.filterwarnings("error::RuntimeWarning")
-@pytest.mark.parametrize("changes", [*CHANGES.values(), *FINE_CHANGES.values()], ids=[*CHANGES, *FINE_CHANGES])
+@pytest.mark.parametrize("changes", FINE_CHANGES.values(), ids=FINE_CHANGES.keys())
 def test_a_picture_of_the_finer_look_comes_of_it(changes: dict[str, Any], linear: list[np.ndarray]) -> None:
     (frame,) = frames_of(scene_of(EVERYTHING, FINE | changes), 3, threads=1)
     assert frame.image is not None
@@ -222,14 +207,7 @@ def test_a_picture_of_the_finer_look_comes_of_it(changes: dict[str, Any], linear
             assert np.isfinite(layer).all()
 
 
-def test_sorted_strands_are_the_same_on_any_number_of_threads() -> None:
-    scene = scene_of(EVERYTHING, {"image.resolver": "sorted", "image.size": [90, 70], "material.width": 0.01})
-    one, two = (frames_of(scene, 3, threads=threads)[0] for threads in (1, 2))
-    assert one.report["counts"]["fragments"] > 1000
-    np.testing.assert_array_equal(one.image, two.image)
-
-
-@pytest.mark.parametrize("scale", [1e-5, 1e-3, 1e3, 1e6])
+@pytest.mark.parametrize("scale", [1e-5, 1e6])
 def test_the_same_scene_at_another_scale_is_the_same_picture(scale: float) -> None:
     """But for what rounding moves over the border of a pixel. Nothing moves here."""
     still = {"rules": [], "lights.1.intensity": 0}  # a point's light falls with the square of the scale

@@ -14,7 +14,6 @@ from strand_kit import frames_of, scene_of, solver_of
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.shadows.shadow import plan_maps
 from strandcli.plan import Plan, make_plan, needs_shadow_maps
-from strandcli.plan.cost import motion_seconds
 from strandcli.scene import Scene, load
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis import compose
@@ -71,7 +70,7 @@ def test_children_are_counted_with_their_steps() -> None:
     assert many.memory_bytes - few.memory_bytes > 4995 * 80 * 12 * (4 * steps + 1)
 
 
-@pytest.mark.parametrize("preroll", [0.0, 0.24, 0.25, 0.26, 1.0])
+@pytest.mark.parametrize("preroll", [0.0, 0.25, 0.26])
 def test_steps_are_those_that_the_solver_takes(preroll: float) -> None:
     scene = scene_of(UNLIT + f"time: {{fps: 10, substeps: 2, preroll: {preroll}}}\n")
     solver = solver_of(scene, plain=True)
@@ -216,14 +215,3 @@ def test_children_that_level_of_detail_leaves_out_take_no_memory() -> None:
     plan = make_plan(draft, [1])
     assert plan.sizes is not None
     assert 0.3 < plan.sizes.made / plan.sizes.strands <= 1
-
-
-def test_the_cost_of_contact_grows_with_the_square_of_pairs() -> None:
-    """2.25 times as many strands on a surface have five times as many pairs."""
-    settings = ("solver=rod", "rules=[gravity, collision, {contact: {}}]", "emitter.particles=10")
-    times = []
-    for strands in (8000, 18_000):
-        scene = load("minimal", rules=registry(), overrides=(*settings, f"emitter.strands={strands}"))
-        times.append(motion_seconds(make_plan(scene, [1]), scene))
-    assert times[0] == pytest.approx(0.86, rel=0.3)  # as measured
-    assert times[1] / times[0] == pytest.approx(2.25**3, rel=0.25)

@@ -38,7 +38,7 @@ def groom(path: Path, kind: str, strands: int, points: int = 24) -> str:
     return str(path)
 
 
-@pytest.mark.parametrize("strands", [300, 6000, 60_000])
+@pytest.mark.parametrize("strands", [300, 6000])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_distance_of_strands_is_that_which_maps_are_made_for(kind: str, strands: int, tmp_path: Path) -> None:
     found = from_file(GroomFile(groom(tmp_path / "a.npz", kind, strands, 8), size=None), 0)
@@ -55,7 +55,7 @@ def test_a_single_strand_has_no_neighbour(tmp_path: Path) -> None:
     assert from_file(GroomFile(groom(tmp_path / "a.npz", "brush", 1)), 0).seen.spacing == 0
 
 
-@pytest.mark.parametrize("strands", [300, 3000, 30_000])
+@pytest.mark.parametrize("strands", [300, 3000])
 @pytest.mark.parametrize("kind", KINDS)
 def test_opacity_maps_of_a_file_are_planned(
     kind: str, strands: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -77,11 +77,10 @@ def test_opacity_maps_of_a_file_are_planned(
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("kind", "strands"), [("hanging", 3000), ("tangle", 3000), ("tangle", 50_000)])
-def test_memory_is_what_a_run_takes(kind: str, strands: int, tmp_path: Path) -> None:
+def test_memory_is_what_a_run_takes(tmp_path: Path) -> None:
     """Of dense strands that need most of their points; smooth ones, of which a picture leaves most out, take less."""
     if sys.platform == "win32":
         pytest.skip("measured by wait4")
-    path = groom(tmp_path / "a.npz", kind, strands, 68)
+    path = groom(tmp_path / "a.npz", "tangle", 3000, 68)
     found = measured((path, "--size", "320x240", "-f", "1"), tmp_path, timed=False)
     assert found.within(), f"{found.planned / 1e6:.0f} MB planned, {found.peak / 1e6:.0f} MB measured"

@@ -50,14 +50,6 @@ def test_an_open_shutter_takes_the_frame_before() -> None:
     np.testing.assert_array_equal(again, whole)
 
 
-def test_panels_remember_each_their_own() -> None:
-    scene, motion = scene_of("solvers"), Remembered(2)
-    whole, _ = drawn(scene, 2, motion)
-    again, steps = drawn(scene, 2, motion)
-    assert steps == 0
-    np.testing.assert_array_equal(again, whole)
-
-
 def _counting(calls: list[int], function: Any) -> Any:
     def counted(*words: Any) -> Any:
         calls.append(1)
