@@ -152,6 +152,7 @@ def doubles(kernel: Any) -> list[str]:
     return [line.strip() for line in lines if "$binop" in line and line.rstrip().endswith(":: float64")]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CALLS)
 def test_no_kernel_of_drawing_slips_into_double_precision(name: str) -> None:
     kernel, arguments = CALLS[name]

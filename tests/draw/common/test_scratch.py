@@ -38,16 +38,6 @@ def test_arrays_that_are_released_share_memory_in_turns() -> None:
     assert np.shares_memory(scratch.borrow("a", 900, np.float32), first)  # the one that had it before others
 
 
-def test_memory_that_is_a_little_too_small_is_given_up_for_larger() -> None:
-    scratch = Scratch()
-    scratch.release("a", "b")
-    scratch.borrow("a", 1000, np.float32)
-    scratch.release("a")
-    larger = scratch.borrow("b", 1500, np.float32)
-    scratch.release("b")
-    assert np.shares_memory(scratch.borrow("a", 1000, np.float32), larger)
-
-
 def test_what_no_array_is_in_is_given_back() -> None:
     scratch = Scratch()
     held, left = scratch.borrow("held", 1000, np.float32), scratch.borrow("left", 5000, np.float32)
@@ -71,9 +61,3 @@ def test_of_a_sparse_array_only_what_is_written_to_takes_memory() -> None:
     before = resident()
     array[:: 1 << 17] = 1  # a page in each half of a megabyte
     assert resident() - before < 8_000_000
-
-
-def test_more_than_there_is_is_told_as_numpy_tells_it() -> None:
-    for borrow in (Scratch().borrow, Scratch().sparse):
-        with pytest.raises(MemoryError):
-            borrow("a", 1 << 60, np.uint8)

@@ -10,12 +10,10 @@ import pytest
 from reference.bands import covered
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
-from strandcli.draw.coverage.kernels import tiles
-from strandcli.draw.coverage.kernels.tiles import STEP
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.solids.edges import none
 
-WIDTHS = [0.003, 0.01, 0.05, 0.2, 0.5, 0.69, 0.71, 1.0, 1.6, 2.0, 4.0]
+WIDTHS = [0.003, 0.2, 0.69, 0.71, 4.0]
 
 
 def drawn(
@@ -74,7 +72,7 @@ def test_the_area_of_a_strand_is_its_length_times_its_width(wide: float) -> None
     assert abs(np.mean(ratios) - 1) < 0.005
 
 
-@pytest.mark.parametrize("wide", [0.2, 0.6, 0.8, 1.5, 4.0])
+@pytest.mark.parametrize("wide", [0.2, 0.8, 4.0])
 def test_pixels_are_covered_as_points_say(wide: float) -> None:
     rng = np.random.default_rng(2)
     for _ in range(12):
@@ -88,8 +86,8 @@ def test_pixels_are_covered_as_points_say(wide: float) -> None:
         assert np.abs(got - points).max() < 0.2
 
 
-@pytest.mark.parametrize("slope", [0.0, 0.03, 0.3, 0.7, 1.0, -0.5])
-@pytest.mark.parametrize("wide", [0.01, 0.3, 0.65, 0.9, 3.3])
+@pytest.mark.parametrize("slope", [0.0, 0.3, 1.0, -0.5])
+@pytest.mark.parametrize("wide", [0.01, 0.65, 3.3])
 def test_a_straight_band_is_exact_in_every_pixel(slope: float, wide: float) -> None:
     """Away from its ends: the integral of how much of the pixel's column the band covers, by ten thousand columns."""
     line = np.array([[-20.0, 10.3 - 30 * slope, 0.5], [40.0, 10.3 + 30 * slope, 0.5]])
@@ -172,20 +170,6 @@ def test_neither_order_nor_threads_nor_memory_change_a_picture() -> None:
     np.testing.assert_array_equal(mixed, one)
 
 
-def test_strands_that_crowd_in_one_place_are_one_layer_where_there_is_room_for_all() -> None:
-    """The tasks of two workers and more share the room alike, and one of them has every strand here."""
-    rng = np.random.default_rng(8)
-    lines = [np.array([[1.0, y, 0.5], [6.0, y, 0.5]]) for y in rng.uniform(1, 6, 300)]
-    first, screen = np.arange(0, 601, 2), np.concatenate(lines).astype(np.float32)
-    wide = np.full(600, 0.3, np.float32)
-    for workers in (1, 4):
-        coverage = Coverage((40, 30), 0.01, 8_000)
-        for _ in range(2):  # and the next frame knows
-            found = coverage.layers(Polylines(first, screen), screen, wide, None, workers, Scratch())
-            assert len(list(found)) == 1
-    assert coverage.fragments > 2 * 8_000 / 64
-
-
 def test_equal_depths_go_to_the_lower_index() -> None:
     line = np.array([[0.0, 5.5, 0.5], [20.0, 5.5, 0.5]])
     colours = np.repeat(np.eye(3), 2, axis=0)
@@ -201,28 +185,6 @@ def test_white_on_white_is_white(opacity: float) -> None:
     strands, widths, _ = crowd(8, 400)
     image = drawn(strands, widths, (40, 30), behind=1.0, opacity=opacity)
     assert np.abs(image - 1).max() < 1e-5
-
-
-def test_tiles_leave_no_trace() -> None:
-    """A crowd over many tiles is the same crowd within a few, where each pixel's list is as long."""
-    strands, widths, colours = crowd(12, 200)
-    small = drawn(strands, widths, (40, 30), colours=colours)
-    for dx, dy in ((128, 48), (45, 9), (250, 100)):
-        moved = [line + np.array([dx, dy, 0]) for line in strands]
-        large = drawn(moved, widths, (300, 140), colours=colours)
-        part = large[dy : dy + 30, dx : dx + 40]
-        assert np.abs(part - small).max() < 0.02  # places are coarser there
-        assert np.abs(part - small).mean() < 1e-4
-
-
-def test_the_place_of_a_fragment_belongs_to_its_own_piece() -> None:
-    for stride in (1, 2, 16):
-        bits = STEP - (stride.bit_length() - 1)
-        for past in range(2 * stride):
-            for t in (0.0, 0.3, 1.0):
-                kept = tiles.fixed_point(np.float32(t), past, bits)
-                assert kept >> bits == past
-                assert kept / 2**STEP == pytest.approx((past + t) / stride, abs=2.0 ** (1 - bits))
 
 
 def test_solids_hide_what_is_behind_them() -> None:
@@ -267,7 +229,7 @@ def test_points_on_a_strand_change_nothing(wide: float) -> None:
         assert one.max() > 0.3 * min(wide, 1)
 
 
-@pytest.mark.parametrize("count", [1, 5, 8, 9, 16, 17, 100, 128, 129, 700])
+@pytest.mark.parametrize("count", [1, 8, 9, 129, 700])
 def test_a_pixel_of_any_number_of_fragments_is_in_order(count: int) -> None:
     """Against the same laid one over the other; some as far as others, which go by their index."""
     rng = np.random.default_rng(16)
@@ -282,14 +244,3 @@ def test_a_pixel_of_any_number_of_fragments_is_in_order(count: int) -> None:
         expected += 0.5 * opacity * (colours[2 * i] - expected)
     through = (1 - 0.5 * opacity) ** count
     np.testing.assert_allclose(image[1, 2], expected, atol=2e-5 if through > 1 / 512 else 1 / 256)
-
-
-def test_light_is_asked_for_only_where_it_is_seen() -> None:
-    front = [np.array([[0.0, y, 0.9], [20.0, y, 0.9]]) for y in np.arange(0.5, 10)]
-    behind = [line - np.array([0, 0, 0.5]) for line in front]
-    strands = front + behind
-    screen = np.concatenate(strands).astype(np.float32)
-    lines = Polylines(np.arange(0, 41, 2), screen)
-    (layer,) = Coverage((20, 10), 1.0).layers(lines, screen, np.full(40, 1.5, np.float32), None, 1, Scratch())
-    assert layer.marks[:20].all()
-    assert not layer.marks[20:].any()

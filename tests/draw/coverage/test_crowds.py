@@ -6,10 +6,8 @@ import numpy as np
 
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
-from strandcli.draw.coverage.kernels import strand_extents
 from strandcli.draw.coverage.kernels.row_order import list_rows
-from strandcli.draw.coverage.kernels.tile_binning import BLOCK, TileSegments
-from strandcli.draw.coverage.kernels.tiles import PIXELS
+from strandcli.draw.coverage.kernels.tile_binning import TileSegments
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.jit import function
 
@@ -102,28 +100,3 @@ def listed(
     ends: np.ndarray,
 ) -> None:
     list_rows(segments, 0, slots, rows, depths, ends)
-
-
-def test_rows_of_a_crowded_tile_are_listed_nearest_first() -> None:
-    count = 2048
-    depth = np.random.default_rng(5).uniform(0.1, 1, count).astype(np.float32)
-    pool = np.zeros((count, 2), np.int64)
-    links = np.arange(1, count // BLOCK + 1)
-    heads, fills = np.zeros((1, 1), np.int64), np.full((1, 1), count)
-    segments = TileSegments(pool, depth, links, heads, fills, np.array([len(links)]))
-    slots, rows = np.empty(count, np.int32), np.empty(count, np.int32)
-    listed(segments, slots, rows, np.empty(count, np.float32), np.empty(PIXELS, np.int32))
-    assert sorted(slots) == list(range(count))
-    assert np.diff(depth[slots]).max() < 2 * 0.9 / (PIXELS - 1)
-
-
-def test_one_wide_strand_does_not_make_others_be_looked_for_far_away() -> None:
-    """Each strand reaches as far as its own width takes it, and one off the screen nowhere."""
-    ends = [[[5.0, 10, 1], [9, 12, 1]], [[5, 40, 1], [9, 44, 1]], [[-30, 10, 1], [-20, 10, 1]]]
-    screen = np.array(ends, np.float32).reshape(-1, 3)
-    widths = np.array([0.5, 0.25, 200, 100, 0.5, 0.5], np.float32)
-    out = np.empty((3, strand_extents.COLUMNS), np.float32)
-    strand_extents.find_extents(np.arange(0, 7, 2), screen, widths, 32, out)
-    np.testing.assert_allclose(out, [[10 - 2.5, 12 + 2.5, 0.5], [40 - 202, 44 + 202, 200], [np.inf, -np.inf, 0.5]])
-    strand_extents.find_extents(np.arange(0, 7, 2), screen, np.zeros(0, np.float32), 32, out)
-    np.testing.assert_allclose(out[:2], [[10 - 3, 12 + 3, 1], [40 - 3, 44 + 3, 1]])

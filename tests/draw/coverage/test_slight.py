@@ -8,7 +8,6 @@ import pytest
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage import coverage
 from strandcli.draw.coverage.coverage import SLIGHT, Coverage
-from strandcli.draw.coverage.kernels.tiles import alone, between
 from strandcli.draw.geometry.curves import Polylines
 
 SIZE = (48, 40)
@@ -79,26 +78,3 @@ def test_light_is_that_of_the_nearer_even_vertex(monkeypatch: pytest.MonkeyPatch
     assert 0.9 < np.abs(off).max() <= 1.001
     inner = slice(8, 32)  # as much before even vertices as after them
     assert abs((thin - exact)[:, inner].sum() / cover[:, inner].sum()) < 0.05
-
-
-def test_neither_layers_nor_the_order_of_strands_change_a_bit() -> None:
-    lines = strands(150)
-    colours = np.random.default_rng(4).uniform(0, 1, (lines.size // 3, 3)).astype(np.float32)
-    image, lit, layers = drawn(lines, 1.0, colours, veiled=False)
-    assert layers == 1
-    assert 0.5 < lit.mean() < 0.95
-    in_parts, lit_in_parts, parts = drawn(lines, 1.0, colours, room=4000, veiled=False)
-    assert parts > 1
-    np.testing.assert_array_equal(in_parts, image)
-    np.testing.assert_array_equal(lit_in_parts, lit)
-    turned, _, _ = drawn(lines[::-1], 1.0, colours.reshape(-1, VERTICES, 3)[::-1].reshape(-1, 3), veiled=False)
-    np.testing.assert_allclose(turned, image, atol=1e-6)
-
-
-def test_the_place_of_such_a_fragment_is_kept() -> None:
-    for vertex, place in ((6, 0.0), (6, 0.75), (5, 0.0), (5, 0.75)):
-        even = vertex + vertex % 2
-        told = alone.py_func(np.float32(vertex - even + place))
-        assert told < 0
-        assert between.py_func(even, told, 1) == (vertex, place)
-    assert between.py_func(3, np.float32(0.25), 1) == (3, np.float32(0.25))

@@ -143,13 +143,13 @@ def test_tables_and_kernel_agree_with_an_independent_renderer() -> None:
     assert apart([table[i] for i in others], [values[i] for i in others]) < 0.025
 
 
-@pytest.mark.parametrize("x", [0.0, 1e-3, 0.1, 1.0, 3.75, 11.9, 12.1, 100.0, 1e4, 1e7])
+@pytest.mark.parametrize("x", [0.0, 3.75, 11.9, 12.1, 1e7])
 def test_the_bessel_function_has_no_seam(x: float) -> None:
     assert float(kernel.scaled_bessel(np.float32(x))) == pytest.approx(float(reference.scaled_bessel(x)), rel=4e-5)
 
 
-@pytest.mark.parametrize("beta_m", [0.05, 0.1, 0.3, 0.6, 1.0])
-@pytest.mark.parametrize("beta_n", [0.05, 0.3, 1.0])
+@pytest.mark.parametrize("beta_m", [0.05, 0.3, 1.0])
+@pytest.mark.parametrize("beta_n", [0.05, 1.0])
 def test_in_a_white_furnace_a_strand_disappears(beta_m: float, beta_n: float) -> None:
     found = tables_of.build_tables(
         Material(model="chiang", beta_m=beta_m, beta_n=beta_n, colour=(1.0, 1.0, 1.0), tilt=2.0)
@@ -239,17 +239,6 @@ def test_a_batch_is_lit_vertex_by_vertex_to_the_bit() -> None:
         lit = k < 100 and work[batch.ARRIVES // W, k] > 0
         true = kernel.chiang(tangent, light, eye, found.arrays, extra) if lit else (0, 0, 0)
         np.testing.assert_array_equal(rows["RADIANCE"][:, k], np.float32(true))
-
-
-def test_nothing_to_read_nothing_built() -> None:
-    assert tables_of.build_tables(Material(model="chiang", specular=0.0)) is None
-    plain = tables_of.build_tables(Material(model="chiang"))
-    assert plain is not None
-    assert plain.paths is None
-    for varied in (Material(model="chiang", grey=0.2), Material(model="chiang", tip_colour=(1.0, 1.0, 1.0))):
-        found = tables_of.build_tables(varied)
-        assert found is not None
-        assert found.paths is not None
 
 
 @given(

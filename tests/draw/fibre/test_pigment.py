@@ -71,10 +71,3 @@ def test_strands_without_pigment_may_have_a_colour_of_their_own() -> None:
     assert other.mean() == pytest.approx(0.25, abs=0.02)
     base, own = (pigment.absorption(colour, 0.3) for colour in ((0.1, 0.3, 0.05), straw))
     np.testing.assert_allclose(palette.tint[other][:, 3:] + base, np.tile(own, (other.sum(), 1)), rtol=1e-5)
-
-
-def test_tables_of_one_material_are_built_once_and_of_another_anew() -> None:
-    material, other = (Material(model="chiang", beta_n=beta_n) for beta_n in (0.3, 0.31))
-    first, second, third = (Palette(one, counts=True) for one in (material, material, other))
-    assert first.arrays.nodes is second.arrays.nodes
-    assert not np.array_equal(first.arrays.nodes, third.arrays.nodes)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from strand_kit import frames_of, groom_of, scene_of
 from strandcli.frame import Frame
-from strandcli.pipeline import render
 
 SCENE = """
 emitter: {strands: %(strands)d, particles: 5, length: 1.2, direction: [0, 1, 0], position: [0, %(height)s, 0],
@@ -146,10 +145,3 @@ def test_a_png_over_a_plate_is_the_picture_within_its_levels() -> None:
 def test_horizon_and_its_noise_are_nothing_without_background() -> None:
     plain, with_horizon = drawn(), drawn(more=", horizon: [1, 0, 0]")
     np.testing.assert_array_equal(plain.aovs["linear"], with_horizon.aovs["linear"])
-
-
-def test_pixels_do_not_depend_on_threads() -> None:
-    scene = scene_of(SCENE % (USUAL | {"more": ", haze: 9", "opacity": 0.5}))
-    (one,), (two,) = (list(render(scene, [1], threads=threads)) for threads in (1, 2))
-    np.testing.assert_array_equal(one.aovs["linear"], two.aovs["linear"])
-    np.testing.assert_array_equal(one.image, two.image)

@@ -53,13 +53,6 @@ def test_noise_is_that_of_the_position_in_the_full_picture() -> None:
         assert np.array_equal(floor(f", horizon: [0.1, 0.1, 0.1]{settings}"), whole)
 
 
-def test_solids_have_the_noise_of_the_backdrop() -> None:
-    x, y = np.arange(300, dtype=np.uint32), np.arange(200, dtype=np.uint32)
-    known = film._noise(x, y[:, None]) - 0.5
-    found = [[dither.noise(column, row) for column in x] for row in y]
-    np.testing.assert_allclose(found, known, atol=1e-6)
-
-
 @njit
 def dithered(light: np.float32, share: np.float32, levels: np.ndarray, frame: np.ndarray) -> np.float32:
     """`dither.dithered` of one number."""

@@ -28,7 +28,7 @@ def sorted_sheet(strands: int, wide: float, **options: Any) -> tuple[Scene, Fram
 
 @KINDS
 @pytest.mark.parametrize("samples", [1, 2])
-@pytest.mark.parametrize("wide", [0.001, 0.02, 0.2])
+@pytest.mark.parametrize("wide", [0.001, 0.2])
 def test_layers_of_sorted_strands_tell_what_their_picture_shows(kind: str, samples: int, wide: float) -> None:
     """The mask is the exact share of the picture that is not background, however thin the strands; the rest is that of
     a strand that is there."""

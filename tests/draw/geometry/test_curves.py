@@ -8,7 +8,7 @@ import pytest
 from reference import curves as exact
 from strandcli.blocks import lanes, pack
 from strandcli.draw.common.scratch import Scratch
-from strandcli.draw.geometry.curves import Polylines, flatten, greatest_pieces
+from strandcli.draw.geometry.curves import Polylines, flatten
 from strandcli.draw.view.camera import View, camera_view
 from strandcli.scene.model import Camera, Curves
 from tests.draw.view.test_camera import exact as project
@@ -48,8 +48,8 @@ def each(lines: Polylines) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("tangents", ["difference", "printed"])
-@pytest.mark.parametrize("level", [0, 1, 3, 5])
-@pytest.mark.parametrize("n", [2, 3, 7])
+@pytest.mark.parametrize("level", [0, 3])
+@pytest.mark.parametrize("n", [2, 7])
 def test_fixed_levels_are_the_curves_points(level: int, tangents: str, n: int) -> None:
     strands = Strands(70, n, bend=0.6, scale=0.5 * n)  # printed tangents want segments that are not short
     lines = strands.flat(Curves(mode="fixed", level=level, tangents=tangents))
@@ -59,13 +59,6 @@ def test_fixed_levels_are_the_curves_points(level: int, tangents: str, n: int) -
     assert lines.segments == 70 * (n - 1) * 2**level
     # every particle is a vertex, to the bit
     np.testing.assert_array_equal(lines.world.reshape(whole.shape)[:, :: 2**level], strands.p)
-
-
-def test_without_smoothing_segments_are_straight() -> None:
-    strands = Strands(70, 5)
-    assert greatest_pieces(Curves(mode="off")) == 1
-    lines = strands.flat(Curves(mode="off"))
-    np.testing.assert_array_equal(lines.world.reshape(70, 5, 3), strands.p)
 
 
 def test_curves_go_on_in_the_same_direction_at_every_particle() -> None:
@@ -95,7 +88,7 @@ def test_refining_halves_the_step_and_quarters_the_error(tangents: str) -> None:
     assert (np.abs(ratios - 4) < [0.8, 0.4, 0.2]).all()
 
 
-@pytest.mark.parametrize("tolerance", [1.0, 0.25, 0.05])
+@pytest.mark.parametrize("tolerance", [1.0, 0.05])
 @pytest.mark.parametrize("tangents", ["difference", "printed"])
 @pytest.mark.parametrize(
     "camera",
@@ -148,21 +141,7 @@ def test_vertices_stand_along_their_strand_whatever_the_view() -> None:
             np.testing.assert_allclose(found, right, atol=2e-7)
 
 
-def test_pieces_fall_with_distance_and_straight_strands_take_one() -> None:
-    counts = []
-    for far in (2.0, 8.0, 32.0, 1e4):
-        view = camera_view(Camera(position=(0.0, 0.0, far)), 0.0, 400, 300, BOX)
-        counts.append(Strands(60, 5).flat(Curves(mode="adaptive", level=6), view).segments)
-    assert counts == sorted(counts, reverse=True)
-    assert counts[0] > 3 * counts[-1]
-    assert counts[-1] == 60 * 4
-    straight = Strands(60, 5, bend=0.0)
-    # but for the last segment, whose tangent ends in zero: the points of a straight line, not evenly spaced
-    assert straight.flat(Curves(mode="adaptive", level=6)).segments < 60 * (3 + 64)
-    assert greatest_pieces(Curves(mode="adaptive", level=6)) == 64
-
-
-@pytest.mark.parametrize("bend", [0.05, 0.5, 1.5])
+@pytest.mark.parametrize("bend", [0.05, 1.5])
 def test_printed_tangents_are_central_differences_for_equal_segments_that_are_not_straight(bend: float) -> None:
     """u × (v + w) has the direction of p_{i+1} − p_{i−1} wherever it has one; where |u| or |v + w| is under 0.1, at
     whatever scale, the source takes zero."""
@@ -256,17 +235,3 @@ def test_strands_that_shadow_a_crop_window_are_those_of_the_whole_picture() -> N
         part = strands.flat(curves, window, keep_off_screen=True)
         assert np.array_equal(part.first, whole.first)
         assert np.array_equal(part.world, whole.world)
-
-
-def test_coincident_particles_and_single_segments_give_numbers() -> None:
-    strands = Strands(10, 4)
-    strands.p[:5] = strands.p[:5, :1]
-    for curves in (
-        Curves(mode="fixed", level=3),
-        Curves(mode="fixed", level=3, tangents="printed"),
-        Curves(mode="adaptive", level=8, tolerance=1e-9),
-        Curves(mode="off"),
-    ):
-        lines = strands.flat(curves)
-        assert np.isfinite(lines.world).all()
-        assert lines.segments >= 30

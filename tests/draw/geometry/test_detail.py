@@ -11,13 +11,11 @@ import pytest
 
 from strand_kit import frames_of, groom_of, scene_of
 from strandcli.blocks import lanes, pack
-from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.drawn_strands import DrawnStrands
 from strandcli.draw.geometry.detail import level_of
-from strandcli.draw.geometry.spacing import first_emitted
 from strandcli.groom.children import Children
 from strandcli.plan import make_plan
-from strandcli.scene.detail import BAND, near_of, needed_strands, share_at, share_bounds, strands_needed, tiers
+from strandcli.scene.detail import near_of, needed_strands, share_at, share_bounds, strands_needed, tiers
 from strandcli.scene.model import Scene
 from strandcli.study.pictures.subject import LinearRenderer
 from strandcli.study.settings import changed
@@ -133,18 +131,6 @@ def test_a_strand_once_kept_is_kept_at_every_greater_share() -> None:
     assert before.mean() > 0.98
 
 
-def test_those_farther_away_are_thinned_out_more() -> None:
-    scene = changed(still(4000), {"emitter.shape.radius": 2.0, "camera.position": (0.0, 0.0, 3.0)})
-    fade, scale = level(scene, 1.5)
-    away = np.linalg.norm(groom_of(scene).roots - [0, 0, 3], axis=1)
-    for low, high in ((1.6, 2.2), (2.5, 3), (3.5, 4), (4.4, 5)):
-        here = (away > low) & (away < high)
-        wanted = (1.5 / away[here]).mean()
-        assert fade[here].mean() == pytest.approx(wanted * (1 + BAND / 2), rel=0.03)
-        assert (fade[here] * scale[here]).mean() == pytest.approx(1, rel=0.03)  # the covered area stays
-    assert (fade[away < 1.5] == 1).all()
-
-
 def test_widths_add_up_however_few_strands_there_are() -> None:
     for strands in (1, 3, 40, 1000):
         scene = changed(still(strands), {"camera.kind": "orthographic", "camera.height": 1.0, "detail.near": None})
@@ -224,19 +210,6 @@ def test_only_strands_that_some_frame_draws_are_simulated() -> None:
     assert make_plan(scene, [11]).strands == most[1]
 
 
-def test_a_frame_draws_the_same_strands_whichever_frames_are_drawn_with_it() -> None:
-    """Those that are kept are of the first ones, so a strand kept at some distance is kept at every lesser one."""
-    scene = scene_of(SCENE % (0.01, 20, 0.01, "true"))
-    together = {frame.number: frame for frame in frames_of(scene, 1, 3, 6, 11)}
-    counts = [together[number].report["counts"]["strands"] for number in (1, 3, 6, 11)]
-    assert counts == pytest.approx([1000, 275, 1100 * 20 / 170, 1100 * 20 / 320], abs=2)
-    for number in (3, 11):
-        (alone,) = frames_of(scene, number)
-        assert alone.report["counts"]["strands"] == together[number].report["counts"]["strands"]
-        np.testing.assert_array_equal(alone.image, together[number].image)
-        np.testing.assert_array_equal(alone.positions, together[1].positions[: len(alone.positions)])  # type: ignore[index, arg-type]
-
-
 CHILDREN = """
 seed: 5
 emitter: {strands: 90, particles: 4, shape: {kind: plane, width: 3, depth: 9}, length: 0.3, jitter: 20}
@@ -272,28 +245,3 @@ def test_children_that_are_not_drawn_are_not_made_and_no_pixel_differs(monkeypat
     (every,) = frames_of(scene_of(CHILDREN), 2)
     assert grown == [36000]
     np.testing.assert_array_equal(few.image, every.image)
-
-
-def test_children_where_strands_are_measured_are_found_once_and_again_for_others(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Some frames of a run have fewer children, which are other arrays."""
-    scene = scene_of(CHILDREN)
-    children = Children(scene, groom_of(scene))
-    drawn = DrawnStrands(groom_of(scene), children, None, True, Scratch())
-    asked: list[int] = []
-    near = Children.near
-
-    def note(self: Children, ids: Any, own: Any) -> Any:
-        asked.append(len(ids))
-        return near(self, ids, own)
-
-    monkeypatch.setattr(Children, "near", note)
-    every = children.family.ids
-    fewer = every[every < 20_000]
-    first = drawn._near_measured(children, every)
-    again, (some, among) = drawn._near_measured(children, every), drawn._near_measured(children, fewer)
-    assert asked == [36000, 20000]
-    assert again[0] is first[0]
-    assert some.max() < 20_000
-    np.testing.assert_array_equal(some[among], first_emitted(len(fewer), fewer))

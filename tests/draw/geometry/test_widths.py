@@ -75,7 +75,7 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize("fov", [27.0, 60.0, 90.0, 120.0])
+@pytest.mark.parametrize("fov", [60.0, 120.0])
 @pytest.mark.parametrize("name", ENDS)
 def test_a_strand_aside_of_the_axis_is_as_wide_as_rays_find(name: str, fov: float) -> None:
     """As wide as in the middle, they would be up to 2.4 times too thin."""

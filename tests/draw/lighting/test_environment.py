@@ -206,7 +206,7 @@ def test_pictures_of_other_kinds_are_refused_by_name(tmp_path: Path) -> None:
     assert read(str(tmp_path / "sky.jpg")).shape == (4, 8, 3)
 
 
-@pytest.mark.parametrize(("width", "height"), [(20000, 10000), (16384, 8192), (8193, 8192)])
+@pytest.mark.parametrize(("width", "height"), [(20000, 10000), (8193, 8192)])
 def test_a_picture_too_big_is_told_the_limit_without_warnings(
     tmp_path: Path, width: int, height: int, recwarn: pytest.WarningsRecorder
 ) -> None:

@@ -120,28 +120,6 @@ def test_against_rays_that_meet_cylinders(count: int, width: float, mean: float)
     assert 0.1 < truth.mean() < 0.8
 
 
-def test_directions_come_with_their_opposites() -> None:
-    for count in (2, 7, 32):
-        ways = occlusion.directions(count)
-        assert len(ways) == count + count % 2
-        assert np.linalg.norm(ways, axis=1) == pytest.approx(1.0, abs=1e-6)
-        assert ways.sum(0) == pytest.approx(0.0, abs=1e-5)
-
-
-def test_any_number_of_threads_and_every_strand_counts() -> None:
-    import numba
-
-    points = thicket(400)
-    several = built(points, 0.02)
-    numba.set_num_threads(1)
-    try:
-        one = built(points, 0.02)
-    finally:
-        numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
-    assert np.array_equal(one.volume, several.volume)
-    assert built(points, 0.04).at(np.zeros((1, 3))) < one.at(np.zeros((1, 3)))
-
-
 @function
 def ambient_light(work: Any, around: Any) -> None:
     ambient.ambient_light(work, np.int64(1), around)

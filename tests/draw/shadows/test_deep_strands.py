@@ -52,19 +52,6 @@ def test_weights_make_up_for_what_is_left_out() -> None:
     assert np.allclose(np.clip((WEIGHTS[0, 0] - chances) * WEIGHTS[0, 1], 0, WEIGHTS[0, 2]), 1, atol=1e-6)
 
 
-def test_chances_follow_strands_and_are_even_among_any() -> None:
-    """Also among strands whose numbers differ by Fibonacci's, which roots beside each other may do."""
-    numbers = np.random.default_rng(0).permutation(50_000).astype(np.int32)
-    chances = chances_of(numbers, len(numbers))
-    np.testing.assert_array_equal(chances, chances_of(None, 50_000)[numbers])
-    assert 0 <= chances.min() < chances.max() < 1
-    for step in (1, 2, 22, 233, 377, 1000):
-        some = chances_of(np.arange(0, 2000 * step, step, dtype=np.int32), 2000)
-        shares = np.histogram(some, 8, (0, 1))[0] / 2000
-        assert np.abs(shares - 1 / 8).max() < 5 * np.sqrt(1 / 8 * 7 / 8 / 2000)
-        assert abs(np.corrcoef(some[1:], some[:-1])[0, 1]) < 0.1
-
-
 def test_part_of_a_dense_ball_is_left_out_and_light_is_the_same() -> None:
     """Mean of four choices of strands, of which one is 1.5 % off in what is covered, standard deviation."""
     lines = straight(STRANDS, 3)
@@ -88,14 +75,6 @@ def test_part_of_a_dense_ball_is_left_out_and_light_is_the_same() -> None:
         deep.append((found[full > 8] / full[full > 8]).mean())
     assert np.mean(shares) == pytest.approx(1, abs=0.03)
     assert np.mean(deep) == pytest.approx(1, abs=0.06)
-
-
-def test_what_is_left_out_does_not_depend_on_threads() -> None:
-    lines, chances = straight(STRANDS, 3), chances_of(None, STRANDS)
-    one, three = maps_of(lines, chances, 1), maps_of(lines, chances, 3)
-    assert one.stacks is not None
-    assert three.stacks is not None
-    np.testing.assert_array_equal(one.stacks, three.stacks)
 
 
 @pytest.mark.parametrize("strands", [FEWEST - 1, STRANDS])

@@ -7,23 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numba import njit
 
-from opacity_twin import splatted
-from strand_kit import frames_of, scene_of
-from strandcli.constants import W
-from strandcli.draw.common.kernels import batch
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting.pack_lights import pack_lights
 from strandcli.draw.shadows import shadow
 from strandcli.draw.shadows.kernels import opacity
-from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
-from strandcli.draw.shadows.kernels.strand_shadows import count_behind, count_in_front
-from strandcli.draw.shadows.shadow import ShadowMaps, map_arrays, plan_maps
-from strandcli.draw.shadows.strands_in_map import Drawn, parts_in_map, parts_of, view_numbers
-from strandcli.draw.zbuffer.raster import to_screen
+from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.errors import RefusedError
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 
@@ -33,12 +24,6 @@ SUN = DirectionalLight(direction=(-0.5, -1.0, -0.3), shadow=DEEP)
 LAMP = PointLight(position=(2.0, 4.0, 1.0), shadow=DEEP)
 INSIDE = PointLight(position=(0.1, 0.05, -0.1), shadow=DEEP)
 WIDE = Thickness(0.01, 0.5)
-
-
-@njit(error_model="numpy")
-def behind(work, n, shadows, layers, over):
-    count_in_front(work, n, shadows, 0, layers, np.float32(0), np.float32(0), over, 1)
-    count_behind(work, n, shadows, 0, np.float32(0), np.float32(0))
 
 
 def straight(count: int, seed: int = 0, pieces: int = 8) -> Polylines:
@@ -86,85 +71,6 @@ def test_a_map_counts_projected_area() -> None:
     assert whole == pytest.approx((across * width).sum(), rel=1e-4)
 
 
-def test_texels_and_layers_are_those_of_splats_one_by_one() -> None:
-    """A splat at the edge of a layer may be rounded into the next one, so a few places differ."""
-    lines = straight(300, 4)
-    maps = maps_of(SUN, lines)
-    assert maps.stacks is not None
-    size, layers = int(maps.sizes[0]), maps.layers[0]
-    cells = (size // 2) ** 2
-    numbers = maps.stacks[: opacity.HEAD * cells][opacity.ROW :: opacity.HEAD].astype(int)
-    rows = maps.stacks[opacity.HEAD * cells :].reshape(-1, opacity.stride_for(layers))[numbers]
-    four = rows.reshape(size // 2, size // 2, layers + 1, opacity.TEXELS)
-    texels = four.reshape(size // 2, size // 2, layers + 1, 2, 2).transpose(0, 3, 1, 4, 2).reshape(size, size, -1)
-    expected = splatted(maps, lines, WIDE)
-    assert expected.max() > 0.05
-    apart = np.abs(texels - expected) > 1e-5
-    assert apart.mean() < 1e-4
-    np.testing.assert_allclose(texels[..., -1], expected[..., -1], atol=2e-6)
-
-
-@pytest.mark.parametrize("segments", [8, 40])
-def test_parts_in_the_order_of_their_places_are_all_of_the_strands(segments: int) -> None:
-    lines = straight(500, 3, segments)
-    maps = maps_of(SUN, lines)
-    screen = to_screen(lines, maps.views[0], Scratch())
-    screen[7] = np.nan
-    first = np.append(lines.first, lines.first[-1])  # the last strand has no vertices
-    strands = StrandsInMap(first, screen, np.float32(0.01), np.float32(0), None)
-    size, view = int(maps.sizes[0]), view_numbers(maps.views[0])
-    for workers in (1, 2, 5):
-        parts = parts_of(strands, view, size, workers, Scratch())
-        assert list(parts.borders[[0, -1]]) == [0, size]
-        assert not (parts.borders % 2).any()
-        assert (np.diff(parts.borders) >= 0).all()
-        begin, count, top, bottom = parts.order.T.astype(int)
-        assert len(set(begin)) == len(begin)
-        steps = np.abs(np.diff(parts.kept[begin + count // 2, :2], axis=0)).sum(1).mean()
-        assert steps < 0.5 * np.abs(np.diff(screen[lines.first[:-1] + segments // 2, :2], axis=0)).sum(1).mean()
-        area = 0.0
-        for a, n, low, high in zip(begin, count, top, bottom, strict=True):
-            points, wide = parts.kept[a : a + n, :2].astype(float), parts.kept[a + 1 : a + n, 3]
-            assert low <= np.nanmin(points[:, 1])
-            assert high >= np.nanmax(points[:, 1])
-            if a > 0:  # of the first strand what lies beside the place that is not seen is not drawn
-                area += (np.hypot(*np.diff(points, axis=0).T) * wide).sum(where=wide >= 0)
-        places = screen[: first[-1], :2].astype(float).reshape(500, segments + 1, 2)[1:]
-        assert area == pytest.approx(np.hypot(*np.diff(places, axis=1).T).sum() * 0.01 * maps.views[0].focal, rel=1e-4)
-
-
-def test_all_that_a_map_holds_is_counted_between_its_texels() -> None:
-    """Vectors of places against the totals of the four texels about each, and their bilinear mean."""
-    maps = maps_of(SUN, straight(300, 4))
-    size, layers, total = int(maps.sizes[0]), maps.layers[0], splatted(maps, straight(300, 4), WIDE)[..., -1]
-    u, v = np.random.default_rng(0).uniform(0, size - 1.001, (2, 100)).astype(np.float32)
-    work, view, n = np.zeros(batch.ROWS * W, np.float32), maps.views[0], len(u)
-    axes = (u + 0.5 - 0.5 * size, 0.5 * size - 0.5 - v)
-    points = view.eye + sum(a[:, None] * axis for a, axis in zip(axes, (view.right, view.up), strict=True)) / view.focal
-    for row, numbers in zip((batch.X, batch.Y, batch.Z), (points + (view.near + 1e-3) * view.forward).T, strict=True):
-        work[row : row + n] = numbers
-    behind(work, n, map_arrays(maps), layers, np.float32(maps.over))
-    np.testing.assert_array_equal(work[batch.INSIDE : batch.INSIDE + n] + work[batch.PASSED : batch.PASSED + n], 1)
-    u, v = work[batch.U : batch.U + n], work[batch.V : batch.V + n]
-    column, row = u.astype(int), v.astype(int)
-    a, b = u - column, v - row
-    expected = (1 - b) * ((1 - a) * total[row, column] + a * total[row, column + 1])
-    expected += b * ((1 - a) * total[row + 1, column] + a * total[row + 1, column + 1])
-    assert expected.max() > 0.05
-    np.testing.assert_allclose(work[batch.LEFT : batch.LEFT + n], expected, atol=4e-6)
-
-
-def test_bands_have_about_as_much_to_do() -> None:
-    lines = straight(4000, 6)
-    lines.world[:, 1] -= 0.5 * (lines.world[:, 1] + 1)  # most lie at one end
-    maps = maps_of(SUN, lines)
-    parts = parts_in_map(Drawn(lines, WIDE), maps.views[0], int(maps.sizes[0]), 3, Scratch())
-    middle = (parts.order[:, 2] + parts.order[:, 3]) // 2
-    shares = np.histogram(middle, parts.borders)[0] / len(middle)
-    assert shares.min() > 0.25
-    assert shares.max() < 0.42
-
-
 def test_a_sheet_of_strands_lets_through_what_lies_between_them() -> None:
     """Parallel strands 0.01 wide, 0.04 apart: τ is 0.25, before the sheet nothing."""
     count = 60
@@ -204,29 +110,6 @@ def test_along_a_ray_nothing_is_uncounted() -> None:
         assert rising[-1] > rising[0] + 0.05
         print(np.diff(rising).min())
         assert np.diff(rising).min() > -1e-4
-
-
-def test_maps_do_not_depend_on_the_number_of_workers() -> None:
-    lines = straight(300, 2)
-    one, two = (maps_of(LAMP, lines, workers=workers) for workers in (1, 2))
-    np.testing.assert_array_equal(one.stacks, two.stacks)
-
-
-def test_portions_add_up() -> None:
-    both = maps_of(SUN, straight(300, 3))
-    lines = straight(300, 3)
-    parts = [
-        Polylines(lines.first[:101], lines.world[:900]), Polylines(lines.first[100:] - 900, lines.world[900:])
-    ]  # fmt: skip
-    maps = plan_maps((SUN,), BOX, Scratch(), WIDE)
-    assert maps is not None
-    for part in parts:
-        maps.add(part, 1, Scratch())
-    maps.divide(Scratch())
-    for part in parts:
-        maps.accumulate_layers(part, 2, Scratch())
-    maps.finish(Scratch())
-    np.testing.assert_allclose(maps.stacks, both.stacks, rtol=1e-5, atol=1e-7)
 
 
 def test_a_map_beyond_what_a_kernel_can_address_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -284,17 +167,3 @@ lights:
   - {kind: directional, direction: [1, -1, -0.2], shadow: {model: %s}}
   - {kind: point, position: [-3, 2, 1], shadow: {model: %s}}
 """
-
-
-def test_pictures_are_the_same_on_any_number_of_threads_and_shadows_fall_on_the_ground() -> None:
-    scene = scene_of(PICTURE % ("dual", "opacity", "minmax"))
-    one, two = (frames_of(scene, 1, threads=threads)[0].image for threads in (1, 2))
-    assert one is not None
-    assert two is not None
-    np.testing.assert_array_equal(one, two)
-    deep, off = (frames_of(scene_of(PICTURE % ("diffuse", model, model)), 1)[0].image for model in ("opacity", "off"))
-    assert deep is not None
-    assert off is not None
-    ground = np.s_[20:, 52:]  # where no strand stands
-    darker = deep[ground].astype(int) < off[ground].astype(int) - 5
-    assert 0.02 < darker.mean() < 0.9

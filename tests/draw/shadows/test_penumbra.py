@@ -12,10 +12,7 @@ from numpy.typing import NDArray
 
 from strand_kit import frames_of, scene_of
 from strandcli import load
-from strandcli.constants import W
-from strandcli.draw.common.kernels import batch, surface_batch
-from strandcli.draw.common.kernels.light_columns import KIND, LIGHT_SIZE
-from strandcli.draw.shadows.kernels import penumbra, soft_shadows
+from strandcli.draw.shadows.kernels import penumbra
 from strandcli.draw.solids.kernels import rays as cast
 from strandcli.solids import Solids, pack_all
 
@@ -135,59 +132,3 @@ lights: [{kind: directional, direction: [-1, -1, 0], size: %s}]
     steps = [np.abs(np.diff(picture[40:56], axis=1)).max() for picture in pictures]
     assert steps[0] > 2 * steps[1] > 2.5 * steps[2]
     assert pictures[0][48, 24] == pictures[1][48, 24] == pictures[2][48, 24]
-
-
-@pytest.mark.parametrize("name", ["capsule", "capsule seen from its end", "box"])
-def test_what_is_told_to_be_aside_without_a_root_is_aside(name: str) -> None:
-    """No ray into a light of any size is cut where the whole light is said to be free."""
-    packed = packed_of(SCENES[name])
-    generator = np.random.default_rng(8)
-    told = free = 0
-    for _ in range(300):
-        where = generator.normal(size=3)
-        where *= generator.uniform(1.0, 3.0) / np.linalg.norm(where)
-        middle = generator.normal(size=3) - 0.7 * where
-        middle /= np.linalg.norm(middle)
-        radius = math.sin(math.radians(generator.uniform(0.1, 30)))
-        clear = penumbra.soft_visibility(packed, ray_of(where, middle), SKIN, np.float32(radius), np.float32(0)) == 1
-        share = by_rays(packed, where, middle, radius, 60)
-        assert share == 1 or not clear
-        told += clear
-        free += share == 1
-    assert told > 0.85 * free > 50
-
-
-@pytest.mark.parametrize("point", [0, 1])
-def test_many_points_at_once_are_shaded_as_each_alone(point: int) -> None:
-    """The same bits, for solids of all kinds, points that no light reaches, batches that are not full, and one from
-    which no capsule is seen before the light."""
-    solids_ = [*list(SCENES.values())[:5], "{kind: capsule, radius: 0.1, length: 0.2, position: [0.4, 0.3, 0]}"]
-    packed = packed_of(", ".join(solids_) + ", {kind: plane, position: [0, -1.2, 0], rotation: [0, 0, 20]}")
-    generator = np.random.default_rng(11)
-    shares = []
-    for count, inward in ((W, 0.8), (53, 0.8), (20, -9.0)):
-        where = generator.normal(size=(count, 3)).astype(np.float32)
-        ways = generator.normal(size=(count, 3)) - inward * where
-        ways = (ways / np.linalg.norm(ways, axis=1)[:, None]).astype(np.float32)
-        reach = generator.uniform(0.1, 5, count).astype(np.float32) if point else np.full(count, FAR)
-        arrives = generator.integers(0, 3, count).astype(np.float32)
-        work = generator.normal(size=(surface_batch.ROWS, W)).astype(np.float32)
-        for c in range(3):
-            work[batch.X // W + c, :count] = where[:, c]
-            work[batch.LX // W + c, :count] = ways[:, c]
-        work[batch.REACH // W, :count] = reach
-        work[batch.ARRIVES // W, :count] = arrives
-        lights = np.zeros((1, 16), np.float32)
-        lights[0, KIND], lights[0, LIGHT_SIZE] = point, 0.3
-        soft_shadows.soft_shadows(work.reshape(-1), count, lights, 0, packed, SKIN, None)
-        alone = [
-            penumbra.soft_visibility(
-                packed, ray_of(where[k], ways[k], reach[k]), SKIN, lights[0, LIGHT_SIZE], lights[0, KIND]
-            )
-            for k in range(count)
-        ]  # fmt: skip
-        shares += alone
-        assert (work[batch.ARRIVES // W, :count] == arrives * np.array(alone, np.float32)).all()
-    assert sum(0 < share < 1 for share in shares) > 20
-    assert min(shares) < 1e-6
-    assert max(shares) == 1

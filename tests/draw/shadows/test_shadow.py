@@ -80,14 +80,6 @@ def test_maps_hold_the_nearest_and_farthest_of_samples_a_texel_apart(light: Ligh
         np.testing.assert_allclose(found[there], np.stack([near, far], -1)[there], atol=2e-5)
 
 
-def test_maps_add_up_and_do_not_depend_on_workers_or_order() -> None:
-    first, second = walks(40, 1), walks(30, 2)
-    both = maps_of(SUN, first, second).texels.copy()
-    for maps in (maps_of(SUN, second, first), maps_of(SUN, first, second, workers=1)):
-        np.testing.assert_array_equal(maps.texels, both)
-    assert (maps_of(SUN, first).texels != both).any()
-
-
 def test_lights_without_maps_have_none() -> None:
     off = DirectionalLight(shadow=Shadow(model="off"))
     dark = DirectionalLight(intensity=0.0)
@@ -137,16 +129,6 @@ def test_a_single_layer_is_lit_in_front_and_dark_behind(light: Light) -> None:
     bias = float(pack_lights((light,), maps, BOX)[0, 9])
     values = [through(maps, light, at_depth(maps, start + bias + way)) for way in (-0.5, -1e-3, 1e-3, 0.5)]
     assert values == pytest.approx([1, 1, 0, 0], abs=ROUND)
-
-
-def test_where_there_is_no_strand_or_no_map_there_is_light() -> None:
-    empty = maps_of(SUN)
-    for place in ([0, 0, 0], [0.9, -0.9, 0.3], [50, 60, -70], [1e6, 0, 0]):
-        assert through(empty, SUN, np.array(place)) == pytest.approx(1, abs=ROUND)
-    dark = filled(SUN, 0.0, 0.0)
-    assert through(dark, SUN, np.array([0, 0, 0])) == pytest.approx(0, abs=ROUND)
-    assert through(dark, SUN, np.array([30, 0, -60])) == 1  # beside the map
-    assert through(filled(LAMP, 0.0, 0.0), LAMP, np.array([2, 40, 1])) == 1  # behind the lamp
 
 
 def test_between_texels_it_is_linear() -> None:

@@ -9,14 +9,9 @@ import pytest
 from numba import njit
 
 from strand_kit import frames_of, scene_of
-from strandcli.draw import canvas
-from strandcli.draw.common.kernels.keys import EMPTY
-from strandcli.draw.renderer import Renderer
 from strandcli.draw.solids.kernels import coat as kernel
 from strandcli.draw.solids.solids import coats_of
-from strandcli.groom.emit import emit
 from strandcli.scene.model import BoxSolid, PlaneSolid, SphereSolid
-from strandcli.simulate import solver_of
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -170,45 +165,6 @@ def test_a_coat_shines_towards_the_mirrored_light_and_is_left_out_where_nothing_
     np.testing.assert_allclose(found[:, :4], np.float32([[0, 0.3, 0, 0.1], [0, 0.3, 0.3, 0.7], [0.5, 0.2, 0, 0.1]]))
 
 
-MIXED = """
-emitter: {strands: 40, length: 0.5, shape: {kind: sphere, radius: 0.3}}
-rules: []
-solids:
-  - {kind: sphere, radius: 0.6, position: [-0.8, 0, 0]}
-  - {kind: box, size: [0.5, 0.9, 0.5], position: [0.7, 0, 0], coat: 0.1, roughness: 0.3}
-  - {kind: plane, position: [0, -0.8, 0], mottle: 0.4, fade: 4}
-camera: {position: [0, 0.5, 4]}
-lights:
-  - {kind: directional, direction: [-0.3, -1, -0.5], size: 8, shadow: {model: opacity}}
-  - {kind: point, position: [1, 2, 2], intensity: 4, shadow: {model: minmax, size: 64}}
-image: {size: 80x60}
-"""
-
-
-def test_a_pixel_of_a_solid_is_lit_alike_whichever_others_are() -> None:
-    """Pixels are lit together that have the same solid and follow each other, in batches."""
-    scene = scene_of(MIXED)
-    groom = emit(scene.emitter, scene.seed)
-    solver = solver_of(scene)(scene, groom)
-    renderer = Renderer(scene, groom)
-    alone: list[np.ndarray] = []
-    whole = canvas.clear
-
-    def clear(keys: Any, size: Any, lighting: Any) -> None:
-        whole(keys, size, lighting)
-        for part in (slice(0, None), slice(0, None, 3), slice(1, None, 3), slice(2, None, 3)):
-            left = np.full_like(keys, EMPTY)
-            left[part] = keys[part]
-            alone.append(np.zeros((size[1], size[0], 3), np.float32))
-            lighting.shade_surfaces(left, alone[-1])
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(canvas, "clear", clear)
-        renderer.draw(solver.positions, solver.lengths, 0.0, 1)
-    assert len(np.unique(alone[0].reshape(-1, 3), axis=0)) > 1000
-    np.testing.assert_array_equal(alone[0], alone[1] + alone[2] + alone[3])
-
-
 def noise(x: np.ndarray, grain: float = 0.5, pixel: float = 1e-3) -> np.ndarray:
     one = np.float32(0.3)
     return np.array([kernel.patches(v, one, -one, np.float32(grain), np.float32(pixel)) for v in np.float32(x)])
@@ -228,14 +184,6 @@ def test_patches_are_even_handed_smooth_and_as_wide_as_they_are_said_to_be() -> 
         assert alike[0] > 0.8
         assert 0.2 < alike[1] < 0.8
         assert abs(alike[2]) < 0.2
-
-
-def test_patches_finer_than_pixels_are_not_drawn() -> None:
-    places = np.linspace(-9, 9, 500)
-    assert noise(places, pixel=0.5).tolist() == [0] * 500
-    spread = [noise(places, pixel=pixel).std() for pixel in (0.001, 0.1, 0.2, 0.4)]
-    assert (np.diff(spread) <= 0).all()
-    assert spread[-1] < 0.5 * spread[0]
 
 
 MIRROR = """

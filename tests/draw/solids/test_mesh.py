@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 import pytest
 from PIL import Image
@@ -64,21 +63,6 @@ def test_a_ball_looks_like_the_sphere(balls: dict[int, Path], more: dict[str, An
     assert found[5].mean() < 3e-3
     assert found[5].mean() < 0.6 * found[3].mean()
     assert np.percentile(found[5], 98) < 0.03
-
-
-@pytest.mark.parametrize("size", [(96, 80), (37, 53)])
-def test_bits_do_not_depend_on_threads(balls: dict[int, Path], size: tuple[int, int]) -> None:
-    before = numba.get_num_threads()
-    pictures = []
-    try:
-        for threads in (1, 2, 3):
-            if threads <= numba.config.NUMBA_NUM_THREADS:
-                numba.set_num_threads(threads)
-                pictures.append(light(mesh(balls[3]), size=size, hair=0.0))
-    finally:
-        numba.set_num_threads(before)
-    for one in pictures[1:]:
-        np.testing.assert_array_equal(one, pictures[0])
 
 
 FOLDED = """

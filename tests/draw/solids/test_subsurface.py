@@ -7,8 +7,6 @@ import pytest
 
 from strand_kit import frames_of, scene_of
 from strandcli.draw.solids.kernels.subsurface import scattered
-from strandcli.draw.solids.solids import coats_of
-from strandcli.scene.model import SphereSolid
 
 WIDTHS = [0.05, 0.3, 1.0]
 
@@ -33,11 +31,6 @@ def test_it_is_lamberts_law_averaged_over_a_window_of_cosines(width: float) -> N
     inside = width * middles(2000)
     mean = np.maximum(cosines[:, None] + inside, 0).mean(axis=1) / (1 + width**2 / 3)
     np.testing.assert_allclose(lobe(cosines, width), mean, atol=2e-6)
-
-
-def test_without_width_it_is_lamberts_law() -> None:
-    cosines = np.linspace(-1, 1, 81).astype(np.float32)
-    assert lobe(cosines, 0.0).tolist() == np.maximum(cosines, 0).tolist()
 
 
 BALL = """
@@ -74,12 +67,6 @@ def test_red_light_comes_furthest_round_a_ball_and_its_own_shadow_does_not_stop_
 def test_a_scene_without_it_keeps_its_bits_beside_a_solid_that_has_it() -> None:
     two = ", position: [9, 0, 0]}, {kind: sphere, radius: 0.1, position: [%s, 0, -30], subsurface: [1, 1, 1]"
     np.testing.assert_array_equal(picture(two % "-9"), picture(two.split("}", maxsplit=1)[0]))
-
-
-def test_only_scenes_that_have_it_hand_it_to_kernels() -> None:
-    assert coats_of([SphereSolid()]) is None
-    rows = coats_of([SphereSolid(subsurface=(0.4, 0.2, 0.1))])
-    np.testing.assert_array_equal(rows, np.float32([[0, 0.3, 0, 0.1, 0.4, 0.2, 0.1]]))
 
 
 FOLD = """

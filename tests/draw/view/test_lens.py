@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 import pytest
 
 from strand_kit import frames_of, scene_of
 from strandcli.blocks import pack, unpack
 from strandcli.draw.view.camera import camera_view
-from strandcli.draw.view.lens import Exposure, concentric, exposures, focus_of, interpolate
+from strandcli.draw.view.lens import Exposure, exposures, focus_of, interpolate
 from strandcli.scene.model import Camera, Emitter, PoseKey
 from strandcli.scene.motion import apply, emitter_pose
 
@@ -33,16 +32,6 @@ FOCAL = 30 / np.tan(np.radians(15))
 def line(camera: str, keys: str = "[]", frame: int = 1) -> np.ndarray:
     """(60, 80) linear light of the strand."""
     return np.asarray(frames_of(scene_of(LINE % (keys, camera)), frame)[0].aovs["linear"][..., 0], float)
-
-
-def test_areas_of_the_square_become_equal_areas_of_the_disc() -> None:
-    """Of an even grid as many points lie in every ring and sector as its area tells."""
-    u, v = (np.mgrid[:400, :400].reshape(2, -1) + 0.5) / 400
-    x, y = concentric(u, v).T
-    assert np.hypot(x, y).max() < 1
-    share = np.histogram2d(np.hypot(x, y) ** 2, np.arctan2(y, x), [5, 8], [[0, 1], [-np.pi, np.pi]])[0] / len(x)
-    np.testing.assert_allclose(share, 1 / 40, rtol=0.03)
-    np.testing.assert_array_equal(concentric(np.array([0.5]), np.array([0.5])), [[0, 0]])
 
 
 def test_exposures_fill_lens_and_shutter_evenly_and_the_seed_alone_decides_them() -> None:
@@ -134,21 +123,6 @@ def test_with_lens_and_shutter_closed_there_is_one_exposure() -> None:
     assert "exposures" not in many.report["counts"]
 
 
-def test_more_samples_have_less_variance_about_the_same_mean() -> None:
-    """Over seeds: the mean is the closed form whatever the count; the mean square error falls faster than 1 / n."""
-    errors = {}
-    truth = line("aperture: 0.3, focus: 2, samples: 2048")[30]
-    for count in (4, 64):
-        rows = []
-        for seed in range(12):
-            scene = scene_of(LINE % ("[]", f"aperture: 0.3, focus: 2, samples: {count}") + f"seed: {seed}\n")
-            rows.append(frames_of(scene, 1)[0].aovs["linear"][30, :, 0].astype(float))
-        errors[count] = np.mean((np.array(rows) - truth) ** 2)
-        assert np.mean(rows, 0).sum() == pytest.approx(1, abs=1e-4)
-        assert np.abs(np.mean(rows, 0) - truth).max() < 3.5 * np.sqrt(np.mean(np.var(rows, 0).max()) / 12) + 0.002
-    assert errors[64] < errors[4] / 16
-
-
 def test_a_moving_strand_is_spread_over_its_way() -> None:
     """The root goes 3 m/s to the right and the tip stays: at a height y between them an even streak, as long as the
     strand moves there in half of 0.1 s, that ends where the strand is at the frame's own time."""
@@ -163,17 +137,6 @@ def test_a_moving_strand_is_spread_over_its_way() -> None:
     assert np.abs(row - covered).max() < 0.01  # half of what 512 random points would be off by
     still = line("aperture: 1.0e-9, samples: 4", keys)
     np.testing.assert_allclose(line("shutter: 0.5, samples: 4", keys), still, atol=1e-6)
-
-
-@pytest.mark.parametrize("shutter", [0.0, 0.9])
-def test_the_same_bits_on_any_number_of_threads(shutter: float) -> None:
-    keys = "[{time: 0, rotation: [0, 0, 0]}, {time: 1, rotation: [0, 0, 60]}]"
-    text = LINE.replace("strands: 1,", "strands: 60,").replace("radius: 0.000001", "radius: 1")
-    scene = scene_of(text % (keys, f"aperture: 0.1, focus: 3, shutter: {shutter}, samples: 5"))
-    images = [frames_of(scene, 3, threads=count)[0] for count in sorted({1, numba.config.NUMBA_NUM_THREADS})]
-    for other in images[1:]:
-        np.testing.assert_array_equal(images[0].image, other.image)
-        np.testing.assert_array_equal(images[0].aovs["linear"], other.aovs["linear"])
 
 
 def test_between_frames_what_the_emitter_carries_is_exact() -> None:

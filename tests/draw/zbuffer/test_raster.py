@@ -12,7 +12,6 @@ from strandcli.draw.common.kernels.keys import EMPTY
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.zbuffer import raster
-from strandcli.errors import RefusedError
 
 LOW = np.uint64(0xFFFFFFFF)
 
@@ -46,7 +45,7 @@ def depth(keys: np.ndarray) -> np.ndarray:
     return (LOW - (keys >> np.uint64(32))).astype(np.uint32).view(np.float32)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize(("width", "height"), [(40, 30), (7, 200), (150, 1)])
 def test_random_segments_agree_with_the_rule_pixel_by_pixel(seed: int, width: int, height: int) -> None:
     rng = np.random.default_rng(seed)
@@ -80,14 +79,6 @@ def test_joints_of_a_polyline_are_drawn_once() -> None:
         # each column belongs to the piece that holds its centre
         piece = identity(keys).max(0)[whole.x]
         np.testing.assert_array_equal(piece, np.searchsorted(cuts, whole.x + 0.5, side="right") - 1)
-
-
-def test_a_line_is_the_same_in_both_directions() -> None:
-    rng = np.random.default_rng(2)
-    lines = [rng.uniform([0, 0, 0.1], [64, 64, 1], (2, 3)) for _ in range(40)]
-    for line in lines:
-        there, back = drawn([line], 64, 64), drawn([line[::-1]], 64, 64)
-        np.testing.assert_array_equal(there, back)
 
 
 def test_the_nearest_wins_in_whatever_order_and_equal_depths_go_to_the_first() -> None:
@@ -128,36 +119,8 @@ def test_lines_are_clipped_at_every_border(wide: bool) -> None:
                 assert covered.sum() >= 20
 
 
-def test_any_number_of_workers_gives_the_same_keys() -> None:
-    rng = np.random.default_rng(4)
-    strands = []
-    for _ in range(150):
-        walk = rng.normal(0, 25, (9, 3)).cumsum(0) + rng.uniform(0, 300, 3)
-        walk[:, 2] = rng.uniform(0.1, 1, 9)
-        strands.append(walk)
-    widths = [rng.uniform(1, 4, 9) for _ in strands]
-    for wide in (None, widths):
-        one = drawn(strands, 300, 400, wide, workers=1)
-        assert (one != EMPTY).mean() > 0.1
-        for workers in (2, 3, 7, 64):
-            np.testing.assert_array_equal(drawn(strands, 300, 400, wide, workers), one)
-
-
-def test_a_picture_of_one_pixel() -> None:
-    line = np.array([[-3.0, 0.5, 0.3], [4.0, 0.6, 0.7]])
-    assert identity(drawn([line], 1, 1))[0, 0] == 0
-    assert identity(drawn([line + np.array([0, 3, 0])], 1, 1))[0, 0] == -1
-    assert identity(drawn([line], 1, 1, [np.array([50.0, 50.0])]))[0, 0] == 0
-
-
-def test_points_and_slivers_draw_nothing_or_one_pixel() -> None:
-    for end in ([5.3, 5.3], [5.3, 5.4], [5.5, 5.5], [5.50001, 5.3], [6.3, 5.3]):
-        keys = drawn([np.array([[5.3, 5.3, 0.5], [*end, 0.5]])], 12, 12)
-        assert (keys != EMPTY).sum() == (1 if end[0] > 5.5 else 0)
-
-
-@pytest.mark.parametrize("wide", [1.0, 1.5, 3.0, 8.0, 20.0])
-@pytest.mark.parametrize("angle", [0.0, 20.0, 44.0, 46.0, 90.0, 200.0, 300.0])
+@pytest.mark.parametrize("wide", [1.0, 3.0, 20.0])
+@pytest.mark.parametrize("angle", [0.0, 44.0, 46.0, 200.0])
 def test_the_area_of_a_ribbon_is_its_width_times_its_length(wide: float, angle: float) -> None:
     way = 90 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
     areas = []
@@ -170,7 +133,7 @@ def test_the_area_of_a_ribbon_is_its_width_times_its_length(wide: float, angle: 
 
 
 @pytest.mark.parametrize("workers", [1, 3])
-@pytest.mark.parametrize("wide", [60.0, 700.0, 1e9])
+@pytest.mark.parametrize("wide", [60.0, 1e9])
 def test_ribbons_wider_than_the_picture_cover_what_lies_within_half_their_width(wide: float, workers: int) -> None:
     """Of strands in and beside the picture; the nearest is seen, whichever came first."""
     rng = np.random.default_rng(9)
@@ -196,7 +159,7 @@ def test_ribbons_wider_than_the_picture_cover_what_lies_within_half_their_width(
     np.testing.assert_array_equal(identity(keys)[sure], who[sure])
 
 
-@pytest.mark.parametrize("angle", [0.0, 30.0, 60.0, 90.0, 215.0])
+@pytest.mark.parametrize("angle", [0.0, 60.0, 215.0])
 def test_a_ribbon_narrows_without_steps(angle: float) -> None:
     """From 14 to 2 pixels: each cut across is as wide as the line is there."""
     way = 90 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
@@ -224,7 +187,7 @@ def test_a_ribbon_holds_the_line_of_one_pixel() -> None:
         assert not (thin & between & ~thick).any()
 
 
-@pytest.mark.parametrize("angle", [0.0, 40.0, 43.0, 45.0, 47.0, 50.0, 90.0])
+@pytest.mark.parametrize("angle", [0.0, 43.0, 47.0, 90.0])
 @pytest.mark.parametrize("turn", [4.0, 40.0, 150.0])
 def test_a_ribbon_that_bends_has_neither_gaps_nor_notches(angle: float, turn: float) -> None:
     """Pieces follow x and y by turns; what lies within half a width of the middle is covered, and nothing else but the
@@ -260,13 +223,6 @@ def test_a_depth_that_rounds_below_zero_does_not_come_to_the_front() -> None:
         line = np.array([[rng.uniform(0, 5), 0.5, 100.0], [8191.5 + rng.uniform(0, 0.01), 0.5, 1e-5]])
         keys = drawn([line, front], 8192, 1)
         assert identity(keys)[0, -1] == 2
-
-
-def test_numbers_begin_at_the_base_and_end_before_the_solids() -> None:
-    line = np.array([[2.0, 2.2, 0.5], [8.0, 2.2, 0.5], [9.0, 2.2, 0.5]])
-    assert identity(drawn([line], 10, 5, base=3_000_000_000))[2, 5] == 3_000_000_000
-    with pytest.raises(RefusedError, match="at most 4,293,918,720 vertices"):
-        drawn([line], 10, 5, base=2**32 - 2**20 - 2)
 
 
 @settings(max_examples=150, deadline=None)
