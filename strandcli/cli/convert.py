@@ -126,7 +126,7 @@ def command(
     lost = files.write(target, strands, samples, basis=basis)
     if frames is None and len(chosen) < there:
         lost.append(f"{writer.name} has one moment: the first of {there:,} is written, --frames chooses another")
-    _tell(source, target, (before, strands), skipped, changes, lost, (as_json, quiet))
+    _report(source, target, (before, strands), skipped, changes, lost, (as_json, quiet))
 
 
 def _moments(source: Path, there: int, frames: FrameRange | None, moving: bool) -> tuple[int, ...]:
@@ -191,7 +191,7 @@ def _edits(chosen: dict[str, Any]) -> list[Step]:
     return found
 
 
-def _tell(
+def _report(
     source: Path,
     target: Path,
     strands: tuple[int, Strands],

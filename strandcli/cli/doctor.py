@@ -34,7 +34,7 @@ def command(ctx: click.Context, calibrate: bool, as_json: bool, quiet: bool) -> 
     for one in examine():
         found.append(one)
         if not as_json and not (quiet and one.state == OK):
-            _tell(*one)
+            _report(*one)
         if one.check == "extras" and not as_json and not quiet and sys.stderr.isatty():
             say("drawing a small picture; the first time it compiles, for about a minute", err=True)
     broken = [one.check for one in found if one.state == BROKEN]
@@ -46,7 +46,7 @@ def command(ctx: click.Context, calibrate: bool, as_json: bool, quiet: bool) -> 
         ctx.exit(FAILED)
 
 
-def _tell(check: str, state: str, text: str, advice: str) -> None:
+def _report(check: str, state: str, text: str, advice: str) -> None:
     mark, colour = MARKS[state]
     shown = False if os.environ.get("NO_COLOR") else None
     click.echo(f"{click.style(mark, fg=colour)} {printable(f'{check:<10} {text}')}", color=shown)

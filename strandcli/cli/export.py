@@ -92,7 +92,7 @@ def command(
                 signals.check()
 
         found = _write(stepped(), paths, moving and len(numbers) > 1, scene, lost)
-    _tell(target, found, len(numbers), list(dict.fromkeys(paths.values())), list(lost), (as_json, quiet))
+    _report(target, found, len(numbers), list(dict.fromkeys(paths.values())), list(lost), (as_json, quiet))
 
 
 def _numbered(target: Path, number: int) -> Path:
@@ -126,7 +126,7 @@ def _write(
     return first.strands
 
 
-def _tell(
+def _report(
     target: Path, strands: Strands, frames: int, paths: list[Path], lost: list[str], how: tuple[bool, bool]
 ) -> None:
     """Say what was written; ``how``: as JSON, quietly."""

@@ -52,7 +52,7 @@ def command(
     if _mesh(file):
         if on is not None:
             raise UsageError(f"--on: {file} is a mesh itself; name a file of strands, and the mesh after --on")
-        _tell_mesh(file, picture, as_json)
+        _report_mesh(file, picture, as_json)
         return
     how = ReadOptions(stride, array, objects=objects)
     found = facts_of_file(file, how)
@@ -94,7 +94,7 @@ def _mesh(file: Path) -> bool:
     return is_mesh(files_of(file)[0])
 
 
-def _tell_mesh(file: Path, picture: Path | None, as_json: bool) -> None:
+def _report_mesh(file: Path, picture: Path | None, as_json: bool) -> None:
     """Say what is in a file of a mesh, and draw it."""
     from ..meshes.facts import facts_of_file
     from . import mesh_info

@@ -91,9 +91,9 @@ class Progress:
         if text and self.verbose and not self.live:
             say(text, err=True)
         elif not (self.hidden or self.live):
-            self._tell_late(_kind(text) == "compiling")
+            self._report_late(_kind(text) == "compiling")
 
-    def _tell_late(self, compiling: bool) -> None:
+    def _report_late(self, compiling: bool) -> None:
         """Say that kernels compile, now and again, if they do for so long."""
         if compiling and self._late is None:
             self._begin_late(_LONG)
@@ -113,7 +113,7 @@ class Progress:
 
     def step(self, text: str = "", count: int = 1) -> None:
         """One more frame is done, or ``count`` more; ``text`` is its line for --verbose."""
-        self._tell_late(False)
+        self._report_late(False)
         now = time.monotonic()
         with self._lock:
             self._first += self._pause(now)

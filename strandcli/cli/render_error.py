@@ -57,7 +57,7 @@ def advised(
     with progress:
         runtime.start(threads, progress.note)
         advice = advise(scene, name, wanted, sorted(fixed), stepper(progress), beginner(progress))
-    _tell(name, asked, advice.text(), quiet)
+    _report(name, asked, advice.text(), quiet)
     return advice.apply(scene), PictureError(scene, name, advice)
 
 
@@ -72,11 +72,11 @@ def _motion(
         runtime.start(1, progress.note)  # as `strandcli study` does
         name = options.preset_name(preset)
         advice = advise(scene, name, bounds["motion"], sorted(fixed), stepper(progress), beginner(progress))
-    _tell(name, {"": bounds["motion"]}, advice.text(), quiet)
+    _report(name, {"": bounds["motion"]}, advice.text(), quiet)
     return tuple(f"{path}={value}" for path, value in advice.settings.items())
 
 
-def _tell(name: str, asked: Mapping[str, float], text: str, quiet: bool) -> None:
+def _report(name: str, asked: Mapping[str, float], text: str, quiet: bool) -> None:
     from ..study.report import share
 
     words = ", ".join(f"{one} {share(most)}".strip() for one, most in asked.items())

@@ -105,10 +105,10 @@ def format_of(path: Path) -> Any:
     with opened(path, "file of strands") as file:
         head, size = file.take("begin", min(HEAD, file.size)), file.size
     suffix = path.suffix.lower()
-    told = [one for one in drivers() if one.sniff(head, size)]
+    sniffed = [one for one in drivers() if one.sniff(head, size)]
     named = [one for one in drivers() if suffix in one.suffixes]
-    both = [one for one in told if one in named]
-    found = both or told or named
+    both = [one for one in sniffed if one in named]
+    found = both or sniffed or named
     if not found:
         raise UsageError(f"{path}: is no file of strands that is known; read are {_listed(drivers())}")
     return found[0]

@@ -31,8 +31,8 @@ def chain(archive: Archive, one: Object) -> list[Transform]:
         if holder.metadata.get("schema", "").startswith("AbcGeom_Xform"):
             xform = archive.properties(holder).get(".xform")
             if xform is not None and xform.kind == layout.COMPOUND:
-                told = archive.compound(xform)
-                found.append(Transform(told.get(".ops"), told.get(".vals"), told.get(".inherits")))
+                stated = archive.compound(xform)
+                found.append(Transform(stated.get(".ops"), stated.get(".vals"), stated.get(".inherits")))
         holder = holder.parent
     return found
 

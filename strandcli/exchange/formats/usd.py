@@ -35,11 +35,11 @@ def read(path: Path, options: ReadOptions) -> Strands:
     encoding = _encoding(path)
     reader = Reader(path, options.lenient, encoding == "text", options.pieces)
     stage = reader.stage(options.at)
-    told = stage.told
-    facts = {"encoding": encoding, **reader.fitter.facts(), **_facts(told)}
+    header = stage.header
+    facts = {"encoding": encoding, **reader.fitter.facts(), **_facts(header)}
     source = Source(
-        name, "", facts, told["unit"] or None, told["up"], times=tuple(told["times"]), rate=told["rate"],
-        steady=told["steady"], pieces=tuple(reader.fitter.pieces),
+        name, "", facts, header["unit"] or None, header["up"], times=tuple(header["times"]), rate=header["rate"],
+        steady=header["steady"], pieces=tuple(reader.fitter.pieces),
     )  # fmt: skip
     strands, lost = joined(stage.parts, source)
     if lost:
@@ -57,14 +57,14 @@ def _encoding(path: Path) -> str:
         raise file.damaged("does not begin as USD does", 0)
 
 
-def _facts(told: dict[str, Any]) -> dict[str, Any]:
-    times = told["times"]
+def _facts(header: dict[str, Any]) -> dict[str, Any]:
+    times = header["times"]
     facts: dict[str, Any] = {"times": max(len(times), 1)}
     if times:
         facts |= {"begin": times[0], "end": times[-1]}
-    facts |= {key: told[key] for key in ("not_read", "purpose", "changing", "application") if told[key]}
-    if told["not_found"]:
-        facts["files_not_found"] = told["not_found"]
+    facts |= {key: header[key] for key in ("not_read", "purpose", "changing", "application") if header[key]}
+    if header["not_found"]:
+        facts["files_not_found"] = header["not_found"]
     return facts
 
 

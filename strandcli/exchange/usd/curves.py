@@ -32,7 +32,7 @@ NAMES = {
 class Stage:
     """What is read of a stage: what it tells of itself, its prims, and their parts."""
 
-    told: dict[str, Any]
+    header: dict[str, Any]
     curves: list[ControlCurves] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
 
@@ -58,18 +58,18 @@ class Reader:
         """The points of curves at each time, without those of strands that are too short."""
         counts = np.concatenate([one.point_counts() for one in curves])
         keep = np.repeat(counts >= SHORTEST, counts)
-        for told, arrays in self._ask("moments"):
+        for header, arrays in self._ask("moments"):
             parts = []
-            for one, control, numbers in zip(curves, arrays, told["matrices"], strict=True):
+            for one, control, numbers in zip(curves, arrays, header["matrices"], strict=True):
                 if control.shape[0] != int(one.counts.sum()):
                     raise self.fault(
-                        f"{one.path}: {control.shape[0]:,} points at {told['seconds']:g} s, the curves have "
+                        f"{one.path}: {control.shape[0]:,} points at {header['seconds']:g} s, the curves have "
                         f"{int(one.counts.sum()):,}"
                     )
                 self._check_finite(f"{one.path}: points", control)
                 parts.append(moved(one.points(control), _matrix(numbers)))
             points = parts[0] if len(parts) == 1 else np.concatenate(parts)
-            yield TimeSample(told["seconds"], points if keep.all() else points[keep])
+            yield TimeSample(header["seconds"], points if keep.all() else points[keep])
 
     def fault(self, words: str) -> UsageError:
         """An error about the file."""
@@ -79,18 +79,18 @@ class Reader:
         return ask(self.path, {"do": what, "path": str(self.path.absolute()), "text": self.text, **more})
 
     def _add(self, stage: Stage, message: Message) -> None:
-        told, (counts, points, *values) = message
-        prim = told["prim"]
-        basis, knots = self._basis(prim, told["basis"]), None
+        header, (counts, points, *values) = message
+        prim = header["prim"]
+        basis, knots = self._basis(prim, header["basis"]), None
         if basis.label:
             orders, of_curves, *values = values
             knots = Knots(orders, of_curves)
         one = self.fitter.fitted(prim, counts.astype(np.int64), points, basis, self.fault, knots)
         self._check_finite(f"{prim}: points", points)
-        matrix = _matrix(told["matrix"])
+        matrix = _matrix(header["matrix"])
         attributes: dict[str, Attribute] = {}
-        unread = list(told["unread"])
-        for (name, interpolation), numbers in zip(told["attributes"], values, strict=True):
+        unread = list(header["unread"])
+        for (name, interpolation), numbers in zip(header["attributes"], values, strict=True):
             ours = NAMES.get(name, name)
             theirs = "varying" if interpolation == "faceVarying" else interpolation
             found = None if ours in attributes else one.attribute(ours, theirs, numbers)

@@ -79,7 +79,7 @@ def _messages(
     up = source.up or "y"
     if up not in ("y", "z"):
         raise UsageError(f"{path}: USD knows y and z as up axes, not {up}; turn it with --up {up}")
-    told = {
+    header = {
         "rate": rate, "up": up.upper(), "unit": source.unit or 1.0, "basis": BASES[basis],
         "prims": [
             {"name": name, "attributes": [[theirs, interpolation] for theirs, interpolation, _ in held]}
@@ -90,7 +90,7 @@ def _messages(
     arrays: list[npt.NDArray[Any]] = []
     for one, held in zip(there.strands, attributes, strict=True):
         arrays += [one.counts("<i4"), *(values for _, _, values in held)]
-    yield told, arrays
+    yield header, arrays
     widest = [max((float(values.max(initial=0.0)) for name, _, values in held if name == "widths"), default=0.0)
               for held in attributes]  # fmt: skip
     yield _points(there, first, rate, widest)

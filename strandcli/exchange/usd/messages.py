@@ -27,9 +27,9 @@ class RefusedFileError(Exception):
     """A file is none that can be read; the message says why."""
 
 
-def send(stream: BinaryIO, told: dict[str, Any], arrays: Sequence[npt.NDArray[Any]] = ()) -> None:
+def send(stream: BinaryIO, header: dict[str, Any], arrays: Sequence[npt.NDArray[Any]] = ()) -> None:
     """Send a message. Raises `OSError` where nobody listens any more."""
-    text = json.dumps({**told, "arrays": [[one.dtype.str, list(one.shape)] for one in arrays]}).encode()
+    text = json.dumps({**header, "arrays": [[one.dtype.str, list(one.shape)] for one in arrays]}).encode()
     stream.write(SIZE.pack(len(text)) + text)
     for one in arrays:
         if one.size:
@@ -47,9 +47,9 @@ def receive(fill: Fill, room: int | None = None) -> Message:
         raise OverflowError
     text = bytearray(size)
     fill(memoryview(text))
-    told: dict[str, Any] = json.loads(bytes(text))
+    header: dict[str, Any] = json.loads(bytes(text))
     arrays = []
-    for kind, shape in told.pop("arrays"):
+    for kind, shape in header.pop("arrays"):
         dtype = np.dtype(kind)
         needs = math.prod(shape) * dtype.itemsize
         if room is not None:
@@ -60,4 +60,4 @@ def receive(fill: Fill, room: int | None = None) -> Message:
         if values.size:
             fill(values.reshape(-1).view(np.uint8).data)
         arrays.append(values)
-    return told, arrays
+    return header, arrays

@@ -57,11 +57,11 @@ class Process:
         )
         self.deadline = float("inf")
 
-    def send(self, told: dict[str, Any], arrays: Sequence[npt.NDArray[Any]] = ()) -> None:
+    def send(self, header: dict[str, Any], arrays: Sequence[npt.NDArray[Any]] = ()) -> None:
         """Hand it a message. Raises `EndedError`."""
         pipe: Any = self.process.stdin
         try:
-            send(_All(pipe), told, arrays)  # type: ignore[arg-type]
+            send(_All(pipe), header, arrays)  # type: ignore[arg-type]
         except OSError:
             raise EndedError from None
 
@@ -117,7 +117,7 @@ def _stop_kept() -> None:
         _kept.pop().stop()
 
 
-def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None) -> Iterator[Message]:
+def ask(path: Path, header: dict[str, Any], more: Iterator[Message] | None = None) -> Iterator[Message]:
     """What the process answers about a file: messages, each as soon as it is there. ``more``: messages that are sent
     after the first one, of which none is answered before the last.
 
@@ -129,7 +129,7 @@ def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None)
     size = 0
     with contextlib.suppress(OSError):
         size = path.stat().st_size
-    process = _begun(path, {**told, "bytes": size})
+    process = _begun(path, {**header, "bytes": size})
     done, moves, taken = False, False, 0
     try:
         for message in more or ():
@@ -142,7 +142,7 @@ def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None)
                 return
             if "error" in found:
                 done = True
-                raise _error(path, told["do"], found["error"])
+                raise _error(path, header["do"], found["error"])
             process.deadline = float("inf")  # what asks may take its time
             taken += sum(one.nbytes for one in arrays)
             moves = moves or len(found.get("times", ())) > 1
@@ -153,7 +153,7 @@ def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None)
     except OverflowError:
         raise UsageError(f"{path}: declares more than can be in a file of {amount(size)}; it is damaged") from None
     except EndedError:
-        raise _error(path, told["do"], "crashes Pixar's library, or takes it too long; it is damaged") from None
+        raise _error(path, header["do"], "crashes Pixar's library, or takes it too long; it is damaged") from None
     finally:
         if done and not _kept and (moves or taken <= KEPT):
             process.deadline = float("inf")
@@ -162,12 +162,12 @@ def ask(path: Path, told: dict[str, Any], more: Iterator[Message] | None = None)
             process.stop()
 
 
-def _begun(path: Path, told: dict[str, Any]) -> Process:
+def _begun(path: Path, header: dict[str, Any]) -> Process:
     """A process that has the request: the one that waits if it still does, else a new one."""
     while _kept:
         process = _kept.pop()
         try:
-            process.send(told)
+            process.send(header)
             process.deadline = time.monotonic() + SECONDS
             if process.answer(0)[0].get("begun"):
                 return process
@@ -176,7 +176,7 @@ def _begun(path: Path, told: dict[str, Any]) -> Process:
         process.stop()
     try:
         process = Process()
-        process.send(told)
+        process.send(header)
         process.deadline = time.monotonic() + SECONDS
         process.answer(0)
     except (OSError, EndedError, OverflowError):

@@ -32,15 +32,15 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
     prim = _chosen(stage, request["name"], settings)
     camera = UsdGeom.Camera(prim)
     own = prim.GetAttribute(OWN)
-    told = [camera.GetPrim().GetAttribute(name) for name in LENS]
-    times = times_along(prim, [*told, *([own] if own else [])])
+    stated = [camera.GetPrim().GetAttribute(name) for name in LENS]
+    times = times_along(prim, [*stated, *([own] if own else [])])
     codes = [Usd.TimeCode(time) for time in _frames(stage, times, bool(own))] or [Usd.TimeCode.EarliestTime()]
     places = UsdGeom.XformCache()
     matrices, lenses, exact = [], [], []
     for code in codes:
         places.SetTime(code)
         matrices.append([list(row) for row in places.GetLocalToWorldTransform(prim)])
-        lenses.append([float(one.Get(code)) for one in told])
+        lenses.append([float(one.Get(code)) for one in stated])
         values = own.Get(code) if own else None
         exact += [] if values is None else [list(values)]
     near = camera.GetClippingRangeAttr()

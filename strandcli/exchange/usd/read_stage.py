@@ -29,11 +29,11 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
     """What a stage says of all curves, then of each prim of curves its points and attributes at the first time, or
     "at" so many seconds."""
     stage = opened(request["path"])
-    prims, told = curves_of(stage)
+    prims, stated = curves_of(stage)
     times = times_of(prims)
     rate = rate_of(stage)
     yield {
-        **told,
+        **stated,
         "up": str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else None,
         "unit": UsdGeom.GetStageMetersPerUnit(stage) if UsdGeom.StageHasAuthoredMetersPerUnit(stage) else None,
         "times": [time / rate for time in times], "rate": frame_rate_of(stage),
@@ -79,8 +79,8 @@ def moments(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
         places = UsdGeom.XformCache(moment)
         points = []
         for prim, counts in zip(prims, first, strict=True):
-            told = UsdGeom.Curves(prim).GetCurveVertexCountsAttr()
-            now = _counts(prim, moment) if told.GetNumTimeSamples() > 1 else counts
+            stated = UsdGeom.Curves(prim).GetCurveVertexCountsAttr()
+            now = _counts(prim, moment) if stated.GetNumTimeSamples() > 1 else counts
             if not np.array_equal(now, counts):
                 raise RefusedFileError(f"{prim.GetPath()}: at time code {moment} it has other curves than at first")
             points.append(_points(prim, moment))
@@ -96,8 +96,8 @@ def rate_of(stage: Usd.Stage) -> float:
 
 def frame_rate_of(stage: Usd.Stage) -> float:
     """Frames a second: those that the stage says, else its time codes."""
-    told = float(stage.GetFramesPerSecond()) if stage.HasAuthoredMetadata("framesPerSecond") else 0.0
-    return told if told > 0 else rate_of(stage)
+    stated = float(stage.GetFramesPerSecond()) if stage.HasAuthoredMetadata("framesPerSecond") else 0.0
+    return stated if stated > 0 else rate_of(stage)
 
 
 def _code(times: list[float], code: float) -> float:
@@ -130,9 +130,9 @@ def curves_of(stage: Usd.Stage) -> tuple[list[Usd.Prim], dict[str, Any]]:
         chosen = [prim for purpose in purposes for prim in found.get(purpose, ())]
         if chosen:
             left = {purpose: len(there) for purpose, there in found.items() if purpose not in purposes}
-            told = {f"of purpose {purpose}": count for purpose, count in left.items()}
+            stated = {f"of purpose {purpose}": count for purpose, count in left.items()}
             purpose = "" if purposes == PURPOSES[0] else purposes[0]
-            return chosen, {"not_read": {**{k: v for k, v in others.items() if v}, **told}, "purpose": purpose}
+            return chosen, {"not_read": {**{k: v for k, v in others.items() if v}, **stated}, "purpose": purpose}
     there = ", ".join(f"{count} {name}" for name, count in others.items() if count)
     if others["PointInstancer"]:
         there += ", whose instances are curves once its program makes them real"
@@ -196,8 +196,8 @@ def _basis(prim: Usd.Prim, moment: Usd.TimeCode) -> list[str]:
     if prim.IsA(UsdGeom.HermiteCurves):
         return ["cubic", "hermite", "nonperiodic"]
     curves = UsdGeom.BasisCurves(prim)
-    told = [curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()]
-    return [str(one.Get(moment)) for one in told]
+    stated = [curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()]
+    return [str(one.Get(moment)) for one in stated]
 
 
 def _knots(prim: Usd.Prim, moment: Usd.TimeCode) -> list[Any]:
@@ -243,8 +243,8 @@ def _attributes(curves: UsdGeom.Curves, moment: Usd.TimeCode) -> Iterator[tuple[
     """Name, interpolation and values of each attribute; None for values that are no numbers."""
     primvars = UsdGeom.PrimvarsAPI(curves.GetPrim()).FindPrimvarsWithInheritance()
     there = {str(one.GetPrimvarName()) for one in primvars}
-    told = (curves.GetWidthsInterpolation(), curves.GetNormalsInterpolation())
-    for name, interpolation in zip(OWN, told, strict=True):
+    stated = (curves.GetWidthsInterpolation(), curves.GetNormalsInterpolation())
+    for name, interpolation in zip(OWN, stated, strict=True):
         attribute = curves.GetPrim().GetAttribute(name)
         if attribute.HasAuthoredValue() and name not in there:
             values = attribute.Get(moment)

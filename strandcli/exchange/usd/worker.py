@@ -62,8 +62,8 @@ def _answer(request: dict[str, Any], fill: Fill, outgoing: BinaryIO) -> None:
 
     _limit(request)
     try:
-        for told, arrays in _asked(request)(request, fill):
-            send(outgoing, told, arrays)
+        for header, arrays in _asked(request)(request, fill):
+            send(outgoing, header, arrays)
         last: dict[str, Any] = {"end": True}
     except RefusedFileError as error:
         last = {"error": str(error)}

@@ -43,25 +43,25 @@ def write(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
 
 def _parts(fill: Fill) -> Iterator[Message]:
     while True:
-        told, arrays = receive(fill)
-        if told.get("all"):
+        message, arrays = receive(fill)
+        if message.get("all"):
             return
-        yield told, arrays
+        yield message, arrays
 
 
 def _write(request: dict[str, Any], parts: Iterator[Message]) -> None:
     layer = Sdf.Layer.CreateNew(request["temporary"], {"format": request["format"]})
     stage = Usd.Stage.Open(layer)
-    told, arrays = next(parts)
-    prims = _prims(stage, told, arrays)
+    message, arrays = next(parts)
+    prims = _prims(stage, message, arrays)
     arrays.clear()
-    _describe(stage, told)
+    _describe(stage, message)
     waiting, codes = 0, []
-    for told, points in parts:
-        code = told["code"]
+    for message, points in parts:
+        code = message["code"]
         moment = Usd.TimeCode.Default() if code is None else Usd.TimeCode(code)
         points.reverse()
-        for curves, extent in zip(prims, told["extents"], strict=True):
+        for curves, extent in zip(prims, message["extents"], strict=True):
             waiting += points[-1].nbytes
             curves.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points.pop())), moment)
             curves.GetExtentAttr().Set([Gf.Vec3f(*corner) for corner in extent], moment)
@@ -86,37 +86,37 @@ def _add(stage: Usd.Stage, text: str) -> None:
         stage.SetMetadata("renderSettingsPrimPath", settings)
 
 
-def _prims(stage: Usd.Stage, told: dict[str, Any], arrays: list[Any]) -> list[UsdGeom.BasisCurves]:
+def _prims(stage: Usd.Stage, message: dict[str, Any], arrays: list[Any]) -> list[UsdGeom.BasisCurves]:
     """Write the prims of curves, all but their points; one is the default prim, or what holds several."""
-    names, rest = [one["name"] for one in told["prims"]], iter(arrays)
+    names, rest = [one["name"] for one in message["prims"]], iter(arrays)
     holder = f"/{names[0]}" if len(names) == 1 else HOLDER
     if len(names) > 1:
         UsdGeom.Xform.Define(stage, holder)
     found = []
-    for one in told["prims"]:
+    for one in message["prims"]:
         place = holder if len(names) == 1 else f"{holder}/{one['name']}"
-        found.append(_curves(stage, place, told["basis"], next(rest)))
+        found.append(_curves(stage, place, message["basis"], next(rest)))
         _set(found[-1], one["attributes"], [next(rest) for _ in one["attributes"]])
     stage.SetDefaultPrim(stage.GetPrimAtPath(holder))
     return found
 
 
-def _describe(stage: Usd.Stage, told: dict[str, Any]) -> None:
+def _describe(stage: Usd.Stage, message: dict[str, Any]) -> None:
     """Write what concerns all of the stage."""
-    UsdGeom.SetStageUpAxis(stage, told["up"])
-    UsdGeom.SetStageMetersPerUnit(stage, told["unit"])
+    UsdGeom.SetStageUpAxis(stage, message["up"])
+    UsdGeom.SetStageMetersPerUnit(stage, message["unit"])
     stage.GetRootLayer().customLayerData = {"creator": "strandcli"}
-    if told["beside"]:
-        _add(stage, told["beside"])
-    if told["rate"] is not None:
-        stage.SetTimeCodesPerSecond(told["rate"])
-        stage.SetFramesPerSecond(told["rate"])
+    if message["beside"]:
+        _add(stage, message["beside"])
+    if message["rate"] is not None:
+        stage.SetTimeCodesPerSecond(message["rate"])
+        stage.SetFramesPerSecond(message["rate"])
 
 
-def _curves(stage: Usd.Stage, place: str, told: list[str], counts: Any) -> UsdGeom.BasisCurves:
+def _curves(stage: Usd.Stage, place: str, message: list[str], counts: Any) -> UsdGeom.BasisCurves:
     """A prim of curves of a basis, without points."""
     curves = UsdGeom.BasisCurves.Define(stage, place)
-    kind, basis, wrap = told
+    kind, basis, wrap = message
     curves.CreateTypeAttr(kind)
     if basis:
         curves.CreateBasisAttr(basis)
