@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,7 +12,7 @@ from ..errors import UsageError
 from . import signals
 from .render_words import interrupted
 from .say import say
-from .values import ColourType, KindsType
+from .values import KINDS, ColourType, KindsType
 
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
@@ -54,7 +54,19 @@ def ground(scene: Scene, kinds: Sequence[str], over: Rgb | None) -> Ground:
     return Ground(over, alpha and over is None)
 
 
-def animate(writer: FrameWriter, kind: str, numbers: Sequence[int], fps: float, under: Ground, quiet: bool) -> Path:
+def animate(
+    writer: FrameWriter, data: Mapping[str, Any], asked: Sequence[str], replace: bool, fps: float, under: Ground,
+    quiet: bool,
+) -> list[Path]:  # fmt: skip
+    """Write the animations of a run with the report ``data``, of all frames of its scene in the folder: those that are
+    ``asked`` for. Where a run that may ``replace`` files has drawn some of the frames, those that are there."""
+    frames = [entry["frame"] for entry in data["frames"]]
+    there = [kind for kind in KINDS if (writer.directory / f"animation.{kind}").exists()]
+    some = replace and 0 < len(writer.wanted) < len(frames)
+    return [_animate(writer, kind, frames, fps, under, quiet) for kind in asked or (there if some else ())]
+
+
+def _animate(writer: FrameWriter, kind: str, numbers: Sequence[int], fps: float, under: Ground, quiet: bool) -> Path:
     """Write an animation of a writer's frames, and say what it could not do."""
     from ..output.animation import write_animation
     from ..output.frames import frame_file

@@ -142,7 +142,7 @@ def command(
     ):
         data = _run(scene, writer, report, motion, threads, quiet, progress, bound, look)
     learn_speed(plan, scene, data, motion)
-    made = [animations.animate(writer, kind, numbers, scene.time.fps, ground, quiet) for kind in animate or ()]
+    made = animations.animate(writer, data, animate or (), overwrite or resume, scene.time.fps, ground, quiet)
     if page is not None:
         page.write(data, made)
     if as_json:

@@ -1,0 +1,67 @@
+"""A frame drawn into a finished shot replaces that frame alone: report, page and animation are still of the shot."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from cli_runs import TINY, Runner
+from strandcli.output import png
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    monkeypatch.chdir(tmp_path)
+    run = Runner(tmp_path, capsys)
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--animate", "gif").code == 0
+    return run
+
+
+def shown() -> int:
+    with Image.open("a/animation.gif") as film:
+        return getattr(film, "n_frames", 1)
+
+
+def damage(number: int) -> None:
+    """Put another frame's picture in the place of one, still of the scene."""
+    Path(f"a/frame_000{number}.png").write_bytes(Path("a/frame_0001.png").read_bytes())
+
+
+@pytest.mark.parametrize("option", [["--overwrite"], ["--resume"], ["--overwrite", "--animate", "gif"]])
+def test_one_frame_into_a_finished_shot_leaves_the_rest_whole(run: Runner, option: list[str]) -> None:
+    before = {path.name: path.read_bytes() for path in Path("a").glob("frame_*.png")}
+    film = Path("a/animation.gif").read_bytes()
+    damage(3)
+    if option == ["--resume"]:
+        Path("a/frame_0003.png").unlink()
+    Path("a/animation.gif").write_bytes(b"GIF of a damaged frame")
+    done = run("render", "tiny.yaml", "-o", "a", "-f", "3", *option)
+    assert done.code == 0
+    assert "1 frame in" in done.err
+    assert "; animation.gif; " in done.err
+    assert {path.name: path.read_bytes() for path in Path("a").glob("frame_*.png")} == before
+    assert Path("a/animation.gif").read_bytes() == film
+    assert shown() == 4
+    data = json.loads(Path("a/report.json").read_text())
+    assert [entry["frame"] for entry in data["frames"]] == [1, 2, 3, 4]
+    for entry in data["frames"]:
+        assert entry["pixels_sha256"] == png.pixels_sha256(png.read(Path("a") / entry["file"]))
+    assert re.search("4 frames, 1 to 4", Path("a/report.html").read_text())
+
+
+def test_animations_that_nobody_lets_replace_stay(run: Runner) -> None:
+    film = Path("a/animation.gif").read_bytes()
+    assert run("render", "tiny.yaml", "-o", "a", "-f", "5").code == 0
+    assert Path("a/animation.gif").read_bytes() == film
+
+
+def test_a_frame_of_another_scene_joins_no_animation(run: Runner) -> None:
+    film = Path("a/animation.gif").read_bytes()
+    done = run("render", "tiny.yaml", "-o", "a", "-f", "3", "--overwrite", "--set", "wind.strength=9")
+    assert "3 frames there of another scene" in done.err
+    assert Path("a/animation.gif").read_bytes() == film
