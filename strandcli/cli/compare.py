@@ -46,7 +46,7 @@ def command(
 
     if output is not None:
         options.require_png(output)
-    folders = first.is_dir() and second.is_dir()
+    folders = _are_folders(first, second)
     if folders and (output is not None or as_json):
         raise UsageError("-o and --json are for two images: name one frame of each folder")
     for a, b in _frames(first, second) if folders else [(first, second)]:
@@ -72,12 +72,25 @@ def command(
             raise MismatchError(f"{a} and {b} differ: RMSE {found.rmse:.3g}/255 is above {rmse:g}")
 
 
+def _are_folders(first: Path, second: Path) -> bool:
+    """Whether folders are compared, not images. Raises `UsageError` for one that is missing, and for one of each."""
+    for one in (first, second):
+        if not one.exists():
+            raise UsageError(f"{one}: no such image or folder")
+    if first.is_dir() != second.is_dir():
+        folder, image = (first, second) if first.is_dir() else (second, first)
+        raise UsageError(f"{folder}: is a folder, and {image} an image; name two images or two folders")
+    return first.is_dir()
+
+
 def _frames(first: Path, second: Path) -> list[tuple[Path, Path]]:
     """The frames of two folders in pairs. Raises `MismatchError` for a frame that is in one of them alone, and
     `UsageError` where there are none."""
     names = [{path.name for path in folder.glob("frame_*.png")} for folder in (first, second)]
     if not names[0] | names[1]:
         raise UsageError(f"{first} and {second}: neither has a frame_*.png")
-    for alone in sorted(names[0] ^ names[1]):
-        raise MismatchError(f"{alone}: only in {first if alone in names[0] else second}")
+    for has, lacks, missing in ((first, second, names[0] - names[1]), (second, first, names[1] - names[0])):
+        if missing:
+            more = f" and {len(missing) - 1:,} more" if len(missing) > 1 else ""
+            raise MismatchError(f"{lacks}: has no {min(missing)}{more}, as {has} has")
     return [(first / name, second / name) for name in sorted(names[0])]

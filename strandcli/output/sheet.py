@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,6 +36,7 @@ def gather(sources: Sequence[Path], leave_out: Path | None = None) -> list[Cell]
 
     A single folder stands for its images in the order of their names; among several sources a folder of frames stands
     for its last one; and one that holds folders instead, such as out/figures, for the last image of each of these.
+    Files are labelled by their names, behind the folder's where two have the same; folders of frames by theirs.
     ``leave_out`` is the sheet itself. Raises ``UsageError`` for a source without images.
     """
     cells: list[Cell] = []
@@ -50,10 +52,16 @@ def gather(sources: Sequence[Path], leave_out: Path | None = None) -> list[Cell]
                 raise UsageError(f"{source}: has no images ({', '.join(KINDS)}), and neither do its folders")
             cells += found
         elif source.is_file():
-            cells.append(Cell(source, source.parent.name if _is_frame(source) else source.stem))
+            cells.append(Cell(source, source.stem))
         else:
             raise UsageError(f"{source}: no such file or folder")
-    return cells
+    labels = Counter(cell.label for cell in cells)
+    return [Cell(one.path, _label(one) if labels[one.label] > 1 else one.label) for one in cells]
+
+
+def _label(cell: Cell) -> str:
+    """The label of an image whose file is called as another one's."""
+    return f"{cell.path.parent.name}/{cell.path.stem}" if cell.label == cell.path.stem else cell.label
 
 
 def _is_frame(path: Path) -> bool:

@@ -57,7 +57,7 @@ def test_compare_of_two_folders_looks_at_every_frame(run: Runner) -> None:
     assert "frame_0002.png differ" in run("compare", "one", "two").error()
     assert run("compare", "one", "two").code == 3
     os.remove("two/frame_0002.png")
-    assert run("compare", "one", "two").error().endswith("frame_0002.png: only in one")
+    assert run("compare", "one", "two").error().endswith("two: has no frame_0002.png, as one has")
     os.makedirs("empty")
     assert run("compare", "empty", "empty").code == 2
 
@@ -84,6 +84,19 @@ def test_sheet_gathers_folders_and_does_not_overwrite_unasked(run: Runner) -> No
     assert run("sheet", "figs", "-o", "sheet.png", "--overwrite", "-q").err == ""
     assert run("sheet", "none", "-o", "b.png").code == 2
     assert run("sheet", "figs", "-o", "b.png", "--columns", "0").code == 2
+
+
+def test_compare_blames_the_side_that_is_missing(run: Runner) -> None:
+    for name in ("one/frame_0001.png", "one/frame_0002.png", "one/frame_0003.png", "two/frame_0001.png"):
+        os.makedirs(Path(name).parent, exist_ok=True)
+        picture(name)
+    assert run("compare", "one", "two").error().endswith("two: has no frame_0002.png and 1 more, as one has")
+    assert run("compare", "two", "one").error().endswith("two: has no frame_0002.png and 1 more, as one has")
+    for missing in (("one", "none"), ("none", "one"), ("one/frame_0001.png", "none"), ("none", "one/frame_0001.png")):
+        done = run("compare", *missing)
+        assert (done.code, done.error()) == (2, "strandcli: error: none: no such image or folder")
+    for mixed in (("one", "two/frame_0001.png"), ("two/frame_0001.png", "one")):
+        assert "one: is a folder, and two/frame_0001.png an image" in run("compare", *mixed).error()
 
 
 def test_golden_images_catch_a_pixel_and_a_parameter(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -55,7 +55,7 @@ def test_a_folder_of_folders_gives_the_last_frame_of_each(tmp_path: Path) -> Non
     assert [(cell.path.parent.name, cell.path.name, cell.label) for cell in cells] == [
         ("fig02", "frame_0002.png", "fig02"),
         ("fig03", "frame_0002.png", "fig03"),
-        ("fig02", "frame_0001.png", "fig02"),
+        ("fig02", "frame_0001.png", "frame_0001"),
     ]
 
 
@@ -80,3 +80,13 @@ def test_a_sheet_too_big_is_refused(folder: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(module, "LARGEST", 300)
     with pytest.raises(RefusedError, match="too big"):
         make_sheet(gather([folder]), 5, 400)
+
+
+def test_files_are_labelled_by_name_and_by_folder_where_two_have_one(tmp_path: Path) -> None:
+    names = ("a/frame_0001.png", "b/frame_0001.png", "b/frame_0002.png", "c/x.png", "d/frame_0001.png")
+    for name in names:
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+    cells = gather([*(tmp_path / name for name in names[:4]), tmp_path / "d"])
+    assert [cell.label for cell in cells] == ["a/frame_0001", "b/frame_0001", "frame_0002", "x", "d"]
+    assert [cell.label for cell in gather([tmp_path / name for name in names[1:3]])] == ["frame_0001", "frame_0002"]
