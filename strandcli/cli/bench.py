@@ -24,6 +24,8 @@ OWN = {
 CHANGED = {"strands": "emitter.strands", "particles": "emitter.particles", "solver": "solver"}
 """Options with defaults of the headline scene, with the setting of a preset that each changes where it is given."""
 FRAMES, FRAMES_OF_A_PRESET = 60, 3
+AGREE = 0.8, 1.25
+"""How many times as long a step may take within frames as alone, for both to count as the same."""
 
 
 @click.command()
@@ -95,6 +97,7 @@ def command(
     with Progress(frames, "bench", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         from ..study import bench
+        from ..study.busy import busy_words
 
         if preset is not None:
             from ..study import bench_preset
@@ -121,6 +124,8 @@ def command(
         options.print_json(data)
     elif not quiet:
         say(stage_table(data) if preset is not None else growth_table(data) if growth else table(data))
+    if not quiet and (words := busy_words(data["busy"])):
+        say(f"warning: {words}; times are longer than they would be, so repeat this when it is idle", err=True)
 
 
 def refuse_contradictions(preset: str | None, given: set[str], overrides: Sequence[str]) -> None:
@@ -183,11 +188,28 @@ def table(data: Mapping[str, Any]) -> str:
     for name, unit, of in alone:
         if name in data:
             lines.append(f"{name + ' alone':<20}{data[name]['ms']:>11.2f} ms   {data[name][unit]:.2f} ns {of}")
+    lines.append(f"{'a step of a frame':<20}{step_words(data)}")
     for name, value in data["error"].items():
         if value is not None:
             lines.append(f"{name:<20}{value:>14.3g}")
     lines.append(f"compiling took {data['compile_seconds']:.1f} s, not counted above")
     return "\n".join(lines)
+
+
+def step_words(data: Mapping[str, Any]) -> str:
+    """How many times as long a step takes within frames as alone, and where that is not about once, why."""
+    from ..study.busy import busy_words
+
+    ratio = data["particle_step_ns"] / data["steps"]["particle_step_ns"]
+    words = f"{ratio:>11.2f} times as long as alone"
+    if AGREE[0] <= ratio <= AGREE[1]:
+        return words
+    at_once, threads = data["frames_at_once"], data["threads"]
+    slow = ratio > 1
+    why = [f"it has {threads // at_once} of {threads} threads, beside those that draw"] if slow and at_once > 1 else []
+    why += [f"alone it waits for the slowest of {threads} threads"] if not slow and threads > 1 else []
+    why += ["the machine was busy"] if busy_words(data["busy"]) else []
+    return f"{words}: {'; '.join(why) or 'frames leave other data in the caches'}"
 
 
 def growth_table(data: Mapping[str, Any]) -> str:

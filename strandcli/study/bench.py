@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from .. import load, runtime
 from ..plan import checked_plan
 from ..scene.model import Scene
+from .busy import Load
 
 if TYPE_CHECKING:
     from ..simulate.solver import Solver
@@ -89,6 +90,7 @@ def run(
         "particle_step_ns": 1e6 * stages["simulate"]["median_ms"] / (strands * particles) / at_once,
         "segment_ns": 1e6 * drawn / counts["segments"] / at_once,
         "error": timed["error"],
+        "busy": timed["busy"],
         "steps": time_steps(solver, strands, particles, 20, overrides),
         "rules": time_rules(strands, particles),
         "lines": time_lines(strands, 37, *size),
@@ -107,7 +109,7 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
     ends = []
     error: dict[str, Any] = {}
     counts: dict[str, int] = {}
-    share = sys.maxsize
+    share, load = sys.maxsize, Load()
     with tempfile.TemporaryDirectory(prefix="strandcli-bench-") as folder:
         with FrameWriter(Path(folder), numbers, scene.image.drawn) as writer:
             for frame in pipeline.render(scene, numbers, threads=threads, notify=notify):
@@ -117,13 +119,18 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
                 counts = frame.report["counts"]
                 share = min(share, frame.report["threads"])  # the last frames may have more
                 _worst(error, frame.report["error"])
-                if frame.number > 1:
+                if frame.number == 1:  # whose kernels other processes compile
+                    load = Load()
+                else:
                     for name, value in frame.report["seconds"].items():
                         seconds.setdefault(name, []).append(value)
         ends[-1] = time.perf_counter()  # the last files were still being written
         seconds["write"] = [one.seconds for one in writer.written.values() if one.frame > 1 and one.seconds is not None]
     frame_ms = 1e3 * (ends[-1] - ends[0]) / frames
-    return {"seconds": seconds, "counts": counts, "error": error, "frame_ms": frame_ms, "share": share}
+    return {
+        "seconds": seconds, "counts": counts, "error": error, "frame_ms": frame_ms, "share": share,
+        "busy": load.since(),
+    }  # fmt: skip
 
 
 def time_rules(strands: int, particles: int, repeats: int = 40) -> dict[str, float]:
@@ -144,6 +151,7 @@ def time_growth(solver: str, overrides: Sequence[str] = (), notify: Notify | Non
     by its particles."""
     rows: list[dict[str, float]] = []
     exponents: dict[str, float | None] = {}
+    load = Load()
     for grows, sizes in GROWTH.items():
         mine = []
         for strands, particles in sizes:
@@ -156,7 +164,7 @@ def time_growth(solver: str, overrides: Sequence[str] = (), notify: Notify | Non
         fitted = [row for row in mine if grows == "strands" or row["particles"] >= FEWEST]
         costs = [row["particle_step_ns"] * row[grows] for row in fitted]
         exponents[grows] = exponent([row[grows] for row in fitted], costs)
-    return {"growth": rows, "exponents": exponents}
+    return {"growth": rows, "exponents": exponents, "busy": load.since()}
 
 
 def exponent(sizes: Sequence[float], costs: Sequence[float]) -> float | None:

@@ -20,6 +20,7 @@ from ..errors import UsageError
 from ..plan import checked_plan
 from ..scene.model import Scene
 from .bench import spread
+from .busy import Load
 
 Notify = Callable[[str], None]
 Clock = Callable[[], float]
@@ -74,7 +75,7 @@ def run(
     runtime.start(threads, notify)
     clock = time.process_time if cpu else time.perf_counter
     with runtime.thread_count(runtime.checked_threads(threads)):
-        timed = time_stages(scene, frames, clock, notify)
+        timed, busy = time_stages(scene, frames, clock, notify)
     seconds = [sum(one.values()) for one, _ in timed]
     return {
         "preset": preset,
@@ -88,12 +89,15 @@ def run(
         "stages": {name: stage_row(name, timed) for name in timed[-1][0]},
         "frame": {**spread(seconds), "fps": 1 / float(np.median(seconds))},
         "counts": timed[-1][1],
+        "busy": busy,
         "machine": runtime.machine(),
     }
 
 
-def time_stages(scene: Scene, frames: int, clock: Clock, notify: Notify | None) -> Timed:
-    """Seconds a stage and the counts of frames 2 to ``frames`` + 1."""
+def time_stages(
+    scene: Scene, frames: int, clock: Clock, notify: Notify | None
+) -> tuple[Timed, dict[str, float] | None]:
+    """Seconds a stage and the counts of frames 2 to ``frames`` + 1, and how busy the machine was (`Load.since`)."""
     from .. import compile_ahead
     from ..draw.counting import CountingRenderer, ProcessorRenderer
     from ..frame_renderer import FrameRenderer
@@ -103,6 +107,7 @@ def time_stages(scene: Scene, frames: int, clock: Clock, notify: Notify | None) 
 
     numbers = range(1, frames + 2)
     timed: Timed = []
+    load = Load()
     compile_ahead.begin(scene, None)
     try:
         moved = SimulationStage(scene, numbers, None, RunOptions(notify=notify))
@@ -128,11 +133,13 @@ def time_stages(scene: Scene, frames: int, clock: Clock, notify: Notify | None) 
                     "particle_steps": particles * scene.time.substeps,
                     "bytes": frame.image.size,
                 }
-                if number > 1:
+                if number == 1:  # whose kernels other processes compile
+                    load = Load()
+                else:
                     timed.append((seconds, {**counts, **more}))
     finally:
         compile_ahead.end()
-    return timed
+    return timed, load.since()
 
 
 def stage_row(name: str, timed: Timed) -> dict[str, Any]:

@@ -115,6 +115,8 @@ BENCH = {
     "segment_ns": None,
     "steps": {"ms": 1.5, "particle_step_ns": 15.0},
     "error": {"stretch_max": 0.001, "penetration_max": None},
+    "frames_at_once": 1,
+    "busy": {"others": 0.25, "stolen": 0.0},
 }
 
 
@@ -135,7 +137,9 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
     assert asked["overrides"] == ()
     run("bench", "--set", "image.resolver=sorted", "--set", "material.width=0.0014")
     assert asked["overrides"] == ("image.resolver=sorted", "material.width=0.0014")
-    table = run("bench").out
+    done = run("bench")
+    assert "warning: the machine was busy: other programs took 25 % of its processors' time" in done.error()
+    table = done.out
     assert "simulate            1.50        1.25        2.00" in table
     assert "50.0 frames/s" in table
     assert "steps alone                1.50 ms   15.00 ns a particle and step" in table

@@ -1,0 +1,69 @@
+"""Whether figures of speed say that the machine was busy, and why two figures of a step differ."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import pytest
+
+from strandcli.cli.bench import step_words
+from strandcli.study import busy
+from strandcli.study.busy import Load, busy_words
+
+TICKS = os.sysconf("SC_CLK_TCK")
+
+
+def watched(monkeypatch: pytest.MonkeyPatch, own: float, spent: list[int]) -> dict[str, float] | None:
+    """What `Load` tells where this process took ``own`` seconds, and processors ``spent`` ticks by column."""
+    moments = iter([([100] * 8, 5.0), ([100 + one for one in spent], 5.0 + own)])
+    now: list[Any] = []
+
+    def columns() -> list[int]:
+        now[:] = next(moments)
+        return list(now[0])
+
+    monkeypatch.setattr(busy, "_columns", columns)
+    monkeypatch.setattr(busy.time, "process_time", lambda: now[1])
+    return Load().since()
+
+
+def test_what_others_and_the_host_take_is_told_apart_from_our_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    second = TICKS
+    found = watched(monkeypatch, 1.0, [second, 0, second, 7 * second, 0, 0, 0, second])
+    assert found == pytest.approx({"others": 0.1, "stolen": 0.1})
+    assert busy_words(found) == "the machine was busy: the host took 10 % of its processors' time"
+    found = watched(monkeypatch, 1.0, [3 * second, second, 0, 6 * second, 0, 0, 0, 0])
+    assert busy_words(found) == "the machine was busy: other programs took 30 % of its processors' time"
+    alone = watched(monkeypatch, 4.0, [4 * second, 0, 0, 5 * second, second, 0, 0, 0])
+    assert alone == {"others": 0.0, "stolen": 0.0}
+    assert busy_words(alone) == ""
+
+
+def test_a_system_that_does_not_tell_is_not_called_busy(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(busy, "_columns", lambda: None)
+    assert Load().since() is None
+    assert busy_words(None) == ""
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/stat"), reason="Linux tells")
+def test_this_machine_tells_shares() -> None:
+    load = Load()
+    sum(range(1_000_000))
+    found = load.since()
+    assert found is not None
+    assert all(0 <= share <= 1 for share in found.values())
+
+
+def test_two_figures_of_a_step_agree_or_it_is_told_why() -> None:
+    def words(within: float, at_once: int, threads: int, others: float) -> str:
+        return step_words({
+            "particle_step_ns": within, "steps": {"particle_step_ns": 2.0}, "frames_at_once": at_once,
+            "threads": threads, "busy": {"others": others, "stolen": 0.0},
+        }).strip()  # fmt: skip
+
+    assert words(2.2, 2, 4, 0.5) == "1.10 times as long as alone"
+    assert words(4, 2, 4, 0) == "2.00 times as long as alone: it has 2 of 4 threads, beside those that draw"
+    assert words(4, 1, 4, 0.5) == "2.00 times as long as alone: the machine was busy"
+    assert words(1, 2, 4, 0) == "0.50 times as long as alone: alone it waits for the slowest of 4 threads"
+    assert words(4, 1, 1, 0).endswith(": frames leave other data in the caches")
