@@ -167,7 +167,7 @@ figures-of-docs: $(CHECK)/.ready
 	$(CHECK)/bin/python docs/figures.py measure $(ONLY)
 
 claims: $(READY)
-	$(RUN) claims
+	$(RUN) claims -o out/claims --overwrite
 
 study: $(READY)
 	$(RUN) study --reference all -o out/study --overwrite

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import statistics
 import textwrap
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import click
@@ -12,25 +16,60 @@ from . import options
 from .progress import Progress
 from .say import say
 
+FILES = ("claims.csv", "claims.svg")
 HEADS = {"claim": "claim", "source": "source's figure", "ours": "ours"}
 
 
 @click.command()
+@click.option("-o", "--output", type=options.PathType(), metavar="DIR", help="Also write claims.csv and claims.svg.")
+@click.option(
+    "--repeats", type=options.Whole(1, 100), default=5, show_default=True, metavar="N",
+    help="How often times are measured; their median counts, and their spread is told.",
+)  # fmt: skip
 @options.threads
+@options.overwrite
 @options.talk("Say what is compiled, where stderr is no terminal too.")
-def command(threads: int | None, as_json: bool, quiet: bool, verbose: bool, no_progress: bool) -> None:
+def command(
+    output: Path | None, repeats: int, threads: int | None, overwrite: bool, as_json: bool, quiet: bool, verbose: bool,
+    no_progress: bool,
+) -> None:  # fmt: skip
     """Measure what the thesis claims and print each claim, the source's figure and ours."""
     from .. import runtime
+    from ..output.files import prepare_folder, write_pieces
+    from ..study.busy import busy_words
 
+    if output is not None:
+        for name in FILES:
+            options.refuse_existing(output / name, overwrite)
+        prepare_folder(output, 0)
     with Progress(1, "claims", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)
         from ..study import claims
 
-        data = claims.run(threads=threads, notify=progress.note)
+        data = claims.run(threads=threads, notify=progress.note, repeats=repeats)
+    if output is not None:
+        from ..study.claims_chart import chart
+
+        for name, text in zip(FILES, (to_csv(data["claims"]), chart(data["claims"])), strict=True):
+            write_pieces(output / name, [text.encode()])
     if as_json:
         options.print_json(data)
     elif not quiet:
         say(table(data["claims"]))
+    if not quiet and (words := busy_words(data["busy"])):
+        say(f"warning: {words}; repeat this when it is idle", err=True)
+
+
+def to_csv(rows: Sequence[Mapping[str, Any]]) -> str:
+    """A row a claim: the source's figure, and the median, least and greatest of ours."""
+    out = io.StringIO()
+    lines = csv.writer(out, lineterminator="\n")
+    lines.writerow(("claim", "source", "quantity", "median", "least", "greatest", "repeats"))
+    for row in rows:
+        values = row["values"]
+        measured = (statistics.median(values), min(values), max(values), len(values))
+        lines.writerow((row["claim"], row["source"], row["quantity"], *measured))
+    return out.getvalue()
 
 
 def table(rows: Sequence[Mapping[str, Any]]) -> str:

@@ -1,11 +1,12 @@
 """What the thesis claims, measured here: `make claims`.
 
-Every row is a claim, the source's own figure (thesis §4) and ours, on this machine as it is now.
+Every row is a claim, the source's own figure (thesis §4) and ours, on this machine as it is now: the median of some
+repeats where time is measured, with the least and the greatest.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,27 +21,39 @@ from .bench import time_frames
 Notify = Callable[[str], None]
 
 
-def run(threads: int | None = None, notify: Notify | None = None) -> dict[str, Any]:
-    """{"claims": rows with claim, source, ours and the numbers behind them, "machine": …}."""
+def run(threads: int | None = None, notify: Notify | None = None, repeats: int = 5) -> dict[str, Any]:
+    """{"claims": rows, "busy": as of `Load.since`, of the busiest repeat, "machine": …}. Rows: see `row`."""
     tell = notify or (lambda text: None)
     runtime.start(threads, notify)
-    tell("frames a second, shares of a frame")
-    rows = _speed(threads)
+    timed = []
+    for repeat in range(repeats):
+        tell(f"frames a second, shares of a frame: {repeat + 1} of {repeats}")
+        timed.append(_timed(threads))
+    rows = _speed(timed)
     tell("stiffness under another step")
     rows.append(_stiffness())
     tell("points and segments against a thin capsule")
     rows.append(_tunnelling())
     tell("fewer strands, near and far")
     rows += _fewer(threads)
-    return {"claims": rows, "machine": runtime.machine()}
+    busy = max((one["busy"] for one in timed if one["busy"]), key=lambda one: one["others"], default=None)
+    return {"claims": rows, "busy": busy, "machine": runtime.machine()}
 
 
-def row(claim: str, source: str, ours: str, **numbers: Any) -> dict[str, Any]:
-    """A claim with the source's figure, ours in words, and the numbers behind them."""
-    return {"claim": claim, "source": source, "ours": ours, **numbers}
+def row(
+    claim: str, source: str, ours: str, quantity: str, values: Sequence[float],
+    span: tuple[float, float] | None = None, **numbers: Any,
+) -> dict[str, Any]:  # fmt: skip
+    """A claim with the source's figure, ours in words, our ``values`` of a quantity, one for each repeat where time is
+    measured, the ``span`` of the source's figure, and the numbers behind them."""
+    return {
+        "claim": claim, "source": source, "ours": ours, "quantity": quantity, "values": [float(v) for v in values],
+        "range": span and list(span), **numbers,
+    }  # fmt: skip
 
 
-def _speed(threads: int | None) -> list[dict[str, Any]]:
+def _timed(threads: int | None) -> dict[str, Any]:
+    """Figures of one repeat: frames a second, and shares of a frame."""
     timed = {
         name: time_frames(load("headline", settings=settings), frames, threads, None)
         for name, settings, frames in (
@@ -51,27 +64,45 @@ def _speed(threads: int | None) -> list[dict[str, Any]]:
     }
     frame = {name: one["frame_ms"] for name, one in timed.items()}
     stage = {name: 1e3 * float(np.median(values)) for name, values in timed["all"]["seconds"].items()}
-    smooth = 1 - frame["straight"] / frame["all"]
     work = sum(value for name, value in stage.items() if name != "write")
+    return {
+        "fps": 1e3 / frame["all"], "many": 1e3 / frame["many"], "smoothing": 100 * stage["curves"] / work,
+        "saved": 100 * (1 - frame["straight"] / frame["all"]), "shadow": 100 * stage["shadow"] / work,
+        "stages_ms": stage, "busy": timed["all"]["busy"],
+    }  # fmt: skip
+
+
+def _speed(timed: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    values = {name: [one[name] for one in timed] for name in ("fps", "many", "smoothing", "saved", "shadow")}
+    middle = {name: float(np.median(found)) for name, found in values.items()}
+    words = {name: spread_words(found) for name, found in values.items()}
+    stages = {name: float(np.median([one["stages_ms"][name] for one in timed])) for name in timed[0]["stages_ms"]}
     return [
         row(
             "10,000 strands of 10 particles, all on, 800x600: frames a second", "25-30 (2012, drawn by a GPU)",
-            f"{1e3 / frame['all']:.1f} (CPU alone, PNG files written)", fps=1e3 / frame["all"], stages_ms=stage,
+            f"{words['fps']} (CPU alone, PNG files written)", "frames a second", values["fps"], (25, 30),
+            fps=middle["fps"], stages_ms=stages,
         ),
         row(
             "100,000 strands, 900,000 particles: frames a second", "PhysX on a GPU: 840,000 particles",
-            f"{1e3 / frame['many']:.1f}", fps=1e3 / frame["many"],
+            words["many"], "frames a second", values["many"], fps=middle["many"],
         ),
         row(
             "smoothing's share of a frame", "30-50 %",
-            f"{100 * stage['curves'] / work:.0f} % in its own stage; a frame of straight segments takes "
-            f"{100 * smooth:.0f} % less", share=stage["curves"] / work, saved_without=smooth,
+            f"{words['smoothing']} % in its own stage; a frame of straight segments takes {words['saved']} % less",
+            "%", values["smoothing"], (30, 50), share=middle["smoothing"] / 100, saved_without=middle["saved"] / 100,
         ),
         row(
-            "the shadow map's share of a frame", "about 5 % of CPU time", f"{100 * stage['shadow'] / work:.0f} %",
-            share=stage["shadow"] / work,
+            "the shadow map's share of a frame", "about 5 % of CPU time", f"{words['shadow']} %",
+            "%", values["shadow"], (5, 5), share=middle["shadow"] / 100,
         ),
     ]  # fmt: skip
+
+
+def spread_words(values: Sequence[float]) -> str:
+    """The median of repeats, with the least and the greatest of them."""
+    middle = f"{np.median(values):.3g}"
+    return middle if len(values) < 2 else f"{middle} ({min(values):.3g} to {max(values):.3g})"
 
 
 def _stiffness() -> dict[str, Any]:
@@ -82,7 +113,7 @@ def _stiffness() -> dict[str, Any]:
     return row(
         "stiffness changes when the step changes: how far resting tips move", "admitted, no figure",
         f"{100 * drift[60]:.0f} % of a strand's length from 1/30 to 1/60 s, {100 * drift[120]:.0f} % to 1/120 s",
-        drift={str(fps): value for fps, value in drift.items()},
+        "% of a length", [100 * drift[60]], drift={str(fps): value for fps, value in drift.items()},
     )  # fmt: skip
 
 
@@ -137,7 +168,7 @@ def _tunnelling() -> dict[str, Any]:
         "strands cut by a capsule of radius 0.03, segments about 0.3 long: points against segments",
         "admitted for points, no figure",
         f"{100 * shares[False]:.0f} % with points, {100 * shares[True]:.0f} % with segments: true",
-        points=shares[False], segments=shares[True],
+        "% of strands, points", [100 * shares[False]], points=shares[False], segments=shares[True],
     )  # fmt: skip
 
 
@@ -162,7 +193,7 @@ def _fewer(threads: int | None) -> list[dict[str, Any]]:
             rows.append(row(
                 f"{strands:,} strands instead of 10,000 at distance {distance}", "looks the same when far",
                 f"RMSE {plain['rmse']:.1f} of 255, area x{plain['area']:.2f}; widened: RMSE {wide['rmse']:.1f}, "
-                f"area x{wide['area']:.2f}", plain=plain, widened=wide,
+                f"area x{wide['area']:.2f}", "RMSE of 255", [plain["rmse"]], plain=plain, widened=wide,
             ))  # fmt: skip
     return rows
 

@@ -172,10 +172,10 @@ def test_bench_tells_how_the_cost_of_a_particle_grows(run: Runner, monkeypatch: 
 
 def test_claims_are_a_table_or_json(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     rows = [{"claim": "smoothing costs 30-50 % of a frame " * 3, "source": "30-50 %", "ours": "12 %"}]
-    module = SimpleNamespace(run=lambda **options: {"claims": rows})
+    module = SimpleNamespace(run=lambda **options: {"claims": rows, "busy": None})
     monkeypatch.setitem(sys.modules, "strandcli.study.claims", module)
     monkeypatch.setattr(study, "claims", module, raising=False)
-    assert json.loads(run("claims", "--json").out) == {"claims": rows}
+    assert json.loads(run("claims", "--json").out) == {"claims": rows, "busy": None}
     lines = run("claims").out.splitlines()
     assert lines[1].split("  ")[0].startswith("smoothing costs")
     assert "30-50 %" in lines[1]

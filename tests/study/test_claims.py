@@ -1,0 +1,87 @@
+"""Claims: repeats with their spread, as a table, CSV and chart."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from cli_runs import TINY, Runner
+from strandcli.study import claims, claims_chart
+
+ROWS = [
+    claims.row("frames a second", "25-30", "ours", "frames a second", [27.0, 40.0, 20.0], (25, 30), fps=27.0),
+    claims.row("cut < strands", "none", "ours", "%", [45.0]),
+]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    monkeypatch.chdir(tmp_path)
+    return Runner(tmp_path, capsys)
+
+
+def test_repeats_are_told_by_median_and_spread(monkeypatch: pytest.MonkeyPatch) -> None:
+    frames = iter([40.0, 30.0, 400.0, 20.0, 18.0, 500.0, 50.0, 20.0, 100.0])  # of three repeats: all, straight, many
+    work = {"curves": [0.001], "shadow": [0.002], "shade": [0.017], "write": [9.0]}
+
+    def timed(*given: Any) -> dict[str, Any]:
+        return {"frame_ms": next(frames), "seconds": work, "busy": {"others": 0.0, "stolen": 0.0}}
+
+    monkeypatch.setattr(claims, "time_frames", timed)
+    fps, many, smoothing, shadow = claims._speed([claims._timed(1) for _ in range(3)])
+    assert fps["values"] == [25.0, 50.0, 20.0]
+    assert fps["ours"].startswith("25 (20 to 50) ")
+    assert (fps["range"], fps["fps"], many["fps"]) == ([25, 30], 25.0, 2.5)
+    assert smoothing["values"] == pytest.approx([5.0] * 3)
+    assert smoothing["saved_without"] == pytest.approx(0.25)
+    assert shadow["share"] == pytest.approx(0.1)
+    assert claims.spread_words([45.0]) == "45"
+
+
+def test_csv_and_chart_are_written_where_they_are_asked_for(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: dict[str, Any] = {}
+
+    def fake(**options: Any) -> dict[str, Any]:
+        asked.update(options)
+        return {"claims": ROWS, "busy": {"others": 0.5, "stolen": 0.0}}
+
+    module = SimpleNamespace(run=fake)
+    monkeypatch.setitem(sys.modules, "strandcli.study.claims", module)
+    monkeypatch.setattr("strandcli.study.claims", module)
+    done = run("claims", "-o", "c", "--json")
+    assert json.loads(done.out)["claims"] == ROWS
+    assert asked["repeats"] == 5
+    assert "other programs took 50 %" in done.error()
+    with open("c/claims.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(rows[0][name]) for name in ("median", "least", "greatest", "repeats")] == [27, 20, 40, 3]
+    assert (rows[1]["claim"], rows[1]["quantity"], rows[1]["repeats"]) == ("cut < strands", "%", "1")
+    ElementTree.parse("c/claims.svg")
+    assert "add --overwrite" in run("claims", "-o", "c").error()
+    assert run("claims", "-o", "c", "--overwrite", "--repeats", "2", "-q").err == ""
+    assert asked["repeats"] == 2
+
+
+def test_the_chart_places_ours_beside_the_sources_range() -> None:
+    name = "{http://www.w3.org/2000/svg}"
+    root = ElementTree.fromstring(claims_chart.chart(ROWS))
+    lines = [line for line in root.iter(f"{name}polyline") if line.get("stroke") != claims_chart.GRID]
+    (band, spread, single), (dot, _) = lines, root.iter(f"{name}circle")
+
+    def places(line: ElementTree.Element) -> list[float]:
+        return [float(at.split(",")[0]) - claims_chart.LEFT for at in str(line.get("points")).split()]
+
+    (low, high), (least, greatest) = places(band), places(spread)
+    assert (low + 1) / (high - 1) == pytest.approx(25 / 30, abs=0.002)
+    assert least / greatest == pytest.approx(20 / 40, abs=0.002)
+    assert (float(str(dot.get("cx"))) - claims_chart.LEFT) / greatest == pytest.approx(27 / 40, abs=0.002)
+    assert places(single)[0] == places(single)[1]
+    assert greatest < claims_chart.WIDTH - claims_chart.RIGHT - claims_chart.LEFT
