@@ -56,6 +56,8 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
     for use in scene.rules:
         if scene.solver == "rod" and use.name == "stiffness" and use.parameters.strength > 0:
             found.append(f"rule {use.path}: ignored, rods bend by their material; set rod.young and rod.radius instead")
+    if scene.solver == "rod" and scene.time.jitter > 0:
+        found.append("time.jitter: ignored, rods move by equal steps; take it out, or set solver: thesis")
     found += _idle_rod(scene)
     collisions = [use for use in scene.rules if use.name == "collision"]
     numbers = {id(solid): place for place, solid in enumerate(scene.solids)}

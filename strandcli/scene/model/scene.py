@@ -32,6 +32,10 @@ class Time:
         1, low=1, high=1000,
         doc="solver steps per frame; rods subdivide them for fast coils and swings",
     )  # fmt: skip
+    jitter: float = number(
+        0.0, low=0, high=0.9,
+        doc="solver thesis: share by which steps are longer or shorter, as frames on a screen are; stiffness trembles",
+    )  # fmt: skip
     preroll: float = number(
         0.0, low=0, high=3600, unit="s",
         doc="time simulated before frame 1, with keys clamped to the first one, or running if loop is true",

@@ -6,6 +6,7 @@ depends on the number of particles. These flaws of the source are kept, so that 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,9 @@ from .compose import step_for
 
 if TYPE_CHECKING:
     from ...scene.model import Scene
+
+GOLDEN = (math.sqrt(5) - 1) / 2
+"""Whose multiples are spread evenly over 0 to 1, modulo 1."""
 
 
 class ThesisSolver(Solver):
@@ -51,9 +55,15 @@ class ThesisSolver(Solver):
 
     def _prepared(self, time: float, dt: float) -> list[Any]:
         """Return the numbers of all passes for a step of ``dt`` seconds that ends at ``time``."""
-        moment = Moment(time, dt, self.scene)
+        moment = Moment(time, dt * self._stretched(time, dt), self.scene)
         prepared = [one.prepare(moment) for one in self._distinct]
         return [prepared[place] for place in self._places]
+
+    def _stretched(self, time: float, dt: float) -> float:
+        """Return how many times as long as the others the step that ends at ``time`` is, by ``time.jitter``: evenly
+        spread over 1 - jitter to 1 + jitter, whatever the seed."""
+        jitter = self.scene.time.jitter
+        return 1 + jitter * (2 * (round(time / dt) * GOLDEN % 1) - 1) if jitter > 0 else 1.0
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return the positions, and what rules keep from step to step."""
