@@ -12,8 +12,7 @@ from .geometry.curves import Polylines
 from .geometry.extent import Thickness
 from .geometry.kernels.screen_lines import ScreenLines
 from .lighting import occlusion
-from .lighting.lighting import Lighting
-from .lighting.pack_lights import pack_lights
+from .lighting.lighting import Lighting, pack_lights
 from .renderer import Renderer
 from .shadows.shadow import plan_maps
 from .solids.edges import find_edges

@@ -18,7 +18,7 @@ from ..constants import W
 from ..scene.model import DirectionalLight, PlaneSolid
 from ..solids import pack_all
 from .geometry.extent import extents_of
-from .geometry.kernels import sweeps
+from .geometry.kernels.bounds import mark_inside
 from .geometry.kernels.curves import longest_segment
 from .lighting.kernels.mirror import DULL
 from .shadows.kernels.filter_window import WIDEST
@@ -86,7 +86,7 @@ def needed_strands(
     packed_sides = sides.astype(np.float32)
 
     def mark(along: NDArray[np.float32], floors: NDArray[np.float32], room: float) -> None:
-        sweeps.mark_inside(low, high, packed_sides, along, floors, np.float32(room), marks)
+        mark_inside(low, high, packed_sides, along, floors, np.float32(room), marks)
 
     if maps is None:
         mark(STILL, NO_FLOORS, room)

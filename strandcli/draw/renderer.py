@@ -26,14 +26,12 @@ from .geometry.extent import Thickness, bounds_of, boxes_of, extents_of, thickne
 from .geometry.spacing import first_emitted, spacing_of
 from .lighting import occlusion
 from .lighting.environment import sky_of
-from .lighting.lighting import Lighting
+from .lighting.lighting import Lighting, pack_lights
 from .lighting.occlusion import Occlusion
-from .lighting.pack_lights import pack_lights
 from .lighting.palette import Palette
 from .needed_strands import can_leave_out, needed_strands
-from .shadows.needs import needs_counts
 from .shadows.shadow import ShadowMaps, map_arrays, plan_maps
-from .shadows.shadow_model import casts_map, counts_strands, model_of, shades_vertices
+from .shadows.shadow_model import casts_map, counts_strands, model_of, needs_counts, shades_vertices
 from .shadows.strands_in_map import chances_of
 from .shadows.vertex_shadows import StrandsInLight
 from .strand_batches import StrandBatch, StrandBatches, Strands, divide

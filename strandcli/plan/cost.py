@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..draw.shadows.needs import needs_counts, shining
-from ..draw.shadows.shadow_model import casts_map, model_of
+from ..draw.shadows.shadow_model import casts_map, model_of, needs_counts, shining
 from ..scene.model import MeshShape
 from .crowding import crowding_of
 from .sizes import share_in_maps, side_of

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from ..constants import FRAGMENT_BYTES, FRAGMENTS
 from ..counted import counted
 from ..decision import Decision, left_out
-from ..draw.shadows.needs import needs_counts, needs_shadow_maps, shining
-from ..draw.shadows.shadow_model import casts_map, counts_strands
+from ..draw.shadows.shadow_model import casts_map, counts_strands, needs_counts, needs_shadow_maps, shining
 from ..registry import FIBRES, SHADOWS
 from ..scene.detail import MOST_FRAMES, share_bounds, times_of
 from ..scene.model import MeshShape

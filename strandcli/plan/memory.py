@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..constants import BATCH_VERTICES, FRAGMENTS, PART_BYTES, SORTED_BYTES, W
 from ..draw.coverage.room import LAYER_ROOM, SORTING_BYTES
-from ..draw.shadows.needs import needs_counts
-from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, model_of, shades_vertices
+from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, model_of, needs_counts, shades_vertices
 from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED

@@ -10,7 +10,7 @@ import pytest
 from strand_kit import frames_of, scene_of
 from strandcli.blocks import pack
 from strandcli.draw.geometry.extent import extents_of
-from strandcli.draw.geometry.kernels import sweeps
+from strandcli.draw.geometry.kernels import bounds
 from strandcli.draw.needed_strands import can_leave_out, needed_strands
 from strandcli.draw.shadows.strands_in_map import FEWEST, chances_of, mark_sketched
 
@@ -124,7 +124,7 @@ def test_boxes_are_marked_that_come_into_a_body_on_their_way() -> None:
     along = np.array([0.6, -0.8, 0], np.float32)
     floors = np.array([[0, 1, 0, 1]], np.float32)
     marks = np.zeros((len(low), low.shape[1] // 3), np.uint8)
-    sweeps.mark_inside(low, high, sides, along, floors, np.float32(0), marks)
+    bounds.mark_inside(low, high, sides, along, floors, np.float32(0), marks)
     least, most = points[:, 1:].min(1), points[:, 1:].max(1)
     end = np.maximum((most[:, 1] + 1) / 0.8, 0)
     inside = (most[:, 0] + 0.6 * end >= 1) & (most[:, 2] >= -1) & (least[:, 2] <= 1)

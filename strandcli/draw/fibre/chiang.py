@@ -24,12 +24,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from . import width_tables
 from .kernels import chiang as kernel
 from .kernels import lobes
 from .marschner import leaving, rays_across, seen
 from .pigment import absorption_of, varies
-from .tables import FibreTables, add_paths, mean_paths
+from .tables import GAMMA, STEP, THETA, FibreTables, add_paths, mean_paths, table_of
 
 if TYPE_CHECKING:
     from ...scene.model import Material
@@ -87,13 +86,13 @@ def build_tables(material: Material, n_theta: int = 64, n_phi: int | None = None
 
 
 def columns(material: Material) -> NDArray[np.float32] | None:
-    """Tables over the width, as `width_tables.table_of` makes them; None without highlights."""
+    """Tables over the width, as `tables.table_of` makes them; None without highlights."""
     if material.specular == 0:
         return None
     sigma = absorption_of(material, material.beta_n)
-    rays, _, out = passages(width_tables.THETA, width_tables.GAMMA, material.eta, sigma)
-    s = max(logistic_scale(material.beta_n), 0.5 * width_tables.STEP)
-    return width_tables.table_of(rays, out, functools.partial(_logistic, s=s), np.ones(7))
+    rays, _, out = passages(THETA, GAMMA, material.eta, sigma)
+    s = max(logistic_scale(material.beta_n), 0.5 * STEP)
+    return table_of(rays, out, functools.partial(_logistic, s=s), np.ones(7))
 
 
 def _logistic(angle: NDArray[np.float64], s: float) -> NDArray[np.float64]:

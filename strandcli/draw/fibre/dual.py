@@ -36,7 +36,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.kernels.batch import CHANNELS
-from ..common.kernels.loss import HALF_WAY
 from . import chiang
 from .kernels import dual as kernel
 from .kernels.lobes import REST, TRT, TT, R
@@ -62,7 +61,7 @@ def loss_table(tables: kernel.DualArrays) -> NDArray[np.float32]:
     streams = streams_of(tables)
     table = np.ones((LOSS_NODES, 4), np.float32)
     for row, share in enumerate(np.linspace(0.0, 1.0, LOSS_NODES)[:-1]):
-        passed = np.float32(float(HALF_WAY) * share / (1.0 - share))
+        passed = np.float32(float(kernel.HALF_WAY) * share / (1.0 - share))
         table[row, :3] = [1.0 - kernel.through(passed, streams, c) for c in range(3)]
     return np.clip(table, 0, 1)
 

@@ -32,10 +32,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from . import width_tables
 from .kernels import marschner as kernel
 from .pigment import absorption_of, varies
-from .tables import FibreTables, add_paths, mean_paths
+from .tables import GAMMA, STEP, THETA, FibreTables, add_paths, mean_paths, table_of
 
 if TYPE_CHECKING:
     from ...scene.model import Material
@@ -84,14 +83,14 @@ def build_tables(material: Material, n_theta: int = 48, n_phi: int | None = None
 
 
 def columns(material: Material) -> NDArray[np.float32] | None:
-    """Tables over the width, as `width_tables.table_of` makes them; None without highlights."""
+    """Tables over the width, as `tables.table_of` makes them; None without highlights."""
     if material.specular == 0:
         return None
     sigma = absorption_of(material, azimuthal_beta(material.azimuthal))
-    rays, _, out = passages(width_tables.THETA, width_tables.GAMMA, material.eta, sigma)
-    deviation = max(math.radians(material.azimuthal), 0.75 * width_tables.STEP)
+    rays, _, out = passages(THETA, GAMMA, material.eta, sigma)
+    deviation = max(math.radians(material.azimuthal), 0.75 * STEP)
     scales = np.repeat(peaks(material), (1, 3, 3))
-    return width_tables.table_of(rays, out, functools.partial(_gaussian, deviation=deviation), scales)
+    return table_of(rays, out, functools.partial(_gaussian, deviation=deviation), scales)
 
 
 def _gaussian(angle: NDArray[np.float64], deviation: float) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -9,14 +10,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scene.model import DirectionalLight, Light
 from ...solids import Solids
-from ..common.kernels.light_columns import LIGHT_SIZE
+from ..common.kernels.light_columns import COLUMNS, LIGHT_SIZE
 from ..coverage.kernels.width_profiles import Profiles
 from ..geometry.curves import Polylines
 from ..shadows.free_ways import NO_FREE_WAYS, FreeWays, free_ways
 from ..shadows.shadow import ShadowMaps, map_arrays
+from ..shadows.shadow_model import shades_vertices
 from ..solids.solids import NONE, coats_of, paint_of
-from ..view.camera import View
+from ..view.camera import View, ball
 from .kernels import shade_strands, shade_surfaces, smooth_pixels
 from .kernels.inputs import (
     COMPUTED,
@@ -31,7 +34,7 @@ from .kernels.inputs import (
 )
 from .kernels.lattice import DRAWN, SMOOTH
 from .kernels.mirror import DULL
-from .kernels.occlusion_columns import BOX_SIZE
+from .kernels.occlusion import BOX_SIZE
 from .occlusion import Occlusion
 from .palette import Palette
 
@@ -43,7 +46,6 @@ NO_SPOTS = np.zeros((0, 2), np.float32)
 """Stands for pixels at their own positions."""
 NOT_HIDDEN = np.zeros(0, np.uint8)
 """No pixel is hidden."""
-
 NO_GRAIN = (np.zeros(0, np.float32), np.zeros(5, np.float32))
 
 
@@ -87,7 +89,7 @@ class Lighting:
     at: float
     """Time, seconds."""
     lights: NDArray[np.float32]
-    """(n, `light_columns.COLUMNS`) from `strandcli.draw.lighting.pack_lights.pack_lights`."""
+    """(n, `light_columns.COLUMNS`) from `strandcli.draw.lighting.lighting.pack_lights`."""
     maps: ShadowMaps | None
     occlusion: Occlusion | None
     solids: Solids | None
@@ -193,3 +195,42 @@ class Lighting:
     def _lights(self, clear: NDArray[np.float32], lattice: Lattice = NO_LATTICE) -> Lights:
         at = lattice.known, lattice.down, lattice.right, lattice.use
         return Lights(self.lights, clear, self.skin, self.sized, *at, *self.free)
+
+
+def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return (n, `light_columns.COLUMNS`) float32, one row for each light that emits light."""
+    rows: list[list[Any]] = []
+    traced = 0
+    for i, light in enumerate(lights):
+        if light.intensity <= 0 or not any(light.colour):
+            continue
+        if isinstance(light, DirectionalLight):
+            away = -np.array(light.direction, np.float64)
+            where = away / np.linalg.norm(away)
+        else:
+            where = np.array(light.position)
+        first, count = maps.owners[i] if maps is not None else (0, 0)
+        bias = light.shadow.bias
+        layers = maps.layers[first] if count and maps is not None else 0
+        if count and maps is not None and bias == 0 and layers == 0:
+            # an opacity map needs no bias: a strand's own contribution is subtracted
+            bias = default_bias(maps.views[first], bounds)
+        power = np.array(light.colour) * light.intensity
+        kind = float(not isinstance(light, DirectionalLight))
+        traced += shades_vertices(light)
+        number = traced if shades_vertices(light) else 0
+        width, over = (maps.thickness.mean, maps.over) if maps is not None else (0.0, 0.0)
+        rows.append([kind, *where, *power, first, count, bias, layers, number, _size(light), width, over, 0.0])
+    return np.array(rows, np.float32).reshape(-1, COLUMNS)
+
+
+def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
+    """Return the depth bias of a min/max map, metres: the size of a texel at the groom's centre."""
+    centre, radius = ball(bounds)
+    depth = max(float(np.linalg.norm(centre - view.eye)), radius) if view.perspective else 1.0
+    return depth / view.focal
+
+
+def _size(light: Light) -> float:
+    """Return the sine of a directional light's angular radius, or the radius of a point light in metres."""
+    return math.sin(math.radians(light.size / 2)) if isinstance(light, DirectionalLight) else light.size / 2

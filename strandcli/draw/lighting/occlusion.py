@@ -25,7 +25,7 @@ from ..solids.solids import NONE, ball_of, rows_of
 from ..view.camera import ball
 from .kernels import occlusion as kernel
 from .kernels import occlusion_cells, occlusion_sweep
-from .kernels.occlusion_columns import CHANNELS, MEAN
+from .kernels.occlusion import CHANNELS, MEAN
 
 FEWEST, MOST = 12, 256
 """Least and greatest number of cells along each axis."""

@@ -22,12 +22,11 @@ from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
 from ..zbuffer.raster import sort_into_bands
-from .fronts import tables_of_cells
+from .fronts import allocate_extents, spread_extents, tables_of_cells
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps, splats
 from .kernels.map_parts import PartsInMap
 from .kernels.shadow_arrays import ShadowArrays
-from .map_extents import allocate_extents, spread_extents
 from .shadow_model import casts_map, model_of
 from .shares import share_of, shares_of
 from .strands_in_map import NO_EXTENTS, Drawn, parts_in_map, project, simplified, view_numbers

@@ -9,6 +9,8 @@ from ...registry import SHADOWS
 
 if TYPE_CHECKING:
     from .vertex_shadows import StrandsInLight, VertexShadows
+if TYPE_CHECKING:
+    from ...scene.model import Light, Scene
 
 Settings = dict[str, Any]
 
@@ -95,3 +97,19 @@ def counts_strands(light: Any) -> bool:
 def shades_vertices(light: Any) -> bool:
     """Return whether a light's model computes visibility at strand vertices itself."""
     return shines(light) and bool(model_of(light).shades_vertices)
+
+
+def shining(scene: Scene) -> list[Light]:
+    """The lights that are not dark."""
+    return [light for light in scene.lights if shines(light)]
+
+
+def needs_shadow_maps(scene: Scene) -> bool:
+    """Whether any light's shadow model asks for strands: for maps, or to shade vertices."""
+    return any(casts_map(light) or shades_vertices(light) for light in scene.lights)
+
+
+def needs_counts(scene: Scene) -> bool:
+    """Whether visible solids, dual scattering or the layer `shadow` read shadow maps."""
+    solid = any(solid.visible for solid in scene.solids)
+    return solid or scene.material.scatter == "dual" or "shadow" in scene.image.aovs

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...scene.model import DirectionalLight
 from ..common.scratch import Scratch
-from .kernels import chosen_strands
+from .kernels import simplify
 from .shadow_model import casts_map
 from .strands_in_map import FEWEST, Drawn
 
@@ -60,7 +60,7 @@ def share_of(drawn: Drawn, share: float, scratch: Scratch) -> Drawn:
     world = scratch.borrow("chosen_world", (int(first[-1]), 3), np.float32)
     _, every = lines.tapered(0.0)
     along = None if every is None else scratch.borrow("chosen_along", int(first[-1]), np.float32)
-    chosen_strands.copy(lines.first, lines.world, every, numbers, first, world, along)
+    simplify.copy(lines.first, lines.world, every, numbers, first, world, along)
     scale = None if lines.scale is None else lines.scale[numbers]
     lost = None if lines.lost is None else along  # a map takes `along` for widths alone
     some = replace(lines, first=first, world=world, along=along, lost=lost, scale=scale, ways=None)

@@ -15,7 +15,7 @@ from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View
 from ..zbuffer.raster import to_screen
-from .kernels import opacity_maps, part_order, part_vertices, simplify, sketches
+from .kernels import deep_strands, map_parts, opacity_maps, part_vertices, simplify
 from .kernels.deep_strands import CELL, LEVELS, NO_SKETCH, WEIGHTS, Sketch
 from .kernels.map_parts import BITS, PART, PARTS, MapView, PartsInMap, StrandsInMap
 from .kernels.map_segments import SEGMENTS
@@ -123,7 +123,7 @@ def mark_sketched(chances: NDArray[np.float32], marks: NDArray[np.bool_]) -> Non
     """Set the marks (strands,) of those that the sketches of maps have, where they have any; chances: from
     `chances_of`."""
     if len(chances) >= FEWEST:
-        sketches.mark(chances, sketched_share(len(chances)), marks)
+        deep_strands.mark(chances, sketched_share(len(chances)), marks)
 
 
 def sketch_of(
@@ -137,7 +137,7 @@ def sketch_of(
     before = scratch.borrow("sketch", cells * cells * (LEVELS + 1), np.float32)
     deep = scratch.borrow("sketch_deep", (cells * cells, 2), np.float32)
     sketch = Sketch(chances, nearest, before, deep, WEIGHTS, cells, np.float32(over))
-    part = sketches.draw(strands, view, share, sketch)
+    part = deep_strands.draw(strands, view, share, sketch)
     return sketch if part > WORTH else NO_SKETCH
 
 
@@ -157,7 +157,7 @@ def parts_of(
     begin, loads, borders = np.empty(4**BITS + 1, np.int64), np.empty(side), np.empty(workers + 1, np.int64)
     at_once = extents if get_num_threads() == 1 else NO_EXTENTS  # several threads would write to the same cells
     part_vertices.thin(strands, sketch, view, side, kept, found, places, costs, at_once)
-    there = part_order.sort(found, places, costs, begin, loads, order, borders)
+    there = map_parts.sort(found, places, costs, begin, loads, order, borders)
     found_parts = PartsInMap(kept, order[:there], borders)
     if len(extents) > len(at_once):
         opacity_maps.measure(found_parts, side, extents)

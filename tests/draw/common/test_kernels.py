@@ -16,7 +16,7 @@ from strandcli.draw.coverage.kernels import cells, fragments
 from strandcli.draw.coverage.kernels import ribbon as coverage_ribbon
 from strandcli.draw.fibre.kernels import chiang, diffuse, dual, marschner
 from strandcli.draw.film.kernels import film
-from strandcli.draw.geometry.kernels import curves, joints, piece_counts, ribbon, tangents
+from strandcli.draw.geometry.kernels import curves, piece_counts, ribbon, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.lighting.kernels.inputs import StrandColour
 from strandcli.draw.shadows.kernels import (
@@ -71,7 +71,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "to_screen": (project.to_screen, (WORK, 8, ROW)),
     "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE, None)),
     "line": (lines.draw_line, (1, STEPS, lines.Window(0, 8, 8), np.uint64(1), KEYS)),
-    "mitre": (joints.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
+    "mitre": (ribbon.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
     "lines": (lines.prepare, (TABLE, 0, 1, lines.Window(0, 8, 8), STEPS)),
     "ribbon": (raster.draw_ribbon, (TABLE, 1, 0, 4, ONE, ONE, SLOPE, lines.Window(0, 8, 8), np.uint64(1), KEYS)),
     "measure ribbon": (ribbon.measure_ribbon, (TABLE, 1, 0, 4, ONE, ONE, True)),

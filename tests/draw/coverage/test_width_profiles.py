@@ -12,7 +12,7 @@ from strand_kit import groom_of, scene_of
 from strandcli.blocks import lanes
 from strandcli.draw.coverage.kernels import width_profiles as kernel
 from strandcli.draw.fibre import chiang, marschner
-from strandcli.draw.fibre.width_tables import N_PHI, N_THETA
+from strandcli.draw.fibre.tables import N_PHI, N_THETA
 from strandcli.jit import parallel
 from strandcli.registry import FIBRES
 from strandcli.scene.model import Material, Scene

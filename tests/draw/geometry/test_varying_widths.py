@@ -16,7 +16,7 @@ from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines, flatten
 from strandcli.draw.geometry.extent import Thickness, lost_of, widths_of
 from strandcli.draw.lighting.kernels import occlusion_cells
-from strandcli.draw.lighting.kernels.occlusion_columns import BOX_SIZE, CHANNELS, DENSITY
+from strandcli.draw.lighting.kernels.occlusion import BOX_SIZE, CHANNELS, DENSITY
 from strandcli.draw.shadows.kernels.map_parts import WIDE
 from strandcli.draw.shadows.shares import share_of
 from strandcli.draw.shadows.strands_in_map import Drawn, chances_of, parts_in_map, simplified

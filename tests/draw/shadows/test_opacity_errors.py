@@ -11,7 +11,7 @@ import pytest
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
-from strandcli.draw.lighting.pack_lights import pack_lights
+from strandcli.draw.lighting.lighting import pack_lights
 from strandcli.draw.shadows.kernels import minmax as minmax
 from strandcli.draw.shadows.kernels import opacity
 from strandcli.draw.shadows.shadow import plan_maps

@@ -15,8 +15,7 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.fibre import dual
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
-from strandcli.draw.lighting.lighting import given
-from strandcli.draw.lighting.pack_lights import pack_lights
+from strandcli.draw.lighting.lighting import given, pack_lights
 from strandcli.draw.shadows.kernels import opacity, percentage_closer
 from strandcli.draw.shadows.kernels.shadow_arrays import ShadowArrays
 from strandcli.draw.shadows.shadow import map_arrays, plan_maps

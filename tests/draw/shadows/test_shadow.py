@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
-from strandcli.draw.lighting.pack_lights import pack_lights
+from strandcli.draw.lighting.lighting import pack_lights
 from strandcli.draw.shadows.kernels.minmax import transmittance
 from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from strand_kit import frames_of, scene_of
-from strandcli.draw.solids.kernels.subsurface import scattered
+from strandcli.draw.solids.kernels.coat import scattered
 
 WIDTHS = [0.05, 0.3, 1.0]
 

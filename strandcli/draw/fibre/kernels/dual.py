@@ -28,6 +28,9 @@ PALER = np.float32(4.0)
 DECAY, MIRROR, BEAM, ON, BACK, ROUND, COSINE = 0, 3, 6, 9, 12, 15, 18
 SPREAD, WIDTH, OWN = 21, 22, 23
 
+HALF_WAY = np.float32(2.0)
+"""Optical depth τ at the middle of the table of light that strands take from what lies behind them."""
+
 MEAN_DECAY, MEAN_MIRROR, MEAN_BEAM, MEAN_ON, MEAN_BACK = range(5)
 """Rows of the averaged streams: κ, R, k₀, P and Q."""
 

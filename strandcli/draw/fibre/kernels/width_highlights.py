@@ -1,4 +1,4 @@
-"""The lobes of wide strands across their width, from tables (see `strandcli.draw.fibre.width_tables`)."""
+"""The lobes of wide strands across their width, from tables (see `strandcli.draw.fibre.tables`)."""
 
 from __future__ import annotations
 

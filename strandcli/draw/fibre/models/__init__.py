@@ -23,7 +23,7 @@ It may have, too,
   write under `material.parameters`. Shipped models' settings stand in `material` itself;
 * ``plan(material)`` — in words what `strandcli plan` says of it;
 * ``memory(material)`` — bytes that its tables take;
-* ``columns(material)`` — its lobes in each column across a wide strand (`strandcli.draw.fibre.width_tables`), for
+* ``columns(material)`` — its lobes in each column across a wide strand (`strandcli.draw.fibre.tables`), for
   models with azimuthal tables; without them the light is even across;
 * ``optics(material)`` — how `strandcli study --axis tables` measures it (`strandcli.study.pictures.optics.Optics`).
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import device
+from ....jit import device, inlined
 from ...common.kernels.batch import ARRIVES, COLOUR, EX, EXTRA, LX, RADIANCE, REACH, TX, X
 
 ZERO = np.float32(0.0)
@@ -42,3 +42,22 @@ def swap(work, a, b, which):
             work[row + a], work[row + b] = work[row + b], work[row + a]
     for row in (REACH, ARRIVES):
         work[row + a], work[row + b] = work[row + b], work[row + a]
+
+
+@device
+def longest(first, begin, end):
+    """Return the number of vertices of the longest of the strands begin … end − 1."""
+    most = np.int64(0)
+    for s in range(begin, end):
+        most = max(most, first[s + 1] - first[s])
+    return most
+
+
+@inlined
+def find_marked(marks, begin, end, marked):
+    """Write the marked vertices from begin … end − 1 to ``marked``, without branches; return how many they are."""
+    n = np.uint64(0)
+    for v in range(begin, end):
+        marked[n] = v
+        n += np.uint64(marks[v] != 0)
+    return n

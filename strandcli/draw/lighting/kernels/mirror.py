@@ -24,7 +24,7 @@ from ...common.kernels.surface_batch import BEFORE, NX, NY, NZ, PIXEL
 from ...solids.kernels import coat, rays
 from . import occlusion
 from .light import toward
-from .occlusion_columns import COUNT_X, PER_METRE_X
+from .occlusion import COUNT_X, PER_METRE_X
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)

@@ -6,19 +6,6 @@ import numpy as np
 
 from ....jit import device, function, inlined
 from ....simd import floor, gather, gather4, pointer
-from .occlusion_columns import (
-    COUNT_X,
-    COUNT_Y,
-    COUNT_Z,
-    FADE,
-    MEAN,
-    MIDDLE_X,
-    MIDDLE_Y,
-    MIDDLE_Z,
-    PER_METRE_X,
-    PER_METRE_Y,
-    PER_METRE_Z,
-)
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -27,6 +14,20 @@ START, NUMBERS = np.int64(0), np.int64(4)
 """Where cells begin in memory, and the numbers of each."""
 COSINE = np.float32(2.0 / 3.0)
 """Weight of the linear part for a surface: its mean over the hemisphere, weighted by the cosine."""
+# The box, float32: centre of the first cell, cells a metre, and number of cells, along x, y and z.
+MIDDLE_X, MIDDLE_Y, MIDDLE_Z = 0, 1, 2
+PER_METRE_X, PER_METRE_Y, PER_METRE_Z = 3, 4, 5
+COUNT_X, COUNT_Y, COUNT_Z = 6, 7, 8
+FADE = 9
+"""Distance from the box, metres, at which occlusion has fallen to a fourth."""
+BOX_SIZE = 10
+DENSITY = 0
+"""ρ of a cell: Σ width · length / volume, 1/m."""
+XX, XY, XZ, YY, YZ, ZZ = 1, 2, 3, 4, 5, 6
+"""M of a cell: the same sum over t tᵀ of the unit directions t, 1/m."""
+CHANNELS = 7
+MEAN, SLOPE_X, SLOPE_Y, SLOPE_Z = range(4)
+"""v₀ and v of the linear fit of a cell's visibility."""
 
 
 @device

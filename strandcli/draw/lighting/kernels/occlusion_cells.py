@@ -9,7 +9,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device, function
 from ....jit.indices import FIRST, SECOND, THIRD
-from .occlusion_columns import (
+from .occlusion import (
     COUNT_X,
     COUNT_Y,
     COUNT_Z,

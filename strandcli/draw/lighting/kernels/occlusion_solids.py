@@ -15,11 +15,11 @@ from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.outside import count as count_solids
 from ....solids.kernels.outside import outside
 from ...common.kernels import batch
-from ...common.kernels.soft_rows import LEAST, RADIUS
+from ...common.kernels.batch import LEAST, RADIUS
 from ...shadows.kernels import penumbra
 from ...shadows.kernels.soft_distances import by_distances
 from ...solids.kernels import rays
-from .occlusion_columns import DENSITY, MIDDLE_X, MIDDLE_Y, MIDDLE_Z
+from .occlusion import DENSITY, MIDDLE_X, MIDDLE_Y, MIDDLE_Z
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)

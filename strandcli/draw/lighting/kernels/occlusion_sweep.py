@@ -20,7 +20,7 @@ from ....jit import device, parallel, prange
 from ....solids.kernels.outside import count as count_solids
 from ...common.kernels import batch
 from ...common.kernels.approximations import exp
-from .occlusion_columns import (
+from .occlusion import (
     DENSITY,
     MEAN,
     SLOPE_X,

@@ -26,8 +26,7 @@ from ...common.kernels.surface_batch import (
     TRUE_Z,
 )  # fmt: skip
 from ...solids.kernels import coat
-from ...solids.kernels.coat import SUBSURFACE
-from ...solids.kernels.subsurface import scattered
+from ...solids.kernels.coat import SUBSURFACE, scattered
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -104,7 +103,7 @@ def reflect(work, n, lights, i):
 
 @device
 def reflect_from_below(work, n, lights, i, coats, which):
-    """As `reflect`, of a surface under which light spreads (`strandcli.draw.solids.kernels.subsurface`)."""
+    """As `reflect`, of a surface under which light spreads (`strandcli.draw.solids.kernels.coat`)."""
     for c in range(3):
         width = coats[which, SUBSURFACE + c]
         for k in range(n):

@@ -61,8 +61,7 @@ from ...shadows.kernels.soft_shadows import soft_shadows
 from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shade_by_minmax
 from .ambient import ambient_light
 from .light import toward
-from .lit_vertices import lit_first
-from .marked_vertices import find_marked, longest
+from .lit_vertices import find_marked, lit_first, longest
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)

@@ -28,6 +28,7 @@ from ...common.kernels.surface_batch import (
     SX,
     SY,
     THERE,
+    TONE,
     UNDER,
 )
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
@@ -35,11 +36,12 @@ from ...solids.kernels import appearance, coat, rays
 from . import occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z
 from .light import SURFACE, around
-from .mottle import mottle
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-6)
+HALF = np.float32(0.5)
+INF = np.float32(np.inf)
 
 
 @device
@@ -188,3 +190,25 @@ def patch(work, n, coats, which):
         facing = nx * work[EX + k] + ny * work[EY + k] + nz * work[EZ + k]
         work[ACROSS + k] = work[PIXEL + k] / max(facing, TINY)  # wider where the surface is seen at a slant
     mottle(work, n, coats[which, coat.MOTTLE], coats[which, coat.GRAIN])
+
+
+@device
+def mottle(work, n, strength, grain):
+    """Multiply the light under a coat by that of patches; grain: width of the largest, metres."""
+    for k in range(n):
+        work[TONE + k] = ZERO
+    size, weight = grain, HALF
+    for octave in range(coat.OCTAVES):
+        least = INF
+        for k in range(n):
+            least = min(least, work[ACROSS + k])
+        if least < size:  # finer octaves are not shown at all
+            for k in range(n):
+                work[TONE + k] = coat.add_octave(
+                    work[TONE + k], work[X + k], work[Y + k], work[Z + k], size, work[ACROSS + k], weight,
+                    np.uint32(octave),
+                )  # fmt: skip
+        size *= HALF
+        weight *= coat.FAINTER
+    for k in range(n):
+        work[UNDER + k] *= ONE + strength * min(max(work[TONE + k], -ONE), ONE)

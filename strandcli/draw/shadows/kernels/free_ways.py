@@ -16,9 +16,8 @@ from ....constants import W
 from ....jit import device, parallel, prange
 from ....simd import broadcast, floor, gather, lane_count, load, load3, pointer, store, where
 from ....solids.kernels import other_edges
-from ...common.kernels.batch import X, Y, Z
+from ...common.kernels.batch import LEAST, LIST, RADIUS, WX, X, Y, Z
 from ...common.kernels.light_columns import LIGHT_SIZE
-from ...common.kernels.soft_rows import LEAST, LIST, RADIUS, WX
 from ...common.kernels.view_columns import (
     AXIS_X,
     AXIS_Y,

@@ -30,9 +30,9 @@ from ....simd import any_lane, floor, gather4, lane_count, load, pointer, sqrt, 
 from ...common.kernels.approximations import exp_lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, PER_FALL
-from ...common.kernels.loss import HALF_WAY
 from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, COLUMNS, LEFT, RADIUS
 from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
+from ...fibre.kernels.dual import HALF_WAY
 from . import opacity
 from .deep_map import DeepMap, cell_at, cells_in, heads_of, layers_of, passed_at, passed_in_cell
 from .filter_window import WIDEST, column_of, row_of, store_columns, windows_about

@@ -13,7 +13,6 @@ import numpy as np
 
 from ....jit import device, inlined, parallel, prange
 from ....simd import deinterleave, half_width_pointer, lane_count, load3, movemask, pointer
-from ...common.kernels.bits import popcount
 
 ZERO = np.float32(0.0)
 TINY = np.float32(1e-30)
@@ -35,6 +34,15 @@ ODD = np.array([0xAAAA, 0x5555], np.uint64)
 BETWEEN = np.array([0x4444, 0x8888, 0x1111, 0x2222], np.uint64)
 """Those between two of them, by the number that the strand begins with, modulo 4."""
 NONE, ONE, BITS, LAST, ALL = np.uint64(0), np.uint64(1), np.uint64(WORD), np.uint64(WORD - 1), np.uint64(0xFFFF)
+
+
+@inlined
+def popcount(x):
+    """Return the number of set bits of a uint64, by sums over pairs of bits, groups of four, bytes, and all bytes."""
+    x -= (x >> np.uint64(1)) & np.uint64(0x5555555555555555)
+    x = (x & np.uint64(0x3333333333333333)) + ((x >> np.uint64(2)) & np.uint64(0x3333333333333333))
+    x = (x + (x >> np.uint64(4))) & np.uint64(0x0F0F0F0F0F0F0F0F)
+    return (x * np.uint64(0x0101010101010101)) >> np.uint64(56)
 
 
 @parallel
@@ -176,3 +184,20 @@ def write_word(world, along, low, begin, last, bits, at, out_world, out_along):
         out_world[at, 0], out_world[at, 1], out_world[at, 2] = world[place, 0], world[place, 1], world[place, 2]
         out_along[at] = np.float32(np.int64(place) - begin) * per if along is None else along[place]
         at += ONE
+
+
+@parallel
+def copy(first, world, along, chosen, out_first, out_world, out_along):
+    """Copy the vertices of the strands with the numbers `chosen` (C,).
+
+    first (S + 1,), world (V, 3), along (V,) or None: of `Polylines`; out_first (C + 1,): first vertex of each of them;
+    out_world (K, 3), out_along (K,) out, the latter not where `along` is None."""
+    count = chosen.shape[0]
+    for task in prange((count + STRANDS - 1) // STRANDS):
+        for k in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, count)):
+            begin, at = np.uint64(first[chosen[k]]), np.uint64(out_first[k])
+            for v in range(np.uint64(out_first[k + 1]) - at):
+                for c in range(np.uint64(3)):
+                    out_world[at + v, c] = world[begin + v, c]
+                if along is not None:
+                    out_along[at + v] = along[begin + v]

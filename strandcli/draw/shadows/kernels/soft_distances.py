@@ -14,8 +14,7 @@ from ....constants import W
 from ....jit import device, inlined
 from ....simd import lane_count, load, load3, pointer, store, where
 from ....solids.kernels import other, other_edges
-from ...common.kernels.batch import LX, LY, LZ, REACH, X, Y, Z
-from ...common.kernels.soft_rows import (
+from ...common.kernels.batch import (
     ASKED,
     AT_NEAR,
     DX,
@@ -26,11 +25,18 @@ from ...common.kernels.soft_rows import (
     HIGH,
     LEAST,
     LIST,
+    LX,
+    LY,
+    LZ,
     NEAR,
     RADIUS,
+    REACH,
     WX,
     WY,
     WZ,
+    X,
+    Y,
+    Z,
 )
 from .free_ways import list_others
 

@@ -15,10 +15,8 @@ from ....jit import device, function, inlined
 from ....solids.kernels import other
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.shapes import capsule, plane, sphere
-from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, X, Y, Z
-from ...common.kernels.golden_section import CLOSER
-from ...common.kernels.light_columns import KIND, LIGHT_SIZE
-from ...common.kernels.soft_rows import (
+from ...common.kernels.batch import (
+    ARRIVES,
     ASKED,
     AT_FAR,
     AT_NEAR,
@@ -31,12 +29,21 @@ from ...common.kernels.soft_rows import (
     LEAST,
     LIST,
     LOW,
+    LX,
+    LY,
+    LZ,
     NEAR,
     RADIUS,
+    REACH,
     WX,
     WY,
     WZ,
+    X,
+    Y,
+    Z,
 )
+from ...common.kernels.golden_section import CLOSER
+from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from . import penumbra
 from .soft_distances import by_distances, by_distances_of_some
 

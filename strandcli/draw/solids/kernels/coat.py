@@ -42,6 +42,7 @@ WATER = np.float32(0.02)
 COAT, ROUGH, MOTTLE, GRAIN = 0, 1, 2, 3
 SUBSURFACE = 4
 """Columns of `strandcli.draw.solids.solids.coats_of`; the last one is followed by those of green and blue."""
+THIRD = np.float32(1.0 / 3.0)
 
 
 @inlined
@@ -150,3 +151,13 @@ def value(a, b, c, seed):
     bits = np.uint32((bits ^ (bits >> np.uint32(15))) * np.uint32(0x846CA68B))
     bits = np.uint32(bits ^ (bits >> np.uint32(16)))
     return np.float32(bits >> np.uint32(8)) * BITS
+
+
+@function
+def scattered(cosine, width):
+    """Return the share of a light's irradiance that leaves a surface on which it falls at a cosine, −1 to 1; width: w
+    of the module's docstring, 0 to 1."""
+    share = max(cosine, ZERO)
+    if width > ZERO and abs(cosine) < width:
+        share = (cosine + width) * (cosine + width) * QUARTER / width
+    return share / (ONE + width * width * THIRD)
