@@ -15,6 +15,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import tube
 
+from shadow_kit import soft_visibility
 from strandcli.draw.shadows.kernels import penumbra
 from strandcli.draw.solids.kernels import rays
 from strandcli.groom.emit import emit
@@ -94,7 +95,7 @@ def test_rays_and_shadows_are_those_of_the_capsules() -> None:
         way = d / np.linalg.norm(d)
         lit = [rays.visibility(solids, *point, *way.astype(np.float32), FAR, SKIN) for solids in (one, many)]
         soft = [
-            float(penumbra.soft_visibility(
+            float(soft_visibility(
                 solids, penumbra.LightRay(*point, *way.astype(np.float32), FAR), SKIN, np.float32(0.02), np.float32(0)
             )) for solids in (one, many)
         ]  # fmt: skip

@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "examples"))
 
 import solid_shape as ring
 
+from shadow_kit import soft_visibility
 from strandcli.draw.shadows.kernels import penumbra
 from strandcli.draw.solids.kernels import rasterise, rays
 from strandcli.draw.solids.solids import frames_of
@@ -128,13 +129,13 @@ def test_its_shadow_on_the_ground_is_a_ring_and_soft_in_a_wide_light() -> None:
         hidden = abs(off - R) < THICK
         assert rays.visibility(solids, *point, *up, FAR, SKIN) == (0 if hidden else 1)
         ray = penumbra.LightRay(*point, *up, FAR)
-        share = float(penumbra.soft_visibility(solids, ray, SKIN, np.float32(0.02), np.float32(0)))
+        share = float(soft_visibility(solids, ray, SKIN, np.float32(0.02), np.float32(0)))
         far = abs(abs(off - R) - THICK) > 0.03  # the light is .02 m wide there at the distance of a metre
         assert not far or share == pytest.approx(0 if hidden else 1, abs=1e-3)
         assert 0 <= share <= 1
     edge = np.array([R + THICK, -1.0, 0.0], np.float32)
     ray = penumbra.LightRay(*edge, *up, FAR)
-    half = float(penumbra.soft_visibility(solids, ray, SKIN, np.float32(0.02), np.float32(0)))
+    half = float(soft_visibility(solids, ray, SKIN, np.float32(0.02), np.float32(0)))
     assert half == pytest.approx(0.5, abs=0.08)
 
 

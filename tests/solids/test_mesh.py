@@ -15,9 +15,11 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 import ball_kit
+from shadow_kit import soft_visibility
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
 from strandcli.draw.common.kernels.light_columns import LIGHT_SIZE
+from strandcli.draw.shadows.free_ways import NO_FREE_WAYS
 from strandcli.draw.shadows.kernels import penumbra
 from strandcli.draw.shadows.kernels.soft_shadows import soft_shadows
 from strandcli.draw.solids.kernels import rays
@@ -127,9 +129,7 @@ def test_soft_shadows_are_those_of_the_sphere(balls: dict[int, Path]) -> None:
     for across in np.linspace(0, 1, 81):
         point = np.array(AT) + np.array((across * 0.8, -1.5, across * 0.6))
         ray = penumbra.LightRay(*point.astype(np.float32), *up, FAR)
-        share = [
-            float(penumbra.soft_visibility(one, ray, SKIN, np.float32(0.1), np.float32(0))) for one in (solids, exact)
-        ]
+        share = [float(soft_visibility(one, ray, SKIN, np.float32(0.1), np.float32(0))) for one in (solids, exact)]
         off.append(abs(share[0] - share[1]))
     assert max(off) < 0.12
     assert float(np.mean(off)) < 0.01
@@ -151,9 +151,9 @@ def test_many_rays_at_once_see_as_much_as_each_alone(balls: dict[int, Path], cou
     work[batch.REACH // W], work[batch.ARRIVES // W] = FAR, 1
     lights = np.zeros((1, 16), np.float32)
     lights[0, LIGHT_SIZE] = 0.3
-    soft_shadows(work.reshape(-1), count, lights, 0, solids, SKIN, None)
+    soft_shadows(work.reshape(-1), count, lights, 0, solids, SKIN, NO_FREE_WAYS)
     rays_ = [penumbra.LightRay(*one, FAR) for one in np.hstack([points, ways]).astype(np.float32)]
-    alone = np.array([penumbra.soft_visibility(solids, ray, SKIN, np.float32(0.3), np.float32(0)) for ray in rays_])
+    alone = np.array([soft_visibility(solids, ray, SKIN, np.float32(0.3), np.float32(0)) for ray in rays_])
     assert np.abs(work[batch.ARRIVES // W, :count] - alone).max() < 1e-4
     assert min((alone == 0).sum(), (alone == 1).sum(), ((alone > 0) & (alone < 1)).sum()) > count / 10
 

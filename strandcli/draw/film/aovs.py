@@ -109,8 +109,8 @@ class Recorder:
         if "shadow" in self._names:
             through = np.ones(shape, np.float32)
             kernel.shadows(
-                self._found["strand_id"], keys, self._samples, point, lighting.lights, map_arrays(lighting.maps),
-                solids, lighting.skin, lighting.sized, through,
+                self._found["strand_id"], keys, self._samples, point, *lighting.at_points(),
+                map_arrays(lighting.maps), solids, through,
             )  # fmt: skip
             self._found["shadow"] = through
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...scene.model import DirectionalLight, Light
 from ...solids import Solids
-from ..common.kernels.light_columns import COLUMNS, LIGHT_SIZE
+from ..common.kernels.light_columns import COLUMNS, LIGHT_SIZE, STRAND_WIDTH
 from ..coverage.kernels.width_profiles import Profiles
 from ..geometry.curves import Polylines
 from ..shadows.free_ways import NO_FREE_WAYS, FreeWays, free_ways
@@ -170,7 +170,8 @@ class Lighting:
             Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN), hidden,
                    lattice.wanted, top, bottom, ANY_TRIANGLE if len(spots) else self.triangles),
             self._surround(),
-            StrandLight(self.palette.colour, given(self.palette.loss, 4)), self._lights(given(None, 0), lattice),
+            StrandLight(self.palette.colour, given(self.palette.loss, 4)),
+            replace(self, free=NO_FREE_WAYS)._lights(given(None, 0), lattice),
             map_arrays(self.maps), self.solids, coating_of(seen, paint), image,
         )  # fmt: skip
 
@@ -186,6 +187,12 @@ class Lighting:
             self._lights(given(None, 0), lattice), self.solids,
             coating_of(seen, paint_of(seen, self.scene.emitter, self.at)), image,
         )  # fmt: skip
+
+    def at_points(self) -> tuple[Lights, Lights]:
+        """Return the lights for single points: of strands, which do not shade themselves, and of solids."""
+        of_strands, rows = replace(self, free=NO_FREE_WAYS), self.lights.copy()
+        rows[:, STRAND_WIDTH] = 0
+        return of_strands._lights(given(None, 0)), replace(of_strands, lights=rows)._lights(given(None, 0))
 
     def _surround(self) -> Surround:
         found = self.occlusion

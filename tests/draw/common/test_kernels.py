@@ -19,9 +19,9 @@ from strandcli.draw.film.kernels import film
 from strandcli.draw.geometry.kernels import curves, piece_counts, ribbon, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.lighting.kernels.inputs import StrandColour
+from strandcli.draw.shadows.free_ways import NO_FREE_WAYS
 from strandcli.draw.shadows.kernels import (
     minmax,
-    opacity,
     penumbra,
     percentage_closer,
     shadow_arrays,
@@ -96,12 +96,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "shadow lines": (minmax.prepare, (TABLE, 0, 1, 0, 8, 8, ONE, ONE, TEXEL_STEPS)),
     "shadow line": (minmax.line, (1, TEXEL_STEPS, 0, 8, 8, np.ones((64, 2), np.float32))),
     "falloff": (minmax.falloff, (ONE, ONE, ONE)),
-    "transmittance": (
-        minmax.transmittance, (ONE, ONE, ONE, TABLE, 1, np.ones((64, 2), np.float32), PLACES, PLACES + 4, TABLE),
-    ),
-    "optical depth": (
-        opacity.optical_depth, (ONE, ONE, ONE, ONE, TABLE, 1, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE),
-    ),
     "locate": (percentage_closer.locate, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
     "percentage closer": (
         percentage_closer.transmittance,
@@ -124,11 +118,9 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "plane": (plane.meet, (TABLE, 1, *[ONE] * 6)),
     "box": (box.meet, (TABLE, 1, *[ONE] * 6)),
     "normal": (rays.normal, (SOLIDS, 1, ONE, ONE, ONE)),
-    "penumbra": (penumbra.soft_visibility, (SOLIDS, RAY, ONE, ONE, ONE)),
-    "penumbra of a capsule": (penumbra.capsule, (TABLE, 1, RAY, ONE, ONE)),
     "penumbra of a box": (penumbra.box, (TABLE, 1, RAY, ONE, ONE)),
     "lit solids": (rays.visibility, (SOLIDS, *[ONE] * 8)),
-    "soft shadows": (soft_shadows.soft_shadows, (LIT, 1, TABLE, 1, SOLIDS, ONE, None)),
+    "soft shadows": (soft_shadows.soft_shadows, (LIT, 1, TABLE, 1, SOLIDS, ONE, NO_FREE_WAYS)),
     "ray": (rays.ray, (ROW, ONE, ONE)),
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
     "marschner": (

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from shadow_kit import optical_depth
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
@@ -50,7 +50,7 @@ def depth(maps: ShadowMaps, light: Light, point: np.ndarray) -> float:
     packed = pack_lights((light,), maps, BOX)
     x, y, z = np.asarray(point, np.float32)
     numbers = packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed
-    return float(opacity.optical_depth(x, y, z, np.float32(0), *numbers))
+    return float(optical_depth(x, y, z, np.float32(0), *numbers))
 
 
 def test_a_map_counts_projected_area() -> None:
@@ -84,10 +84,6 @@ def test_a_sheet_of_strands_lets_through_what_lies_between_them() -> None:
     below = [depth(maps, sun, np.array([x, -0.5, z])) for x in (-0.4, 0.0, 0.33) for z in (-0.3, 0.01)]
     assert np.mean(below) == pytest.approx(0.25, abs=0.02)
     assert [depth(maps, sun, np.array([x, 0.2, 0.1])) for x in (-0.4, 0.0, 0.33)] == [0, 0, 0]
-    packed = pack_lights((sun,), maps, BOX)
-    x, y, z = np.array([0.0, -0.5, 0.0], np.float32)
-    share = opacity.transmittance(x, y, z, np.float32(0), packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
-    assert float(share) == pytest.approx(math.exp(-depth(maps, sun, np.array([0, -0.5, 0]))), abs=1e-6)
 
 
 @pytest.mark.parametrize("light", [SUN, LAMP, INSIDE], ids=["sun", "lamp", "inside"])
@@ -151,7 +147,7 @@ def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
     for number, light in ((0, SUN), (2, LAMP)):
         x, y, z = point.astype(np.float32)
         numbers = (packed, number, maps.stacks, maps.starts, maps.sizes, maps.packed)
-        here = opacity.optical_depth(x, y, z, np.float32(0), *numbers)
+        here = optical_depth(x, y, z, np.float32(0), *numbers)
         assert float(here) == depth(maps_of(light, lines), light, point) > 0
 
 

@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from shadow_kit import minmax_transmittance, optical_depth
+from shadow_kit import transmittance as left_of
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
@@ -31,9 +33,9 @@ def off_by(
     packed = pack_lights((light,), maps, bounds)
     rest = packed, 0, maps.stacks if maps.deep else maps.texels, maps.starts, maps.sizes, maps.packed
     if maps.deep:
-        found = [opacity.transmittance(*point, packed[0, 13], *rest) for point in np.float32(points)]
+        found = [left_of(*point, packed[0, 13], *rest) for point in np.float32(points)]
     else:
-        found = [minmax.transmittance(*point, *rest) for point in np.float32(points)]
+        found = [minmax_transmittance(*point, *rest) for point in np.float32(points)]
     return np.array(found) - truth
 
 
@@ -44,7 +46,7 @@ def test_a_strand_alone_has_no_shadow_on_itself() -> None:
         maps = maps_of(SUN, lines, Thickness(0.02))
         packed = pack_lights((SUN,), maps, BOX)
         own = [
-            opacity.optical_depth(x, y, z, packed[0, 13], packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
+            optical_depth(x, y, z, packed[0, 13], packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
             for x, y, z in lines.world[1:-1]
         ]
         below = lines.world[1:-1] + 0.3 * np.array(SUN.direction, np.float32)
@@ -83,7 +85,7 @@ def test_where_strands_lie_apart_a_map_is_read_with_a_wider_window() -> None:
         asked = [np.float32((x, -0.5, 0.01)) for x in np.linspace(-0.3, 0.3, 200)]
         for width in (np.float32(0), packed[0, 13]):
             numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
-            spread[apart, width > 0] = np.array([opacity.optical_depth(*point, width, *numbers) for point in asked])
+            spread[apart, width > 0] = np.array([optical_depth(*point, width, *numbers) for point in asked])
     own = 0.375 * 0.01 * maps.views[0].focal / 2
     assert np.abs(spread[0.5, True] + own - spread[0.5, False]).mean() < 0.01
     assert -2 * own + 0.02 < spread[6, True].max() - spread[6, False].max() < -own - 0.02
@@ -108,8 +110,8 @@ def test_crowded_strands_let_less_light_through_than_independent_ones() -> None:
         for y in np.linspace(0.2, -0.1, 40, dtype=np.float32):
             place = np.float32(0.01), y, np.float32(0.02)
             own = 0.375 * share * step * maps.views[0].focal
-            independent = float(opacity.optical_depth(*place, np.float32(0), *numbers)) - own
-            found = float(opacity.optical_depth(*place, packed[0, 13], *numbers))
+            independent = float(optical_depth(*place, np.float32(0), *numbers)) - own
+            found = float(optical_depth(*place, packed[0, 13], *numbers))
             grown = float(opacity.CROWDED) * share**2 * independent**2
             assert found == pytest.approx(independent + grown, abs=0.005 + 0.35 * grown)
             assert found <= independent * -np.log(1 - share) / share + 1e-3

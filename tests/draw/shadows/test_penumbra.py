@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from shadow_kit import soft_visibility
 from strand_kit import frames_of, scene_of
 from strandcli import load
 from strandcli.draw.shadows.kernels import penumbra
@@ -68,7 +69,7 @@ def test_a_round_light_is_hidden_as_much_as_rays_find(name: str) -> None:
     found, right = [], []
     for x in np.linspace(-1.6, 1.6, 65):
         where = np.array([x, -1.2, 0.05])
-        one = penumbra.soft_visibility(packed, ray_of(where, middle), SKIN, np.float32(radius), np.float32(0))
+        one = soft_visibility(packed, ray_of(where, middle), SKIN, np.float32(radius), np.float32(0))
         found.append(float(one))
         right.append(by_rays(packed, where, middle, radius))
     assert min(right) < 0.5
@@ -90,7 +91,7 @@ def test_a_light_of_almost_no_size_is_a_point(name: str) -> None:
         middle -= where  # often enough toward the solid
         middle /= np.linalg.norm(middle)
         numbers = (*where.astype(np.float32), *middle.astype(np.float32), FAR, SKIN)
-        tiny = penumbra.soft_visibility(packed, ray_of(where, middle), SKIN, np.float32(1e-4), np.float32(0))
+        tiny = soft_visibility(packed, ray_of(where, middle), SKIN, np.float32(1e-4), np.float32(0))
         differ += abs(tiny - cast.visibility(packed, *numbers)) > 0.01
     assert differ <= 2
 
@@ -104,9 +105,7 @@ def test_a_lamp_is_as_wide_as_it_is_near() -> None:
     where = np.array([0.0, 0.0, 0.0])
     reach = np.linalg.norm(lamp - where)
     way = (lamp - where) / reach
-    found = penumbra.soft_visibility(
-        packed, ray_of(where, way, np.float32(reach)), SKIN, np.float32(radius), np.float32(1)
-    )
+    found = soft_visibility(packed, ray_of(where, way, np.float32(reach)), SKIN, np.float32(radius), np.float32(1))
     x = height / radius
     assert found == pytest.approx(1 - (math.acos(x) - x * math.sqrt(1 - x * x)) / math.pi, abs=1e-4)
 

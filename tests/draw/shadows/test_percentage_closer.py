@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from shadow_kit import optical_depth
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
 from strandcli.draw.common.scratch import Scratch
@@ -54,7 +55,7 @@ def left(
     packed = pack_lights((light,), maps, bounds)
     if by is opacity:
         numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
-        return np.exp([-opacity.optical_depth(x, y, z, packed[0, 13], *numbers) for x, y, z in np.float32(points)])
+        return np.exp([-optical_depth(x, y, z, packed[0, 13], *numbers) for x, y, z in np.float32(points)])
     found = in_batches(points, loss, packed, map_arrays(maps))
     return found[:, 0] if loss is None else found
 

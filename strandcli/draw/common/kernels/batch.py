@@ -46,7 +46,7 @@ INSIDE = layout.allocate_row("inside of a map", strands="light:maps", surfaces="
 U, V = layout.allocate("place in a map", 2, strands="maps", surfaces="maps")
 DEPTH = layout.allocate_row("depth in a map", strands="maps", surfaces="maps")
 # Eight numbers of the texels around a vertex, or results from opacity maps.
-TEXELS = layout.allocate("texels", 8, strands="maps")[0]
+TEXELS = layout.allocate("texels", 8, strands="maps", surfaces="maps")[0]
 # Optical depth of the strands in front of a vertex and behind it; falloff × visibility without strands.
 PASSED, LEFT = layout.allocate("strands before and behind", 2, strands="maps:dual")
 UNBLOCKED = layout.allocate_row("what arrives without strands", strands="maps:dual")

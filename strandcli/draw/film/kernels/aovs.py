@@ -8,9 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ....constants import W
 from ....jit import device, parallel, prange
+from ...common.kernels.batch import ARRIVES, ROWS, X
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
-from ...common.kernels.light_columns import MAP_LAYERS, POWER_B, POWER_G, POWER_R, STRAND_WIDTH
+from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from ...common.kernels.view_columns import (
     AXIS_X,
     AXIS_Y,
@@ -30,9 +32,8 @@ from ...common.kernels.view_columns import (
 )
 from ...coverage.kernels.composite import OPAQUE
 from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, between, tile_at
-from ...lighting.kernels.light import toward
-from ...shadows.kernels import opacity, penumbra
-from ...shadows.kernels.minmax import transmittance
+from ...lighting.kernels.shade_strands import aim, past_solids, past_strands
+from ...shadows.kernels.free_ways import FreeWays
 from ...solids.kernels import rays
 
 ZERO = np.float32(0.0)
@@ -221,43 +222,62 @@ def depths(keys, shares, samples, view, solids, depth, mask, point, ids):
 
 
 @parallel
-def shadows(ids, keys, samples, point, lights, maps, solids, skin, sized, out):
+def shadows(ids, keys, samples, point, lights, bare, maps, solids, out):
     """Write the share of the irradiance of all lights that reaches the visible points, by luminance (Rec. 709).
 
-    lights (n, `light_columns.COLUMNS`); maps: `ShadowArrays`; solids: `Solids`; skin, sized: as in `inputs.Lights`; out
-    (height, width): unchanged in empty pixels and without lights.
+    lights, bare: `inputs.Lights` for points of strands, and for points of solids; maps: `ShadowArrays`; solids:
+    `Solids`; out (height, width): unchanged in empty pixels and without lights.
     """
     height, width = ids.shape
-    texels, stacks, starts, sizes, views = maps.texels, maps.stacks, maps.starts, maps.sizes, maps.views
-    for y in prange(height):
-        for x in range(width):
-            if ids[y, x] == -1:
-                continue
-            px = point[y, x, 0]
-            py = point[y, x, 1]
-            pz = point[y, x, 2]
-            sx = px
-            sy = py
-            sz = pz
-            if ids[y, x] == -2:
-                which = np.int64((nearest(keys, samples, width, y, x)[0] & LOW) - FIRST)
-                nx, ny, nz = rays.normal(solids, which, px, py, pz)
-                sx += nx * skin
-                sy += ny * skin
-                sz += nz * skin
-            whole = ZERO
-            arrives = ZERO
-            for i in range(lights.shape[0]):
-                lx, ly, lz, reach, falloff = toward(lights, i, px, py, pz)
-                power = falloff * (RED * lights[i, POWER_R] + GREEN * lights[i, POWER_G] + BLUE * lights[i, POWER_B])
-                whole += power
-                ray = penumbra.LightRay(sx, sy, sz, lx, ly, lz, reach)
-                power *= penumbra.visibility(solids, ray, skin, lights, i, sized)
-                if power > ZERO and lights[i, MAP_LAYERS] == ZERO:
-                    power *= transmittance(px, py, pz, lights, i, texels, starts, sizes, views)
-                if power > ZERO and lights[i, MAP_LAYERS] > ZERO:
-                    wide = ZERO if ids[y, x] == -2 else lights[i, STRAND_WIDTH]
-                    power *= opacity.transmittance(px, py, pz, wide, lights, i, stacks, starts, sizes, views)
-                arrives += power
-            if whole > ZERO:
-                out[y, x] = arrives / whole
+    for row in prange(height):
+        y = np.int64(row)
+        work, which = np.empty(ROWS * W, np.float32), np.empty(W, np.int64)
+        places, sums = np.empty(6 * W, np.float32), np.empty(2 * W, np.float32)
+        for solid in (False, True):
+            n = np.int64(0)
+            for x in range(width):
+                if ids[y, x] != -1 and (ids[y, x] == -2) == solid:
+                    which[n] = x
+                    for c in range(3):
+                        places[c * W + n] = places[(3 + c) * W + n] = point[y, x, c]
+                    if solid:
+                        rise(nearest(keys, samples, width, y, x)[0], solids, bare.skin, places, n)
+                    n += 1
+                if n == W or (x == width - 1 and n > 0):
+                    shade_points(work, n, places, bare if solid else lights, maps, solids, sums)
+                    for k in range(n):
+                        if sums[W + k] > ZERO:
+                            out[y, which[k]] = sums[k] / sums[W + k]
+                    n = np.int64(0)
+
+
+@device
+def rise(key, solids, skin, places, k):
+    """Move item k of the second three rows of places, where its shadow rays begin, above the solid of a key."""
+    nx, ny, nz = rays.normal(solids, np.int64((key & LOW) - FIRST), places[k], places[W + k], places[2 * W + k])
+    places[3 * W + k] += nx * skin
+    places[4 * W + k] += ny * skin
+    places[5 * W + k] += nz * skin
+
+
+@device
+def shade_points(work, n, places, lights, maps, solids, sums):
+    """Write the luminance of all lights at n points to sums (2 W,): past strands and solids, and without these. places
+    (6 W,): the points, and where their shadow rays begin; work: rows of `batch`."""
+    rows = lights.rows
+    sums[:] = ZERO
+    for i in range(rows.shape[0]):
+        power = RED * rows[i, POWER_R] + GREEN * rows[i, POWER_G] + BLUE * rows[i, POWER_B]
+        for k in range(3 * W):
+            work[X + k] = places[k]
+        aim(work, n, rows, i)
+        for k in range(n):
+            sums[W + k] += power * work[ARRIVES + k]
+        for k in range(3 * W):
+            work[X + k] = places[3 * W + k]
+        past_solids(work, n, rows, i, solids, lights.skin, lights.sized, FreeWays(lights.free, lights.free_views))
+        for k in range(3 * W):
+            work[X + k] = places[k]
+        past_strands(work, n, lights, i, maps, None)
+        for k in range(n):
+            sums[k] += power * work[ARRIVES + k]

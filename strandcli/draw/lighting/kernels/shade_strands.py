@@ -221,7 +221,7 @@ def add_light(work, n, which, i, diffuse, tables, dual, lights, shadows, wide):
 @device
 def past_solids(work, n, lights, i, solids, skin, sized, free):
     """Multiply the rows `ARRIVES` by the visibility of light number i past solids; sized: None for hard shadows; free:
-    `FreeWays`, or None."""
+    `FreeWays`."""
     if sized is None:
         hard_shadows(work, n, solids, skin)
     else:

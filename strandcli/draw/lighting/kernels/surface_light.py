@@ -8,10 +8,11 @@ from ....constants import W
 from ....jit import device, inlined
 from ....solids.kernels import other
 from ...common.kernels.batch import ARRIVES, RADIANCE, X, Y, Z
-from ...common.kernels.light_columns import MAP_LAYERS
+from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS
 from ...common.kernels.surface_batch import COAT, LEFT, PX, SHARE, SX, SY, UNDER
 from ...shadows.kernels import percentage_closer
-from ...shadows.kernels.minmax import transmittance
+from ...shadows.kernels.free_ways import FreeWays
+from ...shadows.kernels.strand_shadows import shade_by_minmax
 from .inputs import COMPUTED, Lights
 from .lattice import COATED, LIT, UNKNOWN
 from .light import toward
@@ -43,7 +44,7 @@ def arrive(work, n, i, lights, shadows, solids, loss, depth):
         lift(work, n)
     if depth > ZERO:
         bend(work, n, rows, i)
-    past_solids(work, n, rows, i, solids, lights.skin, lights.sized, None)
+    past_solids(work, n, rows, i, solids, lights.skin, lights.sized, FreeWays(lights.free, lights.free_views))
     for k in range(3 * W):
         work[X + k] = work[PX + k]
     if depth > ZERO:
@@ -120,12 +121,8 @@ def place_of(work, k, lights):
 def past_strands(work, n, lights, i, shadows, loss):
     """Apply the strand shadows of light number i: min/max maps change `ARRIVES`, opacity maps set `LEFT`, else 1."""
     if lights[i, MAP_LAYERS] == ZERO:
-        for k in range(n):
-            if work[ARRIVES + k] > ZERO:
-                work[ARRIVES + k] *= transmittance(
-                    work[X + k], work[Y + k], work[Z + k], lights, i,
-                    shadows.texels, shadows.starts, shadows.sizes, shadows.views,
-                )  # fmt: skip
+        for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
+            shade_by_minmax(work, n, shadows, one, lights[i, BIAS])
     if lights[i, MAP_LAYERS] > ZERO:
         percentage_closer.transmittance(work, n, lights, i, loss, shadows)
     else:

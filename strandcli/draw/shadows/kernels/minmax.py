@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from ....jit import device, function, parallel, prange
 from ....simd import pointer
-from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, NEAR_PLANE, PERSPECTIVE
 from ...view.kernels.project import to_view_number
 from ...zbuffer.kernels.lines import FIXED, PART, POINT
@@ -22,7 +21,7 @@ from ...zbuffer.kernels.lines import FIXED, PART, POINT
 HALF = np.float32(0.5)
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
-NEXT, THREE = np.uint64(1), np.uint64(3)
+THREE = np.uint64(3)
 SMALL = np.float32(1e-20)
 NEAREST, FARTHEST = 0, 1
 """Columns of a texel: depths of the nearest and the farthest strand, metres."""
@@ -126,37 +125,6 @@ def line(k, steps, top, bottom, size, texels):
         x += step_x
         y += step_y
         d += rise
-
-
-@function
-def transmittance(x, y, z, lights, i, maps, starts, sizes, views):
-    """Return the share of light number i that reaches a point, 0 to 1; 1 where the point is outside of all its maps.
-
-    x = (d − r) / (a − r) (the source prints its inverse), y = (eˣ − 1) / (e − 1), transmittance 1 − y (thesis §3),
-    interpolated bilinearly between four texels. x, y, z: metres; lights (n, `light_columns.COLUMNS`); maps, starts,
-    sizes, views: `texels` … of `ShadowArrays`.
-    """
-    for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
-        u, v, d = texel_of(x, y, z, views, one)
-        if not in_map(u, v, d, views, one, np.float32(sizes[one] - 1)):
-            continue
-        low_u = np.floor(u)
-        low_v = np.floor(v)
-        texel = np.uint64(starts[one] + np.int64(low_v) * sizes[one] + np.int64(low_u))
-        below = texel + np.uint64(sizes[one])
-        upper = max(maps[texel, FARTHEST], maps[texel + NEXT, FARTHEST])
-        farthest = max(upper, max(maps[below, FARTHEST], maps[below + NEXT, FARTHEST]))
-        if farthest < ZERO:  # no strand in any of the four
-            return ONE
-        d -= lights[i, BIAS]
-        return bilinear(
-            u - low_u, v - low_v,
-            falloff(d, maps[texel, NEAREST], maps[texel, FARTHEST]),
-            falloff(d, maps[texel + NEXT, NEAREST], maps[texel + NEXT, FARTHEST]),
-            falloff(d, maps[below, NEAREST], maps[below, FARTHEST]),
-            falloff(d, maps[below + NEXT, NEAREST], maps[below + NEXT, FARTHEST]),
-        )  # fmt: skip
-    return ONE
 
 
 @device

@@ -26,12 +26,9 @@ import math
 
 import numpy as np
 
-from ....jit import device, function, inlined
-from ....simd import any_lane, broadcast, floor, gather, gather4, gather8, pointer, reduce_max, where
-from ...common.kernels.approximations import exp
-from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS, PER_FALL
-from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
-from .minmax import bilinear, in_map, texel_of
+from ....jit import device, inlined
+from ....simd import any_lane, floor, gather, gather4, gather8, where
+from .minmax import bilinear
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -232,33 +229,3 @@ def corrected_depth(texels, cells, growth, width, scale):
     own = OWN * width * scale * (ONE - HALF * share)
     depth = max(texels + share * (cells - texels) - own, ZERO)
     return depth * (ONE + CROWDED * min(width * growth, ONE) * depth)
-
-
-@function
-def optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views):
-    """Return τ between light number i and a point; 0 where the point is outside of all its maps.
-
-    width: mean width of strands, metres, or 0 for a point that is not on a strand; stacks, starts, sizes, views: of
-    `ShadowArrays`; all else as in `minmax.transmittance`.
-    """
-    layers = np.int64(lights[i, MAP_LAYERS])
-    for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
-        u, v, d = texel_of(x, y, z, views, one)
-        if not in_map(u, v, d, views, one, np.float32(sizes[one] - 1)):
-            continue
-        scale = views[one, FOCAL] / d if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
-        d -= lights[i, BIAS]
-        rows = pointer(stacks)
-        texels, cells, growth, _ = in_front(
-            broadcast(rows, u), broadcast(rows, v), broadcast(rows, d), broadcast(rows, scale), rows, starts[one],
-            sizes[one],
-            lights[i, PER_FALL], layers, None,
-        )  # fmt: skip
-        return corrected_depth(reduce_max(texels), reduce_max(cells), reduce_max(growth), width, scale)
-    return ZERO
-
-
-@function
-def transmittance(x, y, z, width, lights, i, stacks, starts, sizes, views):
-    """Return the share of light that reaches a point, e^-τ; arguments as in `optical_depth`."""
-    return exp(-optical_depth(x, y, z, width, lights, i, stacks, starts, sizes, views))

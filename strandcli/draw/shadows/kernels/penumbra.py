@@ -17,17 +17,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ....jit import device, function, inlined
-from ....solids.kernels import other
-from ....solids.kernels.built_in import device_if_built_in
+from ....jit import device, inlined
 from ....solids.shapes import box as box_columns
-from ....solids.shapes import capsule as capsule_columns
-from ....solids.shapes import plane as plane_columns
-from ....solids.shapes import sphere as ball_columns
 from ...common.kernels.approximations import asin
 from ...common.kernels.golden_section import search
-from ...common.kernels.light_columns import KIND, LIGHT_SIZE
-from ...solids.kernels import rays
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -69,58 +62,6 @@ class Axis(NamedTuple):
     z: Any
     square: Any
     """The vector's squared length, metres²."""
-
-
-@device
-def visibility(solids, ray, skin, lights, i, sized):
-    """Return the visibility of light number i past solids along a `LightRay`: `rays.visibility`, or `soft_visibility`
-    if any light has a size."""
-    if sized is None:
-        return rays.visibility(solids, ray.x, ray.y, ray.z, ray.lx, ray.ly, ray.lz, ray.reach, skin)
-    return soft_visibility(solids, ray, skin, lights[i, LIGHT_SIZE], lights[i, KIND])
-
-
-@function
-def soft_visibility(solids, ray, skin, size, point):
-    """Return the visible share of a disc light, 0 to 1, past all `strandcli.solids.Solids`.
-
-    ray: `LightRay`; skin: metres, as in `rays.visibility`; size: sine of the light's angular radius, or its radius in
-    metres if ``point`` is 1.
-    """
-    x, y, z, lx, ly, lz, reach = ray
-    radius = seen_from(size, point, reach)
-    lifted = LightRay(x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz, reach)
-    least = lowest_sine(solids, lifted, skin, radius)
-    way = lx, ly, lz
-    least = min(least, other.lowest_sine(solids, lifted.x, lifted.y, lifted.z, way, (reach, radius, skin)))
-    return share(least, radius)
-
-
-@device_if_built_in(lambda solids, ray, skin, radius: radius)
-def lowest_sine(solids, ray, skin, radius):
-    """Return the least sine of the angles to the edges of solids of the four shapes; at most ``radius``."""
-    x, y, z, lx, ly, lz, reach = ray
-    least = radius
-    for m in range(solids.spheres.shape[0]):
-        r = solids.spheres[m, ball_columns.RADIUS] - skin
-        cx = solids.spheres[m, ball_columns.X] - x
-        cy = solids.spheres[m, ball_columns.Y] - y
-        cz = solids.spheres[m, ball_columns.Z] - z
-        least = min(least, ball(r, cx, cy, cz, lx, ly, lz, reach))
-    for m in range(solids.capsules.shape[0]):
-        if least > -radius:
-            least = min(least, capsule(solids.capsules, m, ray, skin, radius))
-    for m in range(solids.planes.shape[0]):
-        nx, ny = solids.planes[m, plane_columns.X], solids.planes[m, plane_columns.Y]
-        nz = solids.planes[m, plane_columns.Z]
-        over = nx * x + ny * y + nz * z - solids.planes[m, plane_columns.HEIGHT]
-        up = nx * lx + ny * ly + nz * lz
-        if over >= ZERO:
-            least = min(least, over / reach + up)
-    for m in range(solids.boxes.shape[0]):
-        if least > -radius:
-            least = min(least, box(solids.boxes, m, ray, skin, radius))
-    return least
 
 
 @inlined
@@ -171,31 +112,6 @@ def beside(r, off, t, radius):
     along the ray."""
     reach = r + t * radius
     return (reach < ZERO) | (off * (ONE - radius * radius) > SURELY * reach * reach)
-
-
-@device
-def capsule(p, m, ray, skin, radius):
-    """Return the sine of the angle from the light's centre to the edge of row m of the capsules p: the least `ball` on
-    its axis, along which there is a single minimum because a capsule is convex.
-
-    ray: `LightRay`; skin: metres; radius: sine of the light's angular radius. Angles greater than that radius may be
-    overestimated.
-    """
-    x, y, z, lx, ly, lz, reach = ray
-    bx, by, bz = p[m, capsule_columns.AXIS_X], p[m, capsule_columns.AXIS_Y], p[m, capsule_columns.AXIS_Z]
-    r = p[m, capsule_columns.RADIUS] - skin
-    wx, wy, wz = p[m, capsule_columns.X] - x, p[m, capsule_columns.Y] - y, p[m, capsule_columns.Z] - z
-    bb = bx * bx + by * by + bz * bz
-    around = r + HALF * math.sqrt(bb)
-    if r <= ZERO or aside(around, wx + HALF * bx, wy + HALF * by, wz + HALF * bz, lx, ly, lz, radius):
-        return CLEAR
-    free, s = nearest(r, wx, wy, wz, Axis(bx, by, bz, bb), lx, ly, lz, radius)
-    if free:
-        return CLEAR
-    least = ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
-    if least <= -radius:  # the whole light is already occluded
-        return least
-    return min(least, lowest_on_axis((r, wx, wy, wz, bx, by, bz, lx, ly, lz, reach), ZERO, ONE, ALONG))
 
 
 @inlined
@@ -262,18 +178,10 @@ def box_distance(x, y, z, hx, hy, hz):
 
 
 @device
-def on_axis(s, at):
-    """Return `ball` of the ball at position s of a capsule's axis, which goes from w along b."""
-    r, wx, wy, wz, bx, by, bz, lx, ly, lz, reach = at
-    return ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, reach)
-
-
-@device
 def on_ray(t, at):
     """Return the distance of a box from the point at distance t from o along d, divided by t."""
     ox, oy, oz, dx, dy, dz, hx, hy, hz = at
     return box_distance(ox + t * dx, oy + t * dy, oz + t * dz, hx, hy, hz) / t
 
 
-lowest_on_axis = search(on_axis)
 lowest_on_ray = search(on_ray)

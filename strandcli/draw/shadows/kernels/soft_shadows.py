@@ -1,4 +1,4 @@
-"""Soft shadows of solids at a batch of points: the results of `penumbra.soft_visibility`, vectorised over points.
+"""Soft shadows of solids at a batch of points, vectorised over points (see `penumbra`).
 
 For each solid a loop over all points discards those from which the whole light is certainly visible. The others are
 compacted into a list, and the costly part runs on the list alone, vectorised too.
@@ -61,8 +61,8 @@ MOVED = 8
 def soft_shadows(work, n, lights, i, solids, skin, free):
     """Multiply the rows `ARRIVES` of the first n points of a batch by the visibility of light number i past solids.
 
-    Rows of `batch`; solids: `strandcli.solids.Solids`; skin: as in `penumbra.soft_visibility`; free: `FreeWays`,
-    or None.
+    Rows of `batch`; solids: `strandcli.solids.Solids`; skin: depth below a surface that counts as on it,
+    metres; free: `FreeWays`, without rows for points that these do not know.
     """
     size = lights[i, LIGHT_SIZE]
     point = lights[i, KIND]
@@ -84,7 +84,7 @@ def soft_shadows(work, n, lights, i, solids, skin, free):
 @device
 def past_distances(work, n, i, solids, skin, free):
     """Reduce the rows `LEAST` to the sines of the angles to solids that have distances of vectors."""
-    if free is None or free.depths.shape[0] == 0:
+    if free.depths.shape[0] == 0:
         by_distances(work, n, solids, skin, skin)
     else:
         by_distances_of_some(work, n, i, solids, skin, free)
@@ -251,7 +251,8 @@ def on_axis(work, j, r, bx, by, bz, s):
 
 @device
 def search(work, count, r, bx, by, bz):
-    """Run the golden-section search of `penumbra.lowest_on_axis` for all listed points, and reduce their `LEAST`."""
+    """Find the least `penumbra.ball` on the axis for all listed points by golden-section search, and reduce their
+    `LEAST`: a capsule is convex, so there is a single minimum."""
     if count == 0:
         return
     for j in range(count):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import device
+from ....jit import device, function
 from ....simd import broadcast, load, pointer, store, store3
 from ....simd import lane_count as lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
@@ -19,10 +19,13 @@ NEXT = np.uint64(1)
 TWICE = np.float32(2.0)
 
 
-@device
+@function
 def shade_by_minmax(work, n, shadows, one, bias):
     """Multiply the rows `ARRIVES` of the first n vertices of a batch by the transmittance in min/max map number `one`
-    of `ShadowArrays`, for vertices that no earlier map contains. bias: metres."""
+    of `ShadowArrays`, for vertices that no earlier map contains. bias: metres.
+
+    x = (d − r) / (a − r) (the source prints its inverse), y = (eˣ − 1) / (e − 1), transmittance 1 − y (thesis §3),
+    interpolated bilinearly between four texels."""
     maps, start, size, views = shadows.texels, shadows.starts[one], shadows.sizes[one], shadows.views
     if size < 2:
         return
