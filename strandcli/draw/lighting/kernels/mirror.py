@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device
+from ....simd import lane_count, load, pointer, reduce_max
 from ....solids.kernels import built_in
 from ....solids.kernels import other as other_solids
 from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
@@ -37,7 +38,8 @@ DULL = np.float32(0.4)
 SHARP = np.float32(0.2)
 """Roughness up to which a coat mirrors solids and strands in full."""
 STEPS = 16
-"""Places along a ray at which strands are looked for."""
+"""Places along a ray at which strands are looked for: whole vectors."""
+PLACES = np.arange(STEPS, dtype=np.float32)
 OPEN, SHUT = np.float32(0.42), np.float32(0.2)
 """Share of the whole sky that is left where there are no strands, and where a ray does not get through."""
 FREE = np.int64(-1)
@@ -171,11 +173,12 @@ def strands_along(surround, place, ray, far):
         long += side * side
     long = min(math.sqrt(long), far)
     least = ONE
-    for step in range(STEPS):
-        t = long * (np.float32(step) + HALF) / np.float32(STEPS)
-        sky = occlusion.whole_sky_visibility(
-            surround.volume, box, place[0] + t * ray[0], place[1] + t * ray[1], place[2] + t * ray[2]
+    steps = pointer(PLACES)
+    for step in range(0, STEPS, lane_count(steps)):
+        t = long * (load(steps, step) + HALF) / np.float32(STEPS)
+        sky = occlusion.whole_sky_visibilities(
+            surround.volume, box, (place[0] + t * ray[0], place[1] + t * ray[1], place[2] + t * ray[2])
         )
-        least = min(least, sky)
+        least = min(least, -reduce_max(-sky))
     hidden = min(max((OPEN - least) / (OPEN - SHUT), ZERO), ONE)
     return hidden * hidden * (THREE - TWO * hidden)
