@@ -53,8 +53,6 @@ class Canvas:
 
     size: tuple[int, int]
     """Width and height, samples."""
-    samples: int
-    """Samples along a side of a pixel."""
     backdrop: NDArray[np.float32]
     """(height, width, 3) linear."""
     lighting: Lighting
