@@ -45,7 +45,7 @@ class Occlusion:
     volume: NDArray[np.float32]
     """(V, 4) visibility of each cell, as the best linear fit v₀ + v · ω over directions ω."""
     box: NDArray[np.float32]
-    """(10,) columns of `kernels.occlusion_columns`."""
+    """(10,) columns of `kernels.occlusion`."""
 
     def at(self, points: NDArray[np.floating], normals: NDArray[np.floating] | None = None) -> NDArray[np.float64]:
         """Return the visible share (P,) of the sky at points (P, 3), or of the hemispheres of unit normals (P, 3)."""
@@ -121,7 +121,7 @@ def _box(bounds: NDArray[np.float64], packed: Solids | None) -> tuple[NDArray[np
 def _grid(
     low: NDArray[np.float64], high: NDArray[np.float64], cells: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]]:
-    """Return the number of cells along each axis, their sides in metres, and the box in `occlusion_columns`: about
+    """Return the number of cells along each axis, their sides in metres, and the box in `kernels.occlusion`: about
     ``cells`` cells, as close to cubes as `FEWEST` and `MOST` allow."""
     extent = high - low
     counts = np.zeros(3)

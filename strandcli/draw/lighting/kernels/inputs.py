@@ -58,7 +58,7 @@ class Surround(NamedTuple):
     volume: NDArray[np.float32]
     """(V, 4) cells of `strandcli.draw.lighting.occlusion`; no rows without occlusion."""
     box: NDArray[np.float32]
-    """(`occlusion_columns.BOX_SIZE`,) position and size of the cells."""
+    """(`occlusion.BOX_SIZE`,) position and size of the cells."""
 
 
 class Lights(NamedTuple):

@@ -37,7 +37,7 @@ def count_strands(positions, chosen, width, taper, scale, shares, weight, box, c
 
     width: metres at the root, smaller by the share `taper` at the tip; scale (strands,): factor of each strand's width,
     or None; shares (strands, n): of that at each point, in place of the taper, or None; box (`BOX_SIZE`,), cells:
-    columns of `occlusion_columns`.
+    columns of `occlusion`.
     """
     n = positions.shape[1] - 1
     for s in chosen:
