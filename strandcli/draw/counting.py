@@ -27,7 +27,7 @@ from .shadows.shadow import ShadowMaps
 from .shadows.strands_in_map import project, view_numbers
 from .strand_batches import StrandBatch, StrandBatches, Strands
 from .view.camera import View
-from .zbuffer.kernels.counting import count_samples
+from .zbuffer.kernels.lines import count_samples
 
 Counts = dict[str, int]
 
