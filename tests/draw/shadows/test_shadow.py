@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from shadow_kit import minmax_transmittance
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.lighting.lighting import pack_lights
-from strandcli.draw.shadows.kernels.minmax import transmittance
 from strandcli.draw.shadows.shadow import ShadowMaps, plan_maps
 from strandcli.scene.model import DirectionalLight, Light, PointLight, Shadow
 from tests.draw.view.test_camera import exact as project
@@ -41,7 +41,7 @@ def maps_of(light: Light, *lines: Polylines, workers: int = 2) -> ShadowMaps:
 def through(maps: ShadowMaps, light: Light, point: np.ndarray) -> float:
     packed = pack_lights((light,), maps, BOX)
     x, y, z = np.asarray(point, np.float32)
-    return float(transmittance(x, y, z, packed, 0, maps.texels, maps.starts, maps.sizes, maps.packed))
+    return float(minmax_transmittance(x, y, z, packed, 0, maps.texels, maps.starts, maps.sizes, maps.packed))
 
 
 @pytest.mark.parametrize("light", [SUN, LAMP, INSIDE], ids=["sun", "lamp", "inside"])
