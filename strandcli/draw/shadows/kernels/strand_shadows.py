@@ -51,7 +51,11 @@ def shade_by_minmax(work, n, shadows, one, bias):
             falloff(d, work[TEXELS + 4 * W + k], work[TEXELS + 5 * W + k]),
             falloff(d, work[TEXELS + 6 * W + k], work[TEXELS + 7 * W + k]),
         )
-        work[ARRIVES + k] *= left if work[INSIDE + k] > ZERO else ONE
+        farthest = max(
+            max(work[TEXELS + W + k], work[TEXELS + 3 * W + k]), max(work[TEXELS + 5 * W + k], work[TEXELS + 7 * W + k])
+        )
+        shaded = (work[INSIDE + k] > ZERO) & (farthest >= ZERO)  # less than 0: no strand in any of the four
+        work[ARRIVES + k] *= left if shaded else ONE
 
 
 @device
