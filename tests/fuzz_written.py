@@ -10,6 +10,7 @@ import struct
 import tempfile
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from unittest.mock import patch
 
 import numba
@@ -20,9 +21,11 @@ from fuzz_changes import mutated
 from fuzz_presets import command
 from strandcli.checkpoints import FOLDER, Checkpoints
 from strandcli.cli.main import main
+from strandcli.compiling.folder import Folder
 from strandcli.compiling.folder import cache as compiled
 from strandcli.errors import MismatchError
 from strandcli.groom.emit import emit
+from strandcli.jit import cache as cache_of_kernels
 from strandcli.jit import function
 from strandcli.jit.dispatcher import KernelDispatcher
 from strandcli.output import positions, state_file
@@ -210,7 +213,11 @@ def attempt_kernel(content: bytes, folder: Path) -> str:
     name, whole = kernel()
     path = folder / name
     path.write_bytes(content)
-    if dispatcher()._cache._load(path, entry()[1], cpu_target.target_context) is not None:
+    place = Folder()
+    place.use(folder)
+    with patch.object(cache_of_kernels, "folder", SimpleNamespace(cache=place)):
+        found = dispatcher()._cache._find((numba.int64,), cpu_target.target_context)
+    if found is not None:
         return "read" if content == whole else "a damaged one was loaded"
     if path.exists():
         return "a damaged one was left there"

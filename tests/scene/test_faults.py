@@ -69,7 +69,9 @@ def test_unknown_keys_are_put_right_or_told_what_there_is() -> None:
     assert complaint("strands: 5").endswith("strands: unknown key; did you mean 'emitter.strands'?")
     assert complaint("camera: {positon: [0, 0, 1]}").endswith("unknown key; did you mean 'position'?")
     assert complaint("camera: {FOV: 3}").endswith("did you mean 'fov'?")
-    assert complaint("time: {zzz: 3}").endswith("unknown key; the keys are frames, fps, substeps, preroll, loop")
+    assert complaint("time: {zzz: 3}").endswith(
+        "unknown key; the keys are frames, fps, substeps, jitter, preroll, loop"
+    )
     assert complaint("rules: [elasticity: {a: 3}]").endswith("unknown key; there are no settings here")
     assert "belongs under `rules`" in complaint("gravity: {}")
 
