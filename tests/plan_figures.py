@@ -67,7 +67,7 @@ def cases() -> list[tuple[str, ...]]:
         found.append(("headline", "--strands", count, *shown))
     found.append(("headline", "--strands", "100000", "--set", "image.resolver=sorted", *shown))
     for resolver in ("zbuffer", "sorted"):
-        for model in ("opacity", "traced"):
+        for model in ("opacity", "minmax"):
             light = ("--set", f"lights.0.shadow.model={model}", "--set", f"image.resolver={resolver}")
             found.append(("headline", *light, "--set", "material.width=0.004", *shown))
     for more, counts in (

@@ -204,7 +204,7 @@ def test_studies_and_the_stability_matrix_have_pages(command: Runner) -> None:
     own(read)
     assert "thesis: not represented: a strand held at both ends" in "".join(read.words)
     assert "svg" in read.tags
-    case = "rod/input=length-negative"
+    case = "rod"
     assert command("stress", "--case", case, "--html", "p/stress.html", "-q").code == 0
     read = Read(Path("p/stress.html").read_bytes())
     own(read)

@@ -29,7 +29,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     new = folder.Folder()
     new.use(tmp_path / "cache")
     new.path.mkdir(mode=0o700)
-    monkeypatch.setattr(keeping, "folder", SimpleNamespace(cache=new, opened=folder.opened))
+    monkeypatch.setattr(keeping, "folder", SimpleNamespace(cache=new))
     monkeypatch.setattr(first_frame, "LEAST", 0)
     return new.path
 

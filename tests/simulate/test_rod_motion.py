@@ -204,7 +204,7 @@ def test_a_stiff_hinged_rod_is_a_physical_pendulum() -> None:
 
 
 def test_a_hinged_root_holds_no_strand_up() -> None:
-    with pytest.raises(UsageError, match=r"rod\.root: hinged roots hold no strand up"):
+    with pytest.raises(UsageError, match=r"rod\.root: hinged roots cannot balance gravity"):
         solver_of(scene(1.0, **{"rod.root": "hinged", "rod.rest": "sag_free"}))
 
 

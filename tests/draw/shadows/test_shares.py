@@ -30,7 +30,7 @@ def test_a_light_without_another_that_adds_more_has_all() -> None:
     assert shares_of((FILL,)) == [1]
     assert shares_of((SUN, replace(FILL, intensity=SUN.intensity / 2))) == [1, 1]
     assert shares_of((replace(SUN, shadow=Shadow(model="off")), FILL)) == [1, 1]
-    assert shares_of((SUN, replace(FILL, shadow=Shadow(model="nearby")))) == [1, 1]
+    assert shares_of((SUN, replace(FILL, shadow=Shadow(model="minmax")))) == [1, 1]
     assert shares_of((SUN, FILL, PointLight(position=(0.0, 3.0, 0.0)))) == [1, 1, 1]
 
 
