@@ -16,8 +16,7 @@ import numpy as np
 
 import mesh_kit
 from strandcli.jit import parallel, prange
-from strandcli.meshes.bvh import make_bvh
-from strandcli.meshes.closest import closest
+from strandcli.meshes.bvh import closest, make_bvh
 from strandcli.meshes.distance_grid import DistanceGrid, make_distance_grid
 from strandcli.meshes.kernels.distance import distance
 from strandcli.meshes.make import make_mesh

@@ -155,7 +155,7 @@ def _edits(chosen: dict[str, Any]) -> list[Step]:
     """What is to be done, in order."""
     import numpy as np
 
-    from ..exchange.edit import fix, lengths, smooth, subsample, transform
+    from ..exchange.edit import fix, resample, subsample, transform
     from ..exchange.edit.moving import Step
 
     found: list[Step] = []
@@ -172,7 +172,7 @@ def _edits(chosen: dict[str, Any]) -> list[Step]:
     least, most = chosen["min_length"], chosen["max_length"]
     if least is not None or most is not None:
         bounds = (least or 0.0, float("inf") if most is None else most)
-        found.append(Step(lambda strands: lengths.between(strands, *bounds), chooses=True))
+        found.append(Step(lambda strands: resample.between(strands, *bounds), chooses=True))
     if chosen["every"] is not None:
         found.append(Step(lambda strands: subsample.every(strands, chosen["every"]), chooses=True))
     if chosen["share"] is not None:
@@ -180,7 +180,7 @@ def _edits(chosen: dict[str, Any]) -> list[Step]:
     if chosen["strands"] is not None:
         found.append(Step(lambda strands: subsample.some(strands, chosen["strands"], chosen["seed"]), chooses=True))
     if chosen["smooth"] is not None:
-        found.append(Step(lambda strands: smooth.smoothed(strands, chosen["smooth"])))
+        found.append(Step(lambda strands: resample.smoothed(strands, chosen["smooth"])))
     if chosen["resample"] is not None or chosen["simplify"] is not None:
         from ..exchange.edit import resample
 

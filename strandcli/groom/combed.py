@@ -134,7 +134,7 @@ class _Over:
 
             kernel.lift(points, np.ascontiguousarray(normals), self.rows, out)
         if isinstance(self.shape, MeshShape):
-            from .off_mesh import rise
+            from .on_mesh import rise
 
             out = np.maximum(out, rise(self.shape, points, normals))
         return out

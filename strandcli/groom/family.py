@@ -1,4 +1,6 @@
-"""What children have for life: guides, clumps, waves, lengths and colours (see `strandcli.groom.children`)."""
+"""What children have for life: guides, clumps, waves, lengths and colours (see `strandcli.groom.children`).
+Guides of strands and the middles of their locks are nearest neighbours among roots.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..kept import Arrays, kept
 from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
-from . import fringe, neighbours
+from . import fringe
 from .arrange import spatial_order
 from .emit import sides, stream
 from .kernels.inputs import PARENTS
@@ -20,6 +22,7 @@ from .record import Groom, frame
 
 if TYPE_CHECKING:
     from ..scene.model import Scene, Wave
+    from .kernels.nearest import Cells
 
 STRAY_PULL = 0.15
 """Factor of a clump's strength for stray strands."""
@@ -94,7 +97,7 @@ def family_of(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave]) -
         every.colours is None, where, groom.emitted(np.arange(groom.strands, dtype=np.int32)), every.tones,
         every.directions, every.roots,
     ]  # fmt: skip
-    code = (__name__, *neighbours.CODE)
+    code = CODE
     arrays = kept("family", code, given, like, lambda: _kept_of(_made(scene, groom, every, waves, where)))
     found = {name: one.T if name in LEVELS else one for name, one in zip(like, arrays, strict=True)}
     return Family(roots=every.roots[found["ids"]].astype(np.float64), **found)
@@ -160,7 +163,7 @@ def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where
 def parents_of(where: NDArray[np.float32], groom: Groom) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
     """Return the guides of each child, (A, P), and their weights."""
     guides = groom.strands
-    found, squares = neighbours.nearest_of(where, where[:guides], min(PARENTS + 1, guides))
+    found, squares = nearest_of(where, where[:guides], min(PARENTS + 1, guides))
     used = min(PARENTS, guides)
     d = np.sqrt(squares.astype(np.float64))
     reach = d[:, -1:] if found.shape[1] > used else np.full((len(d), 1), np.inf)
@@ -192,7 +195,7 @@ class _Levels:
             for c in range(3):
                 lots = stream(seed, RANDOM + 60 + 3 * number + c, clump_count)
                 moved[:, c] += (size * 0.9 * (lots - 0.5)).astype(np.float32)
-            self.middles[number] = neighbours.nearest_of(where, moved, 1)[0][:, 0][inner]
+            self.middles[number] = nearest_of(where, moved, 1)[0][:, 0][inner]
             inner = self.middles[number]
 
 
@@ -224,3 +227,50 @@ def _area(emitter: Emitter) -> float:
 
         return seedbed(shape).even
     return 2 * math.pi * shape.radius**2 * (1 - math.cos(math.radians(shape.cap)))
+
+
+A_CELL = 2.0
+"""Points a cell of the grid in which they are looked for, on average over its area."""
+CODE = (__name__, f"{__package__}.kernels.nearest", f"{__package__}.kernels.alike")
+"""Modules that neighbours follow from."""
+ROUNDING = 1e-6
+"""Of the grid's extent and distance from the origin; positions have single precision."""
+
+
+def nearest_of(
+    points: NDArray[np.float32], others: NDArray[np.float32], many: int
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """Return the numbers (N, many) int32 of the nearest of others (G, D) to each of points (N, D), nearest first, and
+    their squared distances, float32; many <= G, D >= 3. The first three coordinates are of a place; all count."""
+    from .kernels.nearest import nearest
+
+    found = np.empty((len(points), many), np.int32)
+    squares = np.empty((len(points), many), np.float32)
+    nearest(points, cells_of(others), found, squares)
+    return found, squares
+
+
+def cells_of(points: NDArray[np.float32]) -> Cells:
+    """Return points (G, D) by the cells of a grid over those two of their first three coordinates that vary most."""
+    from .kernels.nearest import Cells
+
+    places = points[:, :3].astype(np.float64)
+    low, extent = places.min(0), np.ptp(places, axis=0)
+    b, a = (int(axis) for axis in np.argsort(extent, kind="stable")[1:])
+    most = max(float(extent[a]), 1e-30)
+    # as many cells as points have use for, and of a line no rows of them
+    size = max(math.sqrt(most * float(extent[b]) * A_CELL / len(points)), most * A_CELL / len(points))
+    columns, rows = (max(math.ceil(float(extent[axis]) / size), 1) for axis in (a, b))
+    x, y = (
+        np.clip((places[:, axis] - low[axis]) / size, 0, count - 1).astype(np.int64)
+        for axis, count in ((a, columns), (b, rows))
+    )
+    cell = y * columns + x
+    order = np.argsort(cell, kind="stable").astype(np.int32)
+    begins = np.zeros(rows * columns + 1, np.int32)
+    begins[1:] = np.cumsum(np.bincount(cell, minlength=rows * columns))
+    slack = ROUNDING * (most + float(np.abs(places).max()))
+    return Cells(
+        np.ascontiguousarray(points[order]), order, begins, a, b, float(low[a]), float(low[b]), size, columns, rows,
+        slack,
+    )  # fmt: skip

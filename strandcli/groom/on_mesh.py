@@ -5,6 +5,8 @@ long as its area times its density. Neighbours on the line are neighbours on the
 way follow each other along Hilbert's curve (1891), and on a triangle halves follow each other. Strand i grows where
 the additive recurrence of the golden ratio is on that line, every prefix of which covers it evenly: it depends on the
 seed and on i alone, and any number of the first strands is spread as the density wants.
+
+Combed strands lie on the mesh that they grow on: ties move points out of it.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from ..counted import counted
 from ..errors import UsageError
 from ..inputs import cached
 from ..mesh_file.maps import Pieces, Place, lookup, pieces, vectors
+from ..mesh_file.prepared import distances
 from ..mesh_file.read import KEPT, placed, placing
 from ..meshes.mesh import TriangleMesh, face_vectors, unit
 from ..scene.model import Emitter, MeshShape
@@ -203,3 +206,20 @@ def notes(emitter: Emitter) -> list[str]:
             "unit; set emitter.shape.scale, or its size in metres"
         )
     return found
+
+
+RESOLUTION = 128
+"""Nodes along the longest side of the grid of distances from the mesh."""
+CLEAR = 0.1
+"""Distance from the mesh, in cells of that grid, that counts as outside: several times its error."""
+
+
+def rise(shape: MeshShape, points: Floats, normals: Floats) -> Floats:
+    """Return (N,) how far points (N, 3), metres in the emitter's frame, must move along unit normals (N, 3) to be
+    outside of a mesh. Raises `UsageError` for a mesh that cannot be read."""
+    from .kernels.combed import lift_off_mesh
+
+    grid = distances(shape.file, placing(shape), RESOLUTION)
+    out = np.empty(len(points))
+    lift_off_mesh(np.ascontiguousarray(points), np.ascontiguousarray(normals), grid, CLEAR * float(grid.spacing), out)
+    return out

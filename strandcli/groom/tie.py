@@ -133,8 +133,7 @@ def chart_of(emitter: Emitter) -> Chart:
 
 def _chart_of_mesh(shape: MeshShape, normal: Floats) -> Chart:
     """Return the chart of a mesh: of the greatest sphere about the origin that is well below its roots."""
-    from .off_mesh import rise
-    from .on_mesh import seedbed
+    from .on_mesh import rise, seedbed
 
     bed = seedbed(shape)
     places = bed.corners[bed.pieces.values >= RIM * bed.pieces.values.max()]

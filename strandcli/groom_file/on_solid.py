@@ -20,7 +20,7 @@ from ..errors import UsageError
 from ..exchange.strands import Strands, offsets
 from ..groom.record import Anchors
 from ..mesh_file.prepared import key_of, prepared
-from ..meshes.closest import closest
+from ..meshes.bvh import closest
 from ..scene.motion import Pose, pose_in_emitter
 from .fits import UP, Frame, better, hangs_from, nearer_tips, words
 from .kernels import bend

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh_file.prepared import key_of, mesh_of, prepared
-from ..meshes.closest import closest
+from ..meshes.bvh import closest
 from .kernels.screen import grid_distances
 
 Floats = NDArray[np.float64]

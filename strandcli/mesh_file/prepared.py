@@ -1,18 +1,22 @@
-"""A placed mesh with what rays, contact and shading need of it, made once for each file and settings."""
+"""A placed mesh with what rays, contact and shading need of it, made once for each file and settings.
+
+What takes long to make is cached from one run to the next. Normals are the file's, or smooth ones that keep creases.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..inputs import cached
-from ..meshes.bvh import Bvh, moved
+from ..kept import FREE, Arrays, kept
+from ..meshes.bvh import Bvh, make_bvh, moved
 from ..meshes.distance_grid import DistanceGrid, make_distance_grid
-from ..meshes.mesh import TriangleMesh, Vectors
-from . import long
-from .normals import shading_normals
+from ..meshes.mesh import TriangleMesh, Vectors, unit
 from .read import KEPT, Moment, Placing, deformed, moment, placed, placing
 from .texture import Pyramid, picture, pyramid
 
@@ -134,13 +138,13 @@ def _vertices_at(key: Key, mesh: TriangleMesh) -> Vectors:
 
 @cached(KEPT)
 def _bvh(file: str, how: Placing) -> Bvh:
-    return long.tree_of(placed(file, how))
+    return tree_of(placed(file, how))
 
 
 @cached(KEPT)
 def distances(file: str, how: Placing, resolution: int) -> DistanceGrid:
     """The grid of distances from the mesh of a file."""
-    return long.distances_of(_bvh(file, how), placed(file, how).closed, resolution)
+    return distances_of(_bvh(file, how), placed(file, how).closed, resolution)
 
 
 def _grid_between(key: Key, at: Moment) -> DistanceGrid:
@@ -169,3 +173,86 @@ def _density(
     a, b = pixels[:, 1] - pixels[:, 0], pixels[:, 2] - pixels[:, 0]
     covered = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
     return np.sqrt(covered / mesh.areas()[order]).astype(np.float32)
+
+
+TREE, GRID = ("strandcli.meshes.bvh",), ("strandcli.meshes.distance_grid",)
+"""Modules that make them."""
+
+
+def tree_of(mesh: TriangleMesh) -> Bvh:
+    """The tree over a mesh's triangles."""
+    count = len(mesh.triangles)
+    like: Arrays = {
+        FREE + "boxes": np.empty(0, np.float32), FREE + "child": np.empty(0, np.int32),
+        FREE + "counts": np.empty(0, np.int32), "corners": np.empty((count, 3, 3)),
+        "triangle": np.empty(count, np.int32), FREE + "moments": np.empty(0),
+    }  # fmt: skip
+    found = kept("tree", TREE, (mesh.vertices, mesh.triangles), like, lambda: make_bvh(mesh.vertices, mesh.triangles))
+    boxes, child, counts, corners, triangle, moments = found
+    return Bvh(boxes.reshape(-1, 6), child, counts, corners, triangle, moments.reshape(len(child), -1))
+
+
+def distances_of(bvh: Bvh, closed: bool, resolution: int) -> DistanceGrid:
+    """The grid of distances from a mesh, as `make_distance_grid`."""
+    like: Arrays = {
+        FREE + "values": np.empty(0, np.float32), "size": np.empty(3, np.int64), "low": np.empty(3, np.float32),
+        "spacing": np.empty(1, np.float32),
+    }  # fmt: skip
+
+    def make() -> Iterable[NDArray[Any]]:
+        values, low, spacing = make_distance_grid(bvh, closed, resolution)
+        return values, np.array(values.shape), low, np.array([spacing])
+
+    values, size, low, spacing = kept("grid", GRID, (*bvh, bool(closed), resolution), like, make)
+    return DistanceGrid(values.reshape(size), low, spacing[0])
+
+
+SAME = 1e-3
+"""Sine of the angle within which a file's normal is that of its face; files have some six digits."""
+FACETS = 0.99
+"""Share of triangles whose normals are those of their faces, from which on a file tells no more than faces do."""
+
+
+def shading_normals(mesh: TriangleMesh, crease: float) -> Vectors:
+    """Unit normals (T, 3, 3) of the corners of triangles: the file's own; where it has none, or those of the faces
+    alone, smooth ones, but not across edges where faces meet at ``crease`` degrees or more."""
+    if mesh.corner_normals is not None and not _of_faces(mesh):
+        return mesh.corner_normals
+    return smooth(mesh, crease)
+
+
+def _of_faces(mesh: TriangleMesh) -> bool:
+    """Whether a file's normals are only those of its faces."""
+    own = mesh.normals_of_corners()
+    off = np.linalg.norm(np.cross(np.broadcast_to(mesh.face_normals()[:, None], own.shape), own), axis=2)
+    return bool((off < SAME).all(axis=1).mean() > FACETS)
+
+
+def smooth(mesh: TriangleMesh, crease: float) -> Vectors:
+    """Unit normals (T, 3, 3): at each corner the mean of the triangles around the vertex whose faces are turned against
+    its own by less than ``crease`` degrees, weighted by their angles there."""
+    faces, corners = mesh.face_normals(), mesh.vertices[mesh.triangles]
+    if crease >= 180.0:
+        return mesh.normals[mesh.triangles]
+    weighted = np.empty((len(faces), 3, 3))
+    for k in range(3):
+        a = unit(corners[:, (k + 1) % 3] - corners[:, k])
+        b = unit(corners[:, (k + 2) % 3] - corners[:, k])
+        angle = 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+        weighted[:, k] = angle[:, None] * faces
+    flat = weighted.reshape(-1, 3)
+    vertex = mesh.triangles.reshape(-1)
+    order = np.argsort(vertex, kind="stable")
+    begin = np.searchsorted(vertex[order], np.arange(len(mesh.vertices) + 1))
+    around = np.diff(begin)[vertex]
+    place = np.empty(len(order), np.int64)
+    place[order] = np.arange(len(order)) - begin[vertex[order]]
+    least = math.cos(math.radians(crease))
+    found = flat.copy()
+    for step in range(1, int(around.max())):  # each corner together with the next, the one after that and so on
+        mine = np.flatnonzero(around > step)
+        other = order[begin[vertex[mine]] + (place[mine] + step) % around[mine]]
+        near = np.einsum("ij,ij->i", faces[mine // 3], faces[other // 3]) > least
+        found[mine[near]] += flat[other[near]]
+    made: Vectors = unit(found).reshape(-1, 3, 3)
+    return made

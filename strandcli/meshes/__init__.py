@@ -2,7 +2,7 @@
 
     from strandcli.meshes.read import read_mesh
     from strandcli.meshes.bvh import make_bvh, moved
-    from strandcli.meshes.closest import closest
+    from strandcli.meshes.bvh import closest
     from strandcli.meshes.distance_grid import make_distance_grid
 
     mesh = read_mesh(path)                       TriangleMesh: vertices, triangles, normals, uv, colours, attributes

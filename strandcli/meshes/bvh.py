@@ -4,16 +4,17 @@
 
 Kernels call `kernels.rays.first_hit`, `kernels.rays.any_hit`, `kernels.nearest.nearest` and `kernels.winding.winding`
 with it. When vertices move, `moved(bvh, vertices, triangles)` is much faster than a new tree, and as good while the
-mesh deforms gently.
+mesh deforms gently. `closest` finds the points of the mesh that are nearest to others.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from .kernels.nearest import closest as _closest
 from .kernels.tree import BINS, Bvh, build, refit
 from .kernels.winding import moments
 
@@ -58,4 +59,26 @@ def _boxes(corners: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
     found = np.empty((corners.shape[0], 6), np.float32)
     found[:, :3] = np.nextafter(corners.min(axis=1).astype(np.float32), np.float32(-np.inf))
     found[:, 3:] = np.nextafter(corners.max(axis=1).astype(np.float32), np.float32(np.inf))
+    return found
+
+
+class Closest(NamedTuple):
+    """Of each point (P of them) the nearest one of a mesh.
+
+    points: (P, 3) float64; triangles: (P,) int32, numbers in the mesh; barycentrics: (P, 3) float64, shares of the
+    triangle's three corners; distances: (P,) float64, negative inside.
+    """
+
+    points: npt.NDArray[np.float64]
+    triangles: npt.NDArray[np.int32]
+    barycentrics: npt.NDArray[np.float64]
+    distances: npt.NDArray[np.float64]
+
+
+def closest(bvh: Bvh, points: npt.NDArray[Any]) -> Closest:
+    """The nearest points of a mesh; points: (P, 3), units of the mesh, finite."""
+    given = np.ascontiguousarray(points, np.float64)
+    count = given.shape[0]
+    found = Closest(np.empty((count, 3)), np.empty(count, np.int32), np.empty((count, 3)), np.empty(count))
+    _closest(bvh, given, *found)
     return found

@@ -6,8 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .bvh import Bvh
-from .kernels.distance import DistanceGrid
-from .kernels.fill_grid import SIDE, fill
+from .kernels.distance import SIDE, DistanceGrid, fill
 from .kernels.packets import (
     AB,
     BC,

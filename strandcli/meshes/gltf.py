@@ -1,4 +1,4 @@
-"""`.glb` and `.gltf`: the triangles of a scene, where its nodes put them."""
+"""`.glb` and `.gltf`: the triangles of a scene, where its nodes put them, and the picture that colours them."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
-from ..exchange.beside import Beside
+from ..exchange.beside import Beside, picture
 from ..exchange.gltf_file import Gltf
 from ..exchange.gltf_nodes import placed_meshes
-from .gltf_texture import texture_of, with_texture
 from .make import RawMesh, lines_beside
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
@@ -181,3 +180,51 @@ def _moved(part: RawMesh, matrix: npt.NDArray[np.float64]) -> RawMesh:
     if normals is not None:
         normals = normals @ np.linalg.inv(linear) if abs(np.linalg.det(linear)) > 0 else None
     return replace(part, vertices=part.vertices @ linear.T + matrix[:3, 3], normals=normals)
+
+
+COLOURS = (
+    ("pbrMetallicRoughness", "baseColorTexture"),
+    ("extensions", "KHR_materials_pbrSpecularGlossiness", "diffuseTexture"),
+)
+"""Where a material may name the picture of its colour."""
+WEBP = "EXT_texture_webp"
+
+
+def texture_of(file: Gltf, primitive: dict[str, Any]) -> dict[str, Any]:
+    """How a primitive's material names the picture of its colour; empty where it has none."""
+    if "material" not in primitive:
+        return {}
+    material = file.named("materials", primitive["material"], "material")
+    for path in COLOURS:
+        found: Any = material
+        for name in path:
+            found = found.get(name) if isinstance(found, dict) else None
+        if isinstance(found, dict):
+            return found
+    return {}
+
+
+def with_texture(file: Gltf, part: RawMesh, primitives: list[dict[str, Any]]) -> RawMesh:
+    """A part with the first picture that primitives have, which alone is decoded, once. A note tells where others have
+    another one, or one of a kind that is not read. Raises `UsageError` for one that is no picture."""
+    images = []
+    for one in primitives:
+        named = texture_of(file, one)
+        if named:
+            texture = file.named("textures", named.get("index"), "material")
+            extensions = texture.get("extensions")
+            webp = extensions.get(WEBP) if isinstance(extensions, dict) else None
+            images.append((webp if isinstance(webp, dict) else texture).get("source"))
+    notes, found = [], None
+    for index in dict.fromkeys(images):
+        if index is None:
+            notes.append("a texture of a kind that is not read; save it as PNG or JPEG")
+        elif found is None:
+            image, where = file.named("images", index, "texture"), f"images[{index}]"
+            content = file.content(image["uri"], where) if "uri" in image else file.view(image.get("bufferView"), where)
+            found = picture(bytes(content))
+            if found is None:
+                raise file.fault(where, "is no picture that can be read, such as PNG or JPEG")
+    if len(set(images)) > 1:
+        notes.append(f"{len(set(images))} textures: the first is taken for all of it")
+    return replace(part, texture=found, notes=(*part.notes, *notes))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import exchange_kit as kit
 from strandcli.errors import UsageError
-from strandcli.exchange.edit import fix, lengths, resample, smooth, subsample, transform
+from strandcli.exchange.edit import fix, resample, subsample, transform
 from strandcli.exchange.strands import Attribute, Strands
 
 few = settings(max_examples=40, deadline=None)
@@ -102,7 +102,7 @@ def test_a_straight_strand_keeps_its_ends_alone() -> None:
 @few
 @given(strands=kit.lists_of_strands, passes=st.integers(1, 4))
 def test_smoothing_holds_the_ends(strands: list[kit.Strand], passes: int) -> None:
-    new, change = smooth.smoothed(kit.of(strands), passes)
+    new, change = resample.smoothed(kit.of(strands), passes)
     moved = 0.0
     for one, other in zip(strands, of_each(new), strict=True):
         expected = one.astype(np.float64)
@@ -163,7 +163,7 @@ def test_a_share_is_held_in_a_larger_one(count: int, share: float, more: float, 
 
 def test_lengths_are_bounds() -> None:
     strands = kit.of([np.array([[0, 0, 0], [x, 0, 0]], np.float32) for x in range(5)])
-    new, change = lengths.between(strands, 1, 3)
+    new, change = resample.between(strands, 1, 3)
     assert new.points[1::2, 0].tolist() == [1, 2, 3]
     assert (change.facts["too_short"], change.facts["too_long"]) == (1, 1)
 
@@ -210,8 +210,8 @@ def test_grooms_that_begin_at_the_tips_are_turned_around(mend: Callable[[Strands
 def test_no_strands_are_no_fault() -> None:
     none = kit.of([])
     for edit in (
-        fix.fixed, fix.reversed_all, lambda one: transform.scaled(one, 2.0), lambda one: lengths.between(one, 0, 1),
-        lambda one: subsample.share(one, 0.5, 0), lambda one: smooth.smoothed(one, 1),
+        fix.fixed, fix.reversed_all, lambda one: transform.scaled(one, 2.0), lambda one: resample.between(one, 0, 1),
+        lambda one: subsample.share(one, 0.5, 0), lambda one: resample.smoothed(one, 1),
         lambda one: resample.resampled(one, 5), lambda one: resample.simplified(one, 1.0),
     ):  # fmt: skip
         assert edit(none)[0].count == 0

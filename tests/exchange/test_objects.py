@@ -19,7 +19,7 @@ from abc_kit import Builder
 from cli_runs import Runner
 from strandcli.errors import UsageError
 from strandcli.exchange import objects
-from strandcli.exchange.edit import fix, resample, smooth, subsample, transform
+from strandcli.exchange.edit import fix, resample, subsample, transform
 from strandcli.exchange.files import ReadOptions, moments_of, read, write
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
 from strandcli.groom_file.read import from_scene
@@ -120,7 +120,7 @@ def test_objects_that_move_keep_their_points(suffix: str, tmp_path: Path) -> Non
     [lambda strands: fix.fixed(strands, turn=False), fix.reversed_all, lambda strands: subsample.every(strands, 2),
      lambda strands: subsample.some(strands, 4, 1), lambda strands: transform.turned(strands, "z", "y"),
      lambda strands: resample.resampled(strands, 5), lambda strands: resample.simplified(strands, 1e-3),
-     lambda strands: smooth.smoothed(strands, 2)],
+     lambda strands: resample.smoothed(strands, 2)],
 )  # fmt: skip
 def test_edits_keep_which_strand_is_of_which_object(edit: Any) -> None:
     changed, _ = edit(hair())

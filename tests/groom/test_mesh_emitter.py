@@ -17,8 +17,7 @@ from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
 from strandcli.groom.on_mesh import at_anchors, described, notes, seedbed
 from strandcli.groom.record import Groom
-from strandcli.meshes.bvh import make_bvh
-from strandcli.meshes.closest import closest
+from strandcli.meshes.bvh import closest, make_bvh
 from strandcli.scene.model import Emitter, MeshShape
 
 COUNT = 20_000

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strandcli.groom.neighbours import nearest_of
+from strandcli.groom.family import nearest_of
 
 LOTS = np.random.default_rng(1)
 PLACES: dict[str, Callable[[int], NDArray[np.floating]]] = {

@@ -8,8 +8,7 @@ import pytest
 
 import mesh_kit as kit
 from strandcli.jit import parallel, prange
-from strandcli.meshes.bvh import Bvh, make_bvh, moved
-from strandcli.meshes.closest import closest
+from strandcli.meshes.bvh import Bvh, closest, make_bvh, moved
 from strandcli.meshes.kernels.ray_packet import RAYS, first_hits
 from strandcli.meshes.kernels.rays import any_hit, first_hit
 from strandcli.meshes.kernels.winding import winding

@@ -20,7 +20,7 @@ import mesh_kit as kit
 from strandcli import picture_samples
 from strandcli.errors import UsageError
 from strandcli.exchange.beside import Beside, picture
-from strandcli.meshes import gltf_texture
+from strandcli.meshes import gltf
 from strandcli.meshes.gltf import read_gltf
 from strandcli.meshes.read import read_mesh
 
@@ -223,7 +223,7 @@ def test_a_picture_of_many_primitives_is_decoded_once(tmp_path: Path, monkeypatc
         decoded.append(len(content))
         return picture(content)
 
-    monkeypatch.setattr(gltf_texture, "picture", counted)
+    monkeypatch.setattr(gltf, "picture", counted)
     tracemalloc.start()
     mesh = read_mesh(path)
     peak = tracemalloc.get_traced_memory()[1]

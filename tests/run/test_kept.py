@@ -24,7 +24,7 @@ from strandcli.groom import family
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
 from strandcli.kept import FREE, kept
-from strandcli.mesh_file import file_kept, long
+from strandcli.mesh_file import file_kept, prepared
 from strandcli.meshes.bvh import make_bvh
 from strandcli.meshes.distance_grid import make_distance_grid
 from strandcli.meshes.make import make_mesh
@@ -161,17 +161,17 @@ def test_trees_and_distances_have_the_bits_of_those_that_are_made(place: Path, m
     mesh = make_mesh(*sphere())
     bvh = make_bvh(mesh.vertices, mesh.triangles)
     grid = make_distance_grid(bvh, mesh.closed, 24)
-    same(long.tree_of(mesh), bvh)
-    same(long.distances_of(bvh, mesh.closed, 24), grid)
-    monkeypatch.setattr(long, "make_bvh", refuse)
-    monkeypatch.setattr(long, "make_distance_grid", refuse)
-    same(long.tree_of(mesh), bvh)
-    same(long.distances_of(bvh, mesh.closed, 24), grid)
+    same(prepared.tree_of(mesh), bvh)
+    same(prepared.distances_of(bvh, mesh.closed, 24), grid)
+    monkeypatch.setattr(prepared, "make_bvh", refuse)
+    monkeypatch.setattr(prepared, "make_distance_grid", refuse)
+    same(prepared.tree_of(mesh), bvh)
+    same(prepared.distances_of(bvh, mesh.closed, 24), grid)
     for other in ((bvh, mesh.closed, 25), (bvh, not mesh.closed, 24)):
         with pytest.raises(AssertionError, match="made again"):
-            long.distances_of(*other)
+            prepared.distances_of(*other)
     with pytest.raises(AssertionError, match="made again"):
-        long.tree_of(make_mesh(1.01 * mesh.vertices, mesh.triangles))
+        prepared.tree_of(make_mesh(1.01 * mesh.vertices, mesh.triangles))
 
 
 def test_a_mesh_is_what_reading_its_file_gives_and_follows_its_content(

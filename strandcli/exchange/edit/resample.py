@@ -1,4 +1,5 @@
-"""Other points on the same strands: so many of each by arc length, or as few as a tolerance allows."""
+"""Other points on the same strands: so many of each by arc length, or as few as a tolerance allows, or smooth ones; and
+strands within bounds of length."""
 
 from __future__ import annotations
 
@@ -10,10 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ...counted import counted
 from ..change import Change
 from ..kernels import along
 from ..kernels import simplify as thinning
-from ..strands import Attribute, Offsets, Strands, even_offsets, spans
+from ..strands import CHUNK, Attribute, Offsets, Strands, even_offsets, spans
 
 AT_ONCE = 1 << 20
 """Points that are made at once, of as many at most where strands are not longer."""
@@ -101,3 +103,38 @@ def _change(edit: str, text: str, before: Strands, after: Strands, worst: _Worst
         {"points_before": before.points.shape[0], "points": after.points.shape[0], "deviation_max": worst.distance,
          "deviation_strand": worst.strand if worst.distance > 0 else None},
     )  # fmt: skip
+
+
+def between(strands: Strands, least: float, most: float) -> tuple[Strands, Change]:
+    """The strands of a length from ``least`` to ``most``, in units of the points."""
+    keep, short, long = np.empty(strands.count, np.bool_), 0, 0
+    for rows, (lengths,) in strands.sums(lambda rows, points, segments: segments.astype(np.float64)[None]):
+        keep[rows] = (lengths >= least) & (lengths <= most)
+        short += int(np.count_nonzero(lengths < least))
+        long += int(np.count_nonzero(lengths > most))
+    changed = strands.select(keep)
+    text = f"{counted(short + long, 'strand')} left out by length: {short:,} too short, {long:,} too long"
+    return changed, Change("length", text, {"too_short": short, "too_long": long, "kept": changed.count})
+
+
+def smoothed(strands: Strands, passes: int) -> tuple[Strands, Change]:
+    """Strands after so many passes of (1, 2, 1)/4 along each; roots and tips stay where they are."""
+    points = strands.points.copy()
+    ends = np.zeros(points.shape[0], np.bool_)
+    ends[strands.first[:-1]] = True
+    ends[strands.first[1:] - 1] = True
+    for _ in range(passes):
+        before = points[:1].copy()
+        for begin in range(1, points.shape[0] - 1, CHUNK):
+            part = points[begin : min(begin + CHUNK, points.shape[0] - 1)]
+            behind = np.concatenate([before, part[:-1]])
+            before = part[-1:].copy()
+            new = (behind + 2 * part + points[begin + 1 : begin + 1 + part.shape[0]]) * np.float32(0.25)
+            fixed = ends[begin : begin + part.shape[0], None]
+            part[:] = np.where(fixed, part, new)
+    worst = 0.0
+    for begin in range(0, points.shape[0], CHUNK):
+        step = points[begin : begin + CHUNK] - strands.points[begin : begin + CHUNK]
+        worst = max(worst, float(np.sqrt(np.einsum("ij,ij->i", step, step).max(initial=0))))
+    text = f"smoothed in {counted(passes, 'pass', 'passes')}, points moved by at most {worst:.4g}"
+    return replace(strands, points=points), Change("smooth", text, {"passes": passes, "moved_max": worst})

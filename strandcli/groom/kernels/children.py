@@ -9,6 +9,8 @@ each clump moves it toward the child at its centre, c += w(u) (c_centre(u) − c
 perpendicular to the path. Segment lengths are restored, root to tip, after clumps and after waves: after clumps,
 segments turn toward the displaced particles, so that the tips of a clump still meet; after waves they keep their
 directions, so that a wave is not smoothed. Last, particles are moved out of solids.
+Paths along guides and clumps are computed child by child, a vector of the numbers of a row at a time; all else in rows
+of W numbers, of which each lane has those of one child.
 """
 
 from __future__ import annotations
@@ -16,16 +18,17 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import VECTOR, W
-from ...jit import parallel, prange
-from ...simd import lane_count, line_pointer, pointer
+from ...jit import device, inlined, parallel, prange
+from ...simd import broadcast, lane_count, line_pointer, load, load_triple, pointer, store
 from ...solids.kernels.outside import count as count_solids
-from .child_path import lay_path, pull_path
 from .child_scratch import FIRST_WAVE, TURNING, load_children
 from .child_waves import write_strands
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
+ONE_PLACE = np.uint64(1)
+TWO_PLACES = np.uint64(2)
 
 
 @parallel
@@ -87,3 +90,43 @@ def grow(guides, own, following, clumps, waves, solids, out, lengths):
                 lay_path(guides, following, i, paths, lane * size)
                 pull_path(clumps, i, paths, lane * size)
             write_strands(waves, solids, count_solids(solids) > 0, paths, size, scratch, out, b, k)
+
+
+@device
+def lay_path(guides, following, i, rows, o):
+    """Write the path of child i along its guides to rows from place o on, as a row of `Guides.offsets`, in metres from
+    the origin."""
+    step = lane_count(rows)
+    a, b, c = load_triple(pointer(following.roots), np.int64(i) * 3)
+    lay_third(guides, following, i, rows, o, 0, a)
+    lay_third(guides, following, i, rows, o, step, b)
+    lay_third(guides, following, i, rows, o, 2 * step, c)
+
+
+@inlined
+def lay_third(guides, following, i, rows, o, begin, root):
+    """`lay_path` of every third vector from place ``begin`` of the row on; root: the child's root in these."""
+    every = pointer(guides.offsets)
+    size, step = guides.offsets.shape[1], 3 * lane_count(rows)
+    first = np.int64(following.parents[i, np.uint64(0)]) * size
+    second = np.int64(following.parents[i, ONE_PLACE]) * size
+    third = np.int64(following.parents[i, TWO_PLACES]) * size
+    u = broadcast(rows, following.weights[i, np.uint64(0)])
+    v = broadcast(rows, following.weights[i, ONE_PLACE])
+    w = broadcast(rows, following.weights[i, TWO_PLACES])
+    for k in range(begin, size, step):
+        x = root + u * load(every, first + k) + v * load(every, second + k) + w * load(every, third + k)
+        store(rows, o + k, x)
+
+
+@device
+def pull_path(clumps, i, rows, o):
+    """Pull the path of child i, in rows from place o on, to the paths at the centres of its clumps, from the narrowest
+    to the widest."""
+    centres, ramps, size = pointer(clumps.paths), pointer(clumps.ramps), clumps.paths.shape[1]
+    for level in range(clumps.centres.shape[0] - 1, -1, -1):
+        pull = broadcast(rows, clumps.pulls[np.uint64(level), i])
+        centre, ramp = np.int64(clumps.centres[np.uint64(level), i]) * size, level * size
+        for k in range(0, size, lane_count(rows)):
+            x = load(rows, o + k)
+            store(rows, o + k, x + pull * load(ramps, ramp + k) * (load(centres, centre + k) - x))

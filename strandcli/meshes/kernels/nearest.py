@@ -1,4 +1,4 @@
-"""The point of a mesh that is nearest to another one."""
+"""The point of a mesh that is nearest to another one, or to each of many."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
-from ...jit import device
+from ...jit import device, parallel, prange
 from ...simd.local import local_float64, local_int32
+from .winding import winding
 
 
 @device
@@ -126,3 +127,23 @@ def unit_normal(corners, i):
     long = math.sqrt(nx * nx + ny * ny + nz * nz)
     scale = 1.0 / long if long > 0.0 else 0.0
     return nx * scale, ny * scale, nz * scale
+
+
+@parallel
+def closest(bvh, points, near, triangles, shares, distances):
+    """Write of points (P, 3) the nearest ones of a mesh, near (P, 3), their triangles (P,), barycentric coordinates
+    (P, 3) and signed distances (P,)."""
+    for p in prange(points.shape[0]):
+        one(bvh, points, p, near, triangles, shares, distances)
+
+
+@device
+def one(bvh, points, p, near, triangles, shares, distances):
+    """`closest` of point p."""
+    x, y, z = points[p, 0], points[p, 1], points[p, 2]
+    squared, triangle, u, v, row = nearest(bvh, x, y, z, np.inf)
+    near[p, 0], near[p, 1], near[p, 2] = place(bvh.corners, row, u, v)
+    triangles[p] = triangle
+    shares[p, 0], shares[p, 1], shares[p, 2] = 1.0 - u - v, u, v
+    apart = math.sqrt(squared)
+    distances[p] = -apart if winding(bvh, x, y, z) > 0.5 else apart
