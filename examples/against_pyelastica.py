@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from strandcli import runtime
+from strandcli.compiling import runtime
 from strandcli.scene import loads
 from strandcli.simulate import solver_of
 from strandcli.simulate.rules import registry

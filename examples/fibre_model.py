@@ -11,12 +11,12 @@ import numpy as np
 from PIL import Image
 
 import strandcli
+from strandcli.common.registry import FIBRES
 from strandcli.constants import W
 from strandcli.draw.common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, TX, TY, TZ
 from strandcli.draw.common.kernels.light_columns import POWER_R
 from strandcli.draw.fibre.kernels.highlights import shaded_by
 from strandcli.jit import device
-from strandcli.registry import FIBRES
 from strandcli.scene.fields import number
 
 name = "kajiya_kay"

@@ -18,11 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 import strandcli
-from strandcli import runtime
-from strandcli.blocks import unpack
+from strandcli.compiling import runtime
 from strandcli.draw.common.scratch import Scratch
+from strandcli.groom.blocks import unpack
 from strandcli.groom.followers import Followers
-from strandcli.stages import RunOptions, SimulationStage
+from strandcli.run.stages import RunOptions, SimulationStage
 
 COMPARED = 4
 """Frames, evenly chosen; the last one is among them."""

@@ -12,9 +12,9 @@ import numpy as np
 from PIL import Image
 
 import strandcli
+from strandcli.common.registry import SHADOWS
 from strandcli.draw.shadows.shadow_model import ShadowModel
 from strandcli.draw.shadows.vertex_shadows import StrandsInLight, VertexShadows
-from strandcli.registry import SHADOWS
 from strandcli.scene.fields import Vector, number, vector
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from .frame import Frame
+    from .run.frame import Frame
     from .scene.model import Scene
 
 __all__ = ["__version__", "load", "render"]
@@ -53,7 +53,7 @@ def load(
 
 
 def render(scene: Scene, frames: Sequence[int] | None = None, *, threads: int | None = None) -> Iterator[Frame]:
-    """Simulate and draw; yields a `strandcli.pipeline.Frame` for each frame asked for (all by default)."""
-    from .pipeline import render as run
+    """Simulate and draw; yields a `strandcli.run.pipeline.Frame` for each frame asked for (all by default)."""
+    from .run.pipeline import render as run
 
     return run(scene, frames, threads=threads, keep_positions=True)

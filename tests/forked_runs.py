@@ -58,7 +58,7 @@ def main() -> None:
     """Import what draws and simulates, and answer every line of the standard input."""
     import strandcli.cli.render
     import strandcli.draw.renderer
-    import strandcli.pipeline  # noqa: F401
+    import strandcli.run.pipeline  # noqa: F401
     from strandcli.compiling import faster
 
     faster.patch()

@@ -19,22 +19,22 @@ from numba.core.registry import cpu_target
 
 from fuzz_changes import mutated
 from fuzz_presets import command
-from strandcli.checkpoints import FOLDER, Checkpoints
 from strandcli.cli.main import main
 from strandcli.compiling.folder import Folder
 from strandcli.compiling.folder import cache as compiled
+from strandcli.compiling.written import module_of
 from strandcli.errors import MismatchError
 from strandcli.groom.emit import emit
 from strandcli.jit import cache as cache_of_kernels
 from strandcli.jit import function
 from strandcli.jit.dispatcher import KernelDispatcher
 from strandcli.output import positions, state_file
+from strandcli.run.checkpoints import FOLDER, Checkpoints
 from strandcli.scene import loads
 from strandcli.simulate.grid import box as grid_box
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.study import advice, picture_advice
-from strandcli.written import module_of
 
 TINY = """\
 time: {frames: 3}

@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 import exchange_kit
 import strandcli
-from strandcli import pipeline
-from strandcli.blocks import unpack
+from strandcli.groom.blocks import unpack
+from strandcli.run import pipeline
+from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene.model import Scene
-from strandcli.stages import RunOptions, SimulationStage
 
 Strand = npt.NDArray[np.float32]
 SMALL = {"image.size": (64, 48), "lights.0.shadow.size": 64, "lights.1.shadow.size": 64, "ambient_occlusion": None}

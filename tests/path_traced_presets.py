@@ -22,10 +22,10 @@ import numba
 
 import strandcli
 from path_tracer import figures, seconds_to, trace
-from strandcli.export import drawn_strands
-from strandcli.frame_renderer import FrameRenderer
+from strandcli.run.export import drawn_strands
+from strandcli.run.frame_renderer import FrameRenderer
+from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene.motion import camera_at
-from strandcli.stages import RunOptions, SimulationStage
 from strandcli.study.pictures.subject import LinearRenderer
 from strandcli.study.settings import changed, knows
 

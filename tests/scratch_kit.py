@@ -8,8 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from strandcli.blocks import aligned
 from strandcli.constants import VECTOR
+from strandcli.groom.blocks import aligned
 from strandcli.simd import vector_pointer_at
 from strandcli.simulate.rod.kernels.scratch import AFTER, BEFORE, SIZES, Scratch, scratch_at, vectors_for
 

@@ -13,11 +13,11 @@ import pytest
 from numpy.typing import NDArray
 
 from reference.rules import Twin
-from strandcli import runtime
-from strandcli.frame import Frame
+from strandcli.compiling import runtime
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
-from strandcli.pipeline import render
+from strandcli.run.frame import Frame
+from strandcli.run.pipeline import render
 from strandcli.scene import Scene, loads
 from strandcli.simulate.rules import Pass, registry
 from strandcli.simulate.solver import Solver

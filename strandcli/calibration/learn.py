@@ -10,8 +10,8 @@ from ..plan.cost import frame_seconds, kind_of
 from . import profile
 
 if TYPE_CHECKING:
-    from ..frame import Frame
     from ..plan import Plan
+    from ..run.frame import Frame
     from ..scene.model import Scene
 
 FEWEST = 2

@@ -20,11 +20,12 @@ def measure(notify: Callable[[str], None] | None = None) -> Profile:
     """Return a profile that holds what was measured alone. Takes two seconds, and a minute where kernels are compiled
     first. What other programs do meanwhile is not counted. Keeps what libraries take of memory (`plan.libraries`), the
     most that is seen after a frame: the system may take back pages that have not been used for a while."""
-    from .. import load, runtime
+    from .. import load
+    from ..compiling import runtime
     from ..draw.common.drawing import ProcessorDrawing
     from ..draw.renderer import Renderer
-    from ..frame_renderer import FrameRenderer
-    from ..stages import RunOptions, SimulationStage
+    from ..run.frame_renderer import FrameRenderer
+    from ..run.stages import RunOptions, SimulationStage
 
     class Timed(Renderer):
         clocked = ProcessorDrawing

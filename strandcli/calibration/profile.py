@@ -14,7 +14,7 @@ from typing import Any
 
 from .. import __version__
 from ..compiling.folder import cache
-from ..runtime import cpu_name
+from ..compiling.runtime import cpu_name
 
 FILE = "speed.json"
 SCHEMA_VERSION = 1

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UsageError, one_line
-from ..inputs import content
+from ..files.inputs import content
 from .lens import picture_size, refuse_distortion, square_focal
 from .pinhole import Floats, Pinhole, in_order
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..errors import UsageError
-from ..inputs import content
+from ..files.inputs import content
 from ..output.files import json_of
 from .pinhole import Pinhole, from_dict
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import UsageError, one_line
-from ..inputs import reading
+from ..files.inputs import reading
 from . import colmap, neus, own, transforms, usd
 from .lens import MissingSize
 from .pinhole import Pinhole

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import UsageError, one_line
 from ..exchange.edit.transform import turning
-from ..inputs import content
+from ..files.inputs import content
 from ..output.files import json_of
 from .lens import picture_size, refuse_distortion, square_focal
 from .pinhole import Floats, Pinhole, checked_rotation, in_order

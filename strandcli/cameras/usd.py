@@ -22,7 +22,7 @@ import numpy as np
 from ..errors import UsageError, one_line
 from ..exchange.edit.transform import turning
 from ..exchange.usd.process import ask
-from ..inputs import opened
+from ..files.inputs import opened
 from .lens import picture_size, square_focal
 from .pinhole import Floats, Pinhole, checked_rotation
 

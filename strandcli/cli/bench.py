@@ -8,7 +8,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
 from . import options
 from .progress import Progress
@@ -92,7 +92,7 @@ def command(
     given = {name for name in ctx.params if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE}
     refuse_contradictions(preset, given, overrides)
     frames = frames or (FRAMES if preset is None else FRAMES_OF_A_PRESET)
-    from .. import runtime
+    from ..compiling import runtime
 
     with Progress(frames, "bench", hidden=no_progress or quiet, verbose=verbose) as progress:
         runtime.start(threads, progress.note)

@@ -11,7 +11,7 @@ import click
 from .options import Whole
 
 if TYPE_CHECKING:
-    from ..checkpoints import Checkpoints
+    from ..run.checkpoints import Checkpoints
 
 option = click.option(
     "--checkpoint", type=Whole(1), metavar="N",
@@ -21,6 +21,6 @@ option = click.option(
 
 def of_run(folder: Path, every: int | None, warn: Callable[[str], None]) -> Checkpoints | None:
     """The checkpoints of a run that writes into a folder, None where there are none and none are asked for."""
-    from .. import checkpoints
+    from ..run import checkpoints
 
     return checkpoints.of_run(folder, every, warn)

@@ -34,7 +34,7 @@ def command(
     no_progress: bool,
 ) -> None:  # fmt: skip
     """Measure what the thesis claims and print each claim, the source's figure and ours."""
-    from .. import runtime
+    from ..compiling import runtime
     from ..output.files import prepare_folder, write_pieces
     from ..study.busy import busy_words
 

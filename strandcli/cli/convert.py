@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
 from . import options, strand_files
 from .frame_range import FrameRange, FrameRangeType

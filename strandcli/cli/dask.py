@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
 from . import complete, options, signals
 
 if TYPE_CHECKING:
-    from ..frame import Frame
+    from ..run.frame import Frame
     from ..scene.model import Scene
 
 option = options.together(
@@ -43,11 +43,11 @@ def frames(
 ) -> Iterator[Frame]:  # fmt: skip
     """Frames as they are done. ``threads``: processes of `local`, or threads of each worker elsewhere; ``settings``: of
     the simulation (see `pipeline.render`)."""
-    from .. import pipeline
     from ..dask_cluster import connect, run
     from ..dask_cluster.job import Job
-    from ..fingerprint import fingerprint
-    from ..frame import Frame
+    from ..run import pipeline
+    from ..run.fingerprint import fingerprint
+    from ..run.frame import Frame
 
     local = address == connect.LOCAL
     workers = min(threads or options.available_cores(), len(numbers), _fitting(scene, numbers))

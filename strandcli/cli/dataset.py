@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from ..counted import counted
+from ..common.counted import counted
+from ..common.registry import LAYOUTS
 from ..errors import UsageError
-from ..registry import LAYOUTS
 from . import camera_files, complete, options
 from .memory_check import option as memory_check_option
 from .progress import Progress, stepper, warner

@@ -56,9 +56,9 @@ def _report(check: str, state: str, text: str, advice: str) -> None:
 
 def _calibrate(as_json: bool, quiet: bool) -> None:
     """Measure, keep and tell the speed of this machine."""
-    from .. import runtime
     from ..calibration import profile
     from ..calibration.measure import measure
+    from ..compiling import runtime
     from .progress import Progress
 
     runtime.start(1)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..counted import counted
+from ..common.counted import counted
 from . import options, signals
 from .frame_range import FrameRange
 from .positions import open_cache
@@ -18,7 +18,7 @@ from .say import say
 
 if TYPE_CHECKING:
     from ..exchange.strands import Strands, TimeSample
-    from ..export import DrawnFrame
+    from ..run.export import DrawnFrame
     from ..scene.model import Scene
 
 LEVELS = {str(2**level): level for level in range(9)}
@@ -76,10 +76,10 @@ def command(
     positions = open_cache(from_cache, numbers, scene, keep_going)
     lost: dict[str, None] = {}
     with Progress(len(numbers), options.preset_name(preset), hidden=no_progress or quiet, verbose=verbose) as progress:
-        from .. import runtime
+        from ..compiling import runtime
 
         runtime.start(threads, progress.note)
-        from ..export import drawn_strands
+        from ..run.export import drawn_strands
 
         def stepped() -> Iterator[DrawnFrame]:
             for one in drawn_strands(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
 from . import options
 from .frame_range import FrameRange

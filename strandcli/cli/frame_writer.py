@@ -18,9 +18,9 @@ def frame_writer(
     overwrite: bool, resume: bool, exr: bool,
 ) -> FrameWriter:  # fmt: skip
     """What takes the frames; refuses up front what would be refused later."""
-    from ..fingerprint import fingerprint
     from ..output.frames import FrameWriter
     from ..output.report import FILE
+    from ..run.fingerprint import fingerprint
 
     if "mp4" in animate:
         from ..output.video import ffmpeg
@@ -46,7 +46,7 @@ def picture_size(scene: Scene) -> tuple[int, int]:
         return scene.image.drawn
     import numpy as np
 
-    from ..panels import join
+    from ..run.panels import join
 
     empty = [np.zeros((*panel.image.drawn[::-1], 3), np.uint8) for panel in scene.panels]
     height, width, _ = join(empty, [panel.label for panel in scene.panels]).shape

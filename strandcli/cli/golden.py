@@ -48,7 +48,7 @@ def check(
     no_progress: bool,
 ) -> None:
     """Draw the images of DIR, or only those called NAME, and compare; a mismatch ends in exit code 3."""
-    from .. import runtime
+    from ..compiling import runtime
     from ..output.files import prepare_folder, write_pieces
     from ..study import golden, golden_list
 
@@ -94,7 +94,7 @@ def update(
     no_progress: bool,
 ) -> None:
     """Make what is drawn now the golden images of DIR, or only those called NAME. Look at them before you commit."""
-    from .. import runtime
+    from ..compiling import runtime
     from ..output.files import prepare_folder
     from ..study import golden, golden_list
 

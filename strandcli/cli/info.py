@@ -110,10 +110,10 @@ def _report_mesh(file: Path, picture: Path | None, as_json: bool) -> None:
 
 def _write(scene: Scene, picture: Path) -> None:
     """Draw the first frame of a scene into a PNG."""
-    from .. import pipeline
     from ..output.files import write_pieces
     from ..output.png import encode
     from ..plan import checked_plan
+    from ..run import pipeline
 
     checked_plan(scene, [1])
     (frame,) = pipeline.render(scene, [1])

@@ -15,8 +15,8 @@ from .progress import Progress
 from .terminal_pictures import Preview
 
 if TYPE_CHECKING:
-    from ..frame import Frame
     from ..output.frames import FrameWriter
+    from ..run.frame import Frame
 
 NOW = "now.png"
 PAUSE = 1.0

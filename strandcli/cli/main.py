@@ -15,7 +15,8 @@ from dataclasses import asdict, dataclass
 import click
 import click.shell_completion
 
-from .. import __version__, runtime
+from .. import __version__
+from ..compiling import runtime
 from ..errors import DONE, FAILED, REFUSED, USAGE, StrandError
 from . import garbage, signals
 from .say import printable

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
 from . import complete
 from .frame_range import FrameRange, FrameRangeType

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import runtime
-from ..counted import counted
+from ..common.counted import counted
+from ..compiling import runtime
 from . import options
 from .frame_range import FrameRange
 from .progress import Progress, duration, pace

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 def motion_of(scene: Scene) -> Motion:
     """What positions of a scene follow from."""
-    from ..fingerprint import motion_fingerprint, motion_values
     from ..output.positions import Motion
+    from ..run.fingerprint import motion_fingerprint, motion_values
 
     values = motion_values(scene)
     return Motion(motion_fingerprint(values), values)
@@ -28,8 +28,8 @@ def open_cache(
     where strands of the scene move otherwise."""
     if directory is None:
         return None
-    from ..fingerprint import difference
     from ..output.positions import PositionCache
+    from ..run.fingerprint import difference
 
     if scene.panels:
         raise UsageError("--from-cache: a preset of several panels has several sets of positions; draw it without")

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import inputs
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import SimulationError, StrandError
+from ..files import inputs
 from . import animations, camera_files, garbage, html_page, options, signals
 from . import checkpoint as checkpoints
 from . import dask as clusters
@@ -168,7 +168,8 @@ def _run(
     look: Look,
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
-    from .. import compile_ahead, runtime
+    from ..compiling import runtime
+    from ..run import compile_ahead
 
     warn = warner(progress, quiet, report.warn)
     _warn_of_others(writer, warn)

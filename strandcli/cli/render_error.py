@@ -14,8 +14,8 @@ from .say import say
 from .values import BoundsType
 
 if TYPE_CHECKING:
-    from ..frame import Frame
     from ..output.report import RunReport
+    from ..run.frame import Frame
     from ..scene.model import Scene
     from ..study.picture_advice import PictureAdvice
 
@@ -49,7 +49,7 @@ def advised(
         return scene, None
     if given["quality"] is not None or "quality" in fixed:
         raise UsageError("--quality: --max-error chooses how finely a picture is drawn; leave one of the two out")
-    from .. import runtime
+    from ..compiling import runtime
     from ..study.picture_advice import METRICS, advise
 
     name = options.preset_name(preset)
@@ -65,7 +65,7 @@ def _motion(
     scene: Scene, preset: str, bounds: Mapping[str, float], fixed: set[str], progress: Progress, quiet: bool
 ) -> tuple[str, ...]:
     """Settings of motion under an error, as after --set."""
-    from .. import runtime
+    from ..compiling import runtime
     from ..study.advice import advise
 
     with progress:

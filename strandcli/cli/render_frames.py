@@ -10,9 +10,9 @@ from ..plan.libraries import keep_mapped
 from . import dask
 
 if TYPE_CHECKING:
-    from ..checkpoints import Checkpoints
-    from ..frame import Frame
     from ..plan import Plan
+    from ..run.checkpoints import Checkpoints
+    from ..run.frame import Frame
     from ..scene.model import Scene
     from .progress import Progress
 
@@ -41,8 +41,8 @@ def frames_of(
             scene, numbers, motion.dask, motion.positions, threads, progress.note, warn,
             keep_going=motion.keep_going, checkpoints=kept,
         )  # fmt: skip
-    from .. import pipeline
-    from ..first_frame import FirstFrame
+    from ..run import pipeline
+    from ..run.first_frame import FirstFrame
 
     found = pipeline.render(
         scene, numbers, threads=threads, positions=motion.positions, keep_going=motion.keep_going,

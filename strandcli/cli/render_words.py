@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..counted import counted
+from ..common.counted import counted
 from .progress import duration, pace
 from .say import say
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..counted import counted
+from ..common.counted import counted
 from . import options
 from .say import say
 from .values import ColourType

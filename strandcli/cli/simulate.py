@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from .. import inputs
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
+from ..files import inputs
 from . import checkpoint as checkpoints
 from . import options, signals
 from .frame_range import FrameRange
@@ -71,11 +71,11 @@ def command(
     with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:
         try:
             if writer.wanted:
-                from .. import runtime
+                from ..compiling import runtime
 
                 runtime.start(threads, progress.note)
-                from .. import pipeline
-                from ..first_frame import FirstFrame
+                from ..run import pipeline
+                from ..run.first_frame import FirstFrame
 
                 warn = warner(progress, quiet)
                 for frame in pipeline.render(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import MismatchError, UsageError
 from ..scene.faults import shown
 from . import complete, options

@@ -95,7 +95,7 @@ def command(
         for kind in KINDS:
             options.refuse_existing(folder / f"{file_name(request.name, axis)}.{kind}", overwrite)
 
-    from .. import runtime
+    from ..compiling import runtime
     from ..output.files import require_folder
     from ..study import report, sweep
 
@@ -217,7 +217,7 @@ def _finite(data: Any) -> Any:
 
 
 def _write(study: Study, folder: Path, max_error: float | None) -> None:
-    from .. import runtime
+    from ..compiling import runtime
     from ..html_report.measured import of_study
     from ..output.files import prepare_folder, write_json, write_pieces
     from ..study.chart import chart

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import SimulationError, UsageError
 from ..scene.faults import Fault, SceneError
 from . import options, signals

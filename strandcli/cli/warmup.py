@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..common.counted import counted
 from ..compiling import processor
 from ..compiling.clock import clock
 from ..compiling.folder import cache
 from ..compiling.service import cores
-from ..counted import counted
 from . import complete, options, signals
 from .layers import layer_options, with_layers
 from .progress import Progress
@@ -74,7 +74,7 @@ def command(
         require_folder(pack.parent, 0)
     names = _names(presets)
     scenes = [with_layers(options.load_scene(name, **scene_settings), exr) for name in names]
-    from .. import runtime
+    from ..compiling import runtime
     from ..jit.profile import profiled
 
     if pack is not None:
@@ -120,7 +120,7 @@ def _names(presets: tuple[str, ...]) -> list[str]:
 
 def _draw(scene: Scene, threads: int | None, progress: Progress) -> None:
     """Draw the first frames of a scene."""
-    from .. import pipeline
+    from ..run import pipeline
 
     for count, frames in ((threads, range(1, min(FRAMES, scene.time.frames) + 1)), (1, [1])):
         for _ in pipeline.render(scene, frames, threads=count, notify=progress.note):

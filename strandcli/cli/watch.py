@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import inputs
 from ..errors import MismatchError, StrandError, UsageError
+from ..files import inputs
 from . import options, signals
 from .progress import Progress
 from .say import say
 from .terminal_pictures import Preview
 
 if TYPE_CHECKING:
-    from ..remembered import Remembered
+    from ..run.remembered import Remembered
     from ..scene.model import Scene
 
 FILE = "watch.png"
@@ -45,9 +45,9 @@ def run(given: Mapping[str, Any]) -> None:
     path = folder / FILE
     _require_ours(path, given["overwrite"])
     frame = given["frames"].numbers()[0] if given["frames"] is not None else 1
-    from .. import runtime
+    from ..compiling import runtime
     from ..output.files import prepare_folder
-    from ..remembered import Remembered
+    from ..run.remembered import Remembered
 
     prepare_folder(folder, 0)
     preview, motion = Preview(given["preview"]), Remembered(frame)
@@ -135,8 +135,9 @@ def _with_one_turn(scene: Scene) -> Scene:
 def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], motion: Remembered) -> tuple[Any, float]:
     """The picture, and the seconds that compiling took."""
     quiet = given["quiet"]
-    from .. import pipeline, runtime
+    from ..compiling import runtime
     from ..plan import checked_plan
+    from ..run import pipeline
 
     if frame > scene.time.frames:
         raise UsageError(f"-f/--frames asks for frame {frame}, but the animation has {scene.time.frames}")

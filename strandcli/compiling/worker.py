@@ -104,7 +104,7 @@ class WrittenModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
 def _ahead(data: bytes, parts: list[str]) -> None:
     """Compile the kernels of a scene's parts."""
-    from ..compile_ahead import compile_parts
+    from ..run.compile_ahead import compile_parts
 
     try:
         compile_parts(pickle.loads(data), parts)

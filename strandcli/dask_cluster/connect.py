@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
+from ..common.extras import install
 from ..errors import RefusedError, UsageError
-from ..extras import install
 from .job import ALIKE, SHOULD, facts
 
 LOCAL = "local"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from ..errors import RefusedError, StrandError
-from ..frame import Frame
+from ..run.frame import Frame
 from . import worker
 from .job import Job, Task
 

@@ -6,7 +6,7 @@ import threading
 from typing import Any
 
 from ..errors import StrandError, UsageError
-from ..frame import Frame
+from ..run.frame import Frame
 from .job import Job, Task
 
 _turn = threading.Lock()
@@ -32,12 +32,12 @@ class _Drawn:
 
     def __init__(self, job: Job) -> None:
         """Raises `UsageError` where the files that the scene names are others here."""
-        from .. import runtime
+        from ..compiling import runtime
         from ..compiling.folder import cache
-        from ..fingerprint import fingerprint
-        from ..frame_renderer import FrameRenderer
+        from ..run.fingerprint import fingerprint
+        from ..run.frame_renderer import FrameRenderer
+        from ..run.stages import RunOptions, SimulationStage
         from ..scene.named_files import naming_files
-        from ..stages import RunOptions, SimulationStage
 
         scene = job.scene
         if fingerprint(scene) != job.fingerprint:
@@ -62,7 +62,7 @@ class _Drawn:
 
     def __call__(self, task: Task) -> Frame:
         """Draw a frame."""
-        from .. import runtime
+        from ..compiling import runtime
 
         self._positions = task.positions
         with runtime.thread_count(self._threads), self._files(self._scene):

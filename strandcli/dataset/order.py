@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cameras.pinhole import Pinhole
-from ..counted import counted
+from ..common.counted import counted
+from ..common.registry import LAYOUTS
 from ..errors import UsageError
-from ..registry import LAYOUTS
 from .labels import LAYERS
 from .layout import Layout
 

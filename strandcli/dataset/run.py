@@ -16,10 +16,10 @@ from .. import __version__
 from ..cameras import usd_text
 from ..cameras.pinhole import Pinhole, from_dict, of_camera, to_camera
 from ..cameras.upright import UP
-from ..fingerprint import fingerprint
 from ..output.claim import Claim
 from ..output.files import prepare_folder, refusal, require_own, write_json, write_pieces
 from ..output.report import finite
+from ..run.fingerprint import fingerprint
 from .layout import Layout
 from .manifest import FILE, FOLDER, KEY, entry_file, finished, name_of, wanted_views, write_manifest
 from .views import Chance, camera_of, lit
@@ -102,7 +102,8 @@ def make(order: Order, threads: int | None, talk: Talk) -> dict[str, Any]:
 
 def _drawn(order: Order, wanted: Sequence[int], made: str, threads: int | None, talk: Talk) -> dict[str, Any]:
     """Draw views and finish the set."""
-    from .. import compile_ahead, runtime
+    from ..compiling import runtime
+    from ..run import compile_ahead
     from .studio import Studio
 
     runtime.start(threads, talk.notify)

@@ -14,7 +14,7 @@ from ..cameras.pinhole import Floats, Pinhole
 from ..constants import W
 from ..draw.common.drawing import Drawing
 from ..draw.renderer import Renderer, shadows_of_any_view
-from ..stages import Notify, RunOptions, SimulationStage
+from ..run.stages import Notify, RunOptions, SimulationStage
 from .labels import Labels, labels_of
 from .layout import Cloud
 

@@ -6,10 +6,10 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..common.counted import counted
 from ..compiling.folder import ENTRY, MOST_BYTES, cache
 from ..compiling.packs import Pack
 from ..compiling.stores import writers
-from ..counted import counted
 from ..output.files import megabytes
 from .finding import NOTE, OK, Finding
 

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
 from ..plan import limits
 from .finding import BROKEN, NOTE, OK, Finding
@@ -27,7 +27,7 @@ def processor() -> Iterator[Finding]:
         import llvmlite.binding as llvm
     except Exception:  # told by another check
         return
-    from ..runtime import cpu_name
+    from ..compiling.runtime import cpu_name
 
     features = llvm.get_host_cpu_features()
     known = [name for name in WIDE if features.get(name)]
@@ -44,7 +44,7 @@ def threads() -> Iterator[Finding]:
     there = os.cpu_count() or 1
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else there
     quota = limits.cores()
-    from ..runtime import checked_threads
+    from ..compiling.runtime import checked_threads
 
     try:
         count = checked_threads(None)

@@ -62,7 +62,7 @@ def told(code: int, out: str, err: str) -> Finding:
 
 def draw() -> dict[str, Any]:
     """Draw the picture in this process; returns what `told` tells."""
-    from .. import runtime
+    from ..compiling import runtime
     from ..study import golden, golden_list
 
     start = time.perf_counter()

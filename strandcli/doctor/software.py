@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from importlib import metadata
 
 from .. import __version__
+from ..common.extras import install
+from ..compiling.runtime import require_addresses
 from ..errors import RefusedError
-from ..extras import install
-from ..runtime import require_addresses
 from .finding import BROKEN, NOTE, OK, Finding
 
 LEAST = {"numba": (0, 61), "numpy": (1, 26), "pillow": (10, 3), "click": (8, 1), "pyyaml": (6, 0)}

@@ -1,4 +1,4 @@
-"""Parts of an empty frame, drawn to compile their kernels (see `strandcli.compile_ahead`)."""
+"""Parts of an empty frame, drawn to compile their kernels (see `strandcli.run.compile_ahead`)."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError, said
 from ..output.files import ARCHIVE_ERRORS
 from .bounded import SLICE, Bounded, amount

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import StrandError
-from ..picture_samples import pixels
+from ..files.picture_samples import pixels
 from .bounded import Bounded, opened
 
 LARGEST = 1 << 31

@@ -12,9 +12,9 @@ from typing import Any, BinaryIO, NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from .. import inputs
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError, one_line
+from ..files import inputs
 from .strands import CHUNK
 
 TIMES, SPARE = 3, 90_000_000
@@ -142,7 +142,7 @@ class Bounded:
 
 @contextmanager
 def opened(path: Path, what: str, lenient: bool = False) -> Iterator[Bounded]:
-    """A file to be read; arguments as for `Bounded`. Raises as `strandcli.inputs.opened`."""
+    """A file to be read; arguments as for `Bounded`. Raises as `strandcli.files.inputs.opened`."""
     with inputs.opened(path) as file:
         yield Bounded(path, file, os.fstat(file.fileno()).st_size, what, lenient)
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..counted import counted
+from ..common.counted import counted
 from . import faults
 from .bounded import not_finite
 from .ends import Ends, ends, head, up_axis

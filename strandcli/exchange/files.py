@@ -21,9 +21,9 @@ from typing import Any
 
 import numpy as np
 
+from ..common.registry import Registry
 from ..errors import UsageError, about
-from ..inputs import reading
-from ..registry import Registry
+from ..files.inputs import reading
 from .bounded import opened
 from .objects import chosen, only
 from .splines import LINEAR

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
-from ..inputs import note
-from ..numbered import file_of, is_numbered, numbered
+from ..files.inputs import note
+from ..files.numbered import file_of, is_numbered, numbered
 from . import files as one_file
 from .files import ReadOptions, format_of, read
 from .strands import Strands, TimeSample

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
 from .strands import Offsets, offsets
 

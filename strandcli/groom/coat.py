@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError
-from ..inputs import cached
+from ..files.inputs import cached
 from ..mesh_file.maps import coloured
 from ..mesh_file.read import KEPT, placed, placing
 from ..mesh_file.texture import encoded

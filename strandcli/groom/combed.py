@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
-from ..blocks import pack
 from ..constants import W
 from ..scene.model import MeshShape
 from ..scene.motion import Pose, emitter_pose, solid_pose
 from ..solids.shapes import capsule, sphere
+from .blocks import pack
 from .emit import stream
 from .record import Groom
 from .tie import Floats, paths

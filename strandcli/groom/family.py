@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kept import Arrays, kept
+from ..jit.kept import Arrays, kept
 from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
 from . import fringe
 from .arrange import spatial_order

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
-from ..blocks import lanes, unpack
 from ..constants import W
 from ..errors import SimulationError
 from ..scene.motion import Pose, emitter_pose
 from ..scene.touched import touched
+from .blocks import lanes, unpack
 from .deforming import deforming
 from .record import Groom, Widths
 

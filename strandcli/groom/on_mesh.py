@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
-from ..inputs import cached
+from ..files.inputs import cached
 from ..mesh_file.maps import Pieces, Place, lookup, pieces, vectors
 from ..mesh_file.prepared import distances
 from ..mesh_file.read import KEPT, placed, placing

@@ -77,7 +77,7 @@ class Groom:
     grown: NDArray[np.float64] | None = None
     """(strands, 3) metres: roots on the surface of tied strands, whose `roots` are at the tie; else None."""
     points: NDArray[np.float32] | None = None
-    """(blocks, n + 1, 3 W) metres: the points of strands from a file, in the layout of `strandcli.blocks`; else
+    """(blocks, n + 1, 3 W) metres: the points of strands from a file, in the layout of `strandcli.groom.blocks`; else
     None."""
     widths: Widths | None = None
     """Of strands from a file that has any; None: all are as wide as the material's."""

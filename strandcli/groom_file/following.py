@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ..errors import UsageError, about
 from ..exchange.kernels.simplify import simplify
 from ..exchange.strands import even_offsets
+from ..files.inputs import cached
 from ..groom.arrange import spatial_order
 from ..groom.followers import Following
 from ..groom.record import Groom, Widths
-from ..inputs import cached
 from ..scene.detail import most_needed
 from ..scene.model import Followers
 from ..scene.motion import camera_at, emitter_pose

@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import unpack
 from ..constants import W
 from ..exchange.kernels.along import resample
 from ..exchange.strands import even_offsets
+from ..groom.blocks import unpack
 from ..groom.emit import stream
 from ..groom.kernels.alike import most_alike
 from ..groom.record import Groom

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
 from ..exchange.strands import Strands, offsets
 from ..groom.record import Anchors

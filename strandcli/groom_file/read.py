@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError, about
 from ..exchange import faults
 from ..exchange.control import note_of
@@ -20,11 +20,11 @@ from ..exchange.edit.subsample import some
 from ..exchange.files import ReadOptions
 from ..exchange.moments import Moments, read_first
 from ..exchange.strands import CHUNK, Attribute, Offsets, Points, Strands, even_offsets
+from ..files.inputs import cached
 from ..groom.arrange import spatial_order
 from ..groom.emit import stream
 from ..groom.file_roots import units
 from ..groom.record import Groom
-from ..inputs import cached
 from .colours import colours_of
 from .film import Edits, Film
 from .measure import Seen, seen_of

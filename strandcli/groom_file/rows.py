@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import aligned
 from ..constants import W
 from ..exchange.edit.resample import resampled
 from ..exchange.strands import CACHED, CHUNK, Attribute, Mask, Offsets, Points, Strands, offsets
+from ..groom.blocks import aligned
 from .kernels import rows as kernel
 
 PADDED = 2
@@ -125,7 +125,7 @@ def _rows(points: Points, most: int) -> NDArray[np.int32]:
 def packed(
     first: Offsets, points: Points, rows: Rows | None, order: NDArray[np.int32], most: int
 ) -> NDArray[np.float32]:
-    """(blocks, most + 1, 3 W): strands in an ``order`` (S,), row 0 a segment before the root, as `strandcli.blocks` has
+    """(blocks, most + 1, 3 W): strands in an ``order`` (S,), row 0 a segment before the root, as `groom.blocks` has
     it. Points have the ``rows`` of `rows_in`, in every bit; those between are on the straight segments."""
     strands = order.shape[0]
     blocks = -(-strands // W)

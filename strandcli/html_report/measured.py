@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
-from ..counted import counted
+from ..common.counted import counted
 from . import page, svg
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..counted import counted
+from ..common.counted import counted
 from ..output.files import write_pieces
 from . import page, pictures
 from .run import FILE, cell

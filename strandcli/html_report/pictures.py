@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import StrandError
+from ..files.picture_samples import opened
 from ..output import png
 from ..output.over import flattened
-from ..picture_samples import opened
 
 THUMBNAIL, LARGE, FILM = 288, 860, 480
 """Widths in pixels: of a frame on the sheet, of the one at the top, of an animation."""

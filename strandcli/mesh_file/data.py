@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inputs import cached
+from ..files.inputs import cached
 from .kernels import arrays as at
 from .kernels.arrays import Data
 from .prepared import Key, Prepared, corners_at, key_of, prepared

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import inputs
 from ..errors import UsageError, about
-from ..kept import FREE, kept
+from ..files import inputs
+from ..jit.kept import FREE, kept
 from ..meshes.mesh import MeshFacts, TriangleMesh
 from ..meshes.read import read_mesh
 

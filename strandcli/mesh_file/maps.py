@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError
 from ..exchange.edit.transform import turning
-from ..inputs import cached
+from ..files.inputs import cached
 from ..meshes.mesh import TriangleMesh
 from .read import KEPT, UP
 from .texture import LINEAR, picture

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..counted import counted
+from ..common.counted import counted
 from ..meshes.distance_grid import MARGIN
 from .prepared import box_of, mesh_of
 

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inputs import cached
-from ..kept import FREE, Arrays, kept
+from ..files.inputs import cached
+from ..jit.kept import FREE, Arrays, kept
 from ..meshes.bvh import Bvh, make_bvh, moved
 from ..meshes.distance_grid import DistanceGrid, make_distance_grid
 from ..meshes.mesh import TriangleMesh, Vectors, unit

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import UsageError, about
 from ..exchange.edit.transform import turning
-from ..inputs import cached
+from ..files.inputs import cached
 from ..meshes.make import LARGEST
 from ..meshes.mesh import TriangleMesh, Vectors
 from ..meshes.read import read_mesh

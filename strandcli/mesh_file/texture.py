@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError, about
-from ..inputs import content
-from ..picture_samples import MOST, pixels
+from ..files.inputs import content
+from ..files.picture_samples import MOST, pixels
 
 CODES = np.arange(256) / 255.0
 LINEAR = np.where(CODES <= 0.04045, CODES / 12.92, ((CODES + 0.055) / 1.055) ** 2.4).astype(np.float32)

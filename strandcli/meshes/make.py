@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..counted import counted
+from ..common.counted import counted
 from ..errors import UsageError, one_line
 from ..exchange.repeats import keys_of, prints_of, repeats
 from .mesh import FileNormals, Indices, MeshFacts, TriangleMesh, Vectors, face_vectors, slices

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import StrandError, UsageError, about, one_line
 from ..exchange.beside import Beside
-from ..inputs import reading
+from ..files.inputs import reading
 from .gltf import read_gltf
 from .make import RawMesh, mesh_of
 from .mesh import TriangleMesh

@@ -16,7 +16,7 @@ from typing import Self
 import numpy as np
 
 from ..errors import RefusedError, UsageError
-from ..inputs import unrecorded
+from ..files.inputs import unrecorded
 from . import png
 from .claim import Claim
 from .files import begin_pieces, prepare_folder, require_own, with_whole

@@ -29,9 +29,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.extras import install
 from ..errors import RefusedError, UsageError
-from ..extras import install
-from ..inputs import opened
+from ..files.inputs import opened
 from . import png
 from .files import placed, write_pieces
 from .npz import made_of, write_array

@@ -32,7 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import RefusedError, UsageError
-from ..picture_samples import opened, require_pixels, samples
+from ..files.picture_samples import opened, require_pixels, samples
 
 Pixels = npt.NDArray[np.uint8]
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from .. import __version__
 from ..errors import RefusedError, UsageError, said
-from ..inputs import opened, unrecorded
+from ..files.inputs import opened, unrecorded
 from .claim import Claim
 from .files import ARCHIVE_ERRORS, prepare_folder, read_json, require_own, with_whole, write_json
 from .npz import made_of, write_array
@@ -31,7 +31,7 @@ class Motion(NamedTuple):
     fingerprint: str
     """Hash of that, and of the version of strandcli; empty where nobody says."""
     settings: dict[str, Any]
-    """All settings that move strands, as `strandcli.fingerprint.motion_values` has them."""
+    """All settings that move strands, as `strandcli.run.fingerprint.motion_values` has them."""
 
 
 MANIFEST, ARRAY = "manifest.json", "positions"

@@ -51,7 +51,7 @@ class RunReport:
 
     def __init__(self, preset: str, sha256: str | None, plan: Any, scene: str = "") -> None:
         """``preset`` is the name as it was typed; ``plan`` a `strandcli.plan.Plan`, or None; ``scene`` is the
-        `strandcli.fingerprint` that frames have in their files."""
+        `strandcli.run.fingerprint` that frames have in their files."""
         self.preset = {"name": preset, "sha256": sha256 or None}
         self.plan = plan_stages(plan)
         self.plan_warnings: list[str] = list(getattr(plan, "warnings", ()))

@@ -10,8 +10,8 @@ from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 
+from ..common.extras import install
 from ..errors import RefusedError, UsageError, said
-from ..extras import install
 from . import png
 from .files import refusal, temporary_name
 from .over import GREY, Rgb, over

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..inputs import cached
+from ..files.inputs import cached
 from ..scene.touched import touched
 
 if TYPE_CHECKING:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from ..common.counted import counted
+from ..common.registry import FIBRES, SHADOWS
 from ..constants import FRAGMENT_BYTES, FRAGMENTS
-from ..counted import counted
-from ..decision import Decision, left_out
 from ..draw.shadows.shadow_model import casts_map, counts_strands, needs_counts, needs_shadow_maps, shining
-from ..registry import FIBRES, SHADOWS
 from ..scene.detail import MOST_FRAMES, share_bounds, times_of
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
+from .decision import Decision, left_out
 
 if TYPE_CHECKING:
     from ..scene.model import Followers, Scene

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING
 
-from ..inputs import cached
+from ..files.inputs import cached
 
 if TYPE_CHECKING:
     from ..scene.model import Emitter, Scene

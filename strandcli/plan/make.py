@@ -16,8 +16,8 @@ from .sizes import Sizes, most_strands, points_of, sizes_of
 from .warnings import labelled, warnings_of
 
 if TYPE_CHECKING:
-    from ..decision import Decision
     from ..scene.model import Scene
+    from .decision import Decision
 
 
 THREAD = 10_000_000

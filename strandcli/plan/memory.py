@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from ..common.registry import FIBRES
 from ..constants import BATCH_VERTICES, FRAGMENTS, PART_BYTES, SORTED_BYTES, W
 from ..draw.coverage.room import LAYER_ROOM, SORTING_BYTES
 from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, model_of, needs_counts, shades_vertices
-from ..registry import FIBRES
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
 from ..simulate.rod.precision import needs_double, shortest_segment

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from ..counted import counted
-from ..decision import Decision, left_out
+from ..common.counted import counted
 from ..scene.motion import deforming_ground
 from ..scene.rule_type import OWN_OF
 from ..simulate.rules import idle, registry
+from .decision import Decision, left_out
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

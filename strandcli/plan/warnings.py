@@ -21,7 +21,7 @@ def warnings_of(scene: Scene, frames: Sequence[int]) -> Iterator[str]:
     yield from _lines_too_wide(scene, frames)
     pictures = [(key, path) for key, path, kind in files_of(scene) if kind == "picture"]
     if pictures:
-        from ..picture_samples import is_transparent  # NumPy comes with it
+        from ..files.picture_samples import is_transparent  # NumPy comes with it
 
         for key, path in pictures:
             if is_transparent(path):

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..errors import StrandError, UsageError
-from ..inputs import opened
+from ..files.inputs import opened
 from . import library
 from .faults import Fault, SceneError, fault_at, shown
 from .nodes import MapNode, Scalar, kind_of

@@ -15,7 +15,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from ..registry import Registry
+from ..common.registry import Registry
 from .specs import (
     MOST_ITEMS,
     BooleanSpec,

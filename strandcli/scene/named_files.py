@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import RefusedError, UsageError
-from ..numbered import is_numbered, numbered
+from ..files.numbered import is_numbered, numbered
 from .specs import FileSpec, MapSpec
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..registry import Registry
+from ..common.registry import Registry
 
 LARGEST = 1e9
 """Greatest magnitude of any number: squares and cubes of it still fit the single precision of the kernels."""
@@ -144,7 +144,7 @@ class TextSpec(Spec):
 
 class FileSpec(TextSpec):
     """The path of a file that is there, beside the preset that names it, or of ``numbered`` ones; ``kind``: who reads
-    it, as `strandcli.fingerprint.READERS` has it."""
+    it, as `strandcli.run.fingerprint.READERS` has it."""
 
     def __init__(self, default: Any = None, *, kind: str, doc: str = "", numbered: bool = False) -> None:
         super().__init__(default, doc=doc)

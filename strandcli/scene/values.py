@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from .. import numbered as numbered_files
-from ..inputs import note
+from ..files import numbered as numbered_files
+from ..files.inputs import note
 from .faults import hint, one_line, shown
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of
 from .scalars import Refusal, as_number, as_window

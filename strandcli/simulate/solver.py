@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
-from ..blocks import lanes, on_large_pages, pack, unpack
 from ..constants import W
+from ..groom.blocks import lanes, on_large_pages, pack, unpack
 from ..groom.check import check
 from ..groom.deforming import deforming
 from ..groom.record import Groom
@@ -30,7 +30,7 @@ ANNOUNCED = 8
 class Solver(ABC):
     """Strands of one groom, moved from frame to frame.
 
-    ``positions`` (blocks, particles + 1, 3 W) float32 metres are drawn, in the layout of `strandcli.blocks`;
+    ``positions`` (blocks, particles + 1, 3 W) float32 metres are drawn, in the layout of `strandcli.groom.blocks`;
     ``lengths`` (blocks, W) are the rest lengths of segments. Both are in the groom's order of strands; arguments and
     results of methods are in the order of emission. Raises `UsageError` for a groom that `check` refuses.
     """

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..blocks import lanes, pack
 from ..constants import W
+from ..groom.blocks import lanes, pack
 from ..groom.deforming import Deforming, deforming
 from ..groom.file_roots import FileRoots
 from ..groom.record import Groom

@@ -14,7 +14,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from .. import __version__, runtime
+from .. import __version__
+from ..compiling import runtime
 from ..errors import MismatchError, StrandError
 from ..output.earlier import is_number, is_number_or_none
 from ..output.files import read_json, write_json

@@ -1,7 +1,7 @@
 """`strandcli bench`: where a frame's time goes, with the errors that it buys.
 
 The scene is the preset `headline`. Times of stages are medians over frames after a first one that is not counted,
-because it compiles, touches fresh memory and fills caches. Where frames are drawn at once (`strandcli.ordered_map`),
+because it compiles, touches fresh memory and fills caches. Where frames are drawn at once (`run.ordered_map`),
 stages take the time of one frame on its share of the threads, and a frame takes the whole run's time over the number of
 frames. Threads that draw and write files take turns on the cores with the one that simulates, and a stage's time is
 that of the clock on the wall. So more figures stand on their own: `steps` (the solver asked for), `rules` (six rules
@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import load, runtime
+from .. import load
+from ..compiling import runtime
 from ..plan import checked_plan
 from ..scene.model import Scene
 from .busy import Load
@@ -101,8 +102,8 @@ def run(
 
 def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify | None) -> dict[str, Any]:
     """Seconds a stage and the time from frame to frame, PNG files included, which are written meanwhile."""
-    from .. import pipeline
     from ..output.frames import FrameWriter
+    from ..run import pipeline
 
     numbers = range(1, frames + 2)
     seconds: dict[str, list[float]] = {}

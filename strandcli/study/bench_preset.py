@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from .. import load, runtime
+from .. import load
+from ..compiling import runtime
 from ..errors import UsageError
 from ..plan import checked_plan
 from ..scene.model import Scene
@@ -98,12 +99,12 @@ def time_stages(
     scene: Scene, frames: int, clock: Clock, notify: Notify | None
 ) -> tuple[Timed, dict[str, float] | None]:
     """Seconds a stage and the counts of frames 2 to ``frames`` + 1, and how busy the machine was (`Load.since`)."""
-    from .. import compile_ahead
     from ..draw.counting import CountingRenderer, ProcessorRenderer
-    from ..frame_renderer import FrameRenderer
     from ..output import png
     from ..output.files import write_pieces
-    from ..stages import RunOptions, SimulationStage
+    from ..run import compile_ahead
+    from ..run.frame_renderer import FrameRenderer
+    from ..run.stages import RunOptions, SimulationStage
 
     numbers = range(1, frames + 2)
     timed: Timed = []

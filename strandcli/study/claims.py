@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import load, runtime
+from .. import load
+from ..compiling import runtime
 from ..groom.emit import emit
 from ..scene.model import Scene
 from ..simulate.thesis.solver import ThesisSolver
@@ -221,7 +222,7 @@ def _fewer(threads: int | None) -> list[dict[str, Any]]:
 
 
 def _picture(distance: float, strands: int, wider: int, threads: int | None) -> NDArray[np.uint8]:
-    from .. import pipeline
+    from ..run import pipeline
 
     scene = load(
         "headline",

@@ -101,7 +101,7 @@ def draw(entry: Entry, directory: Path, notify: Notify | None = None, threads: i
     """The picture of an entry, drawn now: uint8, (height, width, 3), or 4 with alpha."""
     import strandcli
 
-    from .. import pipeline
+    from ..run import pipeline
 
     preset = entry.preset
     if preset.endswith((".yaml", ".yml")):

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MismatchError
-from ..fingerprint import fingerprint
 from ..output.report import finite
+from ..run.fingerprint import fingerprint
 from ..scene.model import Scene
 from . import advice, sweep
 from .axes import Axis, Request

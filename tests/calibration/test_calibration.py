@@ -13,9 +13,9 @@ from strand_kit import scene_of
 from strandcli.calibration import learn, measure, profile
 from strandcli.calibration.foretell import foretell
 from strandcli.compiling.folder import cache
-from strandcli.frame import Frame
 from strandcli.plan import libraries, make_plan
 from strandcli.plan.cost import frame_seconds, kind_of, run_seconds
+from strandcli.run.frame import Frame
 
 
 @pytest.fixture

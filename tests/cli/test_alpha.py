@@ -12,9 +12,9 @@ from PIL import Image, ImageSequence
 
 import strandcli
 from cli_runs import TINY, Runner
-from strandcli import pipeline
 from strandcli.output import png
 from strandcli.output.over import GREY, over
+from strandcli.run import pipeline
 from strandcli.scene.dump import dump
 
 NONE = ("--set", "image.background=none")

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from cli_runs import TINY, Runner
-from strandcli import pipeline
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import Strands
 from strandcli.output.report import read_report
+from strandcli.run import pipeline
 
 WORDS = "written after it had been read"
 SMALL = ("--size", "16x16", "--quality", "draft", "-q", "--no-html")

@@ -24,10 +24,11 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from cli_runs import TINY, Runner, child, environment
-from strandcli import inputs, load
+from strandcli import load
 from strandcli.cli import terminal_pictures as shown
 from strandcli.cli.watch import Watcher, _with_one_turn
 from strandcli.errors import RefusedError, UsageError
+from strandcli.files import inputs
 from strandcli.output import png, video
 from strandcli.output.compare import write_image
 from strandcli.output.over import over

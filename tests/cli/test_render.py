@@ -13,8 +13,8 @@ from PIL import Image
 
 import strandcli
 from cli_runs import TINY, Runner, child
-from strandcli import pipeline
 from strandcli.output import frames, png
+from strandcli.run import pipeline
 
 PANELS = TINY + "panels:\n  - {label: one}\n  - {label: two, set: {image.size: [32, 24]}}\n"
 

@@ -20,9 +20,9 @@ import pytest
 from PIL import Image
 
 from cli_runs import Runner, child, environment, listen
-from strandcli import pipeline
 from strandcli.errors import RefusedError, SimulationError
 from strandcli.output import frames, png
+from strandcli.run import pipeline
 from tests.cli.test_render import names, report
 
 

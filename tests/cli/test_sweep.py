@@ -15,11 +15,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cli_runs import Runner
-from strandcli import pipeline
 from strandcli.cli import sweep_values
 from strandcli.cli.sweep_values import Axis, SweepType, points
 from strandcli.errors import SimulationError
 from strandcli.output import png
+from strandcli.run import pipeline
 
 
 def table(path: str) -> list[dict[str, str]]:

@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from cli_runs import TINY, Runner
-from strandcli import pipeline, runtime
-from strandcli.compiling import costs
+from strandcli.compiling import costs, runtime
 from strandcli.compiling.packs import Pack
 from strandcli.jit import function
+from strandcli.run import pipeline
 from strandcli.scene import Scene, list_presets
 
 

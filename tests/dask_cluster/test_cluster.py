@@ -18,13 +18,13 @@ pytest.importorskip("distributed", reason="runs by `make dask`")
 
 from cli_runs import TINY, Runner, child, environment
 from strand_kit import frames_of, scene_of
-from strandcli import pipeline
 from strandcli.dask_cluster import connect, worker
 from strandcli.dask_cluster import run as running
 from strandcli.dask_cluster.job import Job, Task
 from strandcli.errors import RefusedError
-from strandcli.fingerprint import fingerprint
 from strandcli.output import png
+from strandcli.run import pipeline
+from strandcli.run.fingerprint import fingerprint
 
 FRAMES = tuple(range(1, 9))
 

@@ -11,13 +11,13 @@ import pytest
 
 from cli_runs import TINY, Runner
 from strand_kit import frames_of, scene_of
-from strandcli import pipeline
 from strandcli.dask_cluster import run as running
 from strandcli.dask_cluster import worker
 from strandcli.dask_cluster.job import Job, Task
 from strandcli.errors import UsageError
-from strandcli.fingerprint import fingerprint
-from strandcli.frame import Frame
+from strandcli.run import pipeline
+from strandcli.run.fingerprint import fingerprint
+from strandcli.run.frame import Frame
 from strandcli.scene import Scene
 
 BLURRED = TINY + "camera: {shutter: 0.5, samples: 2}\n"

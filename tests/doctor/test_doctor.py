@@ -105,7 +105,7 @@ def test_limits_of_the_first_version_of_control_groups(tmp_path: Path) -> None:
 
 def test_fewer_cores_than_threads_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(limits, "cores", lambda: 1.0)
-    monkeypatch.setattr("strandcli.runtime.checked_threads", lambda threads: 4)
+    monkeypatch.setattr("strandcli.compiling.runtime.checked_threads", lambda threads: 4)
     (found,) = machine.threads()
     assert (found.state, "--threads 1" in found.advice) == (NOTE, True)
     monkeypatch.setattr(limits, "cores", lambda: 4.0)

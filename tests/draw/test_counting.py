@@ -11,9 +11,9 @@ from strand_kit import scene_of
 from strandcli.draw import counting
 from strandcli.draw.common.drawing import Drawing, ProcessorDrawing
 from strandcli.draw.renderer import Renderer
-from strandcli.frame_renderer import FrameRenderer
+from strandcli.run.frame_renderer import FrameRenderer
+from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene import Scene
-from strandcli.stages import RunOptions, SimulationStage
 
 HAIRY = """
 emitter: {strands: 40, particles: 5, length: 0.5}

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from strand_kit import frames_of, scene_of
-from strandcli.blocks import pack
 from strandcli.draw.geometry.extent import extents_of
 from strandcli.draw.geometry.kernels import bounds
 from strandcli.draw.needed_strands import can_leave_out, needed_strands
 from strandcli.draw.shadows.strands_in_map import FEWEST, chances_of, mark_sketched
+from strandcli.groom.blocks import pack
 
 SCENE = """
 seed: %(seed)d

@@ -86,7 +86,7 @@ def test_pictures_are_the_same() -> None:
     for text in (SCENE, SCENE + NEAR, SCENE + CHILDREN, SCENE + CHILDREN + NEAR, TIED, TIED + NEAR, TIED + CHILDREN):
         scene = scene_of(text)
         frame = frames_of(scene, 2)[0]
-        with patch("strandcli.stages.arranged", lambda groom, ends: groom):
+        with patch("strandcli.run.stages.arranged", lambda groom, ends: groom):
             plain = frames_of(scene, 2)[0]
         assert frame.image is not None
         assert frame.aovs is not None

@@ -10,9 +10,9 @@ import pytest
 
 from mesh_kit import obj, sphere
 from strand_kit import frames_of, scene_of
-from strandcli.blocks import lanes, pack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.errors import SimulationError
+from strandcli.groom.blocks import lanes, pack
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
 from strandcli.meshes.make import make_mesh

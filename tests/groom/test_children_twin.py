@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from strand_kit import scene_of
-from strandcli.blocks import lanes, pack, unpack
 from strandcli.draw.common.scratch import Scratch
+from strandcli.groom.blocks import lanes, pack, unpack
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
 from strandcli.groom.family import Family

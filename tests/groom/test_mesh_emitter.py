@@ -10,7 +10,7 @@ from PIL import Image
 
 from mesh_kit import sphere
 from scene_kit import scene
-from strandcli import runtime
+from strandcli.compiling import runtime
 from strandcli.errors import UsageError
 from strandcli.groom.arrange import arranged
 from strandcli.groom.children import Children

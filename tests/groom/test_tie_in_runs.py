@@ -9,10 +9,10 @@ import pytest
 
 from scene_kit import complaint
 from strand_kit import frames_of, scene_of
-from strandcli.blocks import lanes, pack, unpack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import flatten
 from strandcli.draw.view.camera import camera_view
+from strandcli.groom.blocks import lanes, pack, unpack
 from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
 from strandcli.plan import make_plan

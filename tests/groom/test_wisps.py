@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from scene_kit import complaint
 from strand_kit import scene_of
-from strandcli.blocks import pack, unpack
 from strandcli.draw.common.scratch import Scratch
+from strandcli.groom.blocks import pack, unpack
 from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom

@@ -11,15 +11,15 @@ import numpy.typing as npt
 import pytest
 
 from groom_file_kit import Strand, hanging, scene, write
-from strandcli.blocks import unpack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.errors import UsageError
+from strandcli.groom.blocks import unpack
 from strandcli.groom.followers import Followers
 from strandcli.groom_file.following import guided
+from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene import SceneError
 from strandcli.scene.model import Scene
 from strandcli.scene.motion import emitter_pose
-from strandcli.stages import RunOptions, SimulationStage
 from strandcli.study import sweep
 from strandcli.study.axes import Request
 from strandcli.study.motion.experiment import Motion

@@ -9,7 +9,7 @@ import pytest
 
 from cli_runs import Runner
 from groom_file_kit import SMALL, hanging, write
-from strandcli import pipeline
+from strandcli.run import pipeline
 from strandcli.scene.model import Scene
 from tests.groom_file.test_followers import FALL, ROD, WIND, curls, drawn, moving
 from thread_runs import Drawer

@@ -13,10 +13,10 @@ import exchange_kit
 import strandcli
 from cli_runs import Runner
 from groom_file_kit import Strand, drawn, hanging, scene, write
-from strandcli import pipeline
 from strandcli.constants import W
 from strandcli.errors import UsageError
 from strandcli.groom_file import from_file, rows
+from strandcli.run import pipeline
 from strandcli.scene import SceneError
 
 UNEQUAL = [2, 3, 17, 9, 9, 5, 17, 2] * 20

@@ -9,8 +9,8 @@ import pytest
 
 import groom_file_kit as groom_kit
 from cli_runs import Runner
-from strandcli import inputs
-from strandcli.fingerprint import fingerprint
+from strandcli.files import inputs
+from strandcli.run.fingerprint import fingerprint
 from tests.groom_file.test_moving_files import FPS, file_of, turned
 
 

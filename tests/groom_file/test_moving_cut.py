@@ -9,13 +9,13 @@ import pytest
 
 import exchange_kit as kit
 import groom_file_kit as groom_kit
-from strandcli.blocks import unpack
 from strandcli.constants import W
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import TimeSample
+from strandcli.groom.blocks import unpack
 from strandcli.groom_file import rows
+from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene.model import Scene
-from strandcli.stages import RunOptions, SimulationStage
 
 COUNTS = (41, 3, 5)
 LEFT = 11

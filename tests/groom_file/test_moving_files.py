@@ -15,13 +15,13 @@ import exchange_kit as kit
 import groom_file_kit as groom_kit
 import strandcli
 import usd_kit
-from strandcli.blocks import unpack
 from strandcli.errors import SimulationError, UsageError
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import TimeSample
+from strandcli.groom.blocks import unpack
 from strandcli.groom_file import from_file
+from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene.model import Scene
-from strandcli.stages import RunOptions, SimulationStage
 
 Floats = npt.NDArray[np.float64]
 Motion = Callable[[Floats, float], Floats]

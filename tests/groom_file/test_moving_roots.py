@@ -13,8 +13,8 @@ import groom_file_kit as groom_kit
 from strandcli.errors import UsageError
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import TimeSample
+from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene.model import Scene
-from strandcli.stages import RunOptions, SimulationStage
 from tests.groom_file.test_followers import follow, stage_of
 
 STRANDS = groom_kit.hanging([9] * 12)

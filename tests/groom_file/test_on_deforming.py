@@ -10,11 +10,11 @@ import pytest
 
 import mesh_kit
 from groom_file_kit import scene, write
-from strandcli.blocks import unpack
+from strandcli.groom.blocks import unpack
 from strandcli.groom_file import from_scene
 from strandcli.meshes.mesh import TriangleMesh
+from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene.model import Scene
-from strandcli.stages import RunOptions, SimulationStage
 from tests.groom_file.test_followers import follow, stage_of
 
 MATRIX, SHIFT = np.array([[1.2, 0.3, 0.0], [0.0, 0.8, 0.1], [0.2, 0.0, 1.1]]), np.array([0.05, 0.1, -0.2])

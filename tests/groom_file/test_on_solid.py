@@ -11,9 +11,9 @@ import pytest
 import exchange_kit
 import groom_file_kit as kit
 from mesh_kit import sphere
-from strandcli.blocks import unpack
 from strandcli.errors import UsageError
 from strandcli.exchange.strands import Strands
+from strandcli.groom.blocks import unpack
 from strandcli.groom_file import from_scene
 from strandcli.groom_file.on_solid import CLEARANCE, Head, put_on
 from strandcli.scene.model.solids import BoxSolid, CapsuleSolid, PlaneSolid, SphereSolid

@@ -13,11 +13,11 @@ import pytest
 import exchange_kit
 import usd_kit
 from groom_file_kit import Strand, hanging, image, scene, write
-from strandcli import pipeline
 from strandcli.exchange import files
 from strandcli.exchange.strands import Attribute, Strands
-from strandcli.export import drawn_strands
 from strandcli.groom_file import from_file
+from strandcli.run import pipeline
+from strandcli.run.export import drawn_strands
 from strandcli.scene.model import Scene
 from tests.groom_file.test_followers import curls, moving
 

@@ -18,12 +18,12 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from cli_runs import TINY, Runner
-from strandcli import pipeline
 from strandcli.errors import UsageError
 from strandcli.html_report import page, pictures, run, svg
 from strandcli.output.animation import write_animation
 from strandcli.output.compare import write_image
 from strandcli.output.over import GREY
+from strandcli.run import pipeline
 
 MOST_BYTES = 2_000_000
 VOID = {"meta", "img", "br"}

@@ -73,7 +73,7 @@ def render(draw: bool) -> None:
     numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
     before = state()
     import strandcli
-    from strandcli.pipeline import render as run
+    from strandcli.run.pipeline import render as run
 
     changes = ["image.size=48x32", "emitter.strands=20", "time.preroll=0"]
     scene = strandcli.load("minimal", overrides=changes)

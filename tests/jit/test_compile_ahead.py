@@ -7,13 +7,13 @@ import dataclasses
 import pytest
 
 from strand_kit import frames_of, groom_of, scene_of
-from strandcli import compile_ahead
 from strandcli.draw.compile_parts import compile_part
 from strandcli.draw.coverage.kernels import resolve, strand_extents, tile_binning
 from strandcli.draw.film.kernels import film
 from strandcli.draw.lighting.kernels import shade_strands, shade_surfaces
 from strandcli.draw.renderer import Renderer
 from strandcli.draw.solids.kernels import edge_pixels, edges
+from strandcli.run import compile_ahead
 
 SCENE = """
 emitter: {strands: 1, particles: 2, length: 4, direction: [0, 1, 0], position: [0.05, -2, 1.5],

@@ -21,7 +21,7 @@ from strandcli.doctor import kernels
 from strandcli.errors import UsageError
 from strandcli.jit import cache, function, sources
 from strandcli.jit.dispatcher import KernelDispatcher
-from strandcli.kept import kept
+from strandcli.jit.kept import kept
 
 pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
 

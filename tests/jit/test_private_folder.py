@@ -17,15 +17,15 @@ import numpy as np
 import pytest
 
 from strand_kit import scene_of
-from strandcli import pipeline, written
-from strandcli.compiling import folder, stores, worker
+from strandcli.compiling import folder, stores, worker, written
 from strandcli.compiling.clock import clock
 from strandcli.compiling.service import service
 from strandcli.doctor import kernels
 from strandcli.doctor.finding import NOTE
 from strandcli.jit import function
 from strandcli.jit.dispatcher import KernelDispatcher
-from strandcli.kept import kept
+from strandcli.jit.kept import kept
+from strandcli.run import pipeline
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "getuid"), reason="this system has no such owners")
 

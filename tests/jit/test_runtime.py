@@ -13,7 +13,8 @@ import pytest
 from numba.np.ufunc import parallel
 
 from cli_runs import TINY, Runner, environment
-from strandcli import __version__, runtime
+from strandcli import __version__
+from strandcli.compiling import runtime
 from strandcli.doctor import software
 from strandcli.doctor.finding import BROKEN
 from strandcli.draw.zbuffer.kernels import lines, raster
@@ -27,7 +28,7 @@ except ImportError:  # no POSIX
 RUN = """
 import sys
 from strand_kit import frames_of, scene_of
-from strandcli import runtime
+from strandcli.compiling import runtime
 scene = scene_of('''
 emitter: {strands: 9, particles: 3}
 rules: [gravity, elasticity]

@@ -15,12 +15,12 @@ from numba import config
 
 from strandcli.compiling import folder, service
 from strandcli.compiling.claims import Claims
+from strandcli.compiling.written import module_of
 from strandcli.draw.common.kernels import approximations
 from strandcli.draw.film.film import curve_of
 from strandcli.draw.film.kernels import film
 from strandcli.jit import function
 from strandcli.jit.dispatcher import KernelDispatcher
-from strandcli.written import module_of
 
 pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
 ROOT = Path(__file__).resolve().parents[2]

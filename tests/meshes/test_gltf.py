@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import mesh_kit as kit
-from strandcli import picture_samples
 from strandcli.errors import UsageError
 from strandcli.exchange.beside import Beside, picture
+from strandcli.files import picture_samples
 from strandcli.meshes import gltf
 from strandcli.meshes.gltf import read_gltf
 from strandcli.meshes.read import read_mesh

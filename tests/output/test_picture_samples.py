@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from strandcli.picture_samples import FLAT, MOST_IN_A_BYTE, opened, require_pixels
+from strandcli.files.picture_samples import FLAT, MOST_IN_A_BYTE, opened, require_pixels
 
 OPEN = """
 import sys
-from strandcli.picture_samples import opened
+from strandcli.files.picture_samples import opened
 try:
     with opened(sys.argv[1]) as image:
         image.load()

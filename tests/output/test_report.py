@@ -12,10 +12,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from strandcli.fingerprint import fingerprint
 from strandcli.output import report as module
 from strandcli.output.frames import Written
 from strandcli.output.report import RunReport, finite, read_report, write_report
+from strandcli.run.fingerprint import fingerprint
 from strandcli.scene.model import Emitter, GroomFile, Image, Scene, Time
 
 PLAN = SimpleNamespace(

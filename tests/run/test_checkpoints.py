@@ -16,12 +16,12 @@ import pytest
 import mesh_kit
 import strandcli
 from cli_runs import Runner
-from strandcli.checkpoints import FOLDER, Checkpoints, key_of, of_run
 from strandcli.errors import RefusedError, SimulationError
-from strandcli.frame import Frame
 from strandcli.meshes.mesh import TriangleMesh
 from strandcli.output.files import temporary_name
-from strandcli.pipeline import render
+from strandcli.run.checkpoints import FOLDER, Checkpoints, key_of, of_run
+from strandcli.run.frame import Frame
+from strandcli.run.pipeline import render
 from strandcli.scene import Scene
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import Pass, registry

@@ -14,9 +14,9 @@ import pytest
 import bad_rules
 import strandcli
 from cli_runs import Runner
-from strandcli import pipeline
 from strandcli.errors import SimulationError
 from strandcli.output import png
+from strandcli.run import pipeline
 from strandcli.simulate import health, rules
 from strandcli.simulate.solver import Solver
 

@@ -17,8 +17,8 @@ from strandcli.draw import strand_batches
 from strandcli.draw.drawn_strands import DrawnStrands
 from strandcli.exchange.files import ReadOptions, read
 from strandcli.exchange.formats import abc
-from strandcli.export import drawn_strands
-from strandcli.pipeline import render
+from strandcli.run.export import drawn_strands
+from strandcli.run.pipeline import render
 from strandcli.scene.model import Scene
 
 BASE = """\

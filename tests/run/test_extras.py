@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from strandcli import extras
+from strandcli.common import extras
 
 ROOT = Path(__file__).resolve().parents[2]
 

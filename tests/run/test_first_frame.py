@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import strandcli
-from strandcli import first_frame
-from strandcli import kept as keeping
-from strandcli.checkpoints import Checkpoints
 from strandcli.compiling import folder
-from strandcli.first_frame import FirstFrame
-from strandcli.frame import Frame
-from strandcli.pipeline import render
+from strandcli.jit import kept as keeping
+from strandcli.run import first_frame
+from strandcli.run.checkpoints import Checkpoints
+from strandcli.run.first_frame import FirstFrame
+from strandcli.run.frame import Frame
+from strandcli.run.pipeline import render
 from strandcli.scene import Scene
 from tests.run.test_checkpoints import SMALL, Steps, alike
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from strand_kit import scene_of
-from strandcli import pipeline
-from strandcli.checkpoints import Checkpoints
+from strandcli.run import pipeline
+from strandcli.run.checkpoints import Checkpoints
 from strandcli.scene.detail import GROWTH, needed_strands, tiers, tiers_of
 from strandcli.scene.model import Scene
 

@@ -16,14 +16,15 @@ import mesh_kit as kit
 import strandcli
 import usd_kit
 from camera_kit import view
-from strandcli import inputs, pipeline
 from strandcli.cameras import colmap
-from strandcli.checkpoints import key_of
 from strandcli.errors import UsageError
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import Strands
-from strandcli.fingerprint import READERS, fingerprint
+from strandcli.files import inputs
 from strandcli.meshes.make import RawMesh, mesh_of
+from strandcli.run import pipeline
+from strandcli.run.checkpoints import key_of
+from strandcli.run.fingerprint import READERS, fingerprint
 from strandcli.scene.model import Scene
 from strandcli.scene.specs import FileSpec, ItemsSpec, MapSpec, ModelSpec, ParametersSpec, RulesSpec, UnionSpec
 
@@ -247,7 +248,7 @@ READ_SCENES = (
     "scene", "exchange", "meshes", "mesh_file", "groom_file", "cameras", "groom", "draw", "simulate", "solids",
     "solid_shapes",
 )  # fmt: skip
-"""Packages that read what pictures follow from: by `strandcli.inputs` alone, so that fingerprints know of it."""
+"""Packages that read what pictures follow from: by `strandcli.files.inputs` alone, so that fingerprints know of it."""
 OTHERWISE = {
     "scene/library.py",  # titles of presets, for lists
     "exchange/archive.py", "exchange/formats/npz.py",  # members of an archive that is open

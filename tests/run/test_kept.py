@@ -15,7 +15,6 @@ import pytest
 from numpy.typing import NDArray
 
 from mesh_kit import obj, ply, sphere
-from strandcli import kept as keeping
 from strandcli import load
 from strandcli.compiling import folder
 from strandcli.compiling.clock import clock
@@ -23,7 +22,8 @@ from strandcli.draw.lighting import palette
 from strandcli.groom import family
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
-from strandcli.kept import FREE, kept
+from strandcli.jit import kept as keeping
+from strandcli.jit.kept import FREE, kept
 from strandcli.mesh_file import file_kept, prepared
 from strandcli.meshes.bvh import make_bvh
 from strandcli.meshes.distance_grid import make_distance_grid
@@ -32,7 +32,7 @@ from strandcli.meshes.read import read_mesh
 from strandcli.scene.model import Material, Scene
 
 LIKE = {FREE + "many": np.empty(0, np.float32), "few": np.empty((2, 2))}
-CODE = ("strandcli.kept",)
+CODE = ("strandcli.jit.kept",)
 
 
 @pytest.fixture

@@ -40,7 +40,7 @@ def test_plans_reckon_with_what_was_kept(content: str, tmp_path: Path, monkeypat
 def test_products_of_matrices_start_no_threads(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
     script = (
-        "import os; from strandcli import runtime; runtime.still_idle_threads(); import numpy as np;"
+        "import os; from strandcli.compiling import runtime; runtime.still_idle_threads(); import numpy as np;"
         "a = np.ones((500, 500)); a @ a; print(len(os.listdir('/proc/self/task')))"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
@@ -50,7 +50,7 @@ def test_products_of_matrices_start_no_threads(monkeypatch: pytest.MonkeyPatch) 
 LARGE_ARRAYS = """
 import sys
 import numpy as np
-from strandcli import runtime
+from strandcli.compiling import runtime
 if sys.argv[1] == "at once":
     runtime.give_back_large()
 np.ones(30_000_000, np.uint8)  # from now on, arrays of this size are among others

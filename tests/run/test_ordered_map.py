@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strand_kit import frames_of, need_frames_at_once, scene_of
-from strandcli import pipeline
-from strandcli.ordered_map import ordered_map
+from strandcli.run import pipeline
+from strandcli.run.ordered_map import ordered_map
 from tests.run.test_pipeline_extremes import EVERYTHING
 
 

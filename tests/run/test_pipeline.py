@@ -12,10 +12,10 @@ import pytest
 
 from strand_kit import frames_of, moved, need_frames_at_once, scene_of
 from strandcli.constants import W
-from strandcli.frame import Frame
 from strandcli.groom import children
-from strandcli.panels import GAP, join
-from strandcli.pipeline import ONE_BY_ONE, render
+from strandcli.run.frame import Frame
+from strandcli.run.panels import GAP, join
+from strandcli.run.pipeline import ONE_BY_ONE, render
 from strandcli.scene import Scene
 from tests.run.test_pipeline_extremes import EVERYTHING, UNLIT
 
@@ -101,9 +101,9 @@ def test_what_children_follow_is_found_once_however_many_frames_are_drawn_at_onc
             found.append(self.count)
             return super().family
 
-    monkeypatch.setattr("strandcli.stages.Children", Counted)
+    monkeypatch.setattr("strandcli.run.stages.Children", Counted)
     monkeypatch.setattr("strandcli.draw.renderer.Children", Counted)
-    monkeypatch.setattr("strandcli.pipeline._frames_at_once", lambda *args: 2)
+    monkeypatch.setattr("strandcli.run.pipeline._frames_at_once", lambda *args: 2)
     scene = scene_of(UNLIT + "time: {frames: 6}\nchildren: {count: 3}\n")
     frames = list(render(scene, threads=2))
     assert [frame.number for frame in frames] == [1, 2, 3, 4, 5, 6]
@@ -114,8 +114,8 @@ def test_what_children_follow_is_found_once_however_many_frames_are_drawn_at_onc
 def test_where_threads_cannot_run_kernels_at_once_frames_are_drawn_one_by_one_and_it_is_told_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("strandcli.pipeline._frames_at_once", lambda *args: 2)
-    monkeypatch.setattr("strandcli.pipeline.ordered_map", lambda *args, **options: pytest.fail("several at once"))
+    monkeypatch.setattr("strandcli.run.pipeline._frames_at_once", lambda *args: 2)
+    monkeypatch.setattr("strandcli.run.pipeline.ordered_map", lambda *args, **options: pytest.fail("several at once"))
     monkeypatch.setattr(numba, "threading_layer", lambda: "workqueue")
     told: list[str] = []
     scene = scene_of(UNLIT + "time: {frames: 5}\n")

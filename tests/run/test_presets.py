@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import strandcli
 from cli_runs import Runner
-from strandcli import pipeline
+from strandcli.run import pipeline
 from strandcli.scene import list_presets
 from strandcli.scene.model import Scene, SphereShape
 from strandcli.study import golden_list

@@ -9,8 +9,8 @@ import numpy as np
 
 import strandcli
 from strandcli.groom import children
-from strandcli.pipeline import render
-from strandcli.remembered import Remembered
+from strandcli.run.pipeline import render
+from strandcli.run.remembered import Remembered
 from strandcli.scene import Scene
 from tests.run.test_checkpoints import SMALL, Steps
 

@@ -9,9 +9,9 @@ import pytest
 
 from reference.rules import depth
 from strand_kit import frames_of, groom_of, moved, scene_of, solver_of
-from strandcli.blocks import unpack
 from strandcli.constants import W
 from strandcli.errors import SimulationError
+from strandcli.groom.blocks import unpack
 from strandcli.scene import Scene
 from strandcli.scene.motion import emitter_pose
 

@@ -9,7 +9,7 @@ import pytest
 
 import strandcli
 from strand_kit import groom_of, scene_of
-from strandcli import runtime
+from strandcli.compiling import runtime
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate import advice

@@ -11,8 +11,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from strand_kit import require_same_after_restart, scene_of
-from strandcli.blocks import aligned
 from strandcli.constants import VECTOR
+from strandcli.groom.blocks import aligned
 from strandcli.groom.emit import emit
 from strandcli.simd import load, store, vector_pointer
 from strandcli.simulate.rod.kernels import rest_shape

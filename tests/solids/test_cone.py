@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from strand_kit import scene_of, solver_of
-from strandcli.blocks import pack
 from strandcli.draw.solids.kernels import rays
+from strandcli.groom.blocks import pack
 from strandcli.scene import SceneError, loads
 from strandcli.scene.model import SOLIDS, Emitter
 from strandcli.scene.model.solids import SHAPES

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UsageError, about, said
-from ...inputs import content
-from ...picture_samples import MOST, opened, samples
+from ...files.inputs import content
+from ...files.picture_samples import MOST, opened, samples
 
 if TYPE_CHECKING:
     from ...scene.model import Scene

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...kept import kept
-from ...registry import FIBRES
+from ...common.registry import FIBRES
+from ...jit.kept import kept
 from ...scene.model import Material
 from ..common.kernels.batch import CHANNELS
 from ..fibre import dual

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from ...registry import SHADOWS
+from ...common.registry import SHADOWS
 
 if TYPE_CHECKING:
     from .vertex_shadows import StrandsInLight, VertexShadows

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ...counted import counted
+from ...common.counted import counted
 from .. import faults
 from ..bounded import not_finite
 from ..change import Change

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ...counted import counted
+from ...common.counted import counted
 from ..change import Change
 from ..kernels import along
 from ..kernels import simplify as thinning

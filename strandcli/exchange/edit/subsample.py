@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from ...counted import counted
+from ...common.counted import counted
 from ..change import Change
 from ..repeats import GOLDEN, mixed
 from ..strands import CHUNK, Mask, Strands

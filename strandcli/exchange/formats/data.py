@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ...counted import counted
+from ...common.counted import counted
 from ...output.files import write_pieces
 from ..bounded import Bounded, opened
 from ..files import ReadOptions

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...counted import counted
+from ...common.counted import counted
 from ...errors import UsageError
 from ...output.files import write_pieces
 from ..bounded import Bounded, opened

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy.typing as npt
 
+from ...common.extras import install
 from ...errors import RefusedError, StrandError, UsageError, one_line
-from ...extras import install
-from ...inputs import note
+from ...files.inputs import note
 from ..bounded import LONGEST, amount
 from .messages import Message, receive, send
 

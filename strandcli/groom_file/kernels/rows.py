@@ -11,7 +11,7 @@ from ...jit import device, parallel, prange
 
 @parallel
 def pack(first, points, order, out):
-    """Write strands in an ``order`` (S,) to blocks out (blocks, n + 1, 3 W), as `strandcli.blocks` has them; first
+    """Write strands in an ``order`` (S,) to blocks out (blocks, n + 1, 3 W), as `groom.blocks` has them; first
     (S + 1,) of points (P, 3), of which each strand has n."""
     for block in prange(out.shape[0]):
         begins = np.empty(W, np.int64)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ...registry import SHADOWS
+from ...common.registry import SHADOWS
 from ..fields import Colour, Vector, choice, colour, file, integer, model, number, parameters, vector
 
 

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ...common.registry import Registry
 from ...errors import UsageError
-from ...registry import Registry
 from ..fields import Colour, Vector, boolean, choice, colour, items, number, text, vector
 from .pose import PoseKey
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ...registry import FIBRES
+from ...common.registry import FIBRES
 from .. import fields
 from ..fields import Colour, boolean, choice, colour, integer, number, parameters
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...blocks import lanes
+from ...groom.blocks import lanes
 from ...groom.record import Groom
 from ..rod.kernels.arrays import PACK, State
 from ..rod.kernels.begin import VELOCITY_RATE

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...blocks import lanes
+from ...groom.blocks import lanes
 from ...groom.record import Groom
 from ..rod.kernels.arrays import PACK
 from ..rod.kernels.begin import GAIN

@@ -16,8 +16,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ...blocks import aligned
 from ...errors import UsageError
+from ...groom.blocks import aligned
 from ...groom.record import Groom
 from ...scene.touched import touched
 from ...solids import Solids

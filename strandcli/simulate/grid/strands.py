@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...blocks import on_large_pages
+from ...groom.blocks import on_large_pages
 from ...solids import Solids
 from ..rod.kernels.arrays import AXES, PACK, State
 from .kernels.excess import HELD

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...blocks import aligned, lanes, on_large_pages
 from ...constants import W
+from ...groom.blocks import aligned, lanes, on_large_pages
 from ...groom.record import Groom
 from ...scene.motion import Pose
 from .kernels.arrays import PACK, Drive, Material, Needs, State

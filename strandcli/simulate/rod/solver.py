@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...blocks import lanes
 from ...errors import UsageError
+from ...groom.blocks import lanes
 from ...groom.record import Groom
 from ...scene.motion import Pose
 from ..contact.between_strands import StrandContact, in_parts

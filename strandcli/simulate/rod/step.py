@@ -11,11 +11,11 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import runtime
-from ...blocks import aligned
+from ...compiling import runtime
+from ...compiling.written import module_of
 from ...constants import VECTOR
+from ...groom.blocks import aligned
 from ...solids.shapes.other_code import module_for
-from ...written import module_of
 from .kernels import step, work_queue
 from .kernels.arrays import PACK, Drive, Material, Needs, State, Step
 from .kernels.scratch import vectors_for

@@ -23,8 +23,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ...common.registry import load, offered
 from ...errors import UsageError
-from ...registry import load, offered
 from . import collision, contact, elasticity, emitter_motion, gravity, interaction, stiffness, wind
 from .rule import Moment, Pass
 

@@ -14,8 +14,8 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from ...compiling.written import module_of
 from ...errors import UsageError
-from ...written import module_of
 from ..rules import Pass
 
 TEMPLATE = '''\

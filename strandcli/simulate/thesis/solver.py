@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import runtime, solids
-from ...blocks import lanes
+from ... import solids
+from ...compiling import runtime
+from ...groom.blocks import lanes
 from ...groom.record import Groom
 from ..rules import Moment, passes_of
 from ..solver import Solver

@@ -66,8 +66,8 @@ def module_for(solids: Sequence[Any]) -> Any:
 
 @functools.lru_cache(maxsize=64)
 def _module(kinds: tuple[Kind, ...]) -> Any:
-    from ... import runtime
-    from ...written import module_of
+    from ...compiling import runtime
+    from ...compiling.written import module_of
 
     imports = "".join(_imports(one) for one in kinds)
     data = fields_of(kinds)

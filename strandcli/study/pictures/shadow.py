@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.registry import SHADOWS
 from ...draw.common.scratch import Scratch
 from ...draw.geometry.curves import Polylines, flatten
 from ...draw.geometry.extent import Thickness
 from ...errors import UsageError
 from ...groom.emit import PLASTIC
-from ...registry import SHADOWS
 from ...scene.model import DirectionalLight, Light, Scene
 from ..axes import Request
 from ..kernels import cylinders

@@ -201,7 +201,7 @@ class Subject:
 
     def points(self) -> NDArray[np.float64]:
         """(strands, particles + 1, 3) metres: the row before the root, then the particles."""
-        from ...blocks import unpack
+        from ...groom.blocks import unpack
 
         return np.asarray(unpack(self.whole()[0], self.groom.strands), np.float64)
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
 
-from ... import runtime
+from ...compiling import runtime
 from . import drive, matrix, preset, verdicts
 from .axes import AXES, SOLVERS, Case, case_named
 from .preset import PresetCase

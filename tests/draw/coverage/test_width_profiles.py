@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from strand_kit import groom_of, scene_of
-from strandcli.blocks import lanes
+from strandcli.common.registry import FIBRES
 from strandcli.draw.coverage.kernels import width_profiles as kernel
 from strandcli.draw.fibre import chiang, marschner
 from strandcli.draw.fibre.tables import N_PHI, N_THETA
+from strandcli.groom.blocks import lanes
 from strandcli.jit import parallel
-from strandcli.registry import FIBRES
 from strandcli.scene.model import Material, Scene
 from strandcli.simd import store, triple_pointer
 from strandcli.study.pictures.subject import LinearRenderer

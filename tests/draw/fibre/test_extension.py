@@ -15,10 +15,10 @@ from numba import typeof
 
 import strandcli
 from strand_kit import frames_of, scene_of
+from strandcli.common.registry import FIBRES
 from strandcli.errors import UsageError
 from strandcli.jit import sources
 from strandcli.plan import make_plan
-from strandcli.registry import FIBRES
 from strandcli.scene import SceneError
 
 EXAMPLE = Path(__file__).parents[3] / "examples/fibre_model.py"

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from strand_kit import frames_of, groom_of, scene_of
-from strandcli.frame import Frame
+from strandcli.run.frame import Frame
 
 SCENE = """
 emitter: {strands: %(strands)d, particles: 5, length: 1.2, direction: [0, 1, 0], position: [0, %(height)s, 0],

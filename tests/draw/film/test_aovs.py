@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from strand_kit import frames_of, scene_of
 from strandcli.draw.film.aovs import NOTHING, SOLID
 from strandcli.draw.view.camera import camera_view
-from strandcli.frame import Frame
+from strandcli.run.frame import Frame
 from strandcli.scene import Scene
 from strandcli.scene.model import AOVS
 

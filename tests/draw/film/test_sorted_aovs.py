@@ -9,7 +9,7 @@ import pytest
 
 from strand_kit import frames_of, scene_of
 from strandcli.draw.film.aovs import NOTHING, SOLID
-from strandcli.frame import Frame
+from strandcli.run.frame import Frame
 from strandcli.scene import Scene
 from tests.draw.film.test_aovs import KINDS, SHEET, rays
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from reference import curves as exact
-from strandcli.blocks import lanes, pack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines, flatten
 from strandcli.draw.view.camera import View, camera_view
+from strandcli.groom.blocks import lanes, pack
 from strandcli.scene.model import Camera, Curves
 from tests.draw.view.test_camera import exact as project
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from strand_kit import frames_of, groom_of, scene_of
-from strandcli.blocks import lanes, pack
 from strandcli.draw.drawn_strands import DrawnStrands
 from strandcli.draw.geometry.detail import level_of
+from strandcli.groom.blocks import lanes, pack
 from strandcli.groom.children import Children
 from strandcli.plan import make_plan
 from strandcli.scene.detail import near_of, needed_strands, share_at, share_bounds, strands_needed, tiers

@@ -7,12 +7,12 @@ import pytest
 from numpy.typing import NDArray
 
 from reference import curves as exact
-from strandcli.blocks import pack
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines, flatten
 from strandcli.draw.geometry.extent import widths_of
 from strandcli.draw.view.camera import View, camera_view
 from strandcli.draw.zbuffer.raster import to_screen
+from strandcli.groom.blocks import pack
 from strandcli.scene.model import Camera, Curves, Material
 from tests.draw.view.test_camera import exact as project
 

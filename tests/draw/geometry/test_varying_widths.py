@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strandcli.blocks import pack
 from strandcli.draw.common.kernels.keys import EMPTY
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
@@ -22,6 +21,7 @@ from strandcli.draw.shadows.shares import share_of
 from strandcli.draw.shadows.strands_in_map import Drawn, chances_of, parts_in_map, simplified
 from strandcli.draw.view.camera import View, parallel_view
 from strandcli.draw.zbuffer.raster import draw, to_screen
+from strandcli.groom.blocks import pack
 from strandcli.scene.model import Curves, Material
 
 Floats = NDArray[np.float64]

@@ -9,7 +9,6 @@ import pytest
 from numpy.typing import NDArray
 
 from strand_kit import frames_of, scene_of
-from strandcli.blocks import pack
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch
 from strandcli.draw.common.scratch import Scratch
@@ -18,6 +17,7 @@ from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting import occlusion
 from strandcli.draw.lighting.kernels import ambient
 from strandcli.draw.lighting.kernels.inputs import Surround
+from strandcli.groom.blocks import pack
 from strandcli.jit import function
 from strandcli.plan import make_plan
 from strandcli.scene.model import AmbientOcclusion, CapsuleSolid, Emitter, PlaneSolid, SphereSolid

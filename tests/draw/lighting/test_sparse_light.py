@@ -7,8 +7,8 @@ import pytest
 
 from strandcli import load
 from strandcli.draw import transmittance
-from strandcli.frame_renderer import FrameRenderer
-from strandcli.stages import RunOptions, SimulationStage
+from strandcli.run.frame_renderer import FrameRenderer
+from strandcli.run.stages import RunOptions, SimulationStage
 
 
 @pytest.fixture(scope="module")

@@ -13,11 +13,11 @@ import pytest
 
 from strand_kit import frames_of, scene_of
 from strandcli.cli.main import main
+from strandcli.common.registry import SHADOWS
 from strandcli.draw.shadows.shadow_model import ShadowModel
 from strandcli.draw.shadows.vertex_shadows import StrandsInLight, VertexShadows
 from strandcli.errors import UsageError
 from strandcli.plan import make_plan
-from strandcli.registry import SHADOWS
 from strandcli.scene import SceneError
 
 EXAMPLE = Path(__file__).parents[3] / "examples/shadow_model.py"

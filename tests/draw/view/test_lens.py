@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from strand_kit import frames_of, scene_of
-from strandcli.blocks import pack, unpack
 from strandcli.draw.view.camera import camera_view
 from strandcli.draw.view.lens import Exposure, exposures, focus_of, interpolate
+from strandcli.groom.blocks import pack, unpack
 from strandcli.scene.model import Camera, Emitter, PoseKey
 from strandcli.scene.motion import apply, emitter_pose
 

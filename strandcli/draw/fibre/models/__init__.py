@@ -1,4 +1,4 @@
-"""Fibre models, one driver each: how a strand scatters light once. `strandcli.registry.FIBRES` finds them by name.
+"""Fibre models, one driver each: how a strand scatters light once. `common.registry.FIBRES` finds them by name.
 
 A fibre model is a module or object with
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
-from . import kept
+from ..jit import kept
 
 if TYPE_CHECKING:
+    from ..groom.children import Children
     from .checkpoints import Checkpoints
-    from .groom.children import Children
     from .stages import Notify
 
 KIND = "first-frame"

@@ -13,9 +13,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from .compiling.clock import clock
-from .compiling.folder import cache
-from .errors import RefusedError, UsageError, said
+from ..errors import RefusedError, UsageError, said
+from .clock import clock
+from .folder import cache
 
 SPINS = "30000"
 """How often an idle thread looks for work before it sleeps. GNU's OpenMP looks 300,000 times, a millisecond in which

@@ -11,15 +11,15 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import __version__
-from .errors import StrandError
-from .inputs import digest_of, inputs_of, note
-from .scene.model import Time
-from .scene.named_files import named_file
-from .scene.rule_type import MUTUAL
+from .. import __version__
+from ..errors import StrandError
+from ..files.inputs import digest_of, inputs_of, note
+from ..scene.model import Time
+from ..scene.named_files import named_file
+from ..scene.rule_type import MUTUAL
 
 if TYPE_CHECKING:
-    from .scene.model import Scene
+    from ..scene.model import Scene
 
 _LEFT_OUT = {
     "Scene": {"source", "sha256", "title"}, "RuleUse": {"path"}, "Time": {"frames"}, "Image": {"aovs"},
@@ -123,8 +123,8 @@ def _content(path: str, kind: str) -> dict[str, str]:
 
 
 def _strands(path: str) -> object:
-    from .exchange.files import ReadOptions, read
-    from .exchange.moments import files_of
+    from ..exchange.files import ReadOptions, read
+    from ..exchange.moments import files_of
 
     first, *others = files_of(Path(path))
     for one in (Path(path), *others):
@@ -133,13 +133,13 @@ def _strands(path: str) -> object:
 
 
 def _mesh(path: str) -> object:
-    from .mesh_file.read import as_in_file
+    from ..mesh_file.read import as_in_file
 
     return as_in_file(path)
 
 
 def _cameras(path: str) -> object:
-    from .cameras.read import views_of
+    from ..cameras.read import views_of
 
     return views_of(Path(path), assumed=(1, 1))
 

@@ -11,9 +11,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from .errors import UsageError
+from ..errors import UsageError
 
-ROOT = Path(__file__).parent
+ROOT = Path(__file__).parents[1]
 
 
 class Registry:
@@ -29,7 +29,7 @@ class Registry:
         """``package``: dotted, inside of strandcli; ``first``: the shipped driver that is named first; ``parts``: what
         every driver has; ``key``: the part by which presets name it."""
         self.kind, self.group, self._key = kind, group, key
-        self._package, self._first, self._parts = f"{__package__}.{package}", first, parts
+        self._package, self._first, self._parts = f"strandcli.{package}", first, parts
         self._folder = ROOT.joinpath(*package.split("."))
         self._drivers: dict[str, Any] = {}
 

@@ -10,10 +10,10 @@ import dataclasses
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .compiling.service import cores, service
+from ..compiling.service import cores, service
 
 if TYPE_CHECKING:
-    from .scene.model import Scene
+    from ..scene.model import Scene
 
 PARTS = ("light", "coverage")
 """Of a frame, from its end."""
@@ -32,9 +32,9 @@ def end() -> None:
 
 def compile_parts(scene: Scene, parts: Sequence[str]) -> None:
     """Compile the kernels of some of `PARTS`, in a worker."""
-    from .draw.compile_parts import compile_part
-    from .draw.renderer import Renderer
-    from .groom.emit import emit
+    from ..draw.compile_parts import compile_part
+    from ..draw.renderer import Renderer
+    from ..groom.emit import emit
 
     small = dataclasses.replace(scene, image=dataclasses.replace(scene.image, size=(8, 8)))
     renderer = Renderer(small, emit(scene.emitter, scene.seed, 1))

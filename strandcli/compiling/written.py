@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from .compiling.folder import cache, text_hash
+from .folder import cache, text_hash
 
 
 def module_of(text: str, prefix: str, folder: Path) -> Any:

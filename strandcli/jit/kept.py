@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiling import folder
-from .output.state_file import FREE, state_of, state_pieces
+from ..compiling import folder
+from ..output.state_file import FREE, state_of, state_pieces
 
 __all__ = ["FREE", "Arrays", "find", "keep", "kept", "key_of"]
 
@@ -84,7 +84,7 @@ def _name(kind: str, key: str) -> str:
 
 def key_of(kind: str, code: Sequence[str], of: Iterable[Any]) -> str:
     """64 hexadecimal digits: the hash of all that the bits of what is kept follow from."""
-    from .jit import sources
+    from . import sources
 
     whole = hashlib.sha256(repr([kind, [sources.digest(one) for one in code], _machine()]).encode())
     for one in of:

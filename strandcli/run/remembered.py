@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..output.state_file import FREE
 from .checkpoints import key_of
 from .fingerprint import scene_values
-from .output.state_file import FREE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from .groom.children import Children
-    from .scene.model import Scene
+    from ..groom.children import Children
+    from ..scene.model import Scene
 
 
 class Remembered:

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from . import runtime
-from .errors import UsageError
-from .scene.model import Scene
+from ..compiling import runtime
+from ..errors import UsageError
+from ..scene.model import Scene
 
 if TYPE_CHECKING:
-    from .exchange.strands import Strands
+    from ..exchange.strands import Strands
     from .stages import MovedStrands, Notify, Positions, SimulationStage
 
 
@@ -38,7 +38,7 @@ def drawn_strands(
     warn: Notify | None = None,
 ) -> Iterator[DrawnFrame]:
     """Yield the strands that a picture of each frame shows, whatever the camera: all of them, each segment in
-    2 ** ``level`` pieces; None: as the scene has it. Arguments else as for `strandcli.pipeline.render`.
+    2 ** ``level`` pieces; None: as the scene has it. Arguments else as for `strandcli.run.pipeline.render`.
 
     Raises `SimulationError` where a frame has gone wrong, and `UsageError` for a scene of several panels.
     """
@@ -49,7 +49,7 @@ def drawn_strands(
     count = runtime.checked_threads(threads)
     runtime.tell(notify, warn)
     if scene.emitter.groom is not None:
-        from .groom_file import completed
+        from ..groom_file import completed
 
         scene = completed(scene)
     scene = replace(scene, detail=None, camera=replace(scene.camera, shutter=0.0))
@@ -68,10 +68,10 @@ class _Exporter:
     """Makes strands of what a run hands on, with memory of its own."""
 
     def __init__(self, scene: Scene, moved: SimulationStage, level: int | None) -> None:
-        from .draw.common.scratch import Scratch
-        from .draw.drawn_strands import DrawnStrands
-        from .draw.exported import evenly_cut
-        from .groom.followers import Followers
+        from ..draw.common.scratch import Scratch
+        from ..draw.drawn_strands import DrawnStrands
+        from ..draw.exported import evenly_cut
+        from ..groom.followers import Followers
 
         self.scene, self.scratch = scene, Scratch()
         self.children = moved.children
@@ -81,10 +81,10 @@ class _Exporter:
 
     def strands(self, moved: MovedStrands) -> Strands:
         """The strands of a frame."""
-        from .draw.common.drawing import Drawing
-        from .draw.drawn_strands import DrawnStrands
-        from .draw.exported import polylines, widths_along
-        from .exchange.strands import Attribute, Source, Strands, even_offsets
+        from ..draw.common.drawing import Drawing
+        from ..draw.drawn_strands import DrawnStrands
+        from ..draw.exported import polylines, widths_along
+        from ..exchange.strands import Attribute, Source, Strands, even_offsets
 
         drawn, tones, ids = self.drawn, moved.tones, moved.ids
         if moved.groom is not None:

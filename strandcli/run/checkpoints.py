@@ -16,18 +16,18 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import __version__
-from .errors import said
+from .. import __version__
+from ..errors import said
+from ..output.files import prepare_folder, remove_strays
+from ..output.state_file import DamagedError, ForeignError, read_state, write_state
 from .fingerprint import motion_values
-from .output.files import prepare_folder, remove_strays
-from .output.state_file import DamagedError, ForeignError, read_state, write_state
 
 if TYPE_CHECKING:
-    from .groom.children import Children
-    from .scene.model import Scene
+    from ..groom.children import Children
+    from ..scene.model import Scene
 
 FOLDER = "checkpoints"
-CODE = ("strandcli.stages", "strandcli.simulate.thesis.solver", "strandcli.simulate.rod", "strandcli.groom.emit")
+CODE = ("strandcli.run.stages", "strandcli.simulate.thesis.solver", "strandcli.simulate.rod", "strandcli.groom.emit")
 """Modules that simulate, with all that they import."""
 
 
@@ -141,8 +141,8 @@ def key_of(scene: Scene) -> str:
     import numba
     import numpy as np
 
-    from .jit import sources
-    from .simulate.rules import registry
+    from ..jit import sources
+    from ..simulate.rules import registry
 
     rules = sorted(
         {getattr(registry()[use.name], "__name__", type(registry()[use.name]).__module__) for use in scene.rules}

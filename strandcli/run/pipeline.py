@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
-from . import compile_ahead, runtime
-from .compiling.clock import clock
-from .compiling.folder import cache
-from .errors import UsageError
+from ..compiling import runtime
+from ..compiling.clock import clock
+from ..compiling.folder import cache
+from ..errors import UsageError
+from ..plan import pictures_that_fit
+from ..scene.model import Scene
+from ..scene.named_files import naming_files
+from . import compile_ahead
 from .frame import Frame
 from .frame_renderer import FrameRenderer
 from .ordered_map import ordered_map, worker_count
-from .plan import pictures_that_fit
-from .scene.model import Scene
-from .scene.named_files import naming_files
 from .stages import MovedStrands, Notify, Positions, RunOptions, SimulationStage
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def render(
     if scene.panels and any(panel.image.aovs for panel in scene.panels):
         raise UsageError("image.aovs: a preset of several panels has no layers; draw one without panels")
     if any(one.emitter.groom is not None for one in scene.panels or (scene,)):
-        from .groom_file import completed
+        from ..groom_file import completed
 
         scene = completed(scene)
     wanted = sorted(set(frames if frames is not None else range(1, scene.time.frames + 1)))

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.model import Scene
 from .frame import Frame
-from .scene.model import Scene
 
 GAP = 4
 INK = (225, 225, 225)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .constants import W
+from ..constants import W
 
 Array = NDArray[np.float32]
 

@@ -19,7 +19,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple, TypeVar, cast
 
-from .errors import RefusedError, UsageError
+from ..errors import RefusedError, UsageError
 from .numbered import is_numbered, numbered
 from .opening import READ
 

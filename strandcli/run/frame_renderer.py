@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from .frame import Frame
 
 if TYPE_CHECKING:
-    from .draw.renderer import Renderer
-    from .groom.record import Groom
+    from ..draw.renderer import Renderer
+    from ..groom.record import Groom
     from .stages import MovedStrands, SimulationStage
 
 
@@ -18,7 +18,7 @@ class FrameRenderer:
 
     def __init__(self, moved: SimulationStage, kind: type[Renderer] | None = None) -> None:
         """``kind``: of the renderer, if not `Renderer` itself."""
-        from .draw.renderer import Renderer
+        from ..draw.renderer import Renderer
 
         self._scene, self._fps = moved.scene, moved.scene.time.fps
         self._renderer = (kind or Renderer)(moved.scene, moved.groom, moved.children, moved.combed)
@@ -32,7 +32,7 @@ class FrameRenderer:
         at = (frame.number - 1) / self._fps
         self._renderer = self._first if moved.groom is None else self._of_others(moved.groom)
         if self._scene.camera.views:
-            from .cameras.of_scene import at_frame
+            from ..cameras.of_scene import at_frame
 
             self._renderer.scene = at_frame(self._scene, frame.number)
         self._renderer.tones = moved.tones

@@ -10,19 +10,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .blocks import lanes, pack, unpack
-from .constants import W
-from .errors import SimulationError, UsageError
+from ..constants import W
+from ..errors import SimulationError, UsageError
+from ..groom.arrange import arranged
+from ..groom.blocks import lanes, pack, unpack
+from ..groom.children import Children
+from ..groom.combed import Combed
+from ..groom.deforming import at_start
+from ..groom.emit import emit
+from ..groom.followers import Followers
+from ..groom.record import Groom
+from ..scene.detail import needed_strands, tiers_of
+from ..scene.model import MeshShape, Scene
 from .frame import Frame
-from .groom.arrange import arranged
-from .groom.children import Children
-from .groom.combed import Combed
-from .groom.deforming import at_start
-from .groom.emit import emit
-from .groom.followers import Followers
-from .groom.record import Groom
-from .scene.detail import needed_strands, tiers_of
-from .scene.model import MeshShape, Scene
 
 if TYPE_CHECKING:
     from .checkpoints import Checkpoints
@@ -78,8 +78,8 @@ class SimulationStage:
 
     def __init__(self, scene: Scene, frames: Sequence[int], given: Positions | None, options: RunOptions) -> None:
         """``given``: positions that were simulated before, by frame number."""
-        from .simulate import solver_of
-        from .simulate.advice import warnings
+        from ..simulate import solver_of
+        from ..simulate.advice import warnings
 
         draw = options.draw
         self.scene = scene
@@ -97,7 +97,7 @@ class SimulationStage:
             self.combed = Combed(scene, drawn)
         self.solver = solver_of(scene)(scene, self.groom)
         if draw and scene.emitter.followers is not None:
-            from .groom_file import guided
+            from ..groom_file import guided
 
             self.children = Followers(scene, guided(scene).following, self.solver.positions)
         self.snapshots = False
@@ -120,7 +120,7 @@ class SimulationStage:
         scene = self.scene
         if scene.emitter.groom is None:
             if isinstance(scene.emitter.shape, MeshShape):
-                from .groom.on_mesh import notes
+                from ..groom.on_mesh import notes
 
                 for words in notes(scene.emitter):
                     self._warn(words)
@@ -128,7 +128,7 @@ class SimulationStage:
             needed = self.options.draw and (kept is None or not kept.of_all_strands)
             strands = needed_strands(scene, frames) if needed else None
             return at_start(scene, arranged(emit(scene.emitter, scene.seed, strands), tiers_of(scene)))
-        from .groom_file import from_scene, guided, notes_of
+        from ..groom_file import from_scene, guided, notes_of
 
         found = from_scene(scene)
         for words in (*found.notes, *notes_of(scene, found.moments, frames)):
@@ -215,7 +215,7 @@ class SimulationStage:
 
     def _examine(self, number: int, error: dict[str, Any]) -> None:
         """Stop, or go on, where a frame with these errors has gone wrong."""
-        from .simulate.health import crowding, examine, interpenetration
+        from ..simulate.health import crowding, examine, interpenetration
 
         if self._wrong:
             return
@@ -254,8 +254,8 @@ class SimulationStage:
 
     def _drop_nonfinite(self, frame: Frame, before: NDArray[np.float32] | None) -> MovedStrands:
         """The strands alone that can be drawn, of those that level of detail draws: so many that were emitted first."""
-        from .scene.detail import strands_needed
-        from .simulate.health import drawable
+        from ..scene.detail import strands_needed
+        from ..simulate.health import drawable
 
         solver, groom = self.solver, self.solver.groom
         strands = groom.strands

@@ -1,0 +1,1 @@
+"""What all rooms use: registries of drivers, numbers in words, and optional packages."""
