@@ -13,10 +13,11 @@ USUAL = 1.0
 
 
 def kernels_of(source: str) -> Counter[str]:
-    """The kernels of the shipped preset in a file, by how many signatures of each it needs; none of other files."""
+    """The kernels of the shipped preset in a file, by how many signatures of each it needs; none of other files, nor of
+    a scene that is of no file, whose source is ""."""
     presets = _table()["presets"]
-    path = Path(source).with_suffix("").as_posix()
-    return next((Counter(found) for name, found in presets.items() if path.endswith(f"presets/{name}")), Counter())
+    path = Path(source).as_posix()
+    return next((Counter(found) for name, found in presets.items() if path.endswith(f"presets/{name}.yaml")), Counter())
 
 
 def seconds_of(kernels: Counter[str]) -> float:

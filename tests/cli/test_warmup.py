@@ -99,3 +99,4 @@ def test_costs_are_of_shipped_presets() -> None:
     assert costs.kernels_of(dict(list_presets())["minimal"].as_posix()) == minimal
     assert costs.seconds_of(minimal) > len(minimal) / 10
     assert not costs.kernels_of("/home/me/minimal.yaml")
+    assert not costs.kernels_of("")  # of a scene that comes from no file
