@@ -53,7 +53,7 @@ def load(
 
 
 def render(scene: Scene, frames: Sequence[int] | None = None, *, threads: int | None = None) -> Iterator[Frame]:
-    """Simulate and draw; yields a `strandcli.run.pipeline.Frame` for each frame asked for (all by default)."""
+    """Simulate and draw; yields a `strandcli.run.frame.Frame` for each frame asked for (all by default)."""
     from .run.pipeline import render as run
 
     return run(scene, frames, threads=threads, keep_positions=True)

@@ -40,7 +40,7 @@ def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
     before the root: with waves, segments as long as at rest, and outside of solids.
 
     solid: whether there are solids; paths: rows of ``size`` numbers, one a lane, as `lay_path` writes them; scratch: as
-    `children` says.
+    `child_scratch` says.
     """
     x, own = pointer(out), pointer(scratch)
     m = out.shape[1] - 1
