@@ -16,10 +16,12 @@ def opened(path: str) -> Usd.Stage:
     """The stage of a file. Raises `RefusedFileError` and Tf.ErrorException."""
     layer = layer_of_text(path)
     if layer is None:
-        layer = Sdf.Layer.FindOrOpen(path)
+        known = Sdf.Layer.Find(path)
+        layer = known or Sdf.Layer.FindOrOpen(path)
         if layer is None:
             raise RefusedFileError("is no USD that Pixar's library opens")
-        layer.Reload(force=True)
+        if known is not None:
+            known.Reload(force=True)
     named = _layers_named(layer)  # which are open until the stage has them
     stage = Usd.Stage.Open(layer, Usd.Stage.LoadAll)
     del named

@@ -168,7 +168,7 @@ def times_along(prim: Usd.Prim, attributes: list[Usd.Attribute]) -> list[float]:
 
 
 def _matrix(prim: Usd.Prim, places: UsdGeom.XformCache) -> list[float]:
-    return [float(number) for row in places.GetLocalToWorldTransform(prim) for number in row]
+    return np.array(places.GetLocalToWorldTransform(prim)).ravel().tolist()  # its rows by the library: 40 times slower
 
 
 def _counts(prim: Usd.Prim, moment: Usd.TimeCode) -> Any:

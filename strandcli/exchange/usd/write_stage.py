@@ -1,4 +1,4 @@
-"""Write a stage of USD with prims of curves, of what messages tell; runs in the worker."""
+"""Write a layer of USD with prims of curves, of what messages tell; runs in the worker."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, Vt
+from pxr import Gf, Sdf, UsdGeom, Vt
 
 from .messages import Fill, Message, receive
 
@@ -24,7 +24,10 @@ VALUES = {
     ("u1", 1): (Sdf.ValueTypeNames.UCharArray, Vt.UCharArray),
 }
 """Types of primvars, by the type and number of the numbers that they are made of."""
-TYPES = {"displayColor": Sdf.ValueTypeNames.Color3fArray, "st": Sdf.ValueTypeNames.TexCoord2fArray,
+OWN = ("widths", "normals")
+"""Attributes that curves have themselves; others are primvars."""
+TYPES = {"normals": Sdf.ValueTypeNames.Normal3fArray, "displayColor": Sdf.ValueTypeNames.Color3fArray,
+         "st": Sdf.ValueTypeNames.TexCoord2fArray,
          "groom_root_uv": Sdf.ValueTypeNames.TexCoord2fArray}  # fmt: skip
 """Types of primvars of which the name tells more."""
 
@@ -50,96 +53,102 @@ def _parts(fill: Fill) -> Iterator[Message]:
 
 
 def _write(request: dict[str, Any], parts: Iterator[Message]) -> None:
+    """Write a layer. No stage is open meanwhile: it would compose all prims again for each."""
     layer = Sdf.Layer.CreateNew(request["temporary"], {"format": request["format"]})
-    stage = Usd.Stage.Open(layer)
     message, arrays = next(parts)
-    prims = _prims(stage, message, arrays)
-    arrays.clear()
-    _describe(stage, message)
+    with Sdf.ChangeBlock():
+        places = _prims(layer, message, arrays)
+        arrays.clear()
+        _describe(layer, message)
     waiting, codes = 0, []
     for message, points in parts:
         code = message["code"]
-        moment = Usd.TimeCode.Default() if code is None else Usd.TimeCode(code)
         points.reverse()
-        for curves, extent in zip(prims, message["extents"], strict=True):
-            waiting += points[-1].nbytes
-            curves.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points.pop())), moment)
-            curves.GetExtentAttr().Set([Gf.Vec3f(*corner) for corner in extent], moment)
+        with Sdf.ChangeBlock():
+            for place, extent in zip(places, message["extents"], strict=True):
+                waiting += points[-1].nbytes
+                values = Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points.pop()))
+                box = Vt.Vec3fArray([Gf.Vec3f(*corner) for corner in extent])
+                for name, held in ((UsdGeom.Tokens.points, values), (UsdGeom.Tokens.extent, box)):
+                    if code is None:
+                        layer.GetAttributeAtPath(f"{place}.{name}").default = held
+                    else:
+                        layer.SetTimeSample(f"{place}.{name}", code, held)
         codes += [] if code is None else [code]
         if waiting > SAVED and request["format"] == "usdc":
             layer.Save()
             waiting = 0
     if codes:
-        stage.SetStartTimeCode(codes[0])
-        stage.SetEndTimeCode(codes[-1])
+        layer.startTimeCode, layer.endTimeCode = codes[0], codes[-1]
     layer.Save()
 
 
-def _add(stage: Usd.Stage, text: str) -> None:
+def _add(layer: Sdf.Layer, text: str) -> None:
     """Add the prims of a layer in USD's own text, and which render settings it names."""
-    layer, to = Sdf.Layer.CreateAnonymous(".usda"), stage.GetRootLayer()
-    layer.ImportFromString(text)
-    for prim in layer.rootPrims:
-        Sdf.CopySpec(layer, prim.path, to, prim.path)
-    settings = Usd.Stage.Open(layer).GetMetadata("renderSettingsPrimPath")
-    if settings:
-        stage.SetMetadata("renderSettingsPrimPath", settings)
+    other = Sdf.Layer.CreateAnonymous(".usda")
+    other.ImportFromString(text)
+    for prim in other.rootPrims:
+        Sdf.CopySpec(other, prim.path, layer, prim.path)
+    settings = "renderSettingsPrimPath"
+    if other.pseudoRoot.HasInfo(settings):
+        layer.pseudoRoot.SetInfo(settings, other.pseudoRoot.GetInfo(settings))
 
 
-def _prims(stage: Usd.Stage, message: dict[str, Any], arrays: list[Any]) -> list[UsdGeom.BasisCurves]:
-    """Write the prims of curves, all but their points; one is the default prim, or what holds several."""
-    names, rest = [one["name"] for one in message["prims"]], iter(arrays)
-    holder = f"/{names[0]}" if len(names) == 1 else HOLDER
-    if len(names) > 1:
-        UsdGeom.Xform.Define(stage, holder)
-    found = []
+def _prims(layer: Sdf.Layer, message: dict[str, Any], arrays: list[Any]) -> list[Sdf.Path]:
+    """Write prims of curves, all but their points, and return their paths. The default prim is the only one, or what
+    holds several."""
+    holder, rest = layer.pseudoRoot, iter(arrays)
+    if len(message["prims"]) > 1:
+        holder = Sdf.PrimSpec(layer, HOLDER[1:], Sdf.SpecifierDef, "Xform")
+    places = []
     for one in message["prims"]:
-        place = holder if len(names) == 1 else f"{holder}/{one['name']}"
-        found.append(_curves(stage, place, message["basis"], next(rest)))
-        _set(found[-1], one["attributes"], [next(rest) for _ in one["attributes"]])
-    stage.SetDefaultPrim(stage.GetPrimAtPath(holder))
-    return found
+        prim = Sdf.PrimSpec(holder, one["name"], Sdf.SpecifierDef, "BasisCurves")
+        _curves(prim, message["basis"], next(rest))
+        _set(prim, one["attributes"], [next(rest) for _ in one["attributes"]])
+        places.append(prim.path)
+    layer.defaultPrim = layer.rootPrims[0].name
+    return places
 
 
-def _describe(stage: Usd.Stage, message: dict[str, Any]) -> None:
-    """Write what concerns all of the stage."""
-    UsdGeom.SetStageUpAxis(stage, message["up"])
-    UsdGeom.SetStageMetersPerUnit(stage, message["unit"])
-    stage.GetRootLayer().customLayerData = {"creator": "strandcli"}
+def _describe(layer: Sdf.Layer, message: dict[str, Any]) -> None:
+    """Write what concerns all of the layer."""
+    layer.pseudoRoot.SetInfo(UsdGeom.Tokens.upAxis, message["up"])
+    layer.pseudoRoot.SetInfo(UsdGeom.Tokens.metersPerUnit, message["unit"])
+    layer.customLayerData = {"creator": "strandcli"}
     if message["beside"]:
-        _add(stage, message["beside"])
+        _add(layer, message["beside"])
     if message["rate"] is not None:
-        stage.SetTimeCodesPerSecond(message["rate"])
-        stage.SetFramesPerSecond(message["rate"])
+        layer.timeCodesPerSecond = layer.framesPerSecond = message["rate"]
 
 
-def _curves(stage: Usd.Stage, place: str, message: list[str], counts: Any) -> UsdGeom.BasisCurves:
-    """A prim of curves of a basis, without points."""
-    curves = UsdGeom.BasisCurves.Define(stage, place)
+def _attribute(prim: Sdf.PrimSpec, name: str, kind: Sdf.ValueTypeName, value: Any, interpolation: str = "") -> None:
+    """Add an attribute, ``value`` None for one without. Tokens are uniform, as curves have theirs."""
+    uniform = kind == Sdf.ValueTypeNames.Token
+    found = Sdf.AttributeSpec(prim, name, kind, Sdf.VariabilityUniform if uniform else Sdf.VariabilityVarying)
+    if value is not None:
+        found.default = value
+    if interpolation:
+        found.SetInfo("interpolation", interpolation)
+
+
+def _curves(prim: Sdf.PrimSpec, message: list[str], counts: Any) -> None:
+    """Add the attributes of curves of a basis, without points."""
+    types, tokens = Sdf.ValueTypeNames, UsdGeom.Tokens
     kind, basis, wrap = message
-    curves.CreateTypeAttr(kind)
-    if basis:
-        curves.CreateBasisAttr(basis)
-    curves.CreateWrapAttr(wrap)
-    curves.CreatePointsAttr()
-    curves.CreateExtentAttr()
-    curves.CreateCurveVertexCountsAttr(Vt.IntArray.FromNumpy(counts))
-    return curves
+    for name, token in ((tokens.type, kind), (tokens.basis, basis), (tokens.wrap, wrap)):
+        if token:
+            _attribute(prim, name, types.Token, token)
+    _attribute(prim, tokens.points, types.Point3fArray, None)
+    _attribute(prim, tokens.extent, types.Float3Array, None)
+    _attribute(prim, tokens.curveVertexCounts, types.IntArray, Vt.IntArray.FromNumpy(counts))
 
 
-def _set(curves: UsdGeom.BasisCurves, attributes: list[list[str]], arrays: list[Any]) -> None:
-    """Write attributes, of names and interpolations."""
-    primvars = UsdGeom.PrimvarsAPI(curves.GetPrim())
+def _set(prim: Sdf.PrimSpec, attributes: list[list[str]], arrays: list[Any]) -> None:
+    """Add attributes, of names and interpolations."""
     for (name, interpolation), values in zip(attributes, arrays, strict=True):
         held = values[:, 0] if values.shape[1] == 1 else values
         type_name, array = VALUES[values.dtype.str[1:], values.shape[1]]
+        own = name in OWN
+        kind = TYPES.get(name, type_name)
         numbers = array.FromNumpy(np.ascontiguousarray(held))
-        if name == "widths":
-            curves.CreateWidthsAttr(numbers)
-            curves.SetWidthsInterpolation(interpolation)
-        elif name == "normals":
-            curves.CreateNormalsAttr(numbers)
-            curves.SetNormalsInterpolation(interpolation)
-        else:
-            made = primvars.CreatePrimvar(name, TYPES.get(name, type_name), interpolation)
-            made.Set(numbers)
+        _attribute(prim, name if own else f"primvars:{name}", kind, numbers, interpolation)
