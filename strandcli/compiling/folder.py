@@ -109,7 +109,7 @@ class Folder:
         """Tell `warn` why a kernel that is compiled may not have been found."""
         found = [*self.refused, *(one.damage for one in self.read_only), self.trouble if self.read_only else None]
         for words in filter(None, found):
-            self._tell(words)
+            self.tell(words)
 
     def refuse(self, store: Store, why: str, whole: bool = True) -> None:
         """Note, once, that a store is not read, or, unless ``whole``, not all of it."""
@@ -118,7 +118,8 @@ class Folder:
         if whole:
             self._read_only.remove(store)
 
-    def _tell(self, words: str) -> None:
+    def tell(self, words: str) -> None:
+        """Hand a line to `warn`, once."""
         if self.warn is not None and words not in self._told:
             self._told.add(words)
             self.warn(words)
@@ -153,7 +154,7 @@ class Folder:
                     temporary.unlink()
             if self._trouble is None:
                 self._trouble = _advice(path.parent, error)
-                self._tell(self._trouble)
+                self.tell(self._trouble)
             return False
 
     def _choose(self) -> Path:

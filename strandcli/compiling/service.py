@@ -31,6 +31,10 @@ PROGRAM = (
 )
 FAILURES = 3
 """After so many workers that end unasked or kernels that are lost, every kernel is compiled in place."""
+ALONE = (
+    "the processes that compile kernels end before they are done, perhaps for want of memory: kernels are compiled one "
+    "by one, which takes about twice as long"
+)
 
 
 class Worker:
@@ -180,6 +184,8 @@ class Service:
 
     def _fail(self) -> None:
         self._failures += 1
+        if self._failures == FAILURES:
+            folder.cache.tell(ALONE)
         self.enabled = self.enabled and self._failures < FAILURES
 
 

@@ -44,8 +44,8 @@ def main(settings: str) -> None:
     faster.patch()
     numba.set_num_threads(1)
     if preload:
-        for name in ("pipeline", "draw.renderer"):
-            importlib.import_module(f"strandcli.{name}")
+        from ..draw import renderer  # noqa: F401
+        from ..run import pipeline  # noqa: F401
     while True:
         try:
             message = messages.get(timeout=IDLE)

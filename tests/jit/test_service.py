@@ -82,6 +82,15 @@ def test_workers_compile_ahead_once_a_kernel_is_missing(place: Path, monkeypatch
     assert begun == [("scene", ["light"], 2)]
 
 
+@pytest.mark.parametrize("preload", [False, True])
+def test_a_worker_lives_that_imports_all_at_once(place: Path, preload: bool) -> None:
+    assert mine()._worker_on_demand(preload) is not None
+    kernel = fresh(approximations.asin)
+    assert kernel(np.float32(0)) == 0
+    assert hits(kernel) == 1
+    mine().stop()
+
+
 def test_what_only_this_process_has_is_compiled_here(place: Path) -> None:
     @function
     def local(x):
@@ -123,9 +132,12 @@ def test_a_worker_that_ends_is_done_without_and_after_three_there_are_no_more(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(service, "PROGRAM", "import sys; sys.exit(1)")
+    told: list[str] = []
+    monkeypatch.setattr(folder.cache, "warn", told.append)
     for kernel in (approximations.asin, approximations.exp, approximations.exp2, approximations.acos):
         assert np.isfinite(fresh(kernel)(np.float32(0.5)))
     assert not mine().enabled
+    assert told == [service.ALONE]
 
 
 def alive(process: int) -> bool:
