@@ -26,9 +26,8 @@ import numpy as np
 
 from ....jit import function, inlined
 from ....simd import floor, power_of_two
+from .numbers import ONE, ZERO
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 PI = np.float32(math.pi)
 HALF_PI = np.float32(math.pi / 2)
 LOG2_E = np.float32(1.0 / math.log(2.0))

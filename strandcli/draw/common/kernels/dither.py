@@ -6,10 +6,8 @@ import numpy as np
 
 from ....jit import device, function, inlined
 from ....simd import floor, gather, where
+from .numbers import HALF, ONE, ZERO
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 MOST = np.float32(1e6)
 BITS = np.float32(2.0**-24)
 SAMPLES, CORNER_X, CORNER_Y, EXPOSURE, PER_EXPOSURE = range(5)

@@ -32,12 +32,10 @@ from numpy.typing import NDArray
 from ....constants import VECTOR
 from ....jit import device, inlined
 from ....simd import half_width_pointer, load, movemask, store
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from .crowds import count_visible
 from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, ROW_BITS
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 FLAT = np.float32(1 / 16)
 FAINT = np.float32(1e-5)
 """Share of a cell that is not worth a fragment."""

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, inlined
+from ...common.kernels.numbers import ONE, ZERO
 from .tiles import AT_OPACITY, AT_PLACE, AT_VERTEX, NUMBERS, PIXEL_BITS, PIXELS, ROW_BITS, STEP, TILE_WIDTH, UNIT, alone
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 OPAQUE = np.float32(1 / 512)
 """Transmittance below which everything behind is left out."""
 OPEN, CLOSED, SOLID = np.uint8(0), np.uint8(1), np.uint8(2)

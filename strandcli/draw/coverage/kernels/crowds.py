@@ -13,10 +13,9 @@ import numpy as np
 
 from ....jit import device, inlined
 from ....simd import load, quadruple_pointer, store
+from ...common.kernels.numbers import ONE, ZERO
 from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, NUMBERS, PIXELS
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 SLICES = 32
 SLICE_COUNT = np.float32(SLICES)
 LAST_SLICE = np.int32(SLICES - 1)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ....jit import device, inlined
 from ....jit.search import first_not_below
 from ....simd import half_width_pointer, load, pointer, prefetch, store
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from . import cells
 from . import segments as seg
 from .cells import CELLS, LANES, add_fragment, cover_cells
@@ -20,9 +21,6 @@ from .tile_binning import LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
 from .tiles import ROW_BITS, THIN, TILE_HEIGHT, TILE_WIDTH
 from .windows import find_windows
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 AHEAD = np.int64(8)
 """Rows of segments that memory is prefetched ahead of their use."""
 FAR_AHEAD = np.int64(20)

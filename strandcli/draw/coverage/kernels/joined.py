@@ -6,11 +6,9 @@ import numpy as np
 
 from ....jit import inlined
 from ....simd import deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from .segments import JOINED, ROW, WIDTH
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 STEPS = np.arange(ROW, dtype=np.float32)
 # Rows of the vertices from the one before those loaded on: position on the screen and depth number; then those of

@@ -6,6 +6,7 @@ import numpy as np
 
 from ....jit import device, parallel, prange
 from ....simd import broadcast, load, pointer, prefetch, store, triple_pointer
+from ...common.kernels.numbers import ONE, ZERO
 from . import cells, ribbon, segments
 from .composite import OPAQUE, composite
 from .crowds import ROUNDED, list_by_pixel
@@ -15,8 +16,6 @@ from .sorting import RUN, sort_pixels
 from .tiles import NUMBERS, PIXELS, TILE_WIDTH, tile_at
 from .windows import WINDOWS
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 INITIAL_ROOM = np.int64(49152)
 """Initial capacity for the fragments of a tile."""
 AHEAD = np.uint64(24)

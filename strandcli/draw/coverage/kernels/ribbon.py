@@ -15,6 +15,7 @@ import numpy as np
 from ....constants import VECTOR
 from ....jit import inlined
 from ....simd import half_width_pointer, lane_count, load, pointer, sqrt, store, where
+from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
 from ...geometry.kernels.ribbon import cross_section, make_ribbon
 from . import joined
 from .crowds import count_visible
@@ -29,10 +30,6 @@ from .tiles import (
     fixed_point,
 )  # fmt: skip
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 FLAT = np.float32(1 / 16)
 """Least slope that is drawn; single precision needs it, and the difference is invisible."""
 FAINT = np.float32(1e-5)

@@ -18,12 +18,10 @@ from ....simd import (
     store,
     where,
 )
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from .tiles import THIN
 from .windows import window_of
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 WIDE = np.float32(0.7)
 """Pixels. Segments that are no wider are thin whatever their slope; wider ones have the height of their band from point
 to point, and the depth of their round side."""

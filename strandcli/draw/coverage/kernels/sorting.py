@@ -7,11 +7,10 @@ import numpy as np
 from ....constants import VECTOR
 from ....jit import device, inlined
 from ....simd import broadcast, count_true, half_width_pointer, lane_count, load, pointer, store, where
+from ...common.kernels.numbers import ONE, ZERO
 from .crowds import SLICES, farthest_visible, keep_visible
 from .tiles import AT_DEPTH, AT_VERTEX, NUMBERS
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 RUN = 128
 """Greatest length of a list that is sorted by counting; longer lists are merged from runs of this length."""
 CROWD = 112

@@ -7,11 +7,9 @@ import math
 import numpy as np
 
 from ....jit import device, parallel, prange
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from .segments import POINT, is_ribbon
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 RISE = np.float32(1.5)
 """Rows across that a cell of a strand of no width touches, on average over all slopes, about: one more where it crosses
 a border of rows, half the time."""

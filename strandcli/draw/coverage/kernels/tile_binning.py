@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, floor, gather, half_width_pointer, lane_count, load, store, where
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from .segments import (
     BEGIN,
     BEHIND,
@@ -36,9 +37,6 @@ from .strand_extents import GREATEST_Y, LEAST_Y
 from .tiles import TILE_HEIGHT, TILE_WIDTH
 from .windows import PictureWindows, picture_window_of
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 OUTSIDE = np.float32(-max(TILE_WIDTH, TILE_HEIGHT))
 """Coordinate in tile number −1."""
 PER_X = np.float32(1 / TILE_WIDTH)

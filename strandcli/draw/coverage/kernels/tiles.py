@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import function, inlined
+from ...common.kernels.numbers import ONE, TWO, ZERO
 
 TILE_WIDTH = 32
 TILE_HEIGHT = 32
@@ -36,9 +37,6 @@ ROW_BITS = 5
 """Bits of the pixel's column, below its row."""
 UNIT = np.float32(2.0**-STEP)
 """Factor from a fixed-point position to 0 … 1."""
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 THIN = np.float32(1 / 16)
 """Least half height of a band that is drawn, pixels (see `cells`)."""
 

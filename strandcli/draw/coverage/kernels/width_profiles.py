@@ -19,14 +19,10 @@ from ....simd import broadcast, load, pointer, prefetch, store, triple_pointer
 from ...common.kernels.approximations import clamp
 from ...common.kernels.batch import BEFORE, EX, EY, EZ, LX, LY, LZ, RADIANCE, TX, TY, TZ
 from ...common.kernels.keys import LOW
+from ...common.kernels.numbers import HALF, ONE, THREE, TWO, ZERO
 from .segments import TALL
 from .tiles import PIXELS, TILE_WIDTH, tile_at
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
-THREE = np.float32(3.0)
 TINY = np.float32(1e-12)
 COLUMNS = 16
 """Columns of the offset h across a strand."""

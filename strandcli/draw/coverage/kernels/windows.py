@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from ....jit import device, inlined, parallel, prange
 from ....simd import floor, where
+from ...common.kernels.numbers import ONE, ZERO
 from .tiles import ROW_BITS, TILE_HEIGHT, TILE_WIDTH
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 BLOCK = 4
 """Pixels of a block's side."""
 ACROSS, DOWN = TILE_WIDTH // BLOCK, TILE_HEIGHT // BLOCK

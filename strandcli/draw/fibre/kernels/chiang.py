@@ -37,11 +37,10 @@ from ...common.kernels.batch import (
     TZ,
     R,
 )
+from ...common.kernels.numbers import ONE, ZERO
 from .highlights import shaded_by
 from .lobes import add_lobes, azimuthal
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-20)
 HALF_LOG2_E = np.float32(0.5 / math.log(2.0))
 

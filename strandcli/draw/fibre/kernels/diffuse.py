@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ....constants import W
@@ -11,9 +9,7 @@ from ....jit import device, function
 from ...common.kernels.approximations import clamp
 from ...common.kernels.batch import ARRIVES, COLOUR, LX, LY, LZ, RADIANCE, TX, TY, TZ
 from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
-
-ONE = np.float32(1.0)
-INV_PI = np.float32(1.0 / math.pi)
+from ...common.kernels.numbers import INV_PI, ONE
 
 
 @device

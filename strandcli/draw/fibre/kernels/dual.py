@@ -10,15 +10,12 @@ from numpy.typing import NDArray
 
 from ....jit import function, inlined
 from ...common.kernels.approximations import asin, clamp, exp
+from ...common.kernels.numbers import INV_PI, ONE, TWO, ZERO
 from .chiang import lobe
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 TINY = np.float32(1e-12)
 SLANT = np.float32(math.sqrt(2.0))
 """Of light at 45° to the way that strands are counted along, what they meet over what crosses it."""
-INV_PI = np.float32(1.0 / math.pi)
 PER_QUARTER = np.float32(2.0 / math.pi)
 LEAST = np.float32(1e-4)
 PALER = np.float32(4.0)

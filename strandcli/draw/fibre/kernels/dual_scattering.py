@@ -35,9 +35,8 @@ from ...common.kernels.batch import (
     UNBLOCKED,
 )
 from ...common.kernels.light_columns import POWER_R
+from ...common.kernels.numbers import ZERO
 from . import dual
-
-ZERO = np.float32(0.0)
 
 
 @device

@@ -18,9 +18,8 @@ from ...common.kernels import batch
 from ...common.kernels.approximations import exp2, exp2_lanes
 from ...common.kernels.batch import ARRIVES, EXTRA, RADIANCE
 from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
+from ...common.kernels.numbers import ONE, ZERO
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 GROWTH_LIMIT = np.float32(40.0)
 """Of the exponent of 2 in `grown`, so that results are finite."""
 ALL = np.int64(0)

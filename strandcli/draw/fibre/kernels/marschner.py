@@ -39,12 +39,10 @@ from ...common.kernels.batch import (
     TZ,
     R,
 )
+from ...common.kernels.numbers import ONE, TWO, ZERO
 from .highlights import shaded_by
 from .lobes import add_lobes, azimuthal
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 TINY = np.float32(1e-20)
 
 # Places in the array `lobes`.

@@ -8,10 +8,10 @@ from ....constants import W
 from ....jit import device
 from ...common.kernels.batch import ARRIVES, EXTRA, NODE_X, NODE_Y, TRT, TT, R
 from ...common.kernels.light_columns import POWER_R
+from ...common.kernels.numbers import ZERO
 from ...coverage.kernels.width_profiles import COLUMNS, azimuth
 from .lobes import PATH_TRT, PATH_TT, grown
 
-ZERO = np.float32(0.0)
 CHANNELS = 8
 """Of a column in the tables: R, TT in red, green and blue, TRT, and padding."""
 

@@ -13,6 +13,7 @@ from ....jit import device, parallel, prange
 from ...common.kernels.batch import ARRIVES, ROWS, X
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
+from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...common.kernels.view_columns import (
     AXIS_X,
     AXIS_Y,
@@ -36,13 +37,9 @@ from ...lighting.kernels.shade_strands import aim, past_solids, past_strands
 from ...shadows.kernels.free_ways import FreeWays
 from ...solids.kernels import rays
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 PI = np.float32(math.pi)
 RED, GREEN, BLUE = np.float32(0.2126), np.float32(0.7152), np.float32(0.0722)
-INF = np.float32(np.inf)
 
 
 class SeenLines(NamedTuple):

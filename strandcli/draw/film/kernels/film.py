@@ -7,10 +7,8 @@ import numpy as np
 from ....jit import device, function, parallel, prange
 from ....simd import pointer, prefetch
 from ...common.kernels.keys import LOW
+from ...common.kernels.numbers import HALF, ONE, ZERO
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 LAST = np.float32(65535.0)
 MOST = np.float32(1e30)
 ONE_ON, THREE, FOUR, FIVE = np.uint64(1), np.uint64(3), np.uint64(4), np.uint64(5)

@@ -13,9 +13,8 @@ from ....jit import device, inlined, parallel, prange
 from ....simd import lane_count, load, pointer, prefetch, store
 from ...common.kernels.approximations import exp2_lanes
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from ...common.kernels.numbers import ONE, ZERO
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 NEAREST = np.float32(1e-12)
 """Least depth number of a perspective view, 1 / metres."""
 ONE_ON, TWO_ON, THREE = np.uint64(1), np.uint64(2), np.uint64(3)

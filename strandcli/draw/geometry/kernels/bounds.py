@@ -6,9 +6,8 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, parallel, prange
+from ...common.kernels.numbers import INF, ZERO
 
-ZERO = np.float32(0.0)
-INF = np.float32(np.inf)
 FARTHEST = np.float32(1e6)
 """Metres that a box moves where nothing ends its way."""
 

@@ -6,9 +6,8 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, parallel, prange
+from ...common.kernels.numbers import INF, ZERO
 
-ZERO = np.float32(0.0)
-INF = np.float32(np.inf)
 SAFE = np.float32(0.98)
 """Factor of the distance to a box, so that rounding never makes it too great."""
 LOW_X, LOW_Y, LOW_Z, HIGH_X, HIGH_Y, HIGH_Z = range(6)

@@ -10,12 +10,9 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, inlined, parallel, prange
+from ...common.kernels.numbers import ONE, THREE, TWO, ZERO
 from .tangents import LANES, find_tangents
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
-THREE = np.float32(3.0)
 THIRD = np.float32(1 / 3)
 
 

@@ -8,9 +8,8 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, parallel, prange
+from ...common.kernels.numbers import ONE, ZERO
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 
 

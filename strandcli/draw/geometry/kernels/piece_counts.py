@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ....constants import W
 from ....jit import device, inlined, parallel, prange
 from ....simd import broadcast, floor, load, load3, pointer, sqrt, store, where
+from ...common.kernels.numbers import ONE, TWO, ZERO
 from ...common.kernels.view_columns import (
     AXIS_X,
     AXIS_Y,
@@ -25,9 +26,6 @@ from ...common.kernels.view_columns import (
 from ...view.kernels.project import to_view
 from .tangents import LANES, STEP, difference, first_place, tangent
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 THIRD = np.float32(1 / 3)
 WANG = np.float32(0.75)
 """Factor of Wang's bound, see `count`."""

@@ -8,11 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ....jit import device, inlined
+from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 TINY = np.float32(1e-30)
 
 

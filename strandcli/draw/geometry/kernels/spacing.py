@@ -8,10 +8,9 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, parallel, prange
+from ...common.kernels.numbers import ONE, ZERO
 from .boxes import GROUP, GROUPS, PART, square_to_box
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 X, Y, Z = range(3)
 """Columns of `points`."""

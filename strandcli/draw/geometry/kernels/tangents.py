@@ -11,9 +11,8 @@ import numpy as np
 from ....constants import VECTOR, W
 from ....jit import device
 from ....simd import broadcast, load3, pointer, sqrt, store3, where
+from ...common.kernels.numbers import ONE, ZERO
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 STRAIGHT = np.float32(0.1)
 """Length below which the source's construction has no tangent, see `printed`."""

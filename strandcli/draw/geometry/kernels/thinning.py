@@ -14,11 +14,10 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, parallel, prange
+from ...common.kernels.numbers import ONE, ZERO
 from ...common.kernels.view_columns import CORNER_STRETCH, FOCAL, NEAR_PLANE, PERSPECTIVE
 from ...view.kernels.project import to_view
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 UNEVEN = np.float32(0.01)
 """Share of a strand's greatest width by which segments may be wider or narrower than it."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import parallel, prange
+from ...common.kernels.numbers import ONE
 
-ONE = np.float32(1.0)
 STRANDS = 256
 """Strands a task."""
 

@@ -18,11 +18,10 @@ from ....constants import W
 from ....jit import device
 from ....simd import lane_count, load, load3, pointer, store
 from ...common.kernels.batch import COLOUR, RADIANCE, TX, TY, TZ, X
+from ...common.kernels.numbers import ONE
 from .light import STRAND, around
 from .occlusion import whole_sky_visibilities
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
 FACE = np.float32((1.0 - math.log(2.0)) / 2.0)
 """Ā: mean sky visibility of the strands seen at the surface of a mass."""

@@ -15,12 +15,12 @@ from ....constants import VECTOR
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, lane_count, load, pointer, where
 from ...common.kernels.keys import EMPTY, FIRST, LOW
+from ...common.kernels.numbers import HALF
 from ...solids.kernels.appearance import folds
 from ...solids.kernels.surface_pixels import FOLD, bend, depth_at, folded, pixel_width
 
 ZERO, UNKNOWN = np.float32(0.0), np.float32(-1.0)
 """`UNKNOWN`: of a pixel of the lattice, where light is not one number."""
-HALF = np.float32(0.5)
 ONE, TWO, THREE = np.int64(1), np.int64(2), np.int64(3)
 FAR = THREE
 """Columns or rows from a pixel that is drawn within which the light of pixels four apart is needed."""

@@ -9,10 +9,8 @@ import numpy as np
 from ....jit import device, function
 from ....jit.indices import FIRST, SECOND
 from ...common.kernels.light_columns import KIND, PLACE_X, PLACE_Y, PLACE_Z
+from ...common.kernels.numbers import ONE, THREE, ZERO
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
-THREE = np.float32(3.0)
 TINY = np.float32(1e-30)
 FAR = np.float32(1e30)
 STRAND, SURFACE = FIRST, SECOND

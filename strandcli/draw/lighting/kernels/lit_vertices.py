@@ -7,8 +7,8 @@ import numpy as np
 from ....constants import W
 from ....jit import device, inlined
 from ...common.kernels.batch import ARRIVES, COLOUR, EX, EXTRA, LX, RADIANCE, REACH, TX, X
+from ...common.kernels.numbers import ZERO
 
-ZERO = np.float32(0.0)
 THREES = (X, TX, EX, COLOUR, EXTRA, RADIANCE, LX)
 """The first of three rows each that hold what is known of a vertex and the current light."""
 

@@ -21,18 +21,13 @@ from ....solids.kernels import built_in
 from ....solids.kernels import other as other_solids
 from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
 from ...common.kernels.light_columns import POWER_R
+from ...common.kernels.numbers import HALF, INF, INV_PI, ONE, THREE, TWO, ZERO
 from ...common.kernels.surface_batch import BEFORE, NX, NY, NZ, PIXEL
 from ...solids.kernels import coat, rays
 from . import occlusion
 from .light import toward
 from .occlusion import COUNT_X, PER_METRE_X
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
-THREE = np.float32(3.0)
-INV_PI = np.float32(1 / math.pi)
 DULL = np.float32(0.4)
 """Roughness from which on a coat mirrors ambient light alone."""
 SHARP = np.float32(0.2)
@@ -96,7 +91,7 @@ def follow(way, n, solids, which):
         mx = TWO * facing * nx - work[EX + k]
         my = TWO * facing * ny - work[EY + k]
         mz = TWO * facing * nz - work[EZ + k]
-        near = rays.INF
+        near = INF
         hit = FREE
         for j in range(number_of(solids)):
             if j == which:

@@ -6,10 +6,8 @@ import numpy as np
 
 from ....jit import function, inlined
 from ....simd import broadcast, floor, gather, gather4, pointer, reduce_max
+from ...common.kernels.numbers import ONE, TWO, ZERO
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 START, NUMBERS = np.int64(0), np.int64(4)
 """Where cells begin in memory, and the numbers of each."""
 COSINE = np.float32(2.0 / 3.0)

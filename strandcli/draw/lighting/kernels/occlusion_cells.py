@@ -9,6 +9,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device, function
 from ....jit.indices import FIRST, SECOND, THIRD
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from .occlusion import (
     COUNT_X,
     COUNT_Y,
@@ -25,10 +26,6 @@ from .occlusion import (
     YZ,
     ZZ,
 )
-
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 
 
 @function

@@ -16,13 +16,12 @@ from ....solids.kernels.outside import count as count_solids
 from ....solids.kernels.outside import outside
 from ...common.kernels import batch
 from ...common.kernels.batch import LEAST, RADIUS
+from ...common.kernels.numbers import ONE, ZERO
 from ...shadows.kernels import penumbra
 from ...shadows.kernels.soft_distances import by_distances
 from ...solids.kernels import rays
 from .occlusion import DENSITY, MIDDLE_X, MIDDLE_Y, MIDDLE_Z
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 DARK = np.uint8(0)
 FAR = np.float32(1e30)
 LX, LY, LZ, LIGHT = (i * W for i in range(4))

@@ -20,6 +20,7 @@ from ....jit import device, parallel, prange
 from ....solids.kernels.outside import count as count_solids
 from ...common.kernels import batch
 from ...common.kernels.approximations import exp
+from ...common.kernels.numbers import HALF, ONE, THREE, ZERO
 from .occlusion import (
     DENSITY,
     MEAN,
@@ -36,11 +37,7 @@ from .occlusion import (
 from .occlusion_solids import ROWS as FAN
 from .occlusion_solids import Grid, Listed, hide
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 NEXT = np.uint64(1)
-THREE = np.float32(3.0)
 LEVELS = np.float32(255.0)
 
 

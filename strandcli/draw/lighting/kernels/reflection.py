@@ -10,6 +10,7 @@ from ....constants import W
 from ....jit import device
 from ...common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE, POWER_R
+from ...common.kernels.numbers import INV_PI, ONE, ZERO
 from ...common.kernels.surface_batch import (
     ARRIVED,
     COAT,
@@ -28,10 +29,7 @@ from ...common.kernels.surface_batch import (
 from ...solids.kernels import coat
 from ...solids.kernels.coat import SUBSURFACE, scattered
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-6)
-INV_PI = np.float32(1 / math.pi)
 
 
 @device

@@ -48,6 +48,7 @@ from ...common.kernels.light_columns import (
     PER_FALL,
     STRAND_WIDTH,
 )
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FORWARD_X, FORWARD_Y, FORWARD_Z, PERSPECTIVE
 from ...coverage.kernels import width_profiles
 from ...fibre.kernels.diffuse import diffuse_light
@@ -63,9 +64,6 @@ from .ambient import ambient_light
 from .light import toward
 from .lit_vertices import find_marked, lit_first, longest
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
 NEXT = np.uint64(1)
 LAST_TWO = np.int64(4)

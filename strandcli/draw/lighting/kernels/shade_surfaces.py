@@ -6,8 +6,6 @@ a loop over a row, which LLVM vectorises.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ....constants import W
@@ -15,6 +13,7 @@ from ....jit import device, inlined, parallel, prange
 from ....jit.balance import places, task_at
 from ....solids.kernels import other
 from ...common.kernels.batch import RADIANCE
+from ...common.kernels.numbers import ZERO
 from ...common.kernels.surface_batch import (
     ALBEDO,
     COAT,
@@ -31,10 +30,7 @@ from .reflection import deepest, gleam, reflect, reflect_from_below
 from .surface_light import arrive, as_computed, note, note_all, note_nothing, recall
 from .surface_points import cover, face, fade, light_around, look, patch, surroundings
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-6)
-INV_PI = np.float32(1 / math.pi)
 PIXELS = 4096
 """Pixels a task."""
 

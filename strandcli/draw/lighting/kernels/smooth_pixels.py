@@ -11,6 +11,7 @@ from ....jit.balance import places, task_at
 from ....solids.kernels import other
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.keys import FIRST, LOW, SHIFT
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.surface_batch import BEFORE, COAT, DISTANCE, ROWS, SX, SY, UNDER
 from ...common.kernels.view_columns import PERSPECTIVE
 from ...solids.kernels import appearance, coat
@@ -20,9 +21,6 @@ from .lattice import COATED, LIT, SMOOTH
 from .shade_surfaces import colour
 from .surface_points import face, fade, look, patch
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 ROWS_A_TASK = 8
 SPAN = 4 * W
 """Columns that a batch extends over at the most."""

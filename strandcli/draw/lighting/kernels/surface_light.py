@@ -9,6 +9,7 @@ from ....jit import device, inlined
 from ....solids.kernels import other
 from ...common.kernels.batch import ARRIVES, RADIANCE, X, Y, Z
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.surface_batch import COAT, LEFT, PX, SHARE, SX, SY, UNDER
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.free_ways import FreeWays
@@ -18,10 +19,6 @@ from .lattice import COATED, LIT, UNKNOWN
 from .light import toward
 from .reflection import bend, lift, rise, unbend
 from .shade_strands import aim, past_solids
-
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 
 
 @device

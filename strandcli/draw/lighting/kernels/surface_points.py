@@ -12,6 +12,7 @@ from ....jit.indices import FIRST, SECOND, THIRD
 from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import sphere
 from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
+from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...common.kernels.surface_batch import (
     ACROSS,
     ALBEDO,
@@ -37,11 +38,7 @@ from . import occlusion
 from .inputs import FADE, FADE_X, FADE_Y, FADE_Z
 from .light import SURFACE, around
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-6)
-HALF = np.float32(0.5)
-INF = np.float32(np.inf)
 
 
 @device

@@ -10,12 +10,9 @@ import numpy as np
 
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, floor, gather2, lane_count, load, load_quadruples, pointer, store, where
+from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from .minmax import FARTHEST, NEAREST
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-INF = np.float32(np.inf)
 START = np.float32(NEAREST)
 APART = np.float32(4.0)
 """Texels between places of a segment, at most: two cells, so that a cell between them is next to one of theirs."""

@@ -5,12 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, parallel, prange
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from .map_parts import AT, COUNT, DEPTH, TINY, WIDE, X, Y
 from .map_segments import FINEST, PER_TEXEL
-
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 
 
 @parallel

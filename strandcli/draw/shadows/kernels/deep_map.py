@@ -9,10 +9,8 @@ import numpy as np
 
 from ....jit import inlined
 from ....simd import any_lane, floor, gather, gather2, gather4, where
+from ...common.kernels.numbers import ONE, ZERO
 from . import opacity
-
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 
 
 class DeepMap(NamedTuple):

@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, function, inlined
+from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from .map_parts import depth_of, width_of
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 CELL = 4
 """Texels along a side of a cell."""
 PER_TEXEL = np.float32(1 / CELL)
@@ -38,8 +37,6 @@ FADES = 0.25
 STEPS = 32
 """Of the share, while `FALL` more strands are passed."""
 LAST = int(STEPS * RANGE) - 1
-HALF = np.float32(0.5)
-INF = np.float32(np.inf)
 THIN = np.float32(1e-9)
 DIGITS = np.float32(4096.0)
 """Times a chance, of which the twelve digits after the point say whether a strand is sketched."""

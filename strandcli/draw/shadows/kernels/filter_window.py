@@ -14,11 +14,8 @@ import numpy as np
 
 from ....jit import inlined
 from ....simd import broadcast, floor, lane_count, reduce_max, store, where
+from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 FOUR = np.float32(4.0)
 EIGHT = np.float32(8.0)
 SIXTEEN = np.float32(16.0)

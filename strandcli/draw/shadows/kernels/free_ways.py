@@ -18,6 +18,7 @@ from ....simd import broadcast, floor, gather, lane_count, load, load3, pointer,
 from ....solids.kernels import other_edges
 from ...common.kernels.batch import LEAST, LIST, RADIUS, WX, X, Y, Z
 from ...common.kernels.light_columns import LIGHT_SIZE
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.view_columns import (
     AXIS_X,
     AXIS_Y,
@@ -31,9 +32,6 @@ from ...common.kernels.view_columns import (
 from .minmax import texel_of
 from .penumbra import SHARP
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 SIDE = 128
 """Columns and rows of a table."""
 ROOM = 16

@@ -3,16 +3,13 @@ planes."""
 
 from __future__ import annotations
 
-import numpy as np
-
 from ....jit import device
 from ....solids.kernels import plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.outside import count
 from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, X, Y, Z
+from ...common.kernels.numbers import ZERO
 from ...solids.kernels import rays
-
-ZERO = np.float32(0.0)
 
 
 @device

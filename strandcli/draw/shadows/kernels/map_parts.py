@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, function, inlined
+from ...common.kernels.numbers import ONE, ZERO
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-6)
 """Texels."""
 PARTS, PART = 4, 48

@@ -14,11 +14,9 @@ import numpy as np
 
 from ....jit import device, inlined
 from ....simd import floor, lane_count, load, load_quadruples, pointer, sqrt, store, where
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from .map_parts import TINY
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 FINEST = np.float32(64.0)
 """Most pieces that a texel is cut into where a segment leads away from the light."""
 PER_TEXEL = np.float32(0.5)

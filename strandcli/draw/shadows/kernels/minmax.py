@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 
 from ....jit import device, function, parallel, prange
 from ....simd import pointer
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, NEAR_PLANE, PERSPECTIVE
 from ...view.kernels.project import to_view_number
 from ...zbuffer.kernels.lines import FIXED, PART, POINT
 
-HALF = np.float32(0.5)
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 THREE = np.uint64(3)
 SMALL = np.float32(1e-20)
 NEAREST, FARTHEST = 0, 1

@@ -28,11 +28,9 @@ import numpy as np
 
 from ....jit import device, inlined
 from ....simd import any_lane, floor, gather, gather4, gather8, where
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from .minmax import bilinear
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-12)
 START, SCALE, ROW, WHOLE = 0, 1, 2, 4
 """Offsets in a head of the nearest depth, metres; of n (1 + h / D); of the number of the cell's row, 0 without strands;

@@ -6,16 +6,13 @@ import numpy as np
 
 from ....jit import function, inlined, parallel, prange
 from ....simd import pointer, prefetch
+from ...common.kernels.numbers import INF, ONE, ZERO
 from ...zbuffer.kernels.lines import Window
 from . import cell_extents, map_segments, splats
 from .map_parts import AT, BOTTOM, COUNT, TOP
 from .minmax import FARTHEST, NEAREST
 from .opacity import HEAD, ROW, SCALE, START, TEXELS, WHOLE
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-INF = np.float32(np.inf)
 NEXT = np.uint64(1)
 AHEAD = 12
 """Parts of strands that are fetched before they are drawn."""

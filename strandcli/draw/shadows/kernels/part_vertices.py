@@ -13,6 +13,7 @@ import numpy as np
 
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane
+from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.lines import Window
 from . import cell_extents, straight_parts
@@ -36,10 +37,6 @@ from .map_parts import (
     width_of,
 )
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-INF = np.float32(np.inf)
 STRANDS = 64
 """Strands a task."""
 

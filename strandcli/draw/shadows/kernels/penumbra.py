@@ -21,17 +21,14 @@ from ....jit import device, inlined
 from ....solids.shapes import box as box_columns
 from ...common.kernels.approximations import asin
 from ...common.kernels.golden_section import search
+from ...common.kernels.numbers import HALF, INV_PI, ONE, ZERO
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-20)
 SHARP = np.float32(1e-6)
 """Sine of the angular radius of a light without a size, in scenes where another light has one."""
 CLEAR = np.float32(2.0)
 """Stands for no occlusion; greater than any sine."""
 SURELY = np.float32(1.0001)
-INV_PI = np.float32(1 / math.pi)
 STEPS = np.int64(32)
 """Steps of a search along the ray to the light."""
 ALONG = np.int64(16)

@@ -30,6 +30,7 @@ from ....simd import any_lane, floor, gather4, lane_count, load, pointer, sqrt, 
 from ...common.kernels.approximations import exp_lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, PER_FALL
+from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
 from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, COLUMNS, LEFT, RADIUS
 from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from ...fibre.kernels.dual import HALF_WAY
@@ -39,11 +40,7 @@ from .filter_window import WIDEST, column_of, row_of, store_columns, windows_abo
 from .minmax import texel_of as project
 from .window_blocks import NO_BITS, blocks_about, is_shaded, shaded_columns
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
 ALL, FOUR = np.int64(0), np.int64(4)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 LEAST = np.float32(1.5)
 """Least radius of the filter, texels."""
 DISC = np.float32(7.0 / 4.0)

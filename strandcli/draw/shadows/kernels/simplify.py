@@ -13,8 +13,8 @@ import numpy as np
 
 from ....jit import device, inlined, parallel, prange
 from ....simd import deinterleave, half_width_pointer, lane_count, load3, movemask, pointer
+from ...common.kernels.numbers import ZERO
 
-ZERO = np.float32(0.0)
 TINY = np.float32(1e-30)
 FLAT = np.float32(0.1**2)
 """Most that a vertex may be beside the line, as a share of its length, squared: segments are at most 2 % longer than

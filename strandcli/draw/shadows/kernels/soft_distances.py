@@ -38,10 +38,9 @@ from ...common.kernels.batch import (
     Y,
     Z,
 )
+from ...common.kernels.numbers import ONE, ZERO
 from .free_ways import list_others
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 FEW, ALL = np.int64(6), np.int64(1 << 40)
 """Steps that all rays take at the most, and listed ones."""
 

@@ -44,12 +44,9 @@ from ...common.kernels.batch import (
 )
 from ...common.kernels.golden_section import CLOSER
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from . import penumbra
 from .soft_distances import by_distances, by_distances_of_some
-
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 
 FEW = 2
 """Capsules that are looked at without asking first whether any of them may be seen before the light."""

@@ -29,6 +29,7 @@ from ....simd import (
     store,
     where,
 )
+from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
 from .map_segments import (
     ACROSS,
     AREA,
@@ -48,10 +49,6 @@ from .map_segments import (
 )
 from .opacity import HEAD, TEXELS
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
 OUTSIDE = np.float32(-10.0)
 """Place of a splat that adds nothing."""
 HEAD_NUMBERS = 4

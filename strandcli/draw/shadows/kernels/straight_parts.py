@@ -20,12 +20,10 @@ from ....simd import (
     store,
     where,
 )
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from .deep_strands import weight_at
 from .map_parts import DEPTH, GROUP, SHORT, WIDE, X, Y
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 LANES = VECTOR // 4
 MOST = 64
 """Segments of a part that is written here, at most: whole vectors."""

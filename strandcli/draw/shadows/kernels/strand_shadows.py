@@ -9,12 +9,11 @@ from ....jit import device, function
 from ....simd import broadcast, load, pointer, store, store3
 from ....simd import lane_count as lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
+from ...common.kernels.numbers import ONE, ZERO
 from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
 from . import opacity
 from .minmax import FARTHEST, NEAREST, bilinear, falloff, in_map, texel_of
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 NEXT = np.uint64(1)
 TWICE = np.float32(2.0)
 

@@ -14,9 +14,8 @@ import numpy as np
 
 from ....jit import inlined
 from ....simd import floor, lane_count, load, movemask, reduce_max, where
+from ...common.kernels.numbers import HALF
 
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 FAR = np.float32(1e6)
 ONE_BIT, NO_BITS, ALL_BITS = np.uint64(1), np.uint64(0), np.uint64(0xFFFFFFFFFFFFFFFF)
 MOST = 64

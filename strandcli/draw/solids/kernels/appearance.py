@@ -10,10 +10,9 @@ from ....constants import W
 from ....jit import device
 from ....solids.kernels import built_in, other
 from ...common.kernels.batch import EX, EY, EZ, X, Y, Z
+from ...common.kernels.numbers import ONE, ZERO
 from ...common.kernels.surface_batch import ALBEDO, BEFORE, LIFT, NX, NY, NZ, PIXEL
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 LEAST = np.float32(0.05)
 """Least cosine between the normal and the eye: where a smooth normal is turned away further, it is bent back, so that
 no facet that is seen is shaded from behind."""

@@ -23,16 +23,11 @@ import math
 import numpy as np
 
 from ....jit import function, inlined
+from ...common.kernels.numbers import HALF, INV_PI, ONE, THREE, TWO, ZERO
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-TWO = np.float32(2.0)
-THREE = np.float32(3.0)
 FOUR = np.float32(4.0)
 TINY = np.float32(1e-6)
 QUARTER = np.float32(0.25)
-INV_PI = np.float32(1 / math.pi)
 OCTAVES = 5
 FAINTER = np.float32(0.7)
 """Weight of an octave over that of the one before it."""

@@ -7,10 +7,11 @@ import numpy as np
 from ....constants import W
 from ....jit import device, parallel, prange
 from ...common.kernels.keys import EMPTY, FIRST, LOW
+from ...common.kernels.numbers import HALF, ONE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
 from .edges import meet_one, within
 from .rasterise import key_at
-from .rays import BATCH, HALF, ONE, aim
+from .rays import BATCH, aim
 
 EVEN = np.uint64(0)
 

@@ -11,9 +11,10 @@ from ....solids.kernels import box, built_in, capsule, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.pixel_rays import put_ray
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
 from .rasterise import BOTTOM, LEFT, RIGHT, TOP, key_at
-from .rays import BATCH, DX, DY, DZ, HALF, INF, MET, ONE, OX, OY, OZ, ZERO, aim, meet, meet_rays, ray
+from .rays import BATCH, DX, DY, DZ, MET, OX, OY, OZ, aim, meet, meet_rays, ray
 
 SAMPLES = 4
 """Samples along each side of a pixel."""

@@ -7,8 +7,9 @@ import numpy as np
 from ....jit import device, parallel, prange
 from ....solids.kernels import capsule, plane, sphere
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
+from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
-from .rays import HALF, INF, ONE, ZERO, meet, ray
+from .rays import meet, ray
 
 LEFT, RIGHT, TOP, BOTTOM = range(4)
 """Columns of a solid's screen bounds: pixels, right and bottom exclusive."""

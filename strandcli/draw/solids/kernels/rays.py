@@ -14,6 +14,7 @@ from ....constants import W
 from ....jit import device, function
 from ....solids.kernels import box, built_in, capsule, other, pixel_rays, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
+from ...common.kernels.numbers import INF, ONE, ZERO
 from ...common.kernels.view_columns import (
     EYE_X,
     EYE_Y,
@@ -30,11 +31,7 @@ from ...common.kernels.view_columns import (
     UP_Z,
 )
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-20)
-INF = np.float32(np.inf)
 OX, OY, OZ, DX, DY, DZ, MET = (row * W for row in range(7))
 """Rows of a batch of up to W rays, float32: origin, direction, and where it meets a solid in units of that."""
 BATCH = 7 * W

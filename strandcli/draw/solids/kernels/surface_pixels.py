@@ -12,14 +12,11 @@ from ....solids.kernels.pixel_rays import put_ray
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.dither import dithered, noise_at
 from ...common.kernels.keys import FIRST, LOW, SHIFT
+from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...common.kernels.surface_batch import BEFORE, DISTANCE, NOISE, RAYS, SHARE, SX, SY, THERE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import appearance, rays
 
-ZERO = np.float32(0.0)
-HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-INF = rays.INF
 FOLD = np.float32(4.0)
 """Second difference of depth between neighbouring pixels, in pixel widths, beyond which a surface is taken to have an
 edge in front of itself."""

@@ -18,9 +18,10 @@ from ....jit import device, inlined, parallel, prange
 from ....jit.indices import FIRST, SECOND, THIRD
 from ....meshes.kernels.rays import meet, sheared
 from ....solids.kernels.distance_field import ray_in_own, through
+from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
 from .rasterise import BOTTOM, LEFT, RIGHT, TOP, key_at
-from .rays import HALF, INF, ONE, ZERO, ray
+from .rays import ray
 
 BAND = 8
 """Rows of a task."""

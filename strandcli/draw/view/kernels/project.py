@@ -9,6 +9,7 @@ import numpy as np
 from ....constants import VECTOR
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
+from ...common.kernels.numbers import INF, ONE, ZERO
 from ...common.kernels.view_columns import (
     AXIS_X,
     AXIS_Y,
@@ -30,12 +31,9 @@ from ...common.kernels.view_columns import (
     UP_Z,
 )
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 STEPS = np.arange(VECTOR // 2 // 4, dtype=np.float32)
 OFF_SCREEN = np.float32(1e8)
 """Pixels. Points this far off the screen are invisible, because single precision cannot place them."""
-INF = np.float32(np.inf)
 TINY = np.float32(1e-12)
 STRANDS = 64
 """Strands a task."""

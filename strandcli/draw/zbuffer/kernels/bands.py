@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import function
-
-ZERO = np.float32(0.0)
+from ...common.kernels.numbers import ZERO
 
 
 class Bands(NamedTuple):

@@ -20,10 +20,8 @@ from numpy.typing import NDArray
 from ....jit import device, parallel, prange
 from ....simd import pointer
 from ...common.kernels.keys import LOW, SHIFT
+from ...common.kernels.numbers import HALF, ONE, ZERO
 
-HALF = np.float32(0.5)
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 POINT = 24
 """Bits after the point of fixed-point positions."""
 FIXED = np.float32(2.0**POINT)

@@ -13,12 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ....jit import device, inlined, parallel, prange
+from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...geometry.kernels.ribbon import cross_section, direction, measure_ribbon, offsets_across, round_depth
 from .lines import PART, Steps, Window, deposit, draw_lines
 
-HALF = np.float32(0.5)
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
 TINY = np.float32(1e-6)
 """Pixels. A shorter segment draws nothing."""
 CLOSE = np.float32(1e-6)
