@@ -14,7 +14,7 @@ from PIL import Image
 from fuzz_presets import GOOD, command
 from strandcli.draw.lighting import environment
 from strandcli.errors import StrandError
-from strandcli.mesh_file import texture
+from strandcli.mesh_file import maps
 
 OTHERS = ("TIFF", "GIF", "BMP", "TGA", "PPM", "WEBP", "ICO", "PCX")
 
@@ -60,6 +60,6 @@ def attempt_picture(content: bytes, folder: Path, suffix: str) -> str:
         if found not in ("read", "refused"):
             return found
         with contextlib.suppress(StrandError):
-            texture.pyramid(texture.picture(str(path)))
+            maps.pyramid(maps.picture(str(path)))
     sky = environment.coefficients(environment.read(str(path)))
     return "read" if np.isfinite(sky).all() else "light that is not finite"

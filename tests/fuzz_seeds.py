@@ -17,7 +17,7 @@ import camera_kit
 import exchange_kit as kit
 import mesh_kit
 import usd_kit
-from strandcli.cameras import colmap, neus, transforms, usd_text
+from strandcli.cameras import colmap, neus, transforms
 
 MESH = "mesh"
 """What formats of meshes begin with: they are the ends of names, as those of strands."""
@@ -110,7 +110,7 @@ def camera_seeds() -> dict[str, list[bytes]]:
     usd = {}
     if importlib.util.find_spec("pxr"):
         flat = [camera_kit.view(8, perspective=False)]
-        usd[f"{CAMERA}a.usda"] = [usd_text.written(some) for some in (views, one, flat)]
+        usd[f"{CAMERA}a.usda"] = [usd.written(some) for some in (views, one, flat)]
     top = {"camera_angle_x": 0.6, "frames": [{"file_path": "a", "transform_matrix": np.eye(4).tolist()}]}
     nerf = [transforms.written(some, {"file_path": "images/{}.png"}, "1") for some in (views, one)]
     own = [{"views": [{"camera": view.as_dict()} for view in some]} for some in (views, one)]

@@ -14,8 +14,7 @@ import numpy as np
 
 from ..errors import UsageError, one_line
 from ..files.inputs import content
-from .lens import picture_size, refuse_distortion, square_focal
-from .pinhole import Floats, Pinhole, in_order
+from .pinhole import Floats, Pinhole, in_order, picture_size, refuse_distortion, square_focal
 
 FILES = ("cameras.txt", "images.txt")
 FOLDERS = (".", "sparse/0", "sparse", "sparse_txt", "colmap/sparse_txt")

@@ -16,8 +16,7 @@ import numpy as np
 from ..errors import UsageError
 from ..exchange.archive import arrays_of
 from ..exchange.bounded import opened
-from .lens import picture_size, square_focal
-from .pinhole import HALF, Floats, Pinhole, checked_rotation
+from .pinhole import HALF, Floats, Pinhole, checked_rotation, picture_size, square_focal
 
 WORLD, SCALE, ALL = "world_mat_", "scale_mat_", "arr_0"
 SIZE, MARK = "image_size", "strandcli"

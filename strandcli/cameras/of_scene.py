@@ -11,7 +11,7 @@ from ..errors import UsageError, about
 from ..exchange.strands import Layer
 from ..exchange.usd.export import time_code
 from ..scene.motion import camera_at
-from . import usd_text
+from . import usd
 from .pinhole import Pinhole, of_camera, to_camera
 from .read import views_of
 
@@ -82,7 +82,7 @@ def camera_layer(scene: Scene, frames: Sequence[int]) -> Layer:
     def text(rate: float) -> str:
         views = views_at(scene, frames)
         codes = [time_code(frame / scene.time.fps, rate) for frame in frames][: len(views)]
-        return usd_text.written(views, codes, rate).decode()
+        return usd.written(views, codes, rate).decode()
 
     return text
 

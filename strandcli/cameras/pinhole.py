@@ -1,4 +1,5 @@
-"""A view as other programs have it: where a camera stands, how it is turned, and its projection in pixels.
+"""A view as other programs have it: where a camera stands, how it is turned, and its projection in pixels; lenses
+of camera files as that has them, with square pixels and no distortion; and which way is up in the world of views.
 
 Points of a picture are measured in pixels from its upper left corner, x to the right and y down, so that the middle of
 the first pixel is (0.5, 0.5), as in COLMAP, in nerfstudio and in `strandcli.draw.view.camera`. OpenCV and NeuS count
@@ -9,12 +10,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ..errors import UsageError
 
 if TYPE_CHECKING:
     from ..scene.model import Camera
@@ -163,3 +167,87 @@ def to_camera(view: Pinhole, near: float, distance: float = 1.0) -> Camera:
 def _plain(vector: Floats) -> tuple[float, float, float]:
     x, y, z = (float(number) for number in vector)
     return x, y, z
+
+
+UP = (0.0, 1.0, 0.0)
+LEAST = 0.3
+"""Length of the mean of the cameras' up axes below which they agree on no direction."""
+NEAR = 0.77
+"""Cosine of the angle to an axis from which on that axis is taken: 40°, as far as cameras look up or down."""
+
+
+def above(views: Sequence[Pinhole]) -> tuple[float, float, float]:
+    """The unit vector that is up in the pictures of views, on average: the axis of the world near to it, or itself
+    where none is; y where views do not agree, or there are none."""
+    if not views:
+        return UP
+    mean = -np.mean([view.rotation[1] for view in views], axis=0)
+    size = float(np.linalg.norm(mean))
+    if size < LEAST:
+        return UP
+    mean /= size
+    most = int(np.argmax(np.abs(mean)))
+    if abs(mean[most]) < NEAR:
+        return float(mean[0]), float(mean[1]), float(mean[2])
+    x, y, z = (float(np.sign(mean[most])) * (axis == most) for axis in range(3))
+    return x, y, z
+
+
+def upright(up: tuple[float, float, float]) -> Floats:
+    """The turn (3, 3) that takes y to a unit vector, by the shorter way; half a turn is about x."""
+    across, cosine = np.cross(np.array(UP), np.array(up)), float(np.dot(UP, up))
+    if cosine < -1 + 1e-12:
+        return np.diag([1.0, -1.0, -1.0])
+    x, y, z = across
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + cross + cross @ cross / (1 + cosine))
+
+
+SEEN = 0.01
+"""Pixels at the picture's rim under which two focal lengths are one."""
+
+
+class MissingSize(UsageError):
+    """A file of cameras does not tell the size of its pictures, and nobody else does."""
+
+
+def square_focal(fx: float, fy: float, size: tuple[int, int], where: str, notes: list[str]) -> float:
+    """The focal length, pixels, of a camera that has one for each axis. What the mean of two leaves at the rim of the
+    picture is noted. Raises `UsageError` where either is no length."""
+    if not (math.isfinite(fx) and math.isfinite(fy) and fx > 0 and fy > 0):
+        raise UsageError(f"{where}: focal lengths {fx:g} and {fy:g}: both must be above 0")
+    if fx == fy:
+        return fx
+    focal = 0.5 * (fx + fy)
+    off = max(abs(fx - focal) / focal * size[0] / 2, abs(fy - focal) / focal * size[1] / 2)
+    if off > SEEN:
+        notes.append(f"{where}: focal lengths {fx:g} and {fy:g} are drawn as {focal:g}, {off:.2g} px off at the rim")
+    return focal
+
+
+def refuse_distortion(path: Path, where: str, numbers: dict[str, float]) -> None:
+    """Raise `UsageError` where any of a lens's numbers, by name, is not 0."""
+    bent = [f"{name} {value:g}" for name, value in numbers.items() if value != 0]
+    if bent:
+        raise UsageError(
+            f"{path}: {where}: has lens distortion ({', '.join(bent)}), which strandcli does not draw; undistort the "
+            "pictures and their cameras first (colmap image_undistorter)"
+        )
+
+
+def picture_size(
+    width: float | None, height: float | None, given: tuple[int, int] | None, path: Path
+) -> tuple[int, int]:
+    """Width and height in pixels, of the file or as ``given``. Raises `UsageError` where there is neither or where they
+    differ."""
+    if width is None or height is None:
+        if given is None:
+            raise MissingSize(f"{path}: has no size of its pictures; add --size WxH")
+        return given
+    finite = math.isfinite(width) and math.isfinite(height)
+    own = (int(width), int(height)) if finite else (0, 0)
+    if own != (width, height) or min(own) < 1:
+        raise UsageError(f"{path}: pictures of {width:g}x{height:g} pixels")
+    if given is not None and given != own:
+        raise UsageError(f"{path}: its cameras are of {own[0]}x{own[1]} pixels; leave out --size")
+    return own

@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import UsageError, one_line
-from ..files.inputs import reading
-from . import colmap, neus, own, transforms, usd
-from .lens import MissingSize
-from .pinhole import Pinhole
-from .upright import UP, above
+from ..files.inputs import content, reading
+from ..output.files import json_of
+from . import colmap, neus, transforms, usd
+from .pinhole import UP, MissingSize, Pinhole, above, from_dict
 
 KINDS = "transforms.json, a folder of COLMAP text files, cameras.npz of NeuS, dataset.json of strandcli, or USD"
+OWN = "dataset.json"
+"""Of a data set that strandcli wrote."""
 USD = (".usd", ".usda", ".usdc", ".usdz")
 MOST = 1_000_000
 """Views of a file."""
@@ -97,8 +98,8 @@ def _others(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple
         return colmap.read(path.parent, size, notes)
     if path.suffix.lower() == ".npz":
         return neus.read(path, size, notes)
-    if path.name == own.FILE:
-        return own.read(path), True
+    if path.name == OWN:
+        return _of_strandcli(path), True
     if path.suffix.lower() == ".json":
         return transforms.read(path, size, notes)
     raise UsageError(f"{path}: is no file of cameras that is known: {KINDS}")
@@ -106,10 +107,22 @@ def _others(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple
 
 def _in_folder(path: Path) -> Path | None:
     """The file of cameras in a folder, or the folder of COLMAP's files; the most exact first."""
-    for name in (own.FILE, "transforms.json"):
+    for name in (OWN, "transforms.json"):
         if (path / name).is_file():
             return path / name
     folder = colmap.folder_of(path)
     if folder is not None:
         return folder / colmap.FILES[0]
     return path / "cameras.npz" if (path / "cameras.npz").is_file() else None
+
+
+def _of_strandcli(path: Path) -> list[Pinhole]:
+    """The views of a data set of strandcli, orthographic ones too. Raises `UsageError` for a file that is none."""
+    try:
+        data = json_of(content(path))
+        views = [from_dict(entry["camera"]) for entry in data["views"]]
+    except (KeyError, TypeError, ValueError, OverflowError):
+        raise UsageError(f"{path}: is no {OWN} of strandcli") from None
+    if not views:
+        raise UsageError(f"{path}: has no view")
+    return views

@@ -17,8 +17,7 @@ from ..errors import UsageError, one_line
 from ..exchange.edit.transform import turning
 from ..files.inputs import content
 from ..output.files import json_of
-from .lens import picture_size, refuse_distortion, square_focal
-from .pinhole import Floats, Pinhole, checked_rotation, in_order
+from .pinhole import Floats, Pinhole, checked_rotation, in_order, picture_size, refuse_distortion, square_focal
 
 MARK = "strandcli"
 """Key of files that strandcli wrote."""

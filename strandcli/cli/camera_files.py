@@ -45,7 +45,7 @@ def world(preset: str, found: Views, path: Path | None) -> tuple[str, ...]:
 def _lights(found: Views) -> tuple[str, ...]:
     """What is set so that light comes from above where the cameras' up is not y: the lights of the preset that strands
     of a file are drawn with, turned."""
-    from ..cameras.upright import UP, upright
+    from ..cameras.pinhole import UP, upright
     from ..scene.loading import load
     from ..scene.model import DirectionalLight
 

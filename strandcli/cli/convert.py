@@ -14,8 +14,7 @@ from .frame_range import FrameRange, FrameRangeType
 from .say import say
 
 if TYPE_CHECKING:
-    from ..exchange.change import Change
-    from ..exchange.edit.moving import Step
+    from ..exchange.edit.moving import Change, Step
     from ..exchange.strands import Strands
 
 AXIS = click.Choice(("x", "y", "z", "-x", "-y", "-z"))
@@ -155,7 +154,7 @@ def _edits(chosen: dict[str, Any]) -> list[Step]:
     """What is to be done, in order."""
     import numpy as np
 
-    from ..exchange.edit import fix, resample, subsample, transform
+    from ..exchange.edit import fix, resample, transform
     from ..exchange.edit.moving import Step
 
     found: list[Step] = []
@@ -174,11 +173,11 @@ def _edits(chosen: dict[str, Any]) -> list[Step]:
         bounds = (least or 0.0, float("inf") if most is None else most)
         found.append(Step(lambda strands: resample.between(strands, *bounds), chooses=True))
     if chosen["every"] is not None:
-        found.append(Step(lambda strands: subsample.every(strands, chosen["every"]), chooses=True))
+        found.append(Step(lambda strands: resample.every(strands, chosen["every"]), chooses=True))
     if chosen["share"] is not None:
-        found.append(Step(lambda strands: subsample.share(strands, chosen["share"], chosen["seed"]), chooses=True))
+        found.append(Step(lambda strands: resample.share(strands, chosen["share"], chosen["seed"]), chooses=True))
     if chosen["strands"] is not None:
-        found.append(Step(lambda strands: subsample.some(strands, chosen["strands"], chosen["seed"]), chooses=True))
+        found.append(Step(lambda strands: resample.some(strands, chosen["strands"], chosen["seed"]), chooses=True))
     if chosen["smooth"] is not None:
         found.append(Step(lambda strands: resample.smoothed(strands, chosen["smooth"])))
     if chosen["resample"] is not None or chosen["simplify"] is not None:

@@ -70,8 +70,8 @@ def command(
     View k depends on --seed and k alone. Whatever ends the run, finished views are complete, and --resume continues.
     """
     camera_files.require_file(cameras, camera)
+    from ..cameras.pinhole import UP
     from ..cameras.read import Views
-    from ..cameras.upright import UP
     from ..dataset.order import layout_of, names_of, numbers_for, scene_for, size_for
     from ..dataset.run import Order, Talk, make
     from ..dataset.views import EACH, ONE, Chance

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..cameras.own import FILE
+from ..cameras.read import OWN
 from ..errors import UsageError
 from ..output.files import read_json, write_json
 
@@ -76,5 +76,5 @@ def wanted_views(
 def write_manifest(folder: Path, facts: dict[str, Any], entries: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Write dataset.json; returns what it holds."""
     data = {"strandcli": __version__, **facts, "views": [{k: v for k, v in one.items() if k != KEY} for one in entries]}
-    write_json(folder / FILE, data)
+    write_json(folder / OWN, data)
     return data

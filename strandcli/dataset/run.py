@@ -13,15 +13,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
-from ..cameras import usd_text
-from ..cameras.pinhole import Pinhole, from_dict, of_camera, to_camera
-from ..cameras.upright import UP
+from ..cameras import usd
+from ..cameras.pinhole import UP, Pinhole, from_dict, of_camera, to_camera
+from ..cameras.read import OWN
 from ..output.claim import Claim
 from ..output.files import prepare_folder, refusal, require_own, write_json, write_pieces
 from ..output.report import finite
 from ..run.fingerprint import fingerprint
 from .layout import Layout
-from .manifest import FILE, FOLDER, KEY, entry_file, finished, name_of, wanted_views, write_manifest
+from .manifest import FOLDER, KEY, entry_file, finished, name_of, wanted_views, write_manifest
 from .views import Chance, camera_of, lit
 
 if TYPE_CHECKING:
@@ -86,12 +86,12 @@ def make(order: Order, threads: int | None, talk: Talk) -> dict[str, Any]:
     folder, layout = order.folder, order.layout
     wanted = wanted_views(folder, order.views, layout.paths, made, order.resume, order.overwrite)
     if not order.overwrite:
-        require_own(folder / FILE)
+        require_own(folder / OWN)
     width, height = order.scene.image.size
     prepare_folder(folder, len(wanted) * width * height * BYTES_A_PIXEL)
     for part in {Path(path).parent for path in (*layout.paths, f"{FOLDER}/0")}:
         prepare_folder(folder / part, 0)
-    if not wanted and (folder / FILE).exists():
+    if not wanted and (folder / OWN).exists():
         return _listed(order, made)
     claim = Claim(folder, FOLDER, wanted)
     try:
@@ -171,7 +171,7 @@ def _write(order: Order, labels: Labels, entry: dict[str, Any]) -> str:
 def _write_index(order: Order, studio: Studio, entries: Sequence[dict[str, Any]]) -> None:
     """Write the files of all views together, and their cameras for programs that read USD."""
     views = [from_dict(entry["camera"]) for entry in entries]
-    for path, pieces in {CAMERAS: [usd_text.written(views)], **order.layout.index(views, studio.cloud)}.items():
+    for path, pieces in {CAMERAS: [usd.written(views)], **order.layout.index(views, studio.cloud)}.items():
         prepare_folder((order.folder / path).parent, 0)
         write_pieces(order.folder / path, pieces)
     for link, target in order.layout.links().items():

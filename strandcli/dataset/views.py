@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..cameras.pinhole import Floats, Pinhole
-from ..cameras.upright import UP, upright
+from ..cameras.pinhole import UP, Floats, Pinhole, upright
 from ..groom.emit import PLASTIC
 from ..groom_file.measure import framed
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .growing import Growing
+from .bounded import Growing
 from .strands import CHUNK, Offsets
 
 OF_POINT = 16

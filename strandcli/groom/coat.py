@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from ..errors import UsageError
 from ..files.inputs import cached
-from ..mesh_file.maps import coloured
+from ..mesh_file.maps import coloured, encoded
 from ..mesh_file.read import KEPT, placed, placing
-from ..mesh_file.texture import encoded
 from ..scene.model import MeshShape
 from .record import Anchors, Coat
 

@@ -20,8 +20,7 @@ from ..solids.shapes import capsule, sphere
 from .blocks import pack
 from .emit import stream
 from .record import Groom
-from .tie import Floats, paths
-from .wisps import chosen, wisps
+from .tie import Floats, chosen, paths, wisps
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

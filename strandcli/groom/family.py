@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..jit.kept import Arrays, kept
 from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
 from . import fringe
-from .arrange import spatial_order
+from .blocks import spatial_order
 from .emit import sides, stream
 from .kernels.inputs import PARENTS
 from .record import Groom, frame

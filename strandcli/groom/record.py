@@ -1,4 +1,4 @@
-"""Strands at rest, as solvers, children and drawing use them."""
+"""Strands at rest, as solvers, children and drawing use them, and what is wrong with them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..errors import UsageError
 
 
 class Anchors(NamedTuple):
@@ -142,3 +144,25 @@ def frame(axes: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.fl
     a = -1.0 / (sign + z)
     b = x * y * a
     return np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], 1), np.stack([b, sign + y * y * a, -y], 1)
+
+
+UNIT = 1e-3
+"""Tolerance of a direction's length."""
+
+
+def check(groom: Groom) -> None:
+    """Raise `UsageError` for the first strand whose root, direction or length is invalid, with the number of such
+    strands."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        sizes = np.linalg.norm(groom.directions.astype(np.float64), axis=1)
+        found = (
+            (~np.isfinite(groom.roots).all(1), "its root is not finite"),
+            (~(np.abs(sizes - 1) <= UNIT), "its direction is no unit vector"),
+            (~np.isfinite(groom.lengths), "its length is not finite"),
+            (~(groom.lengths > 0), "its length is not positive"),
+        )
+    for bad, words in found:
+        if bad.any():
+            strand, count = int(np.argmax(bad)), int(bad.sum())
+            others = f" ({count} such strands)" if count > 1 else ""
+            raise UsageError(f"groom: strand {strand}: {words}{others}; leave it out, or mend it where it was made")

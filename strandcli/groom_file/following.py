@@ -1,4 +1,5 @@
-"""What a scene simulates of its file of strands, and what follows: worked out once, and kept."""
+"""A scene with what it takes from its file of strands: how many, how long, how wide, and where the camera stands; what
+it simulates of them, and what follows."""
 
 from __future__ import annotations
 
@@ -11,21 +12,25 @@ from numpy.typing import NDArray
 
 from ..errors import UsageError, about
 from ..exchange.kernels.simplify import simplify
+from ..exchange.moments import USUAL
 from ..exchange.strands import even_offsets
 from ..files.inputs import cached
-from ..groom.arrange import spatial_order
+from ..groom.blocks import spatial_order
 from ..groom.followers import Following
 from ..groom.record import Groom, Widths
 from ..scene.detail import most_needed
-from ..scene.model import Followers
+from ..scene.model import Extent, Followers
 from ..scene.motion import camera_at, emitter_pose
 from .guides import BATCH, chained, chosen, features_of, long_enough, parents_of, picked_points, ranks_of
 from .kernels import rows as kernel
+from .measure import fitted, some_of, width_for
 from .on_solid import Head, head_of
 from .read import FromFile, from_file, from_scene
 
 if TYPE_CHECKING:
+    from ..exchange.moments import Moments
     from ..scene.model import GroomFile, Scene
+    from ..scene.model.scene import Time
 
 DENSE = 64
 """Points of a strand from which on it is as smooth as it is meant: adaptive curves would find one piece a segment."""
@@ -180,3 +185,60 @@ def _drawn(
         if fewer is not None and shares is not None:
             fewer[part] = np.take_along_axis(shares[part], rows, axis=1)
     return out, None if widths is None else widths._replace(shares=fewer)
+
+
+MOST_FRAMES = 1_000_000
+SHARE = 0.4
+"""Of the tolerance of curves, how far a point may be off that a dense strand is drawn without. A tenth of a pixel, of a
+quarter, changes a picture of 100,000 strands by .6 of 255 (root mean square), twice as much of 20,000."""
+
+
+def completed(scene: Scene, roughly: bool = False) -> Scene:
+    """The scene, each of its panels too, with numbers of its file in place of its defaults; the same where that has
+    been done or there is no file. ``roughly``: as of `from_file`. Raises `UsageError` for a file that cannot be
+    drawn."""
+    panels = tuple(completed(panel, roughly) for panel in scene.panels)
+    if panels != scene.panels:
+        scene = replace(scene, panels=panels, time=max((panel.time for panel in panels), key=lambda one: one.frames))
+    given = scene.emitter.groom
+    if given is None or scene.panels or scene.emitter.followers is not None:
+        return scene
+    found = from_scene(scene, roughly)
+    mean = found.seen.length / found.strands
+    scene = replace(scene, time=_clock(scene.time, found.moments, given.start))
+    scene = replace(
+        scene,
+        emitter=replace(
+            scene.emitter, strands=found.strands, length=mean, moving=found.moments is not None,
+            extent=Extent(found.seen.radius, found.seen.spacing, found.seen.area),
+        ),
+    )  # fmt: skip
+    if not scene.guided:
+        scene = replace(scene, emitter=replace(scene.emitter, particles=found.points), detail=None)
+    if scene.material.width == 0:
+        width = found.width
+        if width is None and given.cover is not None:
+            width = width_for(found.seen, given.cover)
+        if width is not None:
+            scene = replace(scene, material=replace(scene.material, width=width))
+    if found.width is not None and scene.material.taper is None:
+        scene = replace(scene, material=replace(scene.material, taper=0.0))
+    if found.colour is not None:
+        own = replace(scene.material, colour=found.colour, pigment="rgb", eumelanin=None, pheomelanin=None)
+        scene = replace(scene, material=replace(own, tip_colour=None, grey=0.0))
+    if scene.camera.fit is not None:
+        later = map(some_of, found.groom.film.later()) if found.groom.film is not None else ()
+        scene = replace(scene, camera=fitted(scene, np.concatenate([found.seen.points, *later])))
+    if scene.guided:
+        scene = with_followers(scene)
+    if scene.curves.mode == "adaptive" and found.points > DENSE:
+        mode, tolerance = ("off", 1.0) if scene.guided else ("thinned", SHARE)
+        scene = replace(scene, curves=replace(scene.curves, mode=mode, tolerance=tolerance * scene.curves.tolerance))
+    return scene
+
+
+def _clock(time: Time, moments: Moments | None, start: float | None) -> Time:
+    """A scene's clock, with what the file says where it has 0."""
+    fps = time.fps or (moments.rate if moments is not None else USUAL)
+    frames = time.frames or (min(moments.frames(fps, start), MOST_FRAMES) if moments is not None else 1)
+    return replace(time, fps=fps, frames=frames)

@@ -22,9 +22,8 @@ from ..groom.record import Anchors
 from ..mesh_file.prepared import key_of, prepared
 from ..meshes.bvh import closest
 from ..scene.motion import Pose, pose_in_emitter
-from .fits import UP, Frame, better, hangs_from, nearer_tips, words
+from .fits import UP, Frame, Near, Surface, better, hangs_from, nearer_tips, words
 from .kernels import bend
-from .surface import Near, Surface
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

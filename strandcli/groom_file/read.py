@@ -16,16 +16,16 @@ from ..exchange import faults
 from ..exchange.control import note_of
 from ..exchange.edit.fix import fixed, reversed_all
 from ..exchange.edit.moving import ROW
-from ..exchange.edit.subsample import some
+from ..exchange.edit.resample import some
 from ..exchange.files import ReadOptions
 from ..exchange.moments import Moments, read_first
 from ..exchange.strands import CHUNK, Attribute, Offsets, Points, Strands, even_offsets
 from ..files.inputs import cached
-from ..groom.arrange import spatial_order
+from ..groom.blocks import spatial_order
 from ..groom.emit import stream
 from ..groom.file_roots import units
 from ..groom.record import Groom
-from .colours import colours_of
+from .colours import colours_of, widths_of
 from .film import Edits, Film
 from .measure import Seen, seen_of
 from .on_solid import Head, anchors_on, head_of, put_on
@@ -42,7 +42,6 @@ from .rows import (
     rows_in,
     with_at_most,
 )
-from .widths import widths_of
 
 if TYPE_CHECKING:
     from ..scene.model import GroomFile, Scene

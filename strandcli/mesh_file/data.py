@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from ..files.inputs import cached
 from .kernels import arrays as at
 from .kernels.arrays import Data
+from .maps import LINEAR
 from .prepared import Key, Prepared, corners_at, key_of, prepared
 from .read import KEPT
-from .texture import LINEAR
 
 
 def data(solids: Sequence[Any], time: float, past: float | None = None) -> Data:

@@ -17,8 +17,8 @@ from ..jit.kept import FREE, Arrays, kept
 from ..meshes.bvh import Bvh, make_bvh, moved
 from ..meshes.distance_grid import DistanceGrid, make_distance_grid
 from ..meshes.mesh import TriangleMesh, Vectors, unit
+from .maps import Pyramid, picture, pyramid
 from .read import KEPT, Moment, Placing, deformed, moment, placed, placing
-from .texture import Pyramid, picture, pyramid
 
 GREY = (0.18, 0.18, 0.18)
 """The default of a solid's `colour`."""

@@ -11,8 +11,7 @@ import numpy.typing as npt
 
 from ..errors import UsageError
 from ..exchange.beside import Beside, picture
-from ..exchange.gltf_file import Gltf
-from ..exchange.gltf_nodes import placed_meshes
+from ..exchange.gltf_file import Gltf, placed_meshes
 from .make import RawMesh, lines_beside
 
 TRIANGLES, STRIP, FAN = 4, 5, 6

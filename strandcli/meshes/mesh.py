@@ -1,4 +1,5 @@
-"""Triangles with what belongs to them, and the faults that were found in them."""
+"""Triangles with what belongs to them, and the faults that were found in them; polygons to
+triangles, and colours as files have them to linear ones."""
 
 from __future__ import annotations
 
@@ -188,3 +189,35 @@ def smooth_normals(vertices: Vectors, triangles: Indices) -> Vectors:
     for rows in slices(found.shape[0]):
         found[rows] = unit(found[rows])
     return found
+
+
+def fans_of_lists(lengths: npt.NDArray[np.integer[Any]], values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Values (T, 3, …) at the corners of triangles; values: (n, …) of corners of polygons that stand one after the
+    other, of so many corners each. Those of fewer than three make no triangle."""
+    if (lengths == 3).all():
+        return values.reshape(-1, 3, *values.shape[1:])
+    kind: Any = np.int32 if values.shape[0] < 2**31 else np.int64
+    begins: npt.NDArray[Any] = np.cumsum(lengths, dtype=kind)
+    np.subtract(begins, lengths, out=begins, casting="unsafe")
+    enough = lengths >= 3
+    if not enough.all():  # a byte of a file may be a polygon without corners, for which no more is to be taken
+        begins, lengths = begins[enough], lengths[enough]
+    many = (lengths - 2).astype(kind)
+    first: npt.NDArray[Any] = np.repeat(begins, many)
+    turn: npt.NDArray[Any] = np.arange(1, 1 + first.size, dtype=kind)
+    turn -= np.repeat(np.cumsum(many, dtype=kind) - many, many)
+    turn += first
+    found = np.empty((first.size, 3, *values.shape[1:]), values.dtype)
+    found[:, 0], found[:, 1] = values[first], values[turn]
+    turn += 1
+    found[:, 2] = values[turn]
+    return found
+
+
+def linear(colours: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Linear colours (n, 3) from sRGB ones (n, 3 or more), whole numbers to 255 or others to 1."""
+    values = colours[:, :3]
+    shown = values.astype(np.float64) / (255.0 if values.dtype.kind in "iu" else 1.0)
+    shown = np.clip(np.nan_to_num(shown), 0.0, 1.0)
+    found: npt.NDArray[np.float64] = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
+    return found.astype(np.float32)

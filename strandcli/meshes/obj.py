@@ -15,12 +15,11 @@ import numpy.typing as npt
 
 from ..errors import UsageError
 from ..exchange.beside import Beside
-from ..exchange.bounded import opened
-from ..exchange.growing import Growing
+from ..exchange.bounded import Growing, opened
 from ..exchange.obj_lines import MENDS as ANEW
 from ..exchange.obj_lines import blocks, line_of, no_numbers, numbers, shown
 from .make import RawMesh, lines_beside
-from .polygons import fans_of_lists, linear
+from .mesh import fans_of_lists, linear
 
 TABLES = {b"v": 3, b"vt": 2, b"vn": 3}
 """Statements with numbers, in the order in which corners name their rows, and how many numbers they have at least."""

@@ -12,12 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ..exchange.beside import Beside
-from ..exchange.bounded import SLICE, Bounded, opened
-from ..exchange.growing import Growing
+from ..exchange.bounded import SLICE, Bounded, Growing, opened
 from ..exchange.ply_header import Element, read_header
 from .kernels.lists import gather, walk, walk_text
 from .make import RawMesh
-from .polygons import fans_of_lists, linear
+from .mesh import fans_of_lists, linear
 
 Numbers = npt.NDArray[Any]
 FACES = ("vertex_indices", "vertex_index")

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..errors import SimulationError, UsageError
-from ..groom.arrange import arranged
-from ..groom.blocks import lanes, pack, unpack
+from ..groom.blocks import arranged, lanes, pack, unpack
 from ..groom.children import Children
 from ..groom.combed import Combed
 from ..groom.deforming import at_start

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from .. import solids
 from ..constants import W
 from ..groom.blocks import lanes, on_large_pages, pack, unpack
-from ..groom.check import check
 from ..groom.deforming import deforming
-from ..groom.record import Groom
+from ..groom.record import Groom, check
 from ..scene.motion import emitter_pose
 from ..scene.touched import touched
 from .kernels import measure

@@ -190,7 +190,7 @@ def time_steps(
 
 def at_first_frame(scene: Scene) -> Solver:
     """A scene's solver, brought there."""
-    from ..groom.arrange import arranged
+    from ..groom.blocks import arranged
     from ..groom.emit import emit
     from ..simulate import solver_of
 

@@ -14,9 +14,8 @@ import groom_file_kit
 import strandcli
 from cli_runs import Runner
 from strandcli.cameras import colmap
-from strandcli.cameras.pinhole import Pinhole
+from strandcli.cameras.pinhole import UP, Pinhole, above, upright
 from strandcli.cameras.read import views_of
-from strandcli.cameras.upright import UP, above, upright
 from strandcli.errors import UsageError
 
 SMALL = ("--set", "lights.0.shadow.size=64", "--set", "ambient_occlusion=null", "--no-progress")

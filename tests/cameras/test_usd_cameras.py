@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camera_kit import POINTS, VIEWS, view
-from strandcli.cameras import usd_text
+from strandcli.cameras import usd
 from strandcli.cameras.pinhole import Pinhole
 from strandcli.cameras.read import views_of
 from strandcli.errors import UsageError
@@ -43,7 +43,7 @@ def test_views_written_are_read_as_the_same_projection(
     seed: int, perspective: bool, count: int, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     views = [view(seed + k, perspective) for k in range(count)]
-    found = views_of(write(tmp_path_factory.mktemp("views") / "v.usda", usd_text.written(views)))
+    found = views_of(write(tmp_path_factory.mktemp("views") / "v.usda", usd.written(views)))
     assert found.own
     assert (found.unit, found.up, found.notes) == (1, "y", ())
     for before, after in zip(views, found.views, strict=True):
@@ -67,7 +67,7 @@ def seen_by_pixar(path: Path, name: str, points: Any, size: tuple[int, int], cod
 @pytest.mark.parametrize("perspective", [True, False])
 def test_pixars_library_sees_what_was_written(perspective: bool, tmp_path: Path) -> None:
     views = [view(seed, perspective) for seed in range(4)]
-    path = write(tmp_path / "v.usda", usd_text.written(views))
+    path = write(tmp_path / "v.usda", usd.written(views))
     for code, before in enumerate(views, 1):
         assert np.abs(seen_by_pixar(path, "/camera", POINTS, (64, 48), code) - before.project(POINTS)).max() < 1e-3
 
@@ -161,7 +161,7 @@ def test_a_moving_camera_has_a_view_a_frame(tmp_path: Path) -> None:
 
 
 def test_a_lens_that_another_program_changes_counts(tmp_path: Path) -> None:
-    text = usd_text.written(VIEWS[:1]).decode()
+    text = usd.written(VIEWS[:1]).decode()
     line = next(one for one in text.splitlines() if "float focalLength" in one)
     changed = views_of(write(tmp_path / "a.usda", text.replace(line, "    float focalLength = 72"))).views[0]
     assert changed.focal == pytest.approx(64 * 72 / 36)
@@ -239,4 +239,4 @@ def test_damaged_files_are_refused(tmp_path: Path) -> None:
 def test_views_of_several_kinds_are_not_one_camera() -> None:
     other = Pinhole("b", 10, 10, 5.0, (5.0, 5.0), np.eye(3), np.zeros(3))
     with pytest.raises(UsageError, match="one size and projection"):
-        usd_text.written([VIEWS[0], other])
+        usd.written([VIEWS[0], other])

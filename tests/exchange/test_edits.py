@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import exchange_kit as kit
 from strandcli.errors import UsageError
-from strandcli.exchange.edit import fix, resample, subsample, transform
+from strandcli.exchange.edit import fix, resample, transform
 from strandcli.exchange.strands import Attribute, Strands
 
 few = settings(max_examples=40, deadline=None)
@@ -150,15 +150,15 @@ def test_a_share_is_held_in_a_larger_one(count: int, share: float, more: float, 
         return one.points[::2, 0].tolist()
 
     low, high = sorted((share, more))
-    assert set(kept(subsample.share(strands, low, seed)[0])) <= set(kept(subsample.share(strands, high, seed)[0]))
+    assert set(kept(resample.share(strands, low, seed)[0])) <= set(kept(resample.share(strands, high, seed)[0]))
     few_of, more_of = sorted((int(low * 200), int(high * 200)))
-    some = subsample.some(strands, few_of, seed)[0]
+    some = resample.some(strands, few_of, seed)[0]
     assert some.count == min(few_of, count)
-    assert set(kept(some)) <= set(kept(subsample.some(strands, more_of, seed)[0]))
+    assert set(kept(some)) <= set(kept(resample.some(strands, more_of, seed)[0]))
     # what becomes of a strand does not depend on how many there are
     part = strands.select(np.arange(count) < count // 2)
-    chosen = kept(subsample.share(strands, share, seed)[0])
-    assert kept(subsample.share(part, share, seed)[0]) == [one for one in chosen if one < count // 2]
+    chosen = kept(resample.share(strands, share, seed)[0])
+    assert kept(resample.share(part, share, seed)[0]) == [one for one in chosen if one < count // 2]
 
 
 def test_lengths_are_bounds() -> None:
@@ -211,7 +211,7 @@ def test_no_strands_are_no_fault() -> None:
     none = kit.of([])
     for edit in (
         fix.fixed, fix.reversed_all, lambda one: transform.scaled(one, 2.0), lambda one: resample.between(one, 0, 1),
-        lambda one: subsample.share(one, 0.5, 0), lambda one: resample.smoothed(one, 1),
+        lambda one: resample.share(one, 0.5, 0), lambda one: resample.smoothed(one, 1),
         lambda one: resample.resampled(one, 5), lambda one: resample.simplified(one, 1.0),
     ):  # fmt: skip
         assert edit(none)[0].count == 0

@@ -69,7 +69,7 @@ def BasisCurves "a" {{
 """
 
 
-def test_long_arrays_of_text_take_three_times_their_file(tmp_path: Path) -> None:
+def test_open_stage_of_text_take_three_times_their_file(tmp_path: Path) -> None:
     pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
     small, large = tmp_path / "small.usda", tmp_path / "large.usda"
     point = "(0.25, 1, 2.5), (0, -1, 3.5)"

@@ -19,7 +19,7 @@ from abc_kit import Builder
 from cli_runs import Runner
 from strandcli.errors import UsageError
 from strandcli.exchange import objects
-from strandcli.exchange.edit import fix, resample, subsample, transform
+from strandcli.exchange.edit import fix, resample, transform
 from strandcli.exchange.files import ReadOptions, moments_of, read, write
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
 from strandcli.groom_file.read import from_scene
@@ -117,8 +117,8 @@ def test_objects_that_move_keep_their_points(suffix: str, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize(
     "edit",
-    [lambda strands: fix.fixed(strands, turn=False), fix.reversed_all, lambda strands: subsample.every(strands, 2),
-     lambda strands: subsample.some(strands, 4, 1), lambda strands: transform.turned(strands, "z", "y"),
+    [lambda strands: fix.fixed(strands, turn=False), fix.reversed_all, lambda strands: resample.every(strands, 2),
+     lambda strands: resample.some(strands, 4, 1), lambda strands: transform.turned(strands, "z", "y"),
      lambda strands: resample.resampled(strands, 5), lambda strands: resample.simplified(strands, 1e-3),
      lambda strands: resample.smoothed(strands, 2)],
 )  # fmt: skip

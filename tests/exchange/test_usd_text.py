@@ -43,8 +43,8 @@ def text_of(path: Path, words: str) -> str:
 
 
 @pytest.mark.parametrize("case", [*APART, *WHOLE])
-def test_a_layer_with_long_arrays_is_that_of_the_library(case: str, tmp_path: Path) -> None:
-    from strandcli.exchange.usd.long_arrays import layer_of_text
+def test_a_layer_with_open_stage_is_that_of_the_library(case: str, tmp_path: Path) -> None:
+    from strandcli.exchange.usd.open_stage import layer_of_text
 
     path = tmp_path / "a.usd"
     wanted = text_of(path, {**APART, **WHOLE}[case])

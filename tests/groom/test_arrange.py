@@ -9,7 +9,7 @@ import numpy as np
 
 from strand_kit import frames_of, groom_of, scene_of
 from strandcli.constants import VECTOR
-from strandcli.groom.arrange import LEAF, arranged, spatial_order
+from strandcli.groom.blocks import LEAF, arranged, spatial_order
 from strandcli.simulate.rod.solver import RodSolver
 
 SCENE = """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from strandcli.groom.arrange import arranged
+from strandcli.groom.blocks import arranged
 from strandcli.groom.emit import emit
 from strandcli.scene.model import Emitter, SphereShape
 

@@ -12,8 +12,7 @@ from cli_runs import Runner
 from mesh_kit import sphere
 from scene_kit import RULES
 from strandcli.errors import UsageError
-from strandcli.groom.arrange import arranged
-from strandcli.groom.blocks import unpack
+from strandcli.groom.blocks import arranged, unpack
 from strandcli.groom.children import Children
 from strandcli.groom.deforming import at_start
 from strandcli.groom.emit import emit

@@ -12,7 +12,7 @@ from mesh_kit import sphere
 from scene_kit import scene
 from strandcli.compiling import runtime
 from strandcli.errors import UsageError
-from strandcli.groom.arrange import arranged
+from strandcli.groom.blocks import arranged
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
 from strandcli.groom.on_mesh import at_anchors, described, notes, seedbed

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from strand_kit import scene_of
-from strandcli.groom.arrange import arranged
+from strandcli.groom.blocks import arranged
 from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
 from strandcli.groom.tie import chart_of

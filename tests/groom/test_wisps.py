@@ -16,8 +16,7 @@ from strandcli.groom.blocks import pack, unpack
 from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
-from strandcli.groom.tie import chart_of
-from strandcli.groom.wisps import OFF, chosen, wisps
+from strandcli.groom.tie import OFF, chart_of, chosen, wisps
 from strandcli.scene.model import DiscShape, Emitter, Scene, SphereShape, Tie
 from strandcli.scene.model.emitter import TIED
 from strandcli.scene.motion import emitter_pose

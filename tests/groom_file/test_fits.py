@@ -17,8 +17,7 @@ from strandcli.exchange.edit.transform import AXES, turning
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import Strands
 from strandcli.groom_file import from_scene
-from strandcli.groom_file.fits import Better, Frame, better
-from strandcli.groom_file.surface import Surface
+from strandcli.groom_file.fits import Better, Frame, Surface, better
 from strandcli.meshes.read import read_mesh
 from strandcli.scene.model.solids import BoxSolid, SphereSolid
 

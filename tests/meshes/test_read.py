@@ -15,8 +15,7 @@ import mesh_kit as kit
 from strandcli.errors import StrandError, UsageError
 from strandcli.exchange import bounded
 from strandcli.meshes.make import RawMesh, mesh_of
-from strandcli.meshes.mesh import TriangleMesh
-from strandcli.meshes.polygons import fans_of_lists
+from strandcli.meshes.mesh import TriangleMesh, fans_of_lists
 from strandcli.meshes.read import read_mesh
 
 BALL = kit.mesh("ball")

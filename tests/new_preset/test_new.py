@@ -18,7 +18,7 @@ from strandcli.errors import UsageError
 from strandcli.exchange.edit.transform import turning
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import Strands
-from strandcli.groom_file.surface import Surface
+from strandcli.groom_file.fits import Surface
 from strandcli.meshes.make import make_mesh
 from strandcli.output import png
 

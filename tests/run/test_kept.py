@@ -24,7 +24,8 @@ from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
 from strandcli.jit import kept as keeping
 from strandcli.jit.kept import FREE, kept
-from strandcli.mesh_file import file_kept, prepared
+from strandcli.mesh_file import prepared
+from strandcli.mesh_file import read as mesh_read
 from strandcli.meshes.bvh import make_bvh
 from strandcli.meshes.distance_grid import make_distance_grid
 from strandcli.meshes.make import make_mesh
@@ -177,7 +178,7 @@ def test_trees_and_distances_have_the_bits_of_those_that_are_made(place: Path, m
 def test_a_mesh_is_what_reading_its_file_gives_and_follows_its_content(
     place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(file_kept, "LEAST", 100)
+    monkeypatch.setattr(mesh_read, "LEAST", 100)
     ball = make_mesh(*sphere())
     count = len(ball.vertices)
     path = tmp_path / "ball.ply"
@@ -186,8 +187,8 @@ def test_a_mesh_is_what_reading_its_file_gives_and_follows_its_content(
     path.write_bytes(ply(ball, more=more))
     read = read_mesh(path)
     for _ in range(2):
-        mesh = file_kept.mesh_of_file(path)
-        for name in file_kept.ARRAYS:
+        mesh = mesh_read.mesh_of_file(path)
+        for name in mesh_read.ARRAYS:
             one, other = getattr(mesh, name), getattr(read, name)
             assert (one is None) == (other is None), name
             if one is not None:
@@ -195,17 +196,17 @@ def test_a_mesh_is_what_reading_its_file_gives_and_follows_its_content(
         assert mesh.attributes.keys() == read.attributes.keys()
         same(mesh.attributes.values(), read.attributes.values())
         assert (mesh.closed, mesh.facts, mesh.notes) == (read.closed, read.facts, read.notes)
-        monkeypatch.setattr(file_kept, "read_mesh", refuse)
+        monkeypatch.setattr(mesh_read, "read_mesh", refuse)
     path.write_bytes(ply(make_mesh(1.5 * ball.vertices, ball.triangles), more=more))
     with pytest.raises(AssertionError, match="made again"):
-        file_kept.mesh_of_file(path)
+        mesh_read.mesh_of_file(path)
 
 
 @pytest.mark.parametrize("name", ["ball.obj", "ball.ply"])
 def test_a_mesh_whose_file_may_name_others_is_not_kept(
     place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    monkeypatch.setattr(file_kept, "LEAST", 100)
+    monkeypatch.setattr(mesh_read, "LEAST", 100)
     path = tmp_path / name
     if name.endswith("obj"):
         path.write_bytes(obj(make_mesh(*sphere(1))))
@@ -213,7 +214,7 @@ def test_a_mesh_whose_file_may_name_others_is_not_kept(
         begin = b"\nelement vertex"
         content = ply(make_mesh(*sphere(1)))
         path.write_bytes(content.replace(begin, b"\ncomment TextureFile a.png" + begin, 1))
-    file_kept.mesh_of_file(path)
+    mesh_read.mesh_of_file(path)
     assert not list(place.iterdir())
 
 

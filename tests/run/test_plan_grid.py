@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from strandcli.groom.arrange import arranged
+from strandcli.groom.blocks import arranged
 from strandcli.groom.emit import emit
 from strandcli.plan.grid import grid_bytes
 from strandcli.simulate.rod.solver import RodSolver

@@ -13,8 +13,8 @@ import ball_kit
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.mesh_file import needs
+from strandcli.mesh_file.maps import LINEAR, pyramid
 from strandcli.mesh_file.prepared import key_of, mesh_of, prepared, shading_normals
-from strandcli.mesh_file.texture import LINEAR, pyramid
 from strandcli.meshes.make import make_mesh
 from strandcli.scene import SceneError, loads
 from strandcli.simulate import advice

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..placing import Matrix
+from ..parts import Matrix
 from . import layout
 from .archive import Archive, Object, Property
 

@@ -11,9 +11,9 @@ import numpy.typing as npt
 from ...common.counted import counted
 from .. import faults
 from ..bounded import not_finite
-from ..change import Change
 from ..ends import ends
 from ..strands import CHUNK, Attribute, Mask, Strands, spans
+from .moving import Change
 
 
 def fixed(

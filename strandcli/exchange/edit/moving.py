@@ -1,15 +1,24 @@
-"""Edits of strands that move: decided at the first moment, and made alike at all others."""
+"""What an edit did, and edits of strands that move: decided at the first moment, and made alike at all others."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from ..change import Change
 from ..strands import Attribute, Offsets, Points, Strands
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What an edit did: its name, a line for people, and the same as numbers."""
+
+    edit: str
+    text: str
+    facts: dict[str, Any] = field(default_factory=dict)
+
 
 Edit = Callable[[Strands], tuple[Strands, Change]]
 ROW = "row of the point"

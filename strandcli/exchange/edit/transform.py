@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from ...errors import UsageError
 from ..bounded import not_finite
-from ..change import Change
 from ..strands import CHUNK, Attribute, Points, Strands
+from .moving import Change
 
 Matrix = npt.NDArray[np.float64]
 AXES = ("x", "y", "z", "-x", "-y", "-z")

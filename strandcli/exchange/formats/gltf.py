@@ -12,10 +12,8 @@ from ...errors import UsageError
 from ..beside import Beside
 from ..bounded import not_finite, too_many
 from ..files import ReadOptions
-from ..gltf_file import MAGIC, Gltf
-from ..gltf_nodes import placed_meshes
-from ..parts import Part, concatenated, joined
-from ..placing import moved
+from ..gltf_file import MAGIC, Gltf, placed_meshes
+from ..parts import Part, concatenated, joined, moved
 from ..polylines import IS_MESH, OF_POINT, Lines, at_rows, joined_lines
 from ..strands import Offsets, Points, Source, Strands, without_short
 

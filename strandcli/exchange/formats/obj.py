@@ -13,9 +13,8 @@ import numpy.typing as npt
 
 from ...errors import UsageError
 from ...output.files import write_pieces
-from ..bounded import Bounded, not_finite, opened
+from ..bounded import Bounded, Growing, not_finite, opened
 from ..files import ReadOptions
-from ..growing import Growing
 from ..obj_lines import MENDS, blocks, line_of, no_numbers, numbers, shown
 from ..objects import UNNAMED, pieces, renamed
 from ..polylines import IS_MESH, OF_POINT, Lines, at_rows, joined_lines

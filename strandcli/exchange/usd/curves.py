@@ -14,8 +14,7 @@ from ...errors import UsageError, one_line
 from .. import splines
 from ..bounded import not_finite
 from ..control import ControlCurves, Fitter, Knots
-from ..parts import Part
-from ..placing import Matrix, moved, moved_attribute
+from ..parts import Matrix, Part, moved, moved_attribute
 from ..splines import Basis
 from ..strands import SHORTEST, Attribute, TimeSample
 from .messages import Message

@@ -1,4 +1,5 @@
-"""Strands moved as a whole: by a shift that fades from the root on, or out of a solid, smoothly along each.
+"""Strands moved as a whole: by a shift that fades from the root on, or out of a solid, smoothly along each;
+and distances of many points from a mesh by its grid.
 
 Strands s have the points first[s] to first[s + 1] of flat arrays (P, 3), float64, root first.
 """
@@ -8,6 +9,7 @@ from __future__ import annotations
 import math
 
 from ...jit import device, parallel, prange
+from ...meshes.kernels.distance import distance
 
 TINY = 1e-300
 TOWARD = 0.3
@@ -131,3 +133,10 @@ def follow(points, i, length, px, py, pz, x, y, z):
     points[i, 0] = bx + size * tx
     points[i, 1] = by + size * ty
     points[i, 2] = bz + size * tz
+
+
+@parallel
+def grid_distances(grid, points, out):
+    """Write the signed distances of points (n, 3) to out (n,); outside of the grid a lower bound."""
+    for i in prange(points.shape[0]):
+        out[i] = distance(grid, points[i, 0], points[i, 1], points[i, 2])

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...errors import UsageError
-from ...groom.arrange import arranged
+from ...groom.blocks import arranged
 from ...groom.deforming import at_start
 from ...groom.emit import emit
 from ...scene.model import Scene
