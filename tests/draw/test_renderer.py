@@ -33,7 +33,6 @@ AMBIENT = encoded(np.array([0.2, 0.1, 0.05]) * [0.5, 0.4, 0.8])
 
 def ground(light: str, solids: str = "") -> np.ndarray:
     image = frames_of(scene_of(GROUND % (solids, light)), 1)[0].image
-    assert image is not None
     return image.astype(float)
 
 
@@ -100,7 +99,6 @@ def test_strands_shade_the_ground() -> None:
     ).replace("near: 1}", "near: 18.5}")  # the camera sees only what is less than 1.5 m high
     down = SUN.replace("[0, -1, 1]", "[0, -1, 0]").replace("size: 32", "size: 64")
     image = frames_of(scene_of(text % ("", down)), 1)[0].image
-    assert image is not None
     for x, z in ((0.0, 0.0), (-0.7, 1.5), (0.7, -1.5)):
         assert np.abs(image[place(x, z)] - AMBIENT).max() < 0.8
     lit = image[place(3, 3)].astype(int)
@@ -108,7 +106,6 @@ def test_strands_shade_the_ground() -> None:
         np.testing.assert_array_equal(image[place(x, z)], lit)
     assert (lit - AMBIENT).min() > 30
     without = frames_of(scene_of(text % ("", down.replace("size: 64", "model: 'off'"))), 1)[0].image
-    assert without is not None
     np.testing.assert_array_equal(without[place(0, 0)], lit)
 
 
@@ -127,7 +124,6 @@ lights: [{kind: directional, direction: %s, intensity: 4, shadow: {model: 'off'}
 def test_a_strand_without_highlights_has_the_stand_ins_radiance(direction: list[float]) -> None:
     """colour (ambient + diffuse E cos θ / π), θ the light's inclination from the plane across the strand."""
     image = frames_of(scene_of(HAIR % (1, 0.0001, direction)), 1)[0].image
-    assert image is not None
     seen = image[image.max(2) > 0]
     assert len(seen) == 20  # a line of a pixel's width, from bottom to top
     cosine = np.sqrt(1 - (direction[1] / np.linalg.norm(direction)) ** 2)
@@ -152,8 +148,6 @@ def test_solids_shade_strands() -> None:
     text = HAIR.replace("particles: 3", "particles: 9") % (1, 0.0001, [-1, 0, 0])
     box = "solids: [{kind: box, size: [1, 4, 1], position: [4, -2.1, 0]}]\n"
     free, shaded = (frames_of(scene_of(text + more), 1)[0].image for more in ("solids: []\n", box))
-    assert free is not None
-    assert shaded is not None
     line = np.flatnonzero(free.max((0, 2)))
     assert len(line) == 1
     radiance = np.array([0.5, 0.3, 0.2]) * (0.1 + 0.6 * 4 / np.pi)
@@ -172,7 +166,6 @@ solids: [{kind: plane, fade: 8, colour: [0.9, 0, 0]}]
 lights: [{kind: directional, direction: [0, -1, 0], shadow: {model: 'off'}}]
 """
     image = frames_of(scene_of(text), 1)[0].image
-    assert image is not None
     share = (np.arange(40) + 0.5)[:, None] / 40
     sky = encoded(np.array([0.1, 0.2, 0.4]) + share * (np.array([0.6, 0.5, 0.3]) - np.array([0.1, 0.2, 0.4])))
     above = image[:15, :] - sky[:15, None]
@@ -185,8 +178,6 @@ lights: [{kind: directional, direction: [0, -1, 0], shadow: {model: 'off'}}]
 def test_supersampling_takes_more_samples_of_the_same_view() -> None:
     text = HAIR % (60, 2, [0, -1, -1])
     one, four = (frames_of(scene_of(text.replace("size:", f"supersample: {k}, size:")), 1)[0] for k in (1, 4))
-    assert one.image is not None
-    assert four.image is not None
     assert four.image.shape == one.image.shape
     assert four.report["counts"]["fragments"] > 10 * one.report["counts"]["fragments"] / 4
     assert len(np.unique(four.image[..., 0])) > len(np.unique(one.image[..., 0]))

@@ -91,46 +91,6 @@ def azimuthal(lobe: int, fibre: Fibre, theta_d: float, phi: ArrayLike, panels: i
     return np.asarray(bell @ (weights * attenuation(lobe, fibre, theta_d, gamma)))
 
 
-def azimuthal_roots(lobe: int, fibre: Fibre, theta_d: float, phi: float, exact: bool = True) -> float:
-    """N_p of a smooth fibre. ``exact`` solves Φ_p(h) = φ by bisection; else Snell's law is the paper's cubic,
-    γ_t ≈ 3c/π γ_i − 4c/π³ γ_i³ with c = asin(1/η'), in the roots and in dφ/dh alike."""
-    across = indices(fibre.eta, theta_d)[0]
-    if exact:
-        roots = _bisect(lobe, fibre.eta, theta_d, phi)
-        bend = np.cos(roots) / np.sqrt(across**2 - np.sin(roots) ** 2)
-    else:
-        c = math.asin(1.0 / across)
-        cubic, linear = -8.0 * lobe * c / np.pi**3, 6.0 * lobe * c / np.pi - 2.0
-        # np.roots drops the cubic and square terms where they are zero, for R
-        found = [np.roots([cubic, 0.0, linear, lobe * np.pi - phi - 2.0 * np.pi * turn]) for turn in range(-3, 4)]
-        every = np.concatenate(found)
-        real = np.unique(np.round(every[np.abs(every.imag) < 1e-9].real, 12))
-        roots = real[np.abs(real) <= 0.5 * np.pi]
-        bend = 3.0 * c / np.pi - 12.0 * c / np.pi**3 * roots**2
-    slope = (2.0 * lobe * bend - 2.0) / np.cos(roots)
-    return float(0.5 * np.sum(attenuation(lobe, fibre, theta_d, roots) / np.abs(slope)))
-
-
-def _bisect(lobe: int, eta: float, theta_d: float, phi: float, cells: int = 4096) -> Array:
-    """Every γ_i in (−π/2, π/2) with Φ_p = φ to within whole turns."""
-    grid = np.linspace(-0.5 * np.pi, 0.5 * np.pi, cells + 1)
-
-    def turns(gamma: Array) -> Array:
-        return (exit_angle(lobe, eta, theta_d, gamma) - phi) / (2.0 * np.pi)
-
-    level = turns(grid)
-    floor = np.floor(level)
-    cell = np.nonzero(floor[1:] != floor[:-1])[0]
-    low, high = grid[cell], grid[cell + 1]
-    whole = np.maximum(floor[cell], floor[cell + 1])
-    rising = level[cell + 1] > level[cell]
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        below = (turns(middle) < whole) == rising
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return 0.5 * (low + high)
-
-
 def longitudinal(lobe: int, fibre: Fibre, theta_h: ArrayLike) -> Array:
     """M_p = g(θ_h − α_p; β_p) / 2, whose integral over θ_v at a fixed θ_l is 1."""
     shift = (1.0, -0.5, -1.5)[lobe] * fibre.alpha

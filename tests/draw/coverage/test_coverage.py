@@ -170,32 +170,11 @@ def test_neither_order_nor_threads_nor_memory_change_a_picture() -> None:
     np.testing.assert_array_equal(mixed, one)
 
 
-def test_equal_depths_go_to_the_lower_index() -> None:
-    line = np.array([[0.0, 5.5, 0.5], [20.0, 5.5, 0.5]])
-    colours = np.repeat(np.eye(3), 2, axis=0)
-    wide = [np.full(2, 1.0)] * 3
-    image = drawn([line] * 3, wide, (20, 10), colours=colours)
-    assert image[5, 10, 0] > 0.93
-    image = drawn([line] * 3, wide, (20, 10), colours=colours, opacity=0.5)
-    assert image[5, 10, 0] > image[5, 10, 1] + 0.1
-
-
 @pytest.mark.parametrize("opacity", [1.0, 0.3])
 def test_white_on_white_is_white(opacity: float) -> None:
     strands, widths, _ = crowd(8, 400)
     image = drawn(strands, widths, (40, 30), behind=1.0, opacity=opacity)
     assert np.abs(image - 1).max() < 1e-5
-
-
-def test_solids_hide_what_is_behind_them() -> None:
-    near = np.array([[0.0, 3.5, 0.9], [20.0, 3.5, 0.9]])
-    far = np.array([[0.0, 6.5, 0.2], [20.0, 6.5, 0.2]])
-    hides = np.zeros((10, 20), np.float32)
-    hides[:, 10:] = 0.5
-    image = white([near, far], [np.full(2, 0.5)] * 2, (20, 10), hides=hides.ravel())
-    np.testing.assert_allclose(image[3], 0.5, atol=1e-5)
-    np.testing.assert_allclose(image[6, :10], 0.5, atol=1e-5)
-    assert not image[6, 10:].any()
 
 
 def test_what_is_left_out_behind_a_whole_tile_is_what_its_pixels_hide() -> None:

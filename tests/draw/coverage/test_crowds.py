@@ -6,10 +6,7 @@ import numpy as np
 
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
-from strandcli.draw.coverage.kernels.row_order import list_rows
-from strandcli.draw.coverage.kernels.tile_binning import TileSegments
 from strandcli.draw.geometry.curves import Polylines
-from strandcli.jit import function
 
 WIDTH, HEIGHT = 32, 24
 
@@ -89,14 +86,3 @@ def test_a_crowd_of_faint_strands_is_seen_to_its_end() -> None:
     one = drawn(front, wide[: len(front)], np.zeros((len(front), 3)))[0].astype(np.float64) / 9
     two = drawn(back, wide[: len(back)], np.zeros((len(back), 3)))[0].astype(np.float64) / 9
     np.testing.assert_allclose(both / 9, one * two, rtol=2e-4)
-
-
-@function
-def listed(
-    segments: TileSegments,
-    slots: np.ndarray,
-    rows: np.ndarray,
-    depths: np.ndarray,
-    ends: np.ndarray,
-) -> None:
-    list_rows(segments, 0, slots, rows, depths, ends)

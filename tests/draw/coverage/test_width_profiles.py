@@ -14,9 +14,7 @@ from strandcli.draw.coverage.kernels import width_profiles as kernel
 from strandcli.draw.fibre import chiang, marschner
 from strandcli.draw.fibre.tables import N_PHI, N_THETA
 from strandcli.groom.blocks import lanes
-from strandcli.jit import parallel
 from strandcli.scene.model import Material, Scene
-from strandcli.simd import store, triple_pointer
 from strandcli.study.pictures.subject import LinearRenderer
 from strandcli.study.settings import changed
 from tests.draw.geometry.test_detail import positions_of
@@ -59,10 +57,8 @@ def across(scene: Scene, **settings: Any) -> np.ndarray:
 def test_columns_average_to_nothing_and_with_the_average_are_the_light_at_an_offset(model: str) -> None:
     material = Material(model=model, colour=(0.5, 0.3, 0.2), beta_n=0.35, azimuthal=15.0)
     columns = FIBRES[material.model].columns(material)
-    assert columns is not None
     np.testing.assert_allclose(columns.mean(2), 0, atol=2e-6 * np.abs(columns).max())
     tables = (marschner if model == "marschner" else chiang).build_tables(material, N_THETA, N_PHI)
-    assert tables is not None
     whole = columns[..., :7] + tables.nodes[:, :, None, :7]
     assert whole.min() > -0.06 * whole.max()  # light is not negative, but for what far tables average over their cells
     # light from the eye's own side is reflected in the middle; from the side where h is positive, there
@@ -82,29 +78,6 @@ def test_columns_average_to_nothing_and_with_the_average_are_the_light_at_an_off
                 means = exact.reshape(kernel.COLUMNS, -1).mean(1)
                 found = columns[5, j, :, c] + means.mean()
                 np.testing.assert_allclose(found, means, atol=0.01 * max(means.max(), 0.1))
-
-
-@parallel
-def means(profile, places):
-    """Means (…, 3) of profile 0 between neighbouring places."""
-    out = np.empty((len(places) - 1, 3), np.float32)
-    for i in range(len(out)):
-        store(triple_pointer(out), 3 * i, kernel.departure(triple_pointer(profile), 0, places[i], places[i + 1]))
-    return out
-
-
-def test_whatever_pixels_the_width_is_cut_into_departures_add_up_to_nothing() -> None:
-    rng = np.random.default_rng(4)
-    profile = np.zeros((1, kernel.COLUMNS + 1, 3), np.float32)
-    profile[0, 1:] = rng.normal(size=(kernel.COLUMNS, 3))
-    light = profile[0, 1:] - profile[0, 1:].mean(0)
-    kernel.integrate_columns(profile, 0)
-    edges = np.arange(kernel.COLUMNS + 1, dtype=np.float32)
-    np.testing.assert_allclose(means(profile, edges), light, atol=2e-6)  # a column is its own mean
-    for pixels in (1, 3, 7, 40):
-        places = np.sort(np.concatenate([[0, kernel.COLUMNS], rng.uniform(0, kernel.COLUMNS, pixels)]))
-        places = places.astype(np.float32)
-        assert np.diff(places) @ means(profile, places) == pytest.approx(0, abs=1e-4)
 
 
 @pytest.mark.parametrize("resolver", ["sorted", "zbuffer"])

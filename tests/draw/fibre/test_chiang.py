@@ -154,7 +154,6 @@ def test_in_a_white_furnace_a_strand_disappears(beta_m: float, beta_n: float) ->
     found = tables_of.build_tables(
         Material(model="chiang", beta_m=beta_m, beta_n=beta_n, colour=(1.0, 1.0, 1.0), tilt=2.0)
     )
-    assert found is not None
     steps = 400  # a lobe has a dozen and more: the mean of its middles is its own
     theta = ((np.arange(steps) + 0.5) * (np.pi / steps) - 0.5 * np.pi)[:, None]
     nodes = found.nodes.shape[1] - 1
@@ -163,20 +162,6 @@ def test_in_a_white_furnace_a_strand_disappears(beta_m: float, beta_n: float) ->
         light = drawn(found, theta, math.radians(degrees), phi[None])
         albedo = (light * np.cos(theta)).sum() * 2.0 * (np.pi / steps) * (np.pi / nodes)
         assert albedo == pytest.approx(1.0, abs=0.003), degrees
-
-
-@pytest.mark.parametrize("lobe", [0, 1, 2])
-def test_lobes_peak_where_the_tilt_puts_them(lobe: int) -> None:
-    """R at −θ − 2·tilt, toward the root, TT at −θ + tilt, TRT at −θ + 4·tilt, within a degree. (Beyond 40° d'Eon's
-    lobes themselves lean outward by more than that.)"""
-    hair = Hair(0.1, 0.3, 2.0, 0.1)
-    found = tables(hair)
-    found.nodes[..., [c for c in range(12) if c not in ((0,), (1, 2, 3), (4, 5, 6))[lobe]]] = 0.0
-    theta = np.radians(np.linspace(-89.0, 89.0, 8001))
-    for degrees in (-40.0, -20.0, 0.0, 35.0):
-        light = drawn(found, theta, math.radians(degrees), np.array(2.0))
-        peak = math.degrees(theta[int(light.argmax())])
-        assert peak == pytest.approx(-degrees + 2.0 * (-2.0, 1.0, 4.0)[lobe], abs=1.0)
 
 
 @pytest.mark.parametrize(
@@ -199,7 +184,6 @@ def test_absorption_may_differ_from_the_tables() -> None:
     """By the mean path the colour of a strand that absorbs half or twice as much is within 3 % of the peak."""
     base = replace(material(Hair(0.3, 0.3, 2.0, 0.2)), colour_variation=0.1)
     found = tables_of.build_tables(base)
-    assert found is not None
     assert found.paths is not None
     phi = np.radians(np.linspace(0.0, 180.0, 37))
     for sigma in (0.1, 0.4):
@@ -224,7 +208,6 @@ def shade(work, n, lights, tables):
 def test_a_batch_is_lit_vertex_by_vertex_to_the_bit() -> None:
     """Vectors of vertices give what the function for one gives; those behind them, and unlit ones, stay as they are."""
     found = tables_of.build_tables(replace(material(Hair(0.3, 0.3, 2.0, 0.2)), colour_variation=0.1))
-    assert found is not None
     rng = np.random.default_rng(8)
     work = rng.normal(size=(batch.ROWS, W)).astype(np.float32)
     rows = {name: work[getattr(batch, name) // W :][:3] for name in ("TX", "LX", "EX", "EXTRA", "RADIANCE")}
@@ -250,7 +233,6 @@ def test_whatever_is_asked_light_is_a_number(
 ) -> None:
     one = Material(model="chiang", beta_m=beta_m, beta_n=beta_n, tilt=tilt, eta=eta, eumelanin=eumelanin, grey=0.1)
     found = tables_of.build_tables(one, 8, 16)
-    assert found is not None
     assert found.paths is not None
     assert all(np.isfinite(array).all() for array in (found.lobes, found.nodes, found.paths))
     arguments = np.array(ways, np.float32)

@@ -151,7 +151,6 @@ def test_pale_hair_glows_and_black_hair_does_not() -> None:
         text = (PICTURE % (scatter, "opacity", "opacity")).replace("blond", pigment)
         text = text.replace("scatter:", "diffuse: 0, scatter:").replace("strands: 400", "strands: 2000")
         image = frames_of(scene_of(text), 1)[0].image
-        assert image is not None
         return float(image[20:40, 25:55].mean())
 
     pale = brightness("platinum", "dual") - brightness("platinum", "diffuse")

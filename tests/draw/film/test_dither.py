@@ -24,7 +24,6 @@ image: {size: 96x72, background: [0.03, 0.03, 0.03]%s}
 
 def floor(settings: str) -> np.ndarray:
     image = frames_of(scene_of(FLOOR % settings), 1)[0].image
-    assert image is not None
     return image.astype(float)
 
 

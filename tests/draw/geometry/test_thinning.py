@@ -50,7 +50,6 @@ def flat(p: NDArray[np.float64], curves: Curves, view: View, fade: NDArray[np.fl
 def test_every_point_is_within_the_tolerance_on_the_screen(name: str, jagged: float, tolerance: float) -> None:
     p, view = wavy(150, 90, jagged), view_of(CAMERAS[name])
     lines = flat(p, Curves(mode="thinned", tolerance=tolerance), view)
-    assert lines.error is not None
     assert 0.5 * tolerance < lines.error <= tolerance
     worst = 0.0
     for points, a, b in zip(p, lines.first[:-1], lines.first[1:], strict=True):
@@ -67,8 +66,6 @@ def test_every_point_is_within_the_tolerance_on_the_screen(name: str, jagged: fl
 def test_vertices_know_where_on_the_strand_they_stand() -> None:
     p, view = wavy(140, 70), view_of(CAMERAS["usual"])
     lines = flat(p, Curves(mode="thinned", tolerance=0.3), view)
-    assert lines.along is not None
-    assert lines.ways is not None
     rows = np.rint(lines.along * 69).astype(int)
     strand = np.repeat(np.arange(140), np.diff(lines.first))
     np.testing.assert_array_equal(lines.along, rows.astype(np.float32) * np.float32(1 / 69))
@@ -85,9 +82,6 @@ def test_widths_are_those_of_the_same_points_of_the_whole_strand() -> None:
         widths_of(lines, to_screen(lines, view, Scratch()), view, material, 0.0, True, Scratch())
         for lines in (few, every)
     ]
-    assert few.along is not None
-    assert wide[0] is not None
-    assert wide[1] is not None
     rows = np.rint(few.along * 79).astype(int) + 80 * np.repeat(np.arange(130), np.diff(few.first))
     np.testing.assert_allclose(wide[0], wide[1][rows], rtol=1e-5)
 

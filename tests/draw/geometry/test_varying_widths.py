@@ -125,7 +125,6 @@ def test_dense_strands_keep_the_points_that_tell_their_widths(width: float) -> N
     even = lines_of(points[None], np.ones((1, 200), np.float32), width, MODES["thinned"])
     waves = lines_of(points[None], shares[None], width, MODES["thinned"])
     assert len(even.world) == 2
-    assert waves.lost is not None
     between = width * np.interp(points[:, 0], waves.world[:, 0], 1 - waves.lost)
     most = min(0.1, 0.01 * width / 2)
     assert 0.3 * most < np.abs(between - width * shares).max() / 2 <= 1.01 * most

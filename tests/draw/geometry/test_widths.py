@@ -85,7 +85,6 @@ def test_a_strand_aside_of_the_axis_is_as_wide_as_rays_find(name: str, fov: floa
     material = Material(width=0.004, taper=0.0)
     screen = to_screen(lines, view, Scratch())
     found = widths_of(lines, screen, view, material, 0.0, True, Scratch())
-    assert found is not None
     right = np.array([width_by_rays(view, lines, 0.002, v) for v in (0, 13, 29, ALONG)])
     np.testing.assert_allclose(found[[0, 13, 29, ALONG]], right, rtol=0.003, atol=0.002)
     flat = 0.004 * view.focal * screen[[0, 13, 29, ALONG], 2]
@@ -117,16 +116,6 @@ def test_bends_and_strands_that_are_seen_end_on() -> None:
     crossing = widths(middle, middle + np.array([0, 0, 2.0]), middle + np.array([0, 0, 3.0]))
     assert np.isfinite(crossing).all()
     assert crossing[0] == pytest.approx(0.01 * view.focal)
-
-
-def test_an_orthographic_camera_sees_the_same_width_everywhere() -> None:
-    view = view_of(90, perspective=False)
-    lines = line(at(view, 10, 40, 1.0), at(view, 40, 10, 1.6))
-    found = widths_of(
-        lines, to_screen(lines, view, Scratch()), view, Material(width=0.1, taper=0.0), 0.0, True, Scratch()
-    )
-    assert found is not None
-    np.testing.assert_allclose(found, 0.1 * view.focal, rtol=1e-6)
 
 
 @pytest.mark.parametrize("resolver", ["sorted", "zbuffer"])
@@ -175,7 +164,6 @@ def test_strands_of_any_length_are_as_wide_as_in_double_precision(perspective: b
     lines = Polylines(first, world, scale=scale)
     screen = to_screen(lines, view, Scratch())
     found = widths_of(lines, screen, view, Material(width=0.03, taper=0.6), 0.0, True, Scratch())
-    assert found is not None
     for s, (a, b) in enumerate(pairwise(first)):
         x, y, q = screen[a:b].astype(np.float64).T
         wide = 0.03 * scale[s] * view.focal * (1 - 0.6 * np.arange(b - a) / max(b - a - 1, 1))

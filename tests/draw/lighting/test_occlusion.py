@@ -20,7 +20,7 @@ from strandcli.draw.lighting.kernels.inputs import Surround
 from strandcli.groom.blocks import pack
 from strandcli.jit import function
 from strandcli.plan import make_plan
-from strandcli.scene.model import AmbientOcclusion, CapsuleSolid, Emitter, PlaneSolid, SphereSolid
+from strandcli.scene.model import AmbientOcclusion, Emitter, PlaneSolid, SphereSolid
 from strandcli.solids import pack_all
 from strandcli.study.pictures.occlusion import seen_of_sky
 
@@ -76,16 +76,6 @@ def test_a_ball_hides_its_share_of_the_sky() -> None:
     for distance in (0.4, 0.6, 0.9):
         truth = 0.5 * (1 + np.sqrt(1 - (0.3 / distance) ** 2))
         assert found.at(np.array([[distance, 0.0, 0.0]]))[0] == pytest.approx(truth, abs=0.02)
-
-
-def test_a_crease_of_two_solids_is_darker_than_its_sides() -> None:
-    two = (CapsuleSolid(radius=0.3, length=0.5, position=(-0.28, 0.0, 0.0)),
-           CapsuleSolid(radius=0.3, length=0.5, position=(0.28, 0.0, 0.0)))  # fmt: skip
-    found = built(thicket(4), 1e-6, two)
-    ahead = np.array([[0.0, 0.0, 1.0]])
-    crease = found.at(np.array([[0.0, 0.0, 0.12]]), ahead)
-    assert crease < 0.75
-    assert found.at(np.array([[0.28, 0.0, 0.3]]), ahead) > crease + 0.2
 
 
 def test_parallel_strands_let_light_through_along_them() -> None:

@@ -38,7 +38,6 @@ def straight(count: int, seed: int = 0, pieces: int = 8) -> Polylines:
 
 def maps_of(light: Light, lines: Polylines, thickness: Thickness = WIDE, workers: int = 2) -> ShadowMaps:
     maps = plan_maps((light,), BOX, Scratch(), thickness)
-    assert maps is not None
     assert maps.deep
     assert maps.texels is None
     maps.build(lines, workers, Scratch())
@@ -57,7 +56,6 @@ def test_a_map_counts_projected_area() -> None:
     """Σ τ of all texels times their area is Σ width × length × sin of the angle to the light."""
     lines = straight(200)
     maps = maps_of(SUN, lines)
-    assert maps.stacks is not None
     rows = maps.stacks[opacity.HEAD * 32 * 32 :].reshape(-1, opacity.stride_for(DEEP.layers))
     assert not rows[0].any()  # of cells that no strand comes to
     assert np.count_nonzero(maps.stacks[opacity.ROW : opacity.HEAD * 32 * 32 : opacity.HEAD]) == len(rows) - 1 < 32 * 32
@@ -111,7 +109,6 @@ def test_along_a_ray_nothing_is_uncounted() -> None:
 def test_a_map_beyond_what_a_kernel_can_address_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     sun, lines = DirectionalLight(direction=(0, -1, 0), shadow=DEEP), straight(300, 4)
     stacks = maps_of(sun, lines).stacks
-    assert stacks is not None
     monkeypatch.setattr(shadow, "PLACES", len(stacks))
     maps_of(sun, lines)
     monkeypatch.setattr(shadow, "PLACES", len(stacks) - 1)
@@ -134,13 +131,10 @@ def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
     lines = straight(300, 4)
     plain = DirectionalLight(direction=(0, -1, 0), shadow=Shadow(size=32))
     maps = plan_maps((SUN, plain, LAMP), BOX, Scratch(), WIDE)
-    assert maps is not None
-    assert maps.texels is not None
     maps.build(lines, 1, Scratch())
     packed = pack_lights((SUN, plain, LAMP), maps, BOX)
     assert packed[:, 10].tolist() == [13, 0, 13]
     alone = plan_maps((plain,), BOX, Scratch())
-    assert alone is not None
     alone.build(lines, 1, Scratch())
     np.testing.assert_array_equal(maps.texels, alone.texels)
     point = np.array([0.1, -0.3, 0.0])

@@ -126,7 +126,6 @@ lights: [{kind: directional, direction: [-1, -1, 0], size: %s}]
         path = tmp_path / f"{size}.yaml"
         path.write_text(text % size)
         image = frames_of(load(str(path)), 1)[0].image
-        assert image is not None
         pictures.append(image[:, :30].astype(np.float64).mean(2))
     steps = [np.abs(np.diff(picture[40:56], axis=1)).max() for picture in pictures]
     assert steps[0] > 2 * steps[1] > 2.5 * steps[2]

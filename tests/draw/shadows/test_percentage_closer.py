@@ -50,7 +50,6 @@ def left(
     """What a light's map leaves of it; in colour with a ``loss``."""
     bounds = np.stack([lines.world.min(0), lines.world.max(0)]).astype(np.float64)
     maps = plan_maps((light,), bounds, Scratch(), WIDE, spacing)
-    assert maps is not None
     maps.build(lines, 1, Scratch())
     packed = pack_lights((light,), maps, bounds)
     if by is opacity:

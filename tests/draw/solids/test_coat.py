@@ -71,18 +71,6 @@ def test_a_mirror_gives_back_no_more_than_arrives_and_most_of_it(rough: float, l
         assert least < whole < 1.02
 
 
-def test_light_goes_where_a_mirror_would_send_it_and_further_the_rougher_it_is() -> None:
-    eye = towards(0.6, np.pi)
-    angles = np.linspace(0.0, 1.4, 281)
-    spread = []
-    for rough in (0.15, 0.3, 0.5):
-        shine = np.array([brdf(0.04, rough, towards(a), eye) for a in angles])
-        if rough < 0.4:
-            assert angles[shine.argmax()] == pytest.approx(0.6, abs=0.05)
-        spread.append((shine > shine.max() / 2).sum())
-    assert spread[0] < spread[1] < spread[2]
-
-
 @pytest.mark.parametrize(("rough", "degrees"), [(0.2, 8.0), (0.3, 16.0), (0.4, 40.0)])
 def test_a_wide_lights_gleam_is_the_mean_over_its_disc(rough: float, degrees: float) -> None:
     angle = np.radians(degrees / 2)
@@ -141,7 +129,6 @@ image: {size: 64x48, background: [0.25, 0.25, 0.25]}
 def test_a_white_coated_ball_in_even_light_is_as_bright_as_that() -> None:
     for finish in ("", ", coat: 0.04, roughness: 0.5", ", coat: 0.7, roughness: 0.1"):
         image = frames_of(scene_of(SCENE % (f", colour: [1, 1, 1]{finish}", 0.25, "")), 1)[0].image
-        assert image is not None
         assert np.ptp(image[..., :].astype(int)) <= 1
 
 
@@ -151,8 +138,6 @@ def test_a_coat_shines_towards_the_mirrored_light_and_is_left_out_where_nothing_
         frames_of(scene_of(SCENE % (f", colour: [0.1, 0.1, 0.1]{coat}", 0.0, sun)), 1)[0].image
         for coat in ("", ", coat: 0.05, roughness: 0.2")
     ]
-    assert images[0] is not None
-    assert images[1] is not None
     more = images[1].astype(int)[..., 0] - images[0].astype(int)[..., 0]
     row, column = np.unravel_index(more.argmax(), more.shape)
     assert more.max() > 100
@@ -161,7 +146,6 @@ def test_a_coat_shines_towards_the_mirrored_light_and_is_left_out_where_nothing_
     assert coats_of(matte) is None
     shiny = [BoxSolid(coat=0.5, roughness=0.2), PlaneSolid(mottle=0.3, grain=0.7), SphereSolid()]
     found = coats_of(shiny)
-    assert found is not None
     np.testing.assert_allclose(found[:, :4], np.float32([[0, 0.3, 0, 0.1], [0, 0.3, 0.3, 0.7], [0.5, 0.2, 0, 0.1]]))
 
 

@@ -203,24 +203,6 @@ def test_a_point_is_in_shadow_where_a_solid_is_between_it_and_the_light(solid: S
         assert lit == 1
 
 
-def test_a_lamp_close_to_a_ball_is_hidden_only_by_what_is_before_it() -> None:
-    ball = SphereSolid(radius=1.0)
-    rng = np.random.default_rng(6)
-    lit = 0
-    for _ in range(600):
-        lamp, point = rng.normal(size=(2, 3))
-        lamp *= rng.uniform(1.05, 1.3) / np.linalg.norm(lamp)
-        point *= rng.uniform(1.5, 4) / np.linalg.norm(point)
-        reach = np.linalg.norm(lamp - point)
-        nearest = inside(ball, point + np.linspace(0, 1, 2001)[:, None] * (lamp - point)).max()
-        numbers = [x.astype(np.float32) for x in (*point, *(lamp - point) / reach)]
-        found = kernel.visibility(packed([ball]), *numbers, np.float32(reach), np.float32(0.001))
-        if abs(nearest) > 3e-3:
-            assert found == (nearest < 0)
-            lit += nearest < 0
-    assert 50 < lit < 550
-
-
 def test_a_root_on_a_solid_is_not_shaded_by_the_skin_that_it_grows_from() -> None:
     ball = SphereSolid(radius=0.5)
     rng = np.random.default_rng(5)

@@ -46,7 +46,6 @@ image: {size: 64x48, background: [0, 0, 0]}
 
 def picture(finish: str, size: float = 0.0) -> np.ndarray:
     image = frames_of(scene_of(BALL % (finish, size)), 1)[0].image
-    assert image is not None
     return image.astype(int)
 
 
@@ -88,5 +87,4 @@ def test_a_white_fold_in_even_light_is_as_bright_as_that() -> None:
     """It is as light as what hides the sky from it."""
     for finish, brightest in ((", subsurface: [0, 0, 0.1]", True), ("", False)):
         image = frames_of(scene_of(FOLD % (finish, finish)), 1)[0].image
-        assert image is not None
         assert (np.ptp(image.astype(int)) <= 1) == brightest

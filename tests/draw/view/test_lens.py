@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from strand_kit import frames_of, scene_of
-from strandcli.draw.view.camera import camera_view
 from strandcli.draw.view.lens import Exposure, exposures, focus_of, interpolate
 from strandcli.groom.blocks import pack, unpack
 from strandcli.scene.model import Camera, Emitter, PoseKey
@@ -59,23 +58,6 @@ def test_exposures_fill_lens_and_shutter_evenly_and_the_seed_alone_decides_them(
 def circle_of_confusion(camera: Camera, focal: float, depth: float) -> float:
     """Diameter in pixels of the disc that a point at a depth becomes; ``focal``: pixels a metre at a depth of one."""
     return focal * camera.aperture * abs(1 / focus_of(camera, 0.0) - 1 / depth)
-
-
-def test_a_lens_keeps_the_plane_in_focus_and_moves_the_rest_by_the_circle_of_confusion() -> None:
-    camera = Camera(position=(0.0, 0.0, 5.0), fov=30.0, aperture=0.2, focus=4.0)
-    view = camera_view(camera, 0.0, 400, 300, BOX)
-    for depth in (0.5, 2.0, 4.0, 9.0, 1e6):
-        point = view.eye + depth * (view.forward + 0.1 * view.right - 0.05 * view.up)
-        places = []
-        for offset in ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1)):
-            seen = view.through(*offset, 4.0)
-            x, y, z = (axis @ (point - seen.eye) for axis in (seen.right, seen.up, seen.forward))
-            places.append((seen.middle[0] + seen.focal * x / z, seen.middle[1] - seen.focal * y / z))
-        places = np.array(places)
-        circle = circle_of_confusion(camera, view.focal, depth)
-        assert np.linalg.norm(places[0] - places[1]) == pytest.approx(circle, abs=1e-9)
-        assert np.linalg.norm(places[2] - places[3]) == pytest.approx(circle, abs=1e-9)
-        assert circle == pytest.approx(view.focal * 0.2 * abs(depth - 4.0) / (4.0 * depth), abs=1e-9)
 
 
 def over_pixels(places: np.ndarray, light: np.ndarray, x: np.ndarray) -> np.ndarray:

@@ -173,20 +173,6 @@ def test_a_ribbon_narrows_without_steps(angle: float) -> None:
         assert here.sum() / 10 == pytest.approx(14 - 12 * middle / 90, abs=0.9)
 
 
-def test_a_ribbon_holds_the_line_of_one_pixel() -> None:
-    rng = np.random.default_rng(6)
-    for _ in range(30):
-        line = rng.uniform([5, 5, 0.1], [55, 55, 1], (2, 3))
-        thin = drawn([line], 60, 60) != EMPTY
-        thick = drawn([line], 60, 60, [np.array([4.0, 4.0])]) != EMPTY
-        way = line[1, :2] - line[0, :2]
-        y, x = np.mgrid[:60, :60] + 0.5
-        past = ((x - line[0, 0]) * way[0] + (y - line[0, 1]) * way[1]) / np.hypot(*way)
-        between = (past >= 0) & (past < np.hypot(*way))  # it ends straight across
-        assert (thin & between).any()
-        assert not (thin & between & ~thick).any()
-
-
 @pytest.mark.parametrize("angle", [0.0, 43.0, 47.0, 90.0])
 @pytest.mark.parametrize("turn", [4.0, 40.0, 150.0])
 def test_a_ribbon_that_bends_has_neither_gaps_nor_notches(angle: float, turn: float) -> None:
