@@ -7,10 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strand_kit import scene_of
-from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
-from strandcli.simulate.rod.solver import RodSolver
 
 Floats = NDArray[np.float64]
 
@@ -23,11 +20,6 @@ def strands(roots: Any, ways: Any, lengths: Any) -> Groom:
         np.array(roots, np.float32), way.astype(np.float32), np.array(lengths, np.float32),
         np.zeros(count, np.float32),
     )  # fmt: skip
-
-
-def solver_of(text: str, groom: Groom | None = None, double: bool = False) -> RodSolver:
-    one = scene_of("solver: rod\n" + text)
-    return RodSolver(one, groom or emit(one.emitter, one.seed), double)
 
 
 def crossings(a: Floats, b: Floats) -> int:

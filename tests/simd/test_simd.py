@@ -41,7 +41,6 @@ from strandcli.simd import (  # fmt: skip
     vector_pointer_at,
     where,
 )
-from strandcli.simulate.rod.kernels.work_queue import take
 
 
 @njit(error_model="numpy")
@@ -275,21 +274,6 @@ def test_places_that_are_none_can_be_asked_for() -> None:
         assert asked(given, o, stride) == 3.0
     np.testing.assert_array_equal(given, [3.0, 4.0])
     assert "prefetch" in next(iter(asked.inspect_llvm().values()))
-
-
-@njit
-def draw(tickets, times):
-    """The last of so many tickets."""
-    last = -1
-    for _ in range(times):
-        last = take(tickets)
-    return last
-
-
-def test_tickets_are_taken_one_by_one() -> None:
-    tickets = np.array([5, 100])
-    assert draw(tickets, 3) == 7
-    assert tickets.tolist() == [8, 100]
 
 
 def test_vectors_on_the_stack_are_aligned() -> None:

@@ -63,20 +63,6 @@ def text_of(rules: str) -> str:
     return compose.source(solver_of(scene_of(SCENE % rules), plain=True).passes)
 
 
-def places(text: str, *words: str) -> list[int]:
-    """Where each pass is called, in the order of the words that its import is known by."""
-    lines = text.splitlines()
-    names = [next(line.split(" as function_")[1].split()[0] for line in lines if word in line) for word in words]
-    return [next(i for i, line in enumerate(lines) if f"pass_{name}(" in line) for name in names]
-
-
-def test_passes_are_called_in_the_order_of_the_list() -> None:
-    for order in (["gravity", "wind", "elasticity"], ["elasticity", "wind", "gravity"]):
-        found = places(text_of(", ".join(order)), *[f"rules.{name} import" for name in order])
-        assert found == sorted(found)
-    assert text_of("gravity, wind") != text_of("wind, gravity")
-
-
 def test_a_rule_that_is_not_listed_or_has_nothing_to_do_is_not_in_the_source() -> None:
     text = text_of("gravity, elasticity")
     for name in ("wind", "stiffness", "collision", "emitter_motion"):
@@ -96,26 +82,6 @@ def test_a_collision_holds_only_the_kinds_of_solid_that_there_are() -> None:
     assert "plane" not in text
     assert "collision_segments" not in text
     assert "collision_segments import box" in text_of("collision: {segments: true}")
-
-
-def test_what_moves_roots_comes_before_all_particles_wherever_it_is_listed() -> None:
-    keys = "emitter: {strands: 3, particles: 4, keys: [{time: 0}, {time: 1}]}\nrules: [%s]\n"
-    for rules in ("emitter_motion, gravity", "gravity, emitter_motion"):
-        text = compose.source(solver_of(scene_of(keys % rules), plain=True).passes)
-        (moves,) = places(text, "emitter_motion import")
-        lines = text.splitlines()
-        loop = next(i for i, line in enumerate(lines) if "for i in range(1, n)" in line)
-        pulls = next(i for i, line in enumerate(lines) if line.startswith("            lanes_0("))
-        assert moves < loop < pulls
-
-
-def test_neighbours_become_one_loop_and_others_part_them() -> None:
-    text = text_of("gravity, stiffness, wind, collision, elasticity")
-    assert text.count("for k in range(W)") == 2
-    calls = [line.strip().split("(")[0] for line in text.splitlines() if line.startswith("            ")]
-    assert calls[-4:] == ["lanes_0", "pass_3", "pass_4", "lanes_1"]
-    assert "q_1 = (p_1[i, 0], )" in text
-    assert text_of("gravity, stiffness, wind, elasticity").count("for k in range(W)") == 1
 
 
 def test_without_rules_nothing_is_composed_and_nothing_moves() -> None:

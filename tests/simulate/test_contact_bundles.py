@@ -8,35 +8,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from crossing_kit import solver_of, strands
+from crossing_kit import strands
+from rod_kit import rod_of
 from strandcli.simulate.health import interpenetration
 from strandcli.simulate.rod.kernels.arrays import PACK
 from strandcli.study.bench import at_first_frame, load
 from tests.simulate.test_strand_contact import CROSS, RULE, Floats
-
-
-def test_strands_that_begin_inside_each_other_are_led_apart_without_a_jump() -> None:
-    count = 9
-    way = np.tile([0.0, -1.0, 0.0], (count, 1)) + np.random.default_rng(0).normal(scale=0.02, size=(count, 3))
-    groom = strands(np.zeros((count, 3)), way, np.full(count, 0.2))
-    text = "rod: {radius: 2.0e-4, young: 1.0e+6}\nemitter: {strands: 9, particles: 9, length: 0.2}\ntime: {fps: 24}\n"
-    solver = solver_of(text + "rules: [gravity, contact: {thickness: 0.002}]", groom)
-    past = solver.particles()
-    alone = solver_of(text + "rules: [gravity]", groom)
-    alone.advance(9)
-    for frame in range(2, 10):
-        solver.advance(frame)
-        now = solver.particles()
-        assert np.abs(now - past).max() < 0.01
-        past = now
-    assert solver.errors(9)["nonfinite"] == 0
-    assert nearest_tips(past) > 2 * nearest_tips(alone.particles())
-
-
-def nearest_tips(x: NDArray[Any]) -> float:
-    apart = np.linalg.norm(x[:, None, -1] - x[None, :, -1], axis=2)
-    return float(apart[np.triu_indices(len(x), 1)].min())
-
 
 BUNDLE = (
     "rod: {{rest: straight, radius: 5.0e-4, young: 1.0e+7, drag: 1}}\ntime: {{fps: 24}}\n"
@@ -51,7 +28,7 @@ def test_a_dense_bundle_is_shaken_without_cutting_steps(steps: list[tuple[Floats
     Rounds converge in whole steps, and what roots hold too close only comes apart."""
     keys = "{time: 0, rotation: [180, 0, 0]}, {time: 0.25, rotation: [180, 0, 0], position: [0.1, 0, 0]}"
     text = BUNDLE.format(radius=0.00564, strands=40, particles=13, jitter=0, keys=keys)
-    solver = solver_of(text)
+    solver = rod_of(text)
     deep = []
     for frame in range(2, 8):
         solver.advance(frame)
@@ -67,7 +44,7 @@ def test_rounds_that_do_not_converge_cut_the_step() -> None:
     their thickness too close. Steps that are not cut let strands through each other."""
     keys = "{time: 0, rotation: [180, 0, 0]}, {time: 0.2, rotation: [180, 0, 0], position: [0.3, 0, 0]}, "
     keys += "{time: 0.4, rotation: [180, 40, 0]}"
-    solver = solver_of(BUNDLE.format(radius=0.00564 * 0.3**0.5, strands=12, particles=13, jitter=0, keys=keys))
+    solver = rod_of(BUNDLE.format(radius=0.00564 * 0.3**0.5, strands=12, particles=13, jitter=0, keys=keys))
     for frame in range(2, 14):
         solver.advance(frame)
         assert frame < 7 or float(solver.errors(frame)["strand_penetration_max"] or 0) < 0.2 * 0.0015
@@ -84,7 +61,7 @@ def test_many_strands_that_begin_inside_each_other_are_led_apart(
     in the same time. A thousand come apart over seconds: here no more of them come close."""
     radius = 0.01 * np.sqrt(count / 1000)
     text = BUNDLE.format(radius=radius, strands=count, particles=4, jitter=3, keys="{time: 0, rotation: [180, 0, 0]}")
-    solver = solver_of(text)
+    solver = rod_of(text)
     past = solver.particles()
     for frame in range(2, frames + 1):
         solver.advance(frame)
@@ -93,7 +70,7 @@ def test_many_strands_that_begin_inside_each_other_are_led_apart(
         past = now
     assert solver.errors(frames)["nonfinite"] == 0
     assert len(steps) <= 4 * frames
-    alone = solver_of(text.replace(", contact: {thickness: 0.0015}", ""))
+    alone = rod_of(text.replace(", contact: {thickness: 0.0015}", ""))
     alone.advance(frames)
     assert close_tips(past) < share * close_tips(alone.particles())
 
@@ -111,7 +88,7 @@ def test_contact_without_friction_adds_no_energy() -> None:
     .0009 of it at 24 steps a second; at others and of other stiffness up to .0055."""
     groom = strands([[-0.1, -0.02, 0], [0, 0.05, -0.5]], [[1, 0, 0], [0, 0, 1]], [0.2, 1])
     text = CROSS.format(young="5.0e+9") + RULE.format(d=0.01).replace("friction: 0.5", "friction: 0")
-    solver = solver_of(text, groom)
+    solver = rod_of(text, groom)
     lengths = groom.lengths.astype(float) / 10
     stiffness = solver.material.stiffness[0, :2].astype(float)
 
@@ -153,11 +130,11 @@ def test_what_is_emitted_too_close_is_told_as_such() -> None:
     groom = strands([[0.0, 0, 0], [0.1, 0, 0.0002]], [[1, -1, 0], [-1, -1, 0]], [0.2, 0.2])
     text = "rod: {radius: 2.0e-4, young: 1.0e+7}\nemitter: {strands: 2, particles: 9, length: 0.2}\n"
     text += "time: {fps: 24}\nrules: [gravity, contact: {thickness: 0.002}]"
-    solver = solver_of(text, groom)
+    solver = rod_of(text, groom)
     assert interpenetration(solver, 1, solver.errors(1)) == ""
     solver.advance(2)
     error, deeper = solver.errors(2), {"strand_penetration_max": 0.00185}
-    again = solver_of(text, groom)
+    again = rod_of(text, groom)
     again.restore(solver.state_arrays())
     for one in (solver, again):
         words = interpenetration(one, 2, error)

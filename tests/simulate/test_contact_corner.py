@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strand_kit import scene_of
-from strandcli.groom.emit import emit
+from rod_kit import each_step, rod_of
 from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod_rest import rms
 
@@ -47,21 +46,19 @@ FLOOR = "{kind: plane, position: [0, -0.05, 0]}"
 
 def fallen(solids: str, rate: int = 24, more: str = "", rule: str = "collision", strands: int = 16) -> RodSolver:
     """Slack strands of .2 m over solids; ``more`` of the rod."""
-    scene = scene_of(
-        f"solver: rod\nseed: 1\nrod: {{radius: 1.0e-4, rest: straight, drag: 2, damping: 0.01, {more}}}\n"
+    return rod_of(
+        f"seed: 1\nrod: {{radius: 1.0e-4, rest: straight, drag: 2, damping: 0.01, {more}}}\n"
         f"time: {{fps: {rate}}}\nemitter: {{shape: {{kind: disc, radius: 0.01}}, strands: {strands}, particles: 16, "
         "length: 0.2, jitter: 3, curl_turns: 2, curl_angle: 50, rotation: [90, 0, 0]}\n"
         f"rules: [gravity, {rule}]\nsolids: [{solids}]\n"
     )
-    return RodSolver(scene, emit(scene.emitter, scene.seed))
 
 
 def at_rest(solver: RodSolver, rate: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Motion of each strand's liveliest particle in the last second (root mean square over frames, mm a frame), and
     where particles are."""
     seen = []
-    for i in range(SECONDS * rate):
-        solver.step((i + 1) / rate, 1 / rate)
+    for i in each_step(solver, rate, SECONDS * rate):
         if i >= (SECONDS - 1) * rate - 1:
             seen.append(solver.particles().astype(np.float64))
     steps = np.linalg.norm(np.diff(seen, axis=0), axis=-1)
@@ -86,8 +83,7 @@ def test_pinned_tips_stay_where_they_are(low: float) -> None:
     solver = fallen(GROOVE.format(40).replace("-0.05", str(low)), 24, "friction: 0.2, end: pinned")
     begun = solver.particles()[:, -1].astype(np.float64)
     off = []
-    for i in range(96):
-        solver.step((i + 1) / 24, 1 / 24)
+    for _ in each_step(solver, 24, 96):
         off.append(np.linalg.norm(solver.particles()[:, -1] - begun, axis=-1).max())
     assert max(off) < 5e-5
 

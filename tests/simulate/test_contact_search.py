@@ -1,5 +1,4 @@
-"""The solid that is nearest to a segment (`contact.kernels.search`), and edges turned out of solids (`depenetrate`),
-against NumPy."""
+"""The solid that is nearest to a segment (`contact.kernels.search`), against NumPy."""
 
 from __future__ import annotations
 
@@ -15,9 +14,9 @@ from scratch_kit import LANES, Rows, scratch
 from strand_kit import scene_of
 from strandcli.constants import W
 from strandcli.scene.model import Emitter
-from strandcli.simd import fused_pointer, fused_vector_pointer, load, load3, store, store3
-from strandcli.simulate.contact.kernels import depenetrate, search
-from strandcli.simulate.rod.kernels.arrays import MOTION, Coefficients
+from strandcli.simd import fused_pointer, fused_vector_pointer, load3
+from strandcli.simulate.contact.kernels import search
+from strandcli.simulate.rod.kernels.arrays import MOTION
 from strandcli.simulate.rod.kernels.parts import with_shift
 from strandcli.simulate.rod.kernels.step import contact_of
 from strandcli.solids import COLUMNS, pack
@@ -46,23 +45,6 @@ def look(address, ends, past, solids, whole, reach):
     return search.nearest(
         s, 0, root, load3(rows, 3, 1), before, contact, (whole, none[0] + reach, none[0] + search.LEAST_SHARE)
     )
-
-
-@njit(error_model="numpy")
-def turn(address, ends, past, solids, length):
-    """`depenetrate.turn_out` of the edge of a segment of a ``length``; its end's move, in segments, to the slip."""
-    s, rows = scratch(address, 1), fused_vector_pointer(ends)
-    root = load3(rows, 0, 1)
-    zero = root[0] * 0.0
-    none = zero, zero, zero
-    contact = with_shift(contact_of(solids, None), True, none)
-    before = search.Past(fused_pointer(past), 3 * W, none)
-    search.nearest(s, 0, root, load3(rows, 3, 1), before, contact, (False, zero + length, zero))
-    store(s.gap, 0, load(s.gap, 0) / length)
-    one = zero + length
-    c = Coefficients(one, 1.0 / one, zero, zero, none, zero, zero, zero, zero, zero, zero, zero)
-    moved = depenetrate.turn_out(s, 0, root, none, c, contact, before, False)
-    store3(s.slip, 0, 1, moved[0], moved[1], moved[2])
 
 
 def packed(solids: Any) -> tuple[Floats, ...]:
@@ -172,27 +154,3 @@ def test_what_is_out_of_reach_is_not_told() -> None:
     rows = Rows(1)
     assert not look(rows.address, in_lanes(far), np.zeros((2, 3 * W)), packed([solid]), False, 1.0)
     assert not rows.all.any()
-
-
-@pytest.mark.parametrize("deep", [0.01, 0.5], ids=["by what is known", "by search"])
-@pytest.mark.parametrize("kind", SOLIDS)
-def test_edges_are_turned_out_of_a_solid_and_keep_their_length(kind: str, deep: float) -> None:
-    """From beginnings outside, ends up to a share of a segment inside; but for edges that stand on the surface, and for
-    edges of a box, where what is known of one face may leave some of the depth."""
-    (solid,) = scene_of(f"solids: [{SOLIDS[kind]}]").solids
-    one = segments(40000).reshape(-1, 2, 3)
-    begin, end = gaps(solid, one[:, 0]), gaps(solid, one[:, 1])
-    slanted = (normal(solid, one[:, 1]) * (one[:, 1] - one[:, 0])).sum(1) ** 2 < (1 - depenetrate.STEEP) * LENGTH**2
-    one = one[(begin > 0) & (end < 0) & (end > -deep * LENGTH) & slanted]
-    assert len(one) > 20 * LANES
-    left = 0.0
-    for k in range(20):
-        ends, rows = one[k * LANES : (k + 1) * LANES], Rows(1)
-        edge = (ends[:, 1] - ends[:, 0]) / LENGTH
-        rows.edge[0] = edge.T
-        turn(rows.address, in_lanes(ends), np.zeros((2, 3 * W)), packed([solid]), LENGTH)
-        found = rows.edge[0].T
-        np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1, rtol=1e-14)
-        np.testing.assert_allclose(rows.slip[0].T, found - edge, atol=1e-14)
-        left = min(left, float(gaps(solid, ends[:, 0] + LENGTH * found).min()))
-    assert left > (-depenetrate.KNOWN * LENGTH if (kind, deep) == ("box", 0.01) else -1e-6)

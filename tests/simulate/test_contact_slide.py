@@ -7,17 +7,12 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
-from strandcli.simulate.contact.kernels import contact_slide, contact_solve
+from strandcli.simulate.contact.kernels import contact_solve
 from strandcli.simulate.contact.kernels.contact_columns import NORMAL, START, VECTORS
 from strandcli.study.references import incline
 from strandcli.study.references.experiment import track_of
 
 Floats = NDArray[np.float64]
-
-
-@njit(error_model="numpy")
-def slide(vector: Floats, missing: float, friction: float, w: Floats, rows: Floats) -> None:
-    contact_slide.slide(vector, missing, friction, w, rows)
 
 
 @njit(error_model="numpy")
@@ -82,18 +77,3 @@ def test_strands_stick_at_once_to_slopes_that_are_flat_enough(
     assert ways[off < -1].max() < 2.5e-4
     assert ways[off < 0].max() < 6e-4
     assert ways[off > 0].min() > 5e-3
-
-
-def test_the_way_of_what_slides_is_less_the_more_friction_there_is() -> None:
-    vector, w = np.zeros(VECTORS), np.eye(3)
-    vector[NORMAL + 1] = vector[START + 1] = 1.0
-    ways = []
-    for friction in (0.0, 0.25, 0.5, 0.75):
-        rows = np.zeros((7, 3))
-        rows[0] = [3.0, -1.0, 0.0]
-        slide(vector, 2.0, friction, w, rows)
-        np.testing.assert_allclose(rows[1], [-2 * friction, 2.0, 0.0], atol=1e-9)
-        ways.append(3.0 + rows[1, 0])
-    assert np.all(np.diff(ways) < 0)
-    assert ways[0] == 3.0
-    assert ways[2] == pytest.approx(2.0)

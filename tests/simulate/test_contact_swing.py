@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rod_kit import rod_of
 from strand_kit import scene_of
 from strandcli.groom.emit import emit
 from strandcli.simulate.rod.kernels.arrays import PACK
 from strandcli.simulate.rod.solver import RodSolver
-from tests.simulate.test_strand_contact import CROSS, RULE, Floats, laid_pair, solver_of, strands
+from tests.simulate.test_strand_contact import CROSS, RULE, Floats, laid_pair, strands
 
 PAIR = (
     "rod: {rest: shape, radius: 3.0e-4, young: 1.0e+7, drag: 0, damping: 0}\ntime: {fps: 24, substeps: %d}\n"
@@ -21,7 +22,7 @@ PAIR = (
 def swing(turns: float, friction: float, substeps: int) -> tuple[Floats, int]:
     """Return where tips are across, of two strands laid about each other, in each of 96 frames, and in how many of
     these the strands press each other."""
-    solver = solver_of(PAIR % (substeps, friction), laid_pair(24, turns, 0.0025, 0.25))
+    solver = rod_of(PAIR % (substeps, friction), laid_pair(24, turns, 0.0025, 0.25))
     tips, touched = [], 0
     for frame in range(2, 98):
         solver.advance(frame)
@@ -55,7 +56,7 @@ def test_strands_do_not_spring_back_from_each_other() -> None:
     it, where they touch, they come apart by less than a twentieth of that speed."""
     groom = strands([[-0.5, 0, 0], [0, 0.013, -0.5]], [[1, 0, 0], [0, 0, 1]], [1, 1])
     text = CROSS.format(young="1.0e+3") + RULE.format(d=0.01).replace("gravity", "gravity: {acceleration: [0, 0, 0]}")
-    solver = solver_of(text, groom)
+    solver = rod_of(text, groom)
     solver.advance(2)
     speed, dt = 0.1, 1 / 24
     state = solver.state

@@ -9,25 +9,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rod_kit import rod_of
 from strand_kit import scene_of
 from strandcli.errors import UsageError
-from strandcli.groom.emit import emit
-from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
 from strandcli.simulate.grid.kernels import pressure as grid_pressure
 from strandcli.simulate.grid.kernels.records import BETWEEN, LOW, MASS, SIZE, Room
 from strandcli.simulate.grid.strand_grid import Moment
-from strandcli.simulate.health import crowding
 from strandcli.simulate.rod.kernels.arrays import PACK
 from strandcli.simulate.rod.solver import RodSolver
 
 BALL = "shape: {kind: sphere, radius: 0.1}, particles: 6, length: 0.2, jitter: 40"
 CALM = (0.0, 0.0, 0.0)
-
-
-def solver_of(text: str, groom: Groom | None = None, double: bool = False) -> RodSolver:
-    one = scene_of("solver: rod\n" + text)
-    return RodSolver(one, groom or emit(one.emitter, one.seed), double)
 
 
 def rows(packed: NDArray[Any], strands: int) -> NDArray[np.float64]:
@@ -37,7 +30,6 @@ def rows(packed: NDArray[Any], strands: int) -> NDArray[np.float64]:
 
 
 def prepare(solver: RodSolver, dt: float = 1 / 60, wind: tuple[float, float, float] = CALM) -> None:
-    assert solver.grid is not None
     moment = Moment(dt, dt, wind, CALM, solver.surroundings.packed())
     solver.grid.prepare(solver.state, solver.mass, np.zeros_like(solver.drive.roots), moment)
 
@@ -45,7 +37,6 @@ def prepare(solver: RodSolver, dt: float = 1 / 60, wind: tuple[float, float, flo
 def spread(solver: RodSolver) -> dict[tuple[int, ...], NDArray[np.float64]]:
     """Metres and momentum of cells by their numbers: a twin of the grid in plain Python."""
     crowd = solver.grid
-    assert crowd is not None
     x = np.concatenate([solver.positions[:, 1:].reshape(len(solver.positions), -1, 3, 128)], 0).astype(np.float64)
     x = x.transpose(0, 3, 1, 2).reshape(-1, x.shape[1], 3)[: solver.strands]
     v = np.concatenate([np.zeros((solver.strands, 1, 3)), rows(solver.state.velocity, solver.strands)], 1)
@@ -68,8 +59,7 @@ def spread(solver: RodSolver) -> dict[tuple[int, ...], NDArray[np.float64]]:
 
 @pytest.mark.parametrize("cell", [0.03, 0.015])
 def test_segments_are_spread_over_the_cells_around_them(cell: float) -> None:
-    solver = solver_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [interaction: {{cell: {cell}}}]")
-    assert solver.grid is not None
+    solver = rod_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [interaction: {{cell: {cell}}}]")
     solver.state.velocity[...] = np.random.default_rng(0).normal(size=solver.state.velocity.shape)
     prepare(solver)
     assert len(solver.grid.samples.first) == 5 * np.ceil(0.04 / cell)
@@ -83,9 +73,8 @@ def test_segments_are_spread_over_the_cells_around_them(cell: float) -> None:
 
 def test_what_lies_between_middles_is_counted_along_each_axis() -> None:
     """Both are shares of the same metres; of the cells' own, sums along an axis are those of what is between."""
-    solver = solver_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [interaction: {{cell: 0.03}}]")
+    solver = rod_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [interaction: {{cell: 0.03}}]")
     prepare(solver)
-    assert solver.grid is not None
     box, grid = solver.grid.boxes[-1], solver.grid.grid
     cells = grid.T.reshape(*box[SIZE : SIZE + 3][::-1], -1).astype(float)
     for axis in range(3):
@@ -96,41 +85,10 @@ def test_what_lies_between_middles_is_counted_along_each_axis() -> None:
         assert (np.cumsum(between, 2 - axis) <= own + np.roll(cells[..., MASS], -1, 2 - axis) + 1e-6).all()
 
 
-def test_free_flight_keeps_momentum_and_gains_no_energy() -> None:
-    """Particles that nothing else holds, for a second: friction and pressure are between them alone."""
-    solver = solver_of(
-        f"emitter: {{{BALL}, strands: 300}}\nrules: [interaction: {{friction: 0.3, cell: 0.03, density: 2000}}]"
-    )
-    crowd, state, dt = solver.grid, solver.state, 1 / 60
-    assert crowd is not None
-    crowd.samples.mass[crowd.samples.first == 0] = 0
-    solver.mass[0] = 0.5  # the emitter would take up what goes to the roots
-    state.velocity[...] = np.random.default_rng(1).normal(scale=0.1, size=state.velocity.shape)
-    mass = solver.mass[None, :, None].astype(float)
-
-    def momentum() -> NDArray[np.float64]:
-        return np.asarray((mass * rows(state.velocity, 300)).sum((0, 1)))
-
-    begin, size = momentum(), float((mass * np.abs(rows(state.velocity, 300))).sum())
-    energies, greatest = [], 0.0
-    for _ in range(60):
-        prepare(solver, dt)
-        greatest = max(greatest, crowd.found / 2000)
-        state.velocity[...] += dt * state.acceleration
-        energies.append((mass * rows(state.velocity, 300) ** 2).sum())
-        moved = (dt * rows(state.velocity, 300)).astype(np.float32)
-        for strand in range(300):
-            solver.positions[strand // 128, 2:].reshape(-1, 3, 128)[:, :, strand % 128] += moved[strand]
-    assert np.abs(momentum() - begin).max() < 1e-5 * size
-    assert greatest > 1.5, "pressure had nothing to do"
-    assert energies[-1] < 0.5 * energies[0]
-
-
 def test_friction_alone_never_adds_energy() -> None:
     """However long the step; of a velocity that all share nothing is lost."""
-    solver = solver_of(f"emitter: {{{BALL}, strands: 200}}\nrules: [interaction: {{friction: 1, cell: 0.05}}]")
+    solver = rod_of(f"emitter: {{{BALL}, strands: 200}}\nrules: [interaction: {{friction: 1, cell: 0.05}}]")
     crowd, state, mass = solver.grid, solver.state, solver.mass[None, :, None]
-    assert crowd is not None
     crowd.samples.mass[crowd.samples.first == 0] = 0
     solver.mass[0] = 0.5
     state.velocity[...] = np.random.default_rng(2).normal(size=state.velocity.shape)
@@ -151,10 +109,9 @@ def test_any_number_of_threads_gives_the_same_bits() -> None:
     found = []
     for threads in {1, min(2, numba.config.NUMBA_NUM_THREADS)}:
         numba.set_num_threads(threads)
-        solver = solver_of(text)
+        solver = rod_of(text)
         solver.advance(8)
         found.append(solver.particles())
-    assert solver.grid is not None
     assert len(solver.grid.parts) == 3
     for one in found:
         np.testing.assert_array_equal(one, found[0])
@@ -173,34 +130,13 @@ rules: [collision%s]
 
 def test_a_pressed_layer_holds_as_many_strands_a_square_metre_as_allowed() -> None:
     """Without pressure they pile up before the plate, twice as dense and more."""
-    solver = solver_of(PLATE % ", interaction: {density: 240000, cell: 0.01}")
+    solver = rod_of(PLATE % ", interaction: {density: 240000, cell: 0.01}")
     solver.advance(91)
     assert solver.errors(91)["density_max"] < 1.05  # type: ignore[operator]
     assert solver.errors(91)["penetration_max"] < 1e-6  # type: ignore[operator]
-    alone = solver_of(PLATE % ", interaction: {density: 1.0e+9, friction: 0, cell: 0.01}")
+    alone = rod_of(PLATE % ", interaction: {density: 1.0e+9, friction: 0, cell: 0.01}")
     alone.advance(91)
     assert alone.errors(91)["density_max"] * 1e9 > 1.4 * 240000  # type: ignore[operator]
-
-
-@pytest.mark.parametrize(("count", "density"), [(600, 1e6), (2000, 1e5)])
-def test_strands_from_one_point_move_without_a_jump_and_are_told(count: int, density: float) -> None:
-    """By no more than two and a half cells in a step: by BDF2 they move on as pressure has moved them before."""
-    cell = 0.005
-    way = np.tile([0.0, -1.0, 0.0], (count, 1)) + np.random.default_rng(0).normal(scale=0.02, size=(count, 3))
-    groom = Groom(
-        np.zeros((count, 3), np.float32), (way / np.linalg.norm(way, axis=1)[:, None]).astype(np.float32),
-        np.full(count, 0.2, np.float32), np.zeros(count, np.float32),
-    )  # fmt: skip
-    text = f"emitter: {{strands: {count}, particles: 9, length: 0.2}}\n" + "time: {fps: 24}\nrules: [gravity%s]"
-    solver = solver_of(text % f", interaction: {{density: {density:.1e}, cell: {cell}}}", groom)
-    past = solver.particles()
-    for frame in range(2, 98):
-        solver.advance(frame)
-        now = solver.particles()
-        assert np.abs(now - past).max() < 2.5 * cell
-        past = now
-    assert solver.errors(97)["nonfinite"] == 0
-    assert "spread their roots" in crowding(solver)
 
 
 @pytest.mark.parametrize("wide", [16, 32, 48])
@@ -233,23 +169,8 @@ def test_pressure_solves_the_complementarity_problem(wide: int) -> None:
     assert np.abs(left[held & (mine > 0)]).max() < 1e-4
 
 
-@pytest.mark.long
-def test_double_precision_moves_strands_alike() -> None:
-    found = []
-    for double in (False, True):
-        solver = solver_of(
-            f"emitter: {{{BALL}, strands: 40}}\nsolids: [{{kind: sphere, radius: 0.1}}]\n"
-            "rules: [gravity, wind: {strength: 1}, collision, interaction: {friction: 0.3, cell: 0.03, density: 300}]",
-            double=double,
-        )
-        solver.advance(8)
-        found.append(solver.particles())
-    assert solver.errors(8)["density_max"] > 1  # type: ignore[operator]
-    np.testing.assert_allclose(*found, atol=2e-3)
-
-
 def test_one_strand_of_an_emitter_a_thousand_kilometres_wide() -> None:
-    solver = solver_of(
+    solver = rod_of(
         "emitter: {shape: {kind: disc, radius: 1.0e+6}, strands: 1, particles: 5, length: 1000}\n"
         "rules: [gravity, interaction: {}]"
     )
@@ -270,7 +191,7 @@ def test_one_strand_of_an_emitter_a_thousand_kilometres_wide() -> None:
 )
 def test_bad_input_is_refused_by_name(rule: str, message: str) -> None:
     def start() -> None:
-        solver_of(
+        rod_of(
             "emitter: {shape: {kind: sphere, radius: 0.1}, strands: 64, particles: 5, length: 0.2}\n"
             f"rules: [interaction: {{{rule}}}]"
         ).advance(2)
@@ -288,7 +209,7 @@ def test_it_is_refused_twice_and_by_the_source_s_solver() -> None:
 
 
 def test_nothing_of_it_is_there_where_it_is_not_listed() -> None:
-    solver = solver_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [gravity]")
+    solver = rod_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [gravity]")
     assert solver.grid is None
     assert len(solver.state.acceleration) == 1
     assert "density_max" not in solver.errors(1)

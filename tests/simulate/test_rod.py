@@ -1,4 +1,4 @@
-"""Rods against the elastica, buckling, and themselves: at other steps, precisions, kernels and thread counts."""
+"""Rods at other precisions, kernels and thread counts, and what is refused."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import strandcli
+from rod_kit import each_step, take_steps
 from strand_kit import groom_of, scene_of
 from strandcli.compiling import runtime
 from strandcli.errors import UsageError
@@ -17,36 +18,9 @@ from strandcli.simulate.rod import solver as rod_solver
 from strandcli.simulate.rod import step as rod_step
 from strandcli.simulate.rod.kernels import work_queue
 from strandcli.simulate.rod.kernels.step import run
-from strandcli.simulate.rod.material import rigidity
 from strandcli.simulate.rod.solver import RodSolver
 
-# H/W of a heavy elastica clamped level, for Γ = ρ A g L³ / B, from θ″ = −Γ (1 − s) cos θ, θ(0) = 0, θ′(1) = 0
-DROOP = {1.0: 0.124562, 10.0: 1.06680, 100.0: 5.88810}
 PULL = 9.81
-
-
-def droop(gamma: float, steps: int = 1000) -> float:
-    """H/W by shooting from the free end, where θ′ = 0, for the slope there that makes the clamp level."""
-
-    def end(tip: float) -> np.ndarray:
-        y, h = np.array([tip, 0.0, 0.0, 0.0]), 1 / steps
-
-        def slope(t: float, y: np.ndarray) -> np.ndarray:  # t = 1 − s, θ measured downward
-            return np.array([y[1], -gamma * t * np.cos(y[0]), np.cos(y[0]), np.sin(y[0])])
-
-        for i in range(steps):
-            a = slope(i * h, y)
-            b = slope((i + 0.5) * h, y + h / 2 * a)
-            c = slope((i + 0.5) * h, y + h / 2 * b)
-            y = y + h / 6 * (a + 2 * b + 2 * c + slope((i + 1) * h, y + h * c))
-        return y
-
-    low, high = 0.0, np.pi / 2
-    for _ in range(50):
-        middle = (low + high) / 2
-        low, high = (middle, high) if end(middle)[0] < 0 else (low, middle)
-    y = end((low + high) / 2)
-    return float(y[3] / y[2])
 
 
 def scene(gamma: float, *, direction: tuple[float, float, float] = (1, 0, 0), **changes: Any) -> Any:
@@ -71,47 +45,6 @@ def scene(gamma: float, *, direction: tuple[float, float, float] = (1, 0, 0), **
     return strandcli.load("minimal", settings=settings)
 
 
-def settled(one: Any, dt: float, seconds: float = 20.0) -> np.ndarray:
-    """(particles, 3) after so many seconds of steps of dt."""
-    solver = RodSolver(one, emit(one.emitter, one.seed))
-    for i in range(round(max(seconds, 60 * dt) / dt)):
-        solver.step((i + 1) * dt, dt)
-    assert solver.errors(1)["nonfinite"] == 0
-    return solver.particles()[0].astype(float)
-
-
-@pytest.mark.parametrize("gamma", DROOP)
-def test_the_table_is_the_boundary_value_problem(gamma: float) -> None:
-    assert droop(gamma) == pytest.approx(DROOP[gamma], rel=1e-4)
-
-
-@pytest.mark.parametrize(("gamma", "limit"), [(1.0, 0.015), (10.0, 0.025), (100.0, 0.15)])
-def test_a_level_rod_sags_as_the_elastica(gamma: float, limit: float) -> None:
-    root, *_, tip = settled(scene(gamma), 1 / 60)
-    ratio = (root[1] - tip[1]) / (tip[0] - root[0])
-    assert ratio / DROOP[gamma] == pytest.approx(1, abs=limit)
-
-
-def test_its_rest_does_not_depend_on_the_step() -> None:
-    shapes = [settled(scene(10.0), dt) for dt in (1 / 240, 1 / 24, 0.5)]
-    for shape in shapes[1:]:
-        assert np.abs(shape - shapes[0]).max() < 1e-4
-
-
-def test_it_buckles_where_a_column_does() -> None:
-    leaning = (1e-3, 1.0, 0.0)
-    upright = settled(scene(7.3, direction=leaning), 1 / 60)
-    bowed = settled(scene(8.4, direction=leaning), 1 / 60)
-    assert abs(upright[-1, 0]) < 0.05
-    assert abs(bowed[-1, 0]) > 0.2
-
-
-def test_edges_keep_their_length() -> None:
-    shape = settled(scene(30.0), 1 / 60, 1.0)
-    edges = np.linalg.norm(np.diff(shape, axis=0), axis=1)
-    np.testing.assert_allclose(edges, 1 / 9, rtol=1e-6)
-
-
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
     "changes",
@@ -126,8 +59,7 @@ def test_edges_keep_their_length() -> None:
 def test_rods_of_any_stiffness_stay_straight(changes: dict[str, Any]) -> None:
     one = scene(10.0, **changes)
     solver = RodSolver(one, emit(one.emitter, one.seed))
-    for i in range(5):
-        solver.step((i + 1) / 24, 1 / 24)
+    take_steps(solver, 24, 5)
     found = solver.errors(1)
     assert found["nonfinite"] == 0
     assert found["residual_max"] < 1e-5
@@ -144,8 +76,7 @@ def test_any_number_of_threads_gives_the_same_bits(monkeypatch: pytest.MonkeyPat
         runtime.start(threads)
         solver = RodSolver(one, emit(one.emitter, one.seed))
         assert len(solver.kernel.scratch) == threads
-        for i in range(10):
-            solver.step((i + 1) / 30, 1 / 30)
+        take_steps(solver, 30, 10)
         results.append(solver.positions.copy())
     np.testing.assert_array_equal(*results)
 
@@ -192,20 +123,6 @@ def test_nothing_is_compiled_for_strands_that_do_not_move(monkeypatch: pytest.Mo
     assert asked == ["float64"]
 
 
-def test_a_step_of_no_length_changes_nothing() -> None:
-    one = scene(10.0)
-    solver = RodSolver(one, emit(one.emitter, one.seed))
-    before = solver.positions.copy()
-    solver.step(0.0, 0.0)
-    np.testing.assert_array_equal(solver.positions, before)
-
-
-def test_rigidity_is_that_of_a_round_rod() -> None:
-    one = scene(10.0)
-    inertia, area = np.pi * 0.01**4 / 4, np.pi * 0.01**2
-    assert rigidity(one.rod) == pytest.approx(one.rod.young * inertia / (1000.0 * area))
-
-
 def test_rules_of_other_packages_are_refused_by_name() -> None:
     from strandcli.scene.model import RuleUse
 
@@ -221,8 +138,7 @@ def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch
     def fallen() -> tuple[np.ndarray, float]:
         solver = RodSolver(one, emit(one.emitter, one.seed))
         left, films = 0.0, []
-        for i in range(18):
-            solver.step((i + 1) / 24, 1 / 24)
+        for _ in each_step(solver, 24, 18):
             left = max(left, float(solver.errors(1)["residual_max"] or 0.0))
             films.append(solver.particles().astype(float))
         return np.array(films), left
@@ -241,7 +157,8 @@ def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch
 
 def test_the_compiled_step_can_be_kept_in_the_cache() -> None:
     """Machine code that holds addresses of this process is compiled anew by every run."""
-    settled(scene(10.0), 1 / 24, 1 / 24)
+    one = scene(10.0)
+    RodSolver(one, emit(one.emitter, one.seed)).step(1 / 24, 1 / 24)
     assert run.overloads
     assert not any(made.library.has_dynamic_globals for made in run.overloads.values())
 

@@ -1,12 +1,16 @@
-"""Rods against solids: depth, friction, and what is carried along."""
+"""Rods against solids: depth, friction, and what is carried along, by meshes that deform, too."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import mesh_kit as kit
+from rod_kit import rod_of, take_steps
+from strandcli.meshes.mesh import TriangleMesh
 from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod import PULL, scene
 from tests.simulate.test_rod_motion import first, solver_of
@@ -50,8 +54,7 @@ def test_nothing_is_left_inside(case: str, dt: float) -> None:
 @pytest.mark.parametrize("radius", [0.3, 3.0])
 def test_a_ball_that_swallows_the_root_is_survived(radius: float) -> None:
     solver = against([ball(radius, 0, 0, 0)])
-    for i in range(60):
-        solver.step((i + 1) / 24, 1 / 24)
+    take_steps(solver, 24, 60)
     errors = solver.errors(1)
     assert errors["nonfinite"] == 0
     assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
@@ -65,8 +68,7 @@ def carried(friction: float, shift: float) -> float:
     keys = [{"time": 0, "position": [0.5, -50.2, 0]}, {"time": 4, "position": [0.5, -50.2, shift]}]
     one = {"emitter.strands": 1, "emitter.jitter": 0.0, "rod.friction": friction, "rod.damping": 0.01}
     solver = against([{"kind": "sphere", "radius": 50, "keys": keys}], 100.0, **one)
-    for i in range(96):
-        solver.step((i + 1) / 24, 1 / 24)
+    take_steps(solver, 24, 96)
     assert first(solver)[-1, 1] < -0.15
     return float(first(solver)[-1, 2])
 
@@ -78,11 +80,79 @@ def test_friction_carries_strands_along() -> None:
     assert carried(1.0, 0.2) > 0.05
 
 
-def test_a_ball_that_moves_pushes() -> None:
-    keys = [{"time": 0, "position": [0.6, 0, -1]}, {"time": 2, "position": [0.6, 0, 1]}]
-    solver = against([{"kind": "sphere", "radius": 0.3, "keys": keys}])
-    for i in range(48):
-        solver.step((i + 1) / 24, 1 / 24)
-        errors = solver.errors(i + 2)
-        assert errors["residual_max"] <= 1e-3  # type: ignore[operator]
-        assert solver._depths((i + 1) / 24)[0] <= 1e-6  # type: ignore[operator]
+SECONDS, RATE, SHIFT = 2.0, 24, 0.2
+TOP = -0.2
+
+
+def slab(folder: Path, shift: float = 0.0, turn: float = 0.0) -> str:
+    """A file of a slab whose top is at the height `TOP`, shifted along z, and turned about y by so many radians."""
+    box = kit.mesh("box")
+    vertices = box.vertices * (1.5, 0.3, 1.5)
+    vertices[:, 1] += TOP - vertices[:, 1].max()
+    x, y, z = vertices.T
+    vertices = np.stack([np.cos(turn) * x + np.sin(turn) * z, y, np.cos(turn) * z - np.sin(turn) * x + shift], axis=1)
+    path = folder / f"slab_{shift}_{turn}.obj"
+    path.write_bytes(kit.obj(TriangleMesh(vertices, box.triangles, vertices)))
+    return str(path)
+
+
+def moved(friction: float, **solid: Any) -> np.ndarray:
+    """Particles of a strand that lies on a mesh, after some seconds."""
+    one = {"emitter.strands": 3, "emitter.jitter": 0.0, "rod.friction": friction, "rod.damping": 0.01}
+    solver = against([{"kind": "mesh", **solid}], 100.0, double=True, **one)
+    take_steps(solver, RATE, int(SECONDS * RATE))
+    assert solver.errors(1)["penetration_max"] < 1e-3  # type: ignore[operator]
+    return first(solver)
+
+
+def test_a_surface_that_slides_carries_strands_as_a_solid_that_moves(tmp_path: Path) -> None:
+    """The same motion by files and by keys, of a slab that a strand rests on; straight lines in time are both."""
+    here, there = slab(tmp_path), slab(tmp_path, SHIFT)
+    keys = [{"time": 0, "ease": "linear"}, {"time": SECONDS, "position": [0, 0, SHIFT]}]
+    rigid = moved(1.0, file=here, keys=keys)
+    sliding = moved(1.0, file=here, deform=[{"time": 0, "file": here}, {"time": SECONDS, "file": there}])
+    still = moved(1.0, file=here)
+    assert rigid[-1, 2] - still[-1, 2] > 0.05
+    np.testing.assert_allclose(sliding, rigid, atol=1e-5)
+
+
+def test_without_friction_a_surface_that_slides_carries_nothing(tmp_path: Path) -> None:
+    here, there = slab(tmp_path), slab(tmp_path, SHIFT)
+    deform = [{"time": 0, "file": here}, {"time": SECONDS, "file": there}]
+    np.testing.assert_allclose(moved(0.0, file=here, deform=deform), moved(0.0, file=here), atol=1e-5)
+
+
+def test_a_surface_that_slides_in_a_solid_that_turns_adds_up(tmp_path: Path) -> None:
+    """A slab turned by its keys, whose file slides it along its own axes, is where one is that moves by keys alone; and
+    it carries the strand as that does."""
+    here, there = slab(tmp_path), slab(tmp_path, SHIFT)
+    posed = {"rotation": [0, 90, 0]}
+    keys = [{"time": 0, "ease": "linear", **posed}, {"time": SECONDS, "position": [SHIFT, 0, 0], **posed}]
+    rigid = moved(1.0, file=here, keys=keys)
+    deform = [{"time": 0, "file": here}, {"time": SECONDS, "file": there}]
+    sliding = moved(1.0, file=here, deform=deform, **posed)
+    np.testing.assert_allclose(sliding, rigid, atol=1e-5)
+    half = [{"time": 0, "ease": "linear", **posed}, {"time": SECONDS, "position": [-SHIFT, 0, 0], **posed}]
+    held = moved(1.0, file=here, deform=deform, keys=half)
+    np.testing.assert_allclose(held, moved(1.0, file=here, **posed), atol=1e-5)
+
+
+def on_a_plane(plane: str, friction: float, rate: int) -> RodSolver:
+    """A limp strand of a metre that lies on a plane through its root."""
+    return rod_of(
+        f"rod: {{rest: straight, radius: 1.0e-4, young: 1000, drag: 0, damping: 0, friction: {friction}}}\n"
+        f"time: {{fps: {rate}}}\nemitter: {{shape: {{kind: disc, radius: 1.0e-6}}, strands: 1, particles: 11, "
+        f"length: 1, direction: [1, 0, 0]}}\nrules: [gravity, collision]\nsolids: [{{kind: plane, {plane}}}]\n"
+    )
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.5, 1.0])
+def test_friction_on_a_slope_is_coulombs(friction: float) -> None:
+    """Across a slope a limp strand stays below arctan µ; on a steeper one all of it slides at g (sin θ − µ cos θ)."""
+    for beside in (-3.0, 10.0):
+        slope = np.arctan(friction) + np.radians(beside)
+        solver = on_a_plane(f"rotation: [{np.degrees(slope)}, 0, 0]", friction, 960)
+        take_steps(solver, 960, 192)
+        slid = first(solver)[-1] @ [0, -np.sin(slope), np.cos(slope)]
+        free = max(PULL * (np.sin(slope) - friction * np.cos(slope)), 0) * 0.2**2 / 2
+        assert slid == pytest.approx(free, rel=0.04, abs=1e-4)

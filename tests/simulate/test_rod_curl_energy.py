@@ -10,10 +10,10 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
-from strand_kit import require_same_after_restart, scene_of
+from rod_kit import each_step, rod_of
+from strand_kit import require_same_after_restart
 from strandcli.constants import VECTOR
 from strandcli.groom.blocks import aligned
-from strandcli.groom.emit import emit
 from strandcli.simd import load, store, vector_pointer
 from strandcli.simulate.rod.kernels import rest_shape
 from strandcli.simulate.rod.solver import RodSolver
@@ -27,13 +27,12 @@ def curls(
     """Sixteen curls with Γ = ρ A g L³ / B."""
     radius = 0.002 * length
     young = 4000 * G * length**3 / gamma / radius**2
-    scene = scene_of(
-        f"solver: rod\nrod: {{rest: shape, density: 1000, radius: {radius}, young: {young}, torsion: 0.7, drag: 0, "
+    return rod_of(
+        f"rod: {{rest: shape, density: 1000, radius: {radius}, young: {young}, torsion: 0.7, drag: 0, "
         f"damping: 0{more}}}\ntime: {{fps: {fps}}}\nemitter: {{shape: {{kind: disc, radius: 0.06}}, strands: 16, "
         f"particles: {particles}, length: {length}, jitter: 20, rotation: [30, 0, 0], curl_turns: {turns}, "
         f"curl_angle: {angle}{keys}}}\nrules: [gravity, emitter_motion]\n"
     )
-    return RodSolver(scene, emit(scene.emitter, scene.seed))
 
 
 def energy(solver: RodSolver) -> NDArray[np.float64]:
@@ -70,8 +69,7 @@ def test_energy_does_not_grow(
     """With 1.2 to 20 segments a turn. It grew by .06 to 150 m g L where twist or frames run away."""
     solver = curls(fps, particles, turns, angle, gamma, more, length=length)
     begin, most = energy(solver), -math.inf
-    for i in range(4 * fps):
-        solver.step((i + 1) / fps, 1 / fps)
+    for _ in each_step(solver, fps, 4 * fps):
         most = max(most, float((energy(solver) - begin).max()))
     assert most < 0.01
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rod_kit import each_step, take_steps
 from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod import PULL, scene
 from tests.simulate.test_rod_motion import first, solver_of
@@ -52,8 +53,7 @@ def still(kind: str) -> dict[str, Any]:
 
 
 def after(solver: RodSolver, seconds: float, rate: int) -> np.ndarray:
-    for i in range(round(seconds * rate)):
-        solver.step((i + 1) / rate, 1 / rate)
+    take_steps(solver, rate, round(seconds * rate))
     return first(solver)
 
 
@@ -84,8 +84,7 @@ def test_nothing_bounces(rate: int) -> None:
     settings = {"emitter.particles": 2, "rod.drag": 0.0, "rod.damping": 0.0}
     solver = over([wall], 1e7, direction=(0.5, -1, 0), **settings)
     seen = []
-    for i in range(3 * rate):
-        solver.step((i + 1) / rate, 1 / rate)
+    for _ in each_step(solver, rate, 3 * rate):
         seen.append(first(solver)[-1, 0])
     there = int(np.argmax(np.array(seen) < 1e-6))
     assert there > 0
@@ -100,25 +99,6 @@ def test_what_begins_inside_of_a_solid_leaves_it_at_rest(rate: int) -> None:
     # the strand is bent around the ball, and springs back as any that is let go; a jump of 0.2 m in the step would be
     # 12 m/s at 60 Hz and 200 m/s at 1,000
     assert np.abs(solver.state.velocity).max() < 8
-
-
-@pytest.mark.parametrize("rate", [24, 240])
-@pytest.mark.parametrize(
-    ("place", "radius"),
-    [((0, -0.3, 0), 0.3), ((0.3, 0, 0), 0.3), ((0.1, -0.3873, 0), 0.4)],
-    ids=["top", "side", "over"],
-)
-@pytest.mark.parametrize("segments", [False, True])
-def test_a_root_on_a_surface_is_still(
-    place: tuple[float, float, float], radius: float, segments: bool, rate: int
-) -> None:
-    solver = over([{"kind": "sphere", "radius": radius, "position": list(place)}], 10.0, segments, direction=(1, 0, 0))
-    after(solver, 10, rate)
-    seen = []
-    for i in range(10 * rate, 11 * rate):
-        solver.step((i + 1) / rate, 1 / rate)
-        seen.append(first(solver))
-    assert np.ptp(np.array(seen), axis=0).max() < 1e-3
 
 
 @pytest.mark.parametrize("rate", [24, 60, 240])

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rod_kit import each_step, take_steps
 from strand_kit import scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
-from strandcli.simulate.rod.kernels.begin import BLEND, GAIN, OLD_GAIN, VELOCITY_RATE
 from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod import PULL, scene
 
@@ -54,61 +54,21 @@ def test_positions_taken_from_elsewhere_are_drawn_the_same() -> None:
         np.testing.assert_array_equal(taken.positions, run.positions)
 
 
-def crests(y: np.ndarray) -> np.ndarray:
-    """Heights of the maxima, by parabolas."""
-    i = np.flatnonzero((y[1:-1] > y[:-2]) & (y[1:-1] >= y[2:])) + 1
-    a, b, c = y[i - 1], y[i], y[i + 1]
-    return b - (c - a) ** 2 / (8 * (a - 2 * b + c))
-
-
-def greatest_root(turn: float) -> float:
-    """Greatest factor of a step of an oscillation with ω Δt = ``turn``, by the numbers of BDF2 as the kernel has them:
-    u = û + h v with û = u/3, v = v̂ − h' ω² x, and x_{n+1} = x_n + u."""
-    h, g = 2 / 3, 1 / VELOCITY_RATE
-    ahead = np.array([1 + GAIN, -GAIN - OLD_GAIN, OLD_GAIN])  # of v_n, v_{n−1}, v_{n−2}
-    step = np.zeros((5, 5))  # of x, v, v_{n−1}, v_{n−2}, u
-    # v' (1 + g h turn²) = v̂ − g turn² (x + u / 3)
-    step[1] = np.array([-g * turn**2, *ahead, -g * turn**2 / 3]) / (1 + g * h * turn**2)
-    step[4] = h * step[1] + np.array([0, 0, 0, 0, 1 / 3])
-    step[0] = step[4] + np.array([1, 0, 0, 0, 0])
-    step[2, 1] = step[3, 2] = 1
-    return float(np.abs(np.linalg.eigvals(step)).max())
-
-
-def test_bdf2_is_stable_at_any_step_and_loses_little() -> None:
-    assert max(map(greatest_root, np.geomspace(1e-2, 1e4, 200))) < 1
-    for turn in (0.1, 0.2):
-        assert 1 - greatest_root(turn) == pytest.approx((1 - BLEND) / 4 * turn**4, rel=0.2)
-
-
 FREE = {"rod.drag": 0.0, "rod.damping": 0.0}
-
-
-def test_a_pendulum_keeps_its_amplitude() -> None:
-    solver = solver_of(scene(1e7, direction=(0.3, -1.0, 0.0), **FREE, **{"emitter.particles": 2}))
-    swing = []
-    for i in range(600):
-        solver.step((i + 1) / 60, 1 / 60)
-        swing.append(first(solver)[-1, 0])
-    tops = crests(np.array(swing))
-    assert len(tops) >= 4
-    assert 0.999 < (tops[-1] / tops[0]) ** (1 / (len(tops) - 1)) <= 1.0
 
 
 @pytest.mark.parametrize("gamma", [1.0, 1e4])
 def test_energy_does_not_grow(gamma: float) -> None:
     solver = solver_of(scene(gamma, **FREE))
     start = energy(solver)
-    for i in range(300):
-        solver.step((i + 1) / 60, 1 / 60)
+    for _ in each_step(solver, 60, 300):
         assert energy(solver) - start <= 1e-6
 
 
 def test_order_in_the_step() -> None:
     def end(rate: int) -> np.ndarray:
         solver = solver_of(scene(10.0, **FREE, **{"emitter.particles": 6}), double=True)
-        for i in range(rate // 2):
-            solver.step((i + 1) / rate, 1 / rate)
+        take_steps(solver, rate, rate // 2)
         return first(solver)
 
     best = end(1920)
@@ -120,26 +80,23 @@ def test_order_in_the_step() -> None:
 
 def test_double_precision_keeps_lengths_to_its_last_digits() -> None:
     solver = solver_of(scene(10.0), double=True)
-    for i in range(30):
-        solver.step((i + 1) / 24, 1 / 24)
+    take_steps(solver, 24, 30)
     edges = np.linalg.norm(np.diff(first(solver), axis=0), axis=1)
     np.testing.assert_allclose(edges, 1 / 9, rtol=1e-12)
     assert solver.errors(1)["stretch_max"] <= 1e-12  # type: ignore[operator]
 
 
-@pytest.mark.parametrize("gamma", [1.0, 10.0])
+@pytest.mark.parametrize("gamma", [1.0, 10.0, 100.0])
 def test_rest_is_still_and_the_same_at_any_rate(gamma: float) -> None:
     shapes = []
-    for rate in (24, 240):
-        solver = solver_of(scene(gamma), double=True)
+    for rate in (2, 24, 240):
+        solver = solver_of(scene(gamma))
         seen = []
-        for i in range(21 * rate):
-            solver.step((i + 1) / rate, 1 / rate)
-            if i >= 20 * rate:
-                seen.append(first(solver))
-        assert np.ptp(np.array(seen), axis=0).max() <= 1e-6
+        for _ in each_step(solver, rate, max(21 * rate, 60)):
+            seen.append(first(solver))
+        assert np.ptp(np.array(seen[-rate:]), axis=0).max() <= 1e-6
         shapes.append(seen[-1])
-    assert np.abs(shapes[0] - shapes[1]).max() <= 1e-4
+    assert np.abs(shapes - shapes[-1]).max() <= 1e-4
 
 
 def moving(gamma: float, keys: list[dict[str, Any]], double: bool = False, **changes: Any) -> RodSolver:
@@ -164,25 +121,12 @@ def test_a_strand_falls_in_a_moving_frame_as_in_one_at_rest() -> None:
 def test_a_teleport_carries_the_shape_along() -> None:
     keys = [{"time": 0}, {"time": 1.0}, {"time": 1.0001, "position": [100, 0, 0]}, {"time": 9, "position": [100, 0, 0]}]
     solver = moving(10.0, keys)
-    for i in range(24):
-        solver.step((i + 1) / 24, 1 / 24)
+    take_steps(solver, 24, 24)
     before = solver.particles() + np.array([100, 0, 0])
     solver.step(25 / 24, 1 / 24)
     # at rest again, and what is left of a fall from rest in one step
     assert np.abs(solver.particles() - before).max() < 2 * PULL / 24**2
     assert solver.residual() < 1e-3  # type: ignore[operator]
-
-
-@pytest.mark.parametrize("gamma", [10.0, 1e4])
-def test_a_root_that_turns_over_in_one_step(gamma: float) -> None:
-    keys = [{"time": 0}, {"time": 0.5}, {"time": 0.5001, "rotation": [0, 180, 0]}, {"time": 9, "rotation": [0, 180, 0]}]
-    solver = moving(gamma, keys)
-    for i in range(36):
-        solver.step((i + 1) / 24, 1 / 24)
-        assert solver.residual() <= 1e-3  # type: ignore[operator]
-        errors = solver.errors(1)
-        assert errors["nonfinite"] == 0
-        assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
 
 
 def test_a_stiff_hinged_rod_is_a_physical_pendulum() -> None:
@@ -208,31 +152,12 @@ def test_a_hinged_root_holds_no_strand_up() -> None:
         solver_of(scene(1.0, **{"rod.root": "hinged", "rod.rest": "sag_free"}))
 
 
-@pytest.mark.parametrize("particles", [2, 3, 4, 11, 21])
-def test_any_number_of_segments(particles: int) -> None:
-    solver = solver_of(scene(10.0, **{"emitter.particles": particles}))
-    for i in range(60):
-        solver.step((i + 1) / 24, 1 / 24)
-        assert solver.residual() <= 1e-3  # type: ignore[operator]
-    assert np.isfinite(first(solver)).all()
-
-
-@pytest.mark.parametrize("direction", [(1, 0, 0), (0, 1, 0), (0.5, 0.5, 0.2)])
-def test_a_sag_free_rod_stays_where_it_is(direction: tuple[float, float, float]) -> None:
-    changes = {"rod.rest": "sag_free", "rod.tip": 0.5, "emitter.strands": 50, "emitter.jitter": 20.0}
-    solver = solver_of(scene(10.0, direction=direction, **{**changes, "emitter.length_variation": 0.3}))
-    start = solver.positions.copy()
-    solver.step(1 / 24, 1 / 24)
-    assert np.abs(solver.positions - start).max() <= 1e-6
-
-
 def test_material_and_length_decide_how_a_strand_hangs() -> None:
     """Thin tips and unequal lengths: a strand of half the length and an eighth of the weight moment sags less."""
     one = scene(30.0, **{"rod.tip": 0.3})
     thin = solver_of(one)
     thick = solver_of(scene(30.0))
-    for i in range(240):
-        thin.step((i + 1) / 24, 1 / 24)
+    for i in each_step(thin, 24, 240):
         thick.step((i + 1) / 24, 1 / 24)
     # less weight far out: the clamp carries less, and the middle of the strand hangs higher
     assert first(thin)[4, 1] > first(thick)[4, 1]

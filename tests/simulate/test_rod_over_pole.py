@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strand_kit import scene_of
-from strandcli.groom.emit import emit
+from rod_kit import each_step, rod_of
 from strandcli.simulate.rod.solver import RodSolver
 
 Floats = NDArray[np.float64]
@@ -17,13 +16,12 @@ SETTLED = 3
 
 def over_a_pole(rate: int, more: str = "rest: straight, friction: 0", curl: str = "", strands: int = 16) -> RodSolver:
     """Strands of .3 m that begin on a pole, lie across it and hang down behind."""
-    scene = scene_of(
-        f"solver: rod\nrod: {{radius: 4.0e-5, drag: 0, damping: 0, {more}}}\ntime: {{fps: {rate}}}\n"
+    return rod_of(
+        f"rod: {{radius: 4.0e-5, drag: 0, damping: 0, {more}}}\ntime: {{fps: {rate}}}\n"
         f"emitter: {{shape: {{kind: disc, radius: 0.0001}}, strands: {strands}, particles: 26, length: 0.3,"
         f" rotation: [0, 0, -90]{curl}}}\nrules: [gravity, collision]\n"
         "solids: [{kind: capsule, radius: 0.03, length: 1, position: [0.05, -0.031, 0], rotation: [90, 0, 0]}]\n"
     )
-    return RodSolver(scene, emit(scene.emitter, scene.seed))
 
 
 def rows(solver: RodSolver, row: int) -> Floats:
@@ -36,8 +34,7 @@ def swings(rate: int, seconds: int) -> Floats:
     """(seconds,) half the width of the tip's swing along the pole in each second, from a push along it."""
     solver = over_a_pole(rate)
     state = solver.state
-    for i in range(SETTLED * rate):
-        solver.step((i + 1) / rate, 1 / rate)
+    for _ in each_step(solver, rate, SETTLED * rate):
         for member in (state.velocity, state.ahead, state.before, state.moved):
             member *= 0.5 ** (24 / rate)
     along = 0.3 * np.linspace(0, 1, state.velocity.shape[1])[:, None]

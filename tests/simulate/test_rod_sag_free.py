@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rod_kit import each_step, take_steps
 from strandcli.simulate import advice
 from strandcli.simulate.rod.rest_shape import SAFETY, TILT, TURNS, hold
 from strandcli.simulate.rod.solver import RodSolver
@@ -51,8 +52,7 @@ def test_it_finds_back_when_its_root_has_turned(
     solver = held(gamma, 10, way, **{"emitter.keys": keys, "rules": ["emitter_motion", gravity]})
     start = first(solver)
     away = 0.0
-    for i in range(16 * rate):
-        solver.step((i + 1) / rate, 1 / rate)
+    for _ in each_step(solver, rate, 16 * rate):
         away = max(away, float(np.abs(first(solver) - start).max()))
     assert away > 0.05
     assert np.abs(first(solver) - start).max() <= 1e-6
@@ -109,6 +109,5 @@ def test_curls_stay_and_find_back(angle: float, turns: float, way: tuple[float, 
         keys = [{"time": 0}, {"time": 0.25, "rotation": [0, 0, 45]}, {"time": 0.5}, {"time": 99}]
         gravity = {"gravity": {"acceleration": [0, -PULL, 0]}}
         solver = held(gamma, 20, way, **{**curl, "emitter.keys": keys, "rules": ["emitter_motion", gravity]})
-        for i in range(30 * 24):
-            solver.step((i + 1) / 24, 1 / 24)
+        take_steps(solver, 24, 30 * 24)
         assert np.abs(first(solver) - start).max() <= 3e-3  # of a tight coil, what turns about its axis comes last

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import strandcli
+from rod_kit import each_step
 from strandcli.groom.emit import emit
 from strandcli.simulate.rod import swing
-from strandcli.simulate.rod.kernels.begin import BLEND
 from strandcli.simulate.rod.setup import matter_of, shape_of
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.study.references.oscillation import oscillation
 from tests.simulate.test_rod import PULL, scene
-from tests.simulate.test_rod_motion import FREE, energy, first, greatest_root
+from tests.simulate.test_rod_motion import FREE, energy, first
 
 FPS = 24
 
@@ -46,13 +46,11 @@ def swung(solver: RodSolver, hertz: float, fps: float = FPS) -> tuple[float, flo
     across = u**2 * (6 - 4 * u + u**2) / 3 if stiff else u
     velocity[0, :, : velocity.shape[2] // 3] = (0.05 * math.tau * hertz * length * across)[:, None]
     start, most, x = energy(solver), 0.0, []
-    for i in range(int(max(10 / hertz, 40 / fps) * fps)):
-        solver.step((i + 1) / fps, 1 / fps)
+    for _ in each_step(solver, fps, int(max(10 / hertz, 40 / fps) * fps)):
         most = max(most, energy(solver) - start)
         x.append(first(solver)[-1, 0])
     begin = math.ceil(fps / hertz)  # the first cycle takes what else the push has set in motion
     found = oscillation(np.arange(len(x) - begin) / fps, np.array(x[begin:]), math.tau * hertz)
-    assert found is not None
     return -math.expm1(-math.tau * found[1] / found[0]), most
 
 
@@ -85,8 +83,7 @@ def test_short_strands_come_to_rest(length: float, fps: int) -> None:
     solver = solver_of(30.0, length, direction=(1, 0, 0), **{"rod.drag": 3.0, "time": {"fps": fps}})
     assert swing.parts(solver._swing_rate, 1 / fps) > 1 or fps == 60
     seen = []
-    for i in range(16 * fps):
-        solver.step((i + 1) / fps, 1 / fps)
+    for _ in each_step(solver, fps, 16 * fps):
         seen.append(first(solver)[-1])
     assert np.ptp(np.array(seen[-fps:]), axis=0).max() <= 1e-6 * length
 
@@ -100,8 +97,7 @@ def test_a_limp_strand_that_falls_over_gains_no_energy(root: str) -> None:
         way = (math.sin(angle), -math.cos(angle), 0.0)
         solver = solver_of(1e5, length, direction=way, **{"emitter.particles": particles, "rod.root": root})
         start = energy(solver)
-        for i in range(5 * FPS):
-            solver.step((i + 1) / FPS, 1 / FPS)
+        for _ in each_step(solver, FPS, 5 * FPS):
             assert energy(solver) - start <= 0.01
 
 
@@ -117,28 +113,11 @@ def test_a_limp_strand_that_stands_upright_gains_no_energy(
     solver = solver_of(1e6, length, **changes)
     solver._swing_rate *= not whole
     start, most = energy(solver), 0.0
-    for i in range(36):
-        solver.step((i + 1) / FPS, 1 / FPS)
+    for _ in each_step(solver, FPS, 36):
         most = max(most, energy(solver) - start)
     assert most < 0.01
     if tilt == 0.0:
         np.testing.assert_allclose(first(solver)[-1], (0, length, 0), atol=1e-6)
-
-
-def test_losses_are_those_of_the_method() -> None:
-    turns = np.array([0.1, 0.2, 0.5, 1.0])
-    small = math.tau * (1 - BLEND) / 4 * turns**3
-    found = swing.losses(turns)
-    assert found[:2] == pytest.approx(small[:2], rel=0.2)
-    # the method's own matrix has the same root, and a period at least as long as the exact one
-    for turn, loss in zip(turns, found, strict=True):
-        assert (
-            1 - greatest_root(turn) ** (math.tau / turn) <= loss <= 1 - greatest_root(turn) ** (1.3 * math.tau / turn)
-        )
-    allowed = swing.longest_turn(np.array([swing.LOSS]))
-    assert swing.losses(allowed) == pytest.approx(swing.LOSS, rel=1e-3)
-    assert allowed[0] * FPS / math.tau == pytest.approx(1.8, abs=0.1)  # Hz that whole steps are for
-    assert math.ceil(math.tau / swing.FRAMES / allowed[0]) == swing.MOST_PARTS
 
 
 def found_frequency(solver: RodSolver) -> float:
@@ -167,20 +146,6 @@ def test_frequencies_are_those_of_chain_and_beam() -> None:
     assert standing == pytest.approx(
         [3.516, 3.516 * math.sqrt(1 - 4 / 7.84), 3.516 * math.sqrt(1 - 7 / 7.84)], rel=0.06
     )
-
-
-def test_a_measured_frequency_agrees() -> None:
-    for gamma in (1e3, 10.0, 2.0):
-        solver = solver_of(gamma, 0.3)
-        hertz = found_frequency(solver)
-        solver.state.velocity[0, :, : solver.state.velocity.shape[2] // 3] = (0.02 * np.arange(1, 10) / 9)[:, None]
-        x = []
-        for i in range(2400):
-            solver.step((i + 1) / 480, 1 / 480)
-            x.append(first(solver)[-1, 0])
-        found = oscillation(np.arange(len(x)) / 480, np.array(x), math.tau * hertz)
-        assert found is not None
-        assert found[0] / math.tau == pytest.approx(hertz, rel=0.02)
 
 
 def parts_of(solver: RodSolver) -> int:

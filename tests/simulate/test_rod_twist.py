@@ -10,6 +10,7 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
+from rod_kit import rod_of, take_steps
 from strand_kit import scene_of
 from strandcli.constants import VECTOR
 from strandcli.groom.blocks import aligned
@@ -63,12 +64,11 @@ def test_the_stiffness_is_that_of_torsion() -> None:
 
 
 def ringlet(fps: int, more: str = "torsion: 0.7", rest: str = "shape") -> RodSolver:
-    scene = scene_of(
-        f"solver: rod\nrod: {{rest: {rest}, radius: 2.5e-5, damping: 0.0002, {more}}}\ntime: {{fps: {fps}}}\n"
+    return rod_of(
+        f"rod: {{rest: {rest}, radius: 2.5e-5, damping: 0.0002, {more}}}\ntime: {{fps: {fps}}}\n"
         "emitter: {shape: {kind: disc, radius: 0.01}, strands: 16, particles: 60, length: 0.2, curl_turns: 5, "
         "curl_angle: 60, rotation: [180, 0, 0]}\nrules: [gravity]\n"
     )
-    return RodSolver(scene, emit(scene.emitter, scene.seed))
 
 
 def bounce(solver: RodSolver, seconds: float) -> NDArray[np.float64]:
@@ -107,15 +107,14 @@ def test_a_ringlet_bounces_on_in_the_second_second_and_no_more_than_in_the_first
 def swung(rate: int, double: bool = False) -> NDArray[np.float64]:
     """(3, 16) where tips of ringlets are from their roots, over their length, after half a second on an emitter that
     turns about them and across."""
-    scene = scene_of(
-        f"solver: rod\nrod: {{rest: shape, radius: 4.0e-5, damping: 0.02, torsion: 0.7}}\ntime: {{fps: {rate}}}\n"
+    solver = rod_of(
+        f"rod: {{rest: shape, radius: 4.0e-5, damping: 0.02, torsion: 0.7}}\ntime: {{fps: {rate}}}\n"
         "emitter: {shape: {kind: disc, radius: 0.01}, strands: 16, particles: 26, length: 0.2, curl_turns: 3, "
         "curl_angle: 50, keys: [{time: 0, rotation: [180, 0, 0]}, {time: 0.5, rotation: [220, 60, 0]}]}\n"
-        "rules: [emitter_motion, gravity]\n"
+        "rules: [emitter_motion, gravity]\n",
+        double=double,
     )
-    solver = RodSolver(scene, emit(scene.emitter, scene.seed), double)
-    for i in range(rate // 2):
-        solver.step((i + 1) / rate, 1 / rate)
+    take_steps(solver, rate, rate // 2)
     return np.asarray(solver.state.edges.reshape(25, 3, 16).mean(0, dtype=np.float64))
 
 
@@ -129,11 +128,9 @@ def test_ringlets_that_are_swung_hardly_depend_on_the_step() -> None:
 
 
 def test_strands_of_every_pack_are_moved() -> None:
-    scene = scene_of(
-        "solver: rod\nemitter: {strands: 40, particles: 6, curl_angle: 30, curl_turns: 1, rotation: [90, 0, 0]}\n"
-        "rules: [gravity]\n"
+    solver = rod_of(
+        "emitter: {strands: 40, particles: 6, curl_angle: 30, curl_turns: 1, rotation: [90, 0, 0]}\nrules: [gravity]\n"
     )
-    solver = RodSolver(scene, emit(scene.emitter, scene.seed))
     start = solver.particles().copy()
     solver.advance(2)
     assert np.abs(solver.particles() - start).max(axis=(1, 2)).min() > 1e-4

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from crossing_kit import crossings, solver_of, strands
+from crossing_kit import crossings, strands
+from rod_kit import rod_of
 from strandcli.errors import UsageError
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
@@ -42,7 +43,7 @@ def laid_pair(n: int, turns: float, radius: float, length: float) -> Groom:
 def test_strands_shot_at_each_other_do_not_pass(speed: float, young: str, steps: list[tuple[Floats, Floats]]) -> None:
     """However far they would go in a step: up to forty times their length, or ten thousand thicknesses."""
     groom = strands([[-0.5, 0, 0], [0.02, 0.05, -0.5]], [[1, 0, 0], [0.02, 0, 1]], [1, 1])
-    solver = solver_of(CROSS.format(young=young) + RULE.format(d=0.004), groom)
+    solver = rod_of(CROSS.format(young=young) + RULE.format(d=0.004), groom)
     for axis, sign in ((0, 1), (1, -1)):
         solver.state.velocity.reshape(1, 10, 3, PACK)[0, :, axis, 0] = sign * speed
     solver.advance(7)
@@ -53,7 +54,7 @@ def test_strands_shot_at_each_other_do_not_pass(speed: float, young: str, steps:
 def test_one_strand_rests_on_another() -> None:
     """At the distance asked for, and still."""
     groom = strands([[-0.1, -0.02, 0], [0, 0.05, -0.5]], [[1, 0, 0], [0, 0, 1]], [0.2, 1])
-    solver = solver_of(CROSS.format(young="5.0e+9").replace("drag: 0", "drag: 20") + RULE.format(d=0.01), groom)
+    solver = rod_of(CROSS.format(young="5.0e+9").replace("drag: 0", "drag: 20") + RULE.format(d=0.01), groom)
     solver.advance(60)
     then = solver.particles()
     solver.advance(70)
@@ -74,7 +75,7 @@ def fine(strand: NDArray[Any]) -> Floats:
 def test_contact_keeps_momentum() -> None:
     """What one strand gets the other loses: forces times masses add up to nothing, where lengths differ too."""
     groom = strands([[-0.1, -0.02, 0], [0, 0.05, -0.5]], [[1, 0, 0], [0, 0, 1]], [0.2, 1])
-    solver = solver_of(CROSS.format(young="5.0e+9") + RULE.format(d=0.01), groom)
+    solver = rod_of(CROSS.format(young="5.0e+9") + RULE.format(d=0.01), groom)
     seen = 0
     for frame in range(2, 14):
         solver.advance(frame)
@@ -98,7 +99,7 @@ def test_a_twisted_pair_keeps_its_turns(steps: list[tuple[Floats, Floats]]) -> N
     )
     left = []
     for rule in (", contact: {thickness: 0.01, friction: 0.6}", ""):
-        solver = solver_of(text % rule, groom)
+        solver = rod_of(text % rule, groom)
         solver.advance(16)
         way = solver.particles()[1].astype(float) - solver.particles()[0]
         around = np.unwrap(np.arctan2(way[: half + 1, 2], way[: half + 1, 0]))
@@ -176,12 +177,12 @@ def test_any_number_of_threads_and_a_restart_give_the_same_bits() -> None:
     found = []
     for threads in {1, min(2, numba.config.NUMBA_NUM_THREADS)}:
         numba.set_num_threads(threads)
-        solver = solver_of(TUFT)
+        solver = rod_of(TUFT)
         solver.advance(4)
         saved = {name: one.copy() for name, one in solver.state_arrays().items()}
         solver.advance(6)
         found.append(solver.particles())
-        again = solver_of(TUFT)
+        again = rod_of(TUFT)
         again.restore(saved)
         again.advance(6)
         found.append(again.particles())
@@ -202,14 +203,14 @@ def test_any_number_of_threads_and_a_restart_give_the_same_bits() -> None:
 )
 def test_bad_input_is_refused_by_name(rule: str, message: str) -> None:
     with pytest.raises((UsageError, SceneError), match="contact") as caught:
-        solver_of(f"emitter: {{strands: 2, particles: 3, length: 0.1}}\nrules: [contact: {{{rule}}}]")
+        rod_of(f"emitter: {{strands: 2, particles: 3, length: 0.1}}\nrules: [contact: {{{rule}}}]")
     assert message in str(caught.value)
 
 
 def test_friction_over_one_is_allowed_and_no_contact_costs_nothing() -> None:
-    one = solver_of("emitter: {strands: 2, particles: 3, length: 0.1}\nrules: [gravity, contact: {friction: 1.5}]")
+    one = rod_of("emitter: {strands: 2, particles: 3, length: 0.1}\nrules: [gravity, contact: {friction: 1.5}]")
     assert one.contact is not None
-    other = solver_of("emitter: {strands: 2, particles: 3, length: 0.1}\nrules: [gravity]")
+    other = rod_of("emitter: {strands: 2, particles: 3, length: 0.1}\nrules: [gravity]")
     assert other.contact is None
     assert len(other.state.acceleration) == 1
     assert "strand_penetration_max" not in other.errors(1)
@@ -240,3 +241,25 @@ def test_a_step_that_is_cut_in_two_keeps_what_it_began_from_no_longer_than_it_ha
     in_parts(Solver(), step, 1.0, 1.0)
     assert max(alive) == 1
     assert len(alive) == 127
+
+
+@pytest.mark.parametrize("thickness", [0.0002, 0.001, 0.005])
+@pytest.mark.parametrize("speed", [3, 8, 200])
+def test_thin_strands_that_fall_across_each_other_do_not_pass(
+    speed: float, thickness: float, steps: list[tuple[Floats, Floats]]
+) -> None:
+    """One turns about its root onto the other, and slides along it, at three angles."""
+    for angle in np.radians([90, 45, 10]):
+        x, z = np.cos(angle), np.sin(angle)
+        groom = strands([[-0.5, 0, 0], [-0.5 * x, 0.3, -0.5 * z]], [[1, 0, 0], [x, 0, z]], [1, 1])
+        text = (
+            "rod: {rest: straight, radius: 1.0e-3, young: 1.0e+9, drag: 0, damping: 0}\n"
+            f"time: {{fps: 24}}\nemitter: {{strands: 2, particles: 11, length: 1}}\n"
+            f"rules: [gravity: {{acceleration: [0, 0, 0]}}, contact: {{thickness: {thickness}}}]\n"
+        )
+        solver = rod_of(text, groom)
+        for one in (solver.state.velocity, solver.state.before, solver.state.ahead):
+            rows = one.reshape(1, -1, 3, PACK)
+            rows[0, :, 1, 1] = -speed * np.linspace(0, 1, rows.shape[1])
+        solver.advance(14 + int(30 / speed))
+    assert sum(crossings(*one) for one in steps) == 0

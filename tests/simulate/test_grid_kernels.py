@@ -1,25 +1,38 @@
-"""Pressure that throws no strand: the greatest that is no greater than what was found."""
+"""Kernels of the grid of strands: what solids leave of cells, donor cells, and pressure that throws no strand."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mesh_kit import mesh, obj
+from rod_kit import rod_of
+from strandcli.scene.motion import solid_pose
+from strandcli.simulate.grid import strand_grid
+from strandcli.simulate.grid.kernels import donor_cells
 from strandcli.simulate.grid.kernels.limit import BETWEEN_ONLY, HASTENED, LED, WIDELY, limit
 from strandcli.simulate.grid.kernels.records import (
     BETWEEN,
     CELL,
     FALL,
     FULL,
+    LOW,
     MASS,
     MOMENTUM,
     MOST,
     NUMBERS,
+    PUSH,
+    RATE,
+    SIZE,
     SPEED,
     Room,
 )
+from strandcli.solids.shapes import other, other_code
 from strandcli.study.stress import run as stress
+from tests.simulate.test_grid import BALL, prepare
 
 WIDE, HIGH, DEEP = 16, 7, 6
 COUNT = WIDE * HIGH * DEEP
@@ -93,3 +106,70 @@ def test_what_is_too_heavy_to_follow_is_not_pushed_without_end() -> None:
     name = "rod/dt=10/n=3/L=1e6/tip=1e6/start=folded/between=grid-fine/twist=sag-free"
     (verdict,) = stress.perform(stress.named(name))
     assert verdict.verdict == "pass", verdict.why
+
+
+D, ROWS, ACROSS, LENGTH = 0.002, 20, 20, 0.12
+"""From strand to strand, metres; strands above and beside each other; their length, metres."""
+
+
+def test_strands_read_of_closed_cells_what_they_leave_in_them() -> None:
+    """To read is the transpose of to leave: so no momentum is lost or gained, in corners and gaps either."""
+    rng = np.random.default_rng(0)
+    box = np.array([0, 0, 0, 16, 6, 5, 0])
+    count = 16 * 6 * 5
+    open_ = np.where(rng.random(count) > 0.5, rng.random(count), -0.1 * rng.random(count)).astype(np.float32)
+    grid = rng.random((CELL, count)).astype(np.float32)
+    targets = rng.normal(size=(count, CELL)).astype(np.float32)
+    homes, closed = np.empty(count, np.int8), np.empty((2, count + 1), np.int32)
+    left, room, read = grid.copy(), open_.copy(), targets.copy()
+    donor_cells.settle(box, np.ones((5, 6), np.bool_), left, room, homes, closed)
+    donor_cells.read_home(box, homes, closed, read)
+    assert (homes[open_ > 0] == 0).all()
+    assert (homes > 0).sum() > 200 < (homes <= donor_cells.WAYS).sum()
+    assert (homes > donor_cells.WAYS).any()
+    for column, target in [(MASS + i, RATE + i) for i in range(4)] + [(BETWEEN + i, PUSH + i) for i in range(3)]:
+        brought = left[column].astype(float) @ targets[:, target]
+        assert brought == pytest.approx(grid[column].astype(float) @ read[:, target], abs=1e-3)
+    assert (left[MASS, homes > 0] == 0).all()
+    assert room[open_ > 0].sum() == pytest.approx(np.abs(open_[(open_ > 0) | (homes > 0)]).sum(), rel=1e-5)
+
+
+def test_a_box_that_grows_finds_room_in_the_memory_of_the_last_one() -> None:
+    crowd = rod_of(f"emitter: {{{BALL}, strands: 4}}\nrules: [interaction]").grid
+    for wide in range(16, 16 * 200, 16):
+        crowd.boxes[-1, SIZE : SIZE + 3] = wide, 3, 5
+        crowd._empty_grid()
+        for one in (crowd.grid.T, crowd.targets, crowd.shares, *crowd.room):
+            assert len(one) == wide * 15
+
+
+def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Against distances of one point after the other; where strands are, and nowhere else."""
+    (tmp_path / "ball.obj").write_bytes(obj(mesh("ball")))
+    solver = rod_of(
+        f"emitter: {{{BALL}, strands: 40}}\nsolids: [{{kind: mesh, file: {tmp_path / 'ball.obj'}, scale: 0.1}}]\n"
+        "rules: [interaction: {cell: 0.03}, collision]"
+    )
+    crowd, (solid,) = solver.grid, solver.scene.solids
+    prepare(solver)
+    box = crowd.boxes[-1]
+    low, size = box[LOW : LOW + 3], box[SIZE : SIZE + 3]
+    z, y, x = np.meshgrid(*(crowd.cell * (low[c] + np.arange(size[c]) + 0.5) for c in (2, 1, 0)), indexing="ij")
+    row = other.pack([solid], [solid_pose(solid, solver.scene.emitter, 0.0)], np.float64)[0]
+    far = other_code.depth(solid, row, np.stack([x, y, z], -1).reshape(-1, 3)).reshape(x.shape) / -crowd.cell
+    beyond = 0.5 * np.maximum(1 - np.abs(far), 0) ** 2
+    wanted = np.where(far > 0, 1 - beyond, np.where(far > -0.75, beyond, -beyond))
+    wanted[~crowd.near] = 1
+    assert 0 < crowd.near.sum() < crowd.near.size
+    found = crowd.shares.reshape(x.shape)
+    inner = np.abs(far + 0.75) > 1e-4  # where it jumps rounding decides
+    np.testing.assert_allclose(found[inner], wanted[inner], atol=1e-5)
+    assert (found < 0.5).sum() > 20
+    monkeypatch.setattr(strand_grid, "find_room", None)
+    prepare(solver)
+    np.testing.assert_array_equal(crowd.shares.reshape(x.shape)[inner], found[inner])
+    solver.surroundings._packed[-1][0, 0] += 0.01  # the ball moves
+    with pytest.raises(TypeError, match="not callable"):
+        prepare(solver)

@@ -1,0 +1,194 @@
+"""Strands that interact: they part where they begin inside each other, come to rest, shelter each other from wind."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rod_kit import rod_of
+from strand_kit import require_same_after_restart, scene_of
+from strandcli.errors import UsageError
+from strandcli.groom.emit import emit
+from strandcli.groom.record import Groom
+from strandcli.simulate.grid.kernels import shelter
+from strandcli.simulate.grid.kernels.nodes import CHANGE, SLIGHT
+from strandcli.simulate.grid.kernels.records import MASS
+from strandcli.simulate.health import crowding
+from strandcli.simulate.rod.solver import RodSolver
+from tests.simulate.test_grid import BALL, rows
+
+CELL = 0.02
+CURLED = ", curl_turns: 6, curl_angle: 50"
+
+
+def bundle(fps: int, curled: str = "", groom: Groom | None = None, density: float = 1e4) -> RodSolver:
+    """300 strands, or as many as a groom has, from a disc of a tenth of a cell, twenty or thirty times too dense."""
+    rest = "rest: shape, " if curled else "rest: straight, "
+    scene = scene_of(
+        f"solver: rod\nrod: {{{rest}radius: 1.0e-4, drag: 5}}\ntime: {{fps: {fps}}}\n"
+        "emitter: {shape: {kind: disc, radius: 0.001}, "
+        f"strands: {groom.strands if groom else 300}, particles: 12, length: 0.2, jitter: 2, "
+        f"rotation: [180, 0, 0]{curled}}}\n"
+        f"rules: [gravity, interaction: {{cell: {CELL}, density: {density}}}]"
+    )
+    return RodSolver(scene, groom or emit(scene.emitter, scene.seed))
+
+
+def alike(count: int = 300) -> Groom:
+    """Strands that are all in the very same place."""
+    down = np.tile(np.array([0, -1, 0], np.float32), (count, 1))
+    return Groom(np.zeros_like(down), down, np.full(count, 0.2, np.float32), np.zeros(count, np.float32))
+
+
+def moves(solver: RodSolver, steps: int, frames: int) -> list[float]:
+    """The greatest way of a particle in each 24th of a second, in cells."""
+    found, before = [], solver.particles()
+    for frame in range(frames):
+        for step in range(steps):
+            solver.step((frame * steps + step + 1) / (24 * steps), 1 / (24 * steps))
+        after = solver.particles()
+        found.append(float(np.linalg.norm(after - before, axis=2).max()) / CELL)
+        before = after
+    return found
+
+
+@pytest.mark.parametrize("steps", [1, 10])
+@pytest.mark.parametrize("curled", ["", CURLED])
+def test_strands_that_begin_inside_each_other_part_without_a_jump_and_rest(curled: str, steps: int) -> None:
+    """In no frame any moves by .6 of a cell, however many steps it has, and then they come to rest: the density that
+    they are allowed is as much greater as they begin too dense."""
+    solver = bundle(24 * steps, curled)
+    assert max(moves(solver, steps, 96)) < 0.6
+    before = solver.particles()
+    assert max(moves(solver, steps, 12)) < 0.35
+    assert np.median(np.linalg.norm(solver.particles() - before, axis=2)[:, -1]) < 0.15 * CELL
+    assert solver.grid is not None
+    assert "times as dense as density 10000 allows" in crowding(solver)
+
+
+@pytest.mark.parametrize("steps", [1, 10])
+def test_thousands_in_one_line_stay_finite_and_are_told(steps: int) -> None:
+    solver = bundle(24 * steps, groom=alike(3000), density=7500)
+    assert max(moves(solver, steps, 24)) < 1
+    assert "spread their roots" in crowding(solver)
+
+
+def test_a_later_run_goes_on_from_a_checkpoint_of_strands_that_began_too_dense() -> None:
+    whole, half = bundle(24), bundle(24)
+    require_same_after_restart(whole, half)
+    assert half.grid.density == whole.grid.density
+
+
+def test_strands_that_are_hardly_too_dense_are_pressed_apart_at_once() -> None:
+    """As those that have no density given, and those that a tie holds."""
+    for rule in ("interaction", "interaction: {density: 1.0e+4, cell: 0.02}"):
+        solver = rod_of(f"emitter: {{{BALL}, strands: 300}}\nrules: [{rule}]")
+        solver.advance(2)
+        assert crowding(solver) == ""
+
+
+@pytest.mark.parametrize(
+    ("shape", "cell"), [("{kind: sphere, radius: 0.1}", 1e-3), ("{kind: disc, radius: 2000}", 0.05)]
+)
+def test_cells_as_large_as_is_said_are_few_enough(shape: str, cell: float) -> None:
+    """And not twice as large as they have to be, where the groom is as flat as a sheet, too."""
+
+    def begin(cell: float) -> None:
+        rod_of(
+            f"emitter: {{shape: {shape}, strands: 64, particles: 5, length: 0.2}}\n"
+            f"rules: [interaction: {{cell: {cell}}}]"
+        ).advance(2)
+
+    with pytest.raises(UsageError, match="make them at least") as raised:
+        begin(cell)
+    enough = float(str(raised.value).rsplit(" ", 1)[1])
+    begin(enough)
+    with pytest.raises(UsageError, match="make them at least"):
+        begin(enough / 2)
+
+
+FPS = 30
+BY_EULER = 0.121
+"""Root mean square by which edges of `BRUSH` turn from frame 12 to 31, in a frame, where Euler's method makes every
+step: as measured with a solver all of whose steps were that method's. BDF2 with it where pushes change gives .158."""
+BRUSH = """
+time: {fps: 30}
+emitter: {shape: {kind: sphere, radius: 1}, strands: 1000, particles: 15, length: 0.9, jitter: 4}
+solids: [{kind: sphere, radius: 1}]
+rules: [gravity, collision, interaction: {}]
+"""
+
+
+def test_they_are_those_whose_push_changes_much() -> None:
+    """A twin in NumPy, of strands whose particles are the grid's nodes."""
+    solver = rod_of(
+        f"time: {{fps: {FPS}}}\nemitter: {{{BALL}, strands: 400}}\n"
+        "rules: [gravity, interaction: {cell: 0.03, density: 4000}]"
+    )
+    pushed, shares = solver.grid.strands.pushed, []
+    for frame in range(2, 12):
+        past, v = rows(pushed, 400), rows(solver.state.velocity, 400)
+        solver.advance(frame)
+        changed = ((rows(pushed, 400) - past) ** 2).sum((1, 2))
+        speed = ((v - v[:, -1:]) ** 2).sum((1, 2))
+        margins = changed / (CHANGE**2 * (past**2).sum((1, 2)) + 1e-30), changed / (FPS * SLIGHT) ** 2 / (speed + 1e-30)
+        least = np.minimum(*margins)
+        marked = solver.state.jolted.reshape(-1)[:400] > 0
+        clear = np.abs(least - 1) > 1e-3
+        np.testing.assert_array_equal(marked[clear], (least > 1)[clear], f"frame {frame}")
+        shares.append(marked.mean())
+    assert 0.05 < np.mean(shares) < 0.95
+
+
+def test_a_brush_that_falls_does_not_boil() -> None:
+    """Of strands that the grid pushes now here and now there, edges turn from frame to frame by hardly more than with
+    Euler's method alone, `BY_EULER`; BDF2 alone would go on with every push, and turn them by twice as much."""
+    solver, found = rod_of(BRUSH), []
+    for frame in range(2, 32):
+        before = rows(solver.state.edges, 1000)
+        solver.advance(frame)
+        if frame > 12:
+            found.append(np.sqrt(((rows(solver.state.edges, 1000) - before) ** 2).sum(2).mean()))
+    assert np.mean(found) < 1.4 * BY_EULER
+
+
+@pytest.mark.parametrize("way", [(1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.6, -0.8, 0.0)])
+def test_wind_fades_exponentially_in_an_even_layer(way: tuple[float, float, float]) -> None:
+    """exp(−n d s) after a way s, from where it has entered."""
+    side, stop = 32, 0.05
+    box = np.array([0, 0, 0, side, side, side, 0])
+    grid, left = np.zeros((4, side**3), np.float32), np.empty(side**3, np.float32)
+    grid[MASS] = 1
+    layers = np.empty((4, shelter.layer_size(side, side, side)), np.float32)
+    shelter.shelter(box, grid[MASS], np.array(way, np.float32), np.float32(stop), left, layers)
+    cells = left.reshape(side, side, side)  # z, y, x, but where the wind blows along x: x, z, y
+    if abs(way[0]) > abs(way[1]):
+        cells = cells.transpose(1, 2, 0)
+    at = np.arange(side)
+    if way[2] < 0:
+        assert cells[side - 1 - 10, 3, 4] == pytest.approx(np.exp(-stop * 10), rel=1e-3)
+    elif way[1] == 0:
+        np.testing.assert_allclose(cells[12, 12], np.exp(-stop * at), rtol=1e-3)
+    else:  # enters through the top where that is nearer
+        ways = np.minimum(at / 0.6, (side - 1 - 12) / 0.8)
+        np.testing.assert_allclose(cells[12, 12], np.exp(-stop * ways), rtol=0.05)
+
+
+def test_a_strand_in_the_lee_bends_less() -> None:
+    """Of a row of tufts along the wind the first takes the most of it, once they have come to rest."""
+    text = (
+        "rod: {rest: straight, drag: 5}\nemitter: {shape: {kind: plane, width: 0.4, depth: 0.02}, strands: 900, "
+        "particles: 7, length: 0.15}\nchildren: {count: 100}\n"
+        "rules: [gravity, wind: {strength: 2}%s]"
+    )
+    bent = {}
+    for rule in ("", ", interaction: {friction: 0, cell: 0.02, density: 1.0e+9}"):
+        solver = rod_of(text % rule)
+        solver.advance(72)
+        x = solver.particles()
+        lean = x[:, -1, 0] - x[:, 0, 0]
+        bent[rule] = (lean[x[:, 0, 0] < -0.19].mean(), lean[x[:, 0, 0] > 0.1].mean())
+    (first, last), (fresh, lee) = bent.values()
+    assert last == pytest.approx(first, rel=0.05)
+    assert fresh > 0.7 * first
+    assert lee < 0.6 * last
