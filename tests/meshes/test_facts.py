@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -33,20 +32,6 @@ def test_a_box_by_its_closed_form() -> None:
     assert found["box"] == {"min": [49, -2, -3], "max": [51, 2, 3], "size": [2, 4, 6]}
     assert found["faults"] == found["notes"] == []
     assert found["guess"]["up"] is None  # it may stand on any side
-
-
-def test_facts_of_many_triangles_take_little_memory() -> None:
-    """Beside the mesh: 18 bytes a triangle; with middles and normals of all triangles at once it was 74."""
-    rows, columns = np.mgrid[:500, :500]
-    vertices = np.stack([columns, np.sin(rows / 30), rows], axis=-1).reshape(-1, 3).astype(float)
-    first = (500 * np.arange(499)[:, None] + np.arange(499)).ravel()
-    halves = [first, first + 500, first + 1], [first + 1, first + 500, first + 501]
-    mesh = make_mesh(vertices, np.concatenate([np.stack(one, axis=1) for one in halves]))
-    tracemalloc.start()
-    facts(mesh)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 30 * mesh.triangles.shape[0]
 
 
 def test_faults_are_told_with_their_numbers() -> None:

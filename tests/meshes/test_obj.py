@@ -71,10 +71,8 @@ def test_colours_and_the_picture_of_the_first_material(tmp_path: Path) -> None:
     faces = ["usemtl bare", "vt 0 0", "usemtl red", "f 1/1 2/1 3/1", "usemtl blue", "f 1/1 3/1 2/1"]
     (tmp_path / "a.obj").write_text("\n".join(["mtllib a.mtl", *lines, *faces]))
     found = read_mesh(tmp_path / "a.obj")
-    assert found.texture is not None
     assert found.texture[0, 0].tolist() == [255, 0, 0]
     assert any("2 textures" in note for note in found.notes)
-    assert found.colours is not None
     np.testing.assert_allclose(found.colours, [[1, ((0.5 + 0.055) / 1.055) ** 2.4, 0]] * 3, rtol=1e-5)
 
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from trimesh.exchange.stl import load_stl_ascii
 
 import mesh_kit as kit
 from strandcli.errors import UsageError
@@ -31,12 +28,6 @@ def read(path: Path, content: bytes) -> np.ndarray:
     path.write_bytes(content)
     parts = stl.read_stl(path, Beside(path))
     return parts[0].vertices[parts[0].triangles] if parts else np.zeros((0, 3, 3))
-
-
-def by_trimesh(content: bytes) -> np.ndarray:
-    found: Any = load_stl_ascii(io.BytesIO(content))
-    parts = found["geometry"].values() if "geometry" in found else [found]
-    return np.concatenate([np.zeros((0, 3, 3)), *(one["vertices"].reshape(-1, 3, 3) for one in parts)])
 
 
 @st.composite
@@ -68,19 +59,6 @@ def test_text_in_any_layout(tmp_path_factory: pytest.TempPathFactory, text: tupl
         patch.setattr(stl, "BLOCK", block)
         found = read(path, text[0].encode())
     np.testing.assert_array_equal(found, text[1])
-
-
-@pytest.mark.parametrize("block", [50, 1000, 1 << 18])
-def test_text_as_trimesh_reads_it(block: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stl, "BLOCK", block)
-    half = CORNERS.shape[0] // 2
-    content = b"".join(
-        kit.stl(kit.TriangleMesh(part.reshape(-1, 3), np.arange(part.size // 3).reshape(-1, 3), part), text=True)
-        for part in (CORNERS[:half], CORNERS[half:])
-    )
-    found = read(tmp_path / "a.stl", content)
-    np.testing.assert_array_equal(found, by_trimesh(content))
-    np.testing.assert_array_equal(found, CORNERS)
 
 
 def test_text_on_one_line_and_behind_a_mark(tmp_path: Path) -> None:

@@ -12,12 +12,10 @@ from numpy.typing import NDArray
 from strand_kit import scene_of, solver_of
 from strandcli.draw.solids.kernels import rays
 from strandcli.groom.blocks import pack
-from strandcli.scene import SceneError, loads
-from strandcli.scene.model import SOLIDS, Emitter
-from strandcli.scene.model.solids import SHAPES
+from strandcli.scene.model import Emitter
 from strandcli.scene.motion import solid_pose
 from strandcli.solid_shapes import cone
-from strandcli.solids import pack_all, register
+from strandcli.solids import pack_all
 from strandcli.solids.shapes.other_code import depth as depth_by_distance
 
 Floats = NDArray[np.float64]
@@ -161,36 +159,6 @@ def test_it_hides_a_light_where_it_is_in_the_way(sizes: dict[str, float]) -> Non
         assert rays.visibility(solids, *surface, *-n.astype(np.float32), FAR, SKIN) == 0
 
 
-@pytest.fixture
-def by_distance() -> Any:
-    """The same shape without its closed forms, as a kind of its own."""
-    parts = ("numbers", "reach", "distance")
-    shape: Any = type("PlainCone", (), {"kind": "plain_cone", "Settings": cone.Settings})()
-    for part in parts:
-        setattr(shape, part, getattr(cone, part))
-    register(shape)
-    yield
-    del SHAPES._drivers["plain_cone"]
-
-
-def test_closed_forms_and_the_distance_alone_agree_side_by_side(by_distance: None) -> None:
-    sizes = SHAPES_OF_IT["flat"]
-    solids = pack_all([of(sizes), cone.Settings(kind="plain_cone", **sizes, **ASKEW)], STILL, 0.0)
-    hits = 0
-    for o, d in rays_at(of(sizes), 300, 2.0, 7):
-        one, other = (float(rays.meet(solids, m, *o, *d)) for m in range(2))
-        if math.isinf(one) or math.isinf(other):
-            continue  # grazes count as hits where steps are finite
-        hits += 1
-        # a ray that comes slantwise is within the tolerance before it is there
-        assert one - 2e-3 < other <= one + 1e-6
-        point = (o + one * d).astype(np.float32)
-        if abs(signed(of(sizes), point)) < 1e-5:
-            a, b = (np.array(rays.normal(solids, m, *point)) for m in range(2))
-            assert a @ b > 0.7  # differences are blurred at an edge
-    assert hits > 80
-
-
 STRAND = """
 emitter: {strands: 1, particles: 4, length: 1}
 rules: [collision]
@@ -262,14 +230,3 @@ def test_strands_stay_outside(solver: str, segments: bool, particles: int) -> No
     free, kept = found
     assert free > 0.1
     assert kept < (5e-4 if segments else 1e-6)
-
-
-def test_it_is_known_by_its_file_alone() -> None:
-    assert "cone" in SOLIDS
-    assert SOLIDS["cone"] is cone.Settings
-    (solid,) = loads("solids: [{kind: cone, top: 0.2}]", rules={}).solids
-    assert solid == cone.Settings(top=0.2)
-    with pytest.raises(SceneError, match="radios"):
-        loads("solids: [{kind: cone, radios: 0.2}]", rules={})
-    with pytest.raises(SceneError, match="cone"):
-        loads("solids: [{kind: coned}]", rules={})
