@@ -150,7 +150,6 @@ def test_scenes_are_what_their_names_say() -> None:
     assert 1.3 / 60 < steps.max() <= 1.5 / 60
     starts = [Case.of("rod", {"start": start}) for start in AXES["start"]]
     edges = scenes.groom_of(starts).edges
-    assert edges is not None
     sizes = np.linalg.norm(edges, axis=2)
     assert (sizes[0] == 1).all()
     assert (sizes[1] == 0).sum() == 1

@@ -12,7 +12,7 @@ import pytest
 
 from strandcli.errors import SimulationError, UsageError
 from strandcli.output import png
-from strandcli.output.compare import compare, write_image
+from strandcli.output.compare import write_image
 from strandcli.study import golden, golden_list
 from strandcli.study.golden_list import Entry
 
@@ -81,7 +81,6 @@ def test_the_tolerance_elsewhere_is_the_stated_one(made: Path, tmp_path: Path, m
     assert not golden.check(made, ENTRY, tmp_path, changed(few + 1, golden.THRESHOLD + 1)).matches
     assert golden.check(made, ENTRY, tmp_path, changed(100, 4)).matches
     result = golden.check(made, ENTRY, tmp_path, changed(few, 127))
-    assert result.comparison is not None
     assert result.comparison.rmse > golden_list.MOST_RMSE
     assert not result.matches
 
@@ -98,7 +97,6 @@ def test_another_size_and_a_failed_simulation_are_mismatches(made: Path, tmp_pat
     result = golden.check(made, ENTRY, tmp_path / "diff", lambda entry, directory: np.zeros((3, 4, 3), np.uint8))
     assert not result.matches
     assert "sizes differ: 40x30 against 4x3" in result.words
-    assert result.difference is not None
     assert result.difference.exists()
 
     def explode(entry: Entry, directory: Path) -> np.ndarray:
@@ -113,7 +111,6 @@ def test_update_writes_only_what_changed(made: Path) -> None:
     assert golden.update(made, ENTRY, draw) is None
     assert {name: (made / name).read_bytes() for name in os.listdir(made)} == before
     change = golden.update(made, ENTRY, changed(1, 1))
-    assert change is not None
     assert change.startswith("changed: 1 of 1200 pixels")
     assert golden.check(made, ENTRY, made / "diff", changed(1, 1)).matches
     assert not golden.check(made, ENTRY, made / "diff", draw).matches
@@ -200,16 +197,6 @@ def test_the_class_of_this_machine_names_what_bits_depend_on() -> None:
     for word in ("numba-", "llvm-", "numpy-"):
         assert word in found
     assert found == golden.machine_class()
-
-
-def test_tolerable_is_judged_at_the_stated_threshold() -> None:
-    a = np.full((40, 100, 3), 50, np.uint8)
-    b = a.copy()
-    few = int(golden_list.MOST_OVER * 4000)
-    b[0, :few] += golden.THRESHOLD + 1
-    assert golden.tolerable(compare(a, b, golden.THRESHOLD), ENTRY)
-    b[0, few] += golden.THRESHOLD + 1
-    assert not golden.tolerable(compare(a, b, golden.THRESHOLD), ENTRY)
 
 
 def test_an_entry_may_have_a_tolerance_of_its_own(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -117,7 +117,6 @@ def test_light_at_vertices_is_the_same_however_many_bands_of_rows_a_picture_has(
     whole = subject.draw(subject.scene, draws=1, keep_shading=True)
     (one,) = whole.shaded
     renderer = LinearRenderer(subject.scene, subject.groom)
-    assert renderer.coverage is not None
     renderer.coverage.room = whole.counts["fragments"] // 3
     picture = subject.draw(subject.scene, draws=1, keep_shading=True, renderer=renderer)
     assert picture.counts["fragments"] > 2 * renderer.coverage.room
@@ -134,7 +133,6 @@ def test_settings_by_path() -> None:
     assert knows(scene, "detail.near")
     other = changed(scene, {"lights.0.shadow.size": 32, "detail.fraction": 0.5})
     assert (other.lights[0].shadow.size, scene.lights[0].shadow.size) == (32, None)
-    assert other.detail is not None
     assert other.detail.fraction == 0.5
 
 

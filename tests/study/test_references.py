@@ -10,7 +10,6 @@ import pytest
 
 from strandcli.study.references import REFERENCES, Track, catenary, elastica, spring
 from strandcli.study.references import oscillation as modes
-from strandcli.study.references.collocation import interval
 
 DROOP = {
     0.1: 0.0124996, 1: 0.124562, 3: 0.364621, 10: 1.06680, 30: 2.54721, 100: 5.88810, 300: 11.1831, 1e3: 21.3354,
@@ -21,26 +20,6 @@ DROOP = {
 @pytest.mark.parametrize("load", DROOP)
 def test_heavy_elastica_is_that_of_the_table(load: float) -> None:
     assert elastica.hang(load).droop == pytest.approx(DROOP[load], rel=6e-6)
-
-
-@pytest.mark.parametrize("load", [1.0, 10.0, 100.0])
-def test_the_elastica_is_what_shooting_finds(load: float) -> None:
-    """Runge and Kutta's method from the tip that collocation found has to arrive at the clamp."""
-    shape = elastica.hang(load)
-    y = np.array([shape.nodes.at(shape.angles, np.zeros(1))[0], 0.0])
-    steps = 2000
-    h = 1 / steps
-
-    def slope(t: float, y: np.ndarray) -> np.ndarray:
-        return np.array([y[1], load * t * np.sin(y[0])])
-
-    for i in range(steps):
-        a = slope(i * h, y)
-        b = slope((i + 0.5) * h, y + h / 2 * a)
-        c = slope((i + 0.5) * h, y + h / 2 * b)
-        y = y + h / 6 * (a + 2 * b + 2 * c + slope((i + 1) * h, y + h * c))
-    # what is wrong at the tip grows by exp(2/3 sqrt(load)) on its way to the clamp
-    assert y[0] == pytest.approx(np.pi / 2, abs=1e-9 * math.exp(2 / 3 * math.sqrt(load)))
 
 
 def test_more_nodes_change_nothing() -> None:
@@ -64,16 +43,6 @@ def test_columns_buckle_at_the_known_load() -> None:
 def test_a_bowed_column_stays_on_its_branch() -> None:
     out = [elastica.hang(load, clamp=np.pi - 0.01, nodes=48).tip[0] for load in (7.0, 7.7, 8.0, 9.0, 12.0)]
     assert np.all(np.diff(out) > 0)
-
-
-def test_integrals_are_exact_for_polynomials() -> None:
-    space = interval(8)
-    values = space.nodes**5
-    np.testing.assert_allclose(space.below @ values, space.nodes**6 / 6, atol=1e-14)
-    np.testing.assert_allclose(space.above @ values, (1 - space.nodes**6) / 6, atol=1e-14)
-    assert space.weights @ space.nodes**15 == pytest.approx(1 / 16)
-    np.testing.assert_allclose(space.at(values, np.array([0.0, 0.3, 1.0])), [0, 0.3**5, 1], atol=1e-14)
-    np.testing.assert_allclose(space.running(values, np.array([0.0, 0.5, 1.0])), [0, 0.5**6 / 6, 1 / 6], atol=1e-14)
 
 
 def test_beam_frequencies() -> None:

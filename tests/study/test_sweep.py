@@ -149,13 +149,6 @@ def test_frames_keep_within_the_span() -> None:
     assert max(motion(span=3600.0).frames) == 6
 
 
-def test_steps_have_to_divide_a_frame() -> None:
-    opened = motion(steps=(1 / 24, 1 / 96), solvers=("thesis",))
-    assert opened.substeps() == (1, 4)
-    with pytest.raises(UsageError, match="no whole part of a frame"):
-        motion(steps=(0.03,)).settings()
-
-
 def test_strands_of_a_study_are_the_first_of_the_groom() -> None:
     few, all_of_them = motion(strands=7), motion(strands=40)
     np.testing.assert_array_equal(few.lengths, all_of_them.lengths[:7])
