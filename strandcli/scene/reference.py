@@ -6,56 +6,14 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
+from . import specs
 from .dump import plain
 from .fields import Setting, settings_of
 from .model import Scene
 from .rule_type import RuleType, doc_of
-from .specs import (
-    MOST_ITEMS,
-    MOST_PANELS,
-    NO_COLOUR,
-    BooleanSpec,
-    ChoiceSpec,
-    ColourSpec,
-    FileSpec,
-    IntegerSpec,
-    ItemsSpec,
-    MapSpec,
-    ModelSpec,
-    NamesSpec,
-    NumberSpec,
-    PanelsSpec,
-    ParametersSpec,
-    RulesSpec,
-    SizeSpec,
-    Spec,
-    TextSpec,
-    UnionSpec,
-    VectorSpec,
-    WindowSpec,
-)
+from .specs import MOST_ITEMS, MOST_PANELS, NO_COLOUR
 
 HEAD = ("Key", "Value", "Default", "Meaning")
-
-TYPES: Mapping[type[Spec], str] = {
-    NumberSpec: "number",
-    IntegerSpec: "integer",
-    VectorSpec: "[x, y, z]",
-    ColourSpec: "colour",
-    SizeSpec: '[w, h] or "800x600"',
-    WindowSpec: '[x, y, w, h] or "400x300+100+50"',
-    BooleanSpec: "boolean",
-    FileSpec: "file",
-    MapSpec: "name or picture",
-    TextSpec: "text",
-    NamesSpec: "list of names",
-    ModelSpec: "mapping",
-    UnionSpec: "mapping",
-    ItemsSpec: "list",
-    ParametersSpec: "mapping",
-    RulesSpec: "list or mapping",
-    PanelsSpec: "list",
-}
 
 
 class Section(NamedTuple):
@@ -103,10 +61,10 @@ def sections() -> Iterator[Section]:
 def _inside(path: str, setting: Setting) -> list[Section]:
     """The sections that a setting refers to: of several kinds first what they share."""
     match setting.spec:
-        case ModelSpec():
+        case specs.ModelSpec():
             return [Section(f"`{path}`", setting.spec.model)]
-        case UnionSpec() | ItemsSpec():
-            entry = f"`{path}[]`" if isinstance(setting.spec, ItemsSpec) else f"`{path}`"
+        case specs.UnionSpec() | specs.ItemsSpec():
+            entry = f"`{path}[]`" if isinstance(setting.spec, specs.ItemsSpec) else f"`{path}`"
             kinds = tuple(setting.spec.kinds.values())
             if len(kinds) == 1:
                 return [Section(entry, kinds[0])]
@@ -147,26 +105,28 @@ def table(rows: Iterable[tuple[str, ...]]) -> str:
 def _row(setting: Setting) -> tuple[str, ...]:
     spec = setting.spec
     doc, _, absent = spec.doc.partition("; absent: ")
-    options = spec.options if isinstance(spec, ChoiceSpec) else ()
+    options = spec.options if isinstance(spec, specs.ChoiceSpec) else ()
     first = doc[:1] if doc.startswith(options) else doc[:1].upper()
     meaning = f"{first}{doc[1:]}." if doc else ""
     cells = (_value(spec), absent or _default(spec), meaning)
     return (f"`{setting.key}`", *(cell.replace("|", "\\|") for cell in cells))
 
 
-def _value(spec: Spec) -> str:
+def _value(spec: specs.Spec) -> str:
     """What a setting takes: its type, unit and range, or its options."""
-    if isinstance(spec, ChoiceSpec):
+    if isinstance(spec, specs.ChoiceSpec):
         return _range(spec)
-    none = f", or `{NO_COLOUR}`" if isinstance(spec, ColourSpec) and spec.or_none else ""
+    none = f", or `{NO_COLOUR}`" if isinstance(spec, specs.ColourSpec) and spec.or_none else ""
     unit = f"({spec.unit})" if spec.unit and spec.unit != "1" else ""
-    return " ".join(part for part in (TYPES[type(spec)] + none, unit, _range(spec)) if part)
+    return " ".join(part for part in (spec.type_name + none, unit, _range(spec)) if part)
 
 
-def _range(spec: Spec) -> str:
-    if isinstance(spec, ChoiceSpec):
+def _range(spec: specs.Spec) -> str:
+    if isinstance(spec, specs.ChoiceSpec):
         return ", ".join(f"`{option}`" for option in spec.options)
-    most = spec.most if isinstance(spec, ItemsSpec) else MOST_PANELS if isinstance(spec, PanelsSpec) else None
+    most = (
+        spec.most if isinstance(spec, specs.ItemsSpec) else MOST_PANELS if isinstance(spec, specs.PanelsSpec) else None
+    )
     if most is not None:
         return f"≤ {most:,} entries" if most < MOST_ITEMS else ""
     limits = spec.limits
@@ -174,7 +134,7 @@ def _range(spec: Spec) -> str:
         return f"{_number(limits.low)} to {_number(limits.high)}"
     bounds = (("≥", limits.low), (">", limits.above), ("<", limits.below), ("≤", limits.high))
     words = ", ".join(f"{sign} {_number(limit)}" for sign, limit in bounds if limit is not None)
-    nonzero = isinstance(spec, VectorSpec) and spec.nonzero
+    nonzero = isinstance(spec, specs.VectorSpec) and spec.nonzero
     return words or ("not [0, 0, 0]" if nonzero else "")
 
 
@@ -182,18 +142,18 @@ def _number(limit: float) -> str:
     return f"{limit:,}" if isinstance(limit, int) else f"{limit:,.12g}"
 
 
-def _default(spec: Spec) -> str:
+def _default(spec: specs.Spec) -> str:
     """The value that stands where none is written."""
-    if isinstance(spec, FileSpec) and spec.default is not None:
+    if isinstance(spec, specs.FileSpec) and spec.default is not None:
         return "required"
-    if spec.default is None or (isinstance(spec, MapSpec) and not spec.default):
+    if spec.default is None or (isinstance(spec, specs.MapSpec) and not spec.default):
         return "absent"
-    if isinstance(spec, ModelSpec):
+    if isinstance(spec, specs.ModelSpec):
         return "–"
     value = plain(spec.default)
-    if isinstance(spec, UnionSpec):
+    if isinstance(spec, specs.UnionSpec):
         return f"`kind: {value['kind']}`"
-    if isinstance(spec, ItemsSpec) and value:
+    if isinstance(spec, specs.ItemsSpec) and value:
         return "one of kind " + ", ".join(f"`{one['kind']}`" for one in value)
     return f"`{json.dumps(value, ensure_ascii=False)}`" if not isinstance(value, str) or not value else f"`{value}`"
 

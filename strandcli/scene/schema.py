@@ -9,32 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from . import specs
 from .dump import plain
 from .fields import settings_of
 from .model import Scene
 from .rule_type import RuleType, doc_of, first_paragraph
-from .specs import (
-    MOST_PANELS,
-    NO_COLOUR,
-    BooleanSpec,
-    ChoiceSpec,
-    ColourSpec,
-    IntegerSpec,
-    ItemsSpec,
-    ModelSpec,
-    NamesSpec,
-    NumberSpec,
-    PanelsSpec,
-    ParametersSpec,
-    Range,
-    RulesSpec,
-    SizeSpec,
-    Spec,
-    TextSpec,
-    UnionSpec,
-    VectorSpec,
-    WindowSpec,
-)
+from .specs import MOST_PANELS, NO_COLOUR, Range
 
 Json = dict[str, Any]
 
@@ -88,7 +68,7 @@ class _Writer:
             self.definitions[name] = self.mapping(cls)
         return {"$ref": f"#/$defs/{self.names[cls]}"}
 
-    def setting(self, spec: Spec) -> Json:
+    def setting(self, spec: specs.Spec) -> Json:
         """The schema of one setting: what it takes or null, which stands for its default, and what it means."""
         taken = self.taken(spec)
         if "type" in taken and "enum" not in taken and isinstance(taken["type"], str):
@@ -102,50 +82,50 @@ class _Writer:
         taken["default"] = plain(spec.default)
         return taken
 
-    def taken(self, spec: Spec) -> Json:
+    def taken(self, spec: specs.Spec) -> Json:
         """The schema of the values of one setting."""
         match spec:
-            case NumberSpec():
+            case specs.NumberSpec():
                 return {"type": "number", **_limits(spec.limits)}
-            case IntegerSpec():
+            case specs.IntegerSpec():
                 return {"type": "integer", **_limits(spec.limits)}
-            case VectorSpec():
+            case specs.VectorSpec():
                 vector = _numbers(3, {"type": "number", **_limits(spec.limits)})
                 return {**vector, "not": {"const": [0, 0, 0]}} if spec.nonzero else vector
-            case ColourSpec():
+            case specs.ColourSpec():
                 hexadecimal = {"type": "string", "pattern": "^#[0-9a-fA-F]{6}$"}
                 none = [{"const": NO_COLOUR}] if spec.or_none else []
                 return {"anyOf": [_numbers(3, {"type": "number", "minimum": 0}), hexadecimal, *none]}
-            case SizeSpec():
+            case specs.SizeSpec():
                 sides = _numbers(2, {"type": "integer", **_limits(spec.limits)})
                 return {"anyOf": [sides, {"type": "string", "pattern": "^[0-9]{1,9}\\s*[x×]\\s*[0-9]{1,9}$"}]}
-            case WindowSpec():
+            case specs.WindowSpec():
                 numbers = _numbers(4, {"type": "integer", **_limits(spec.limits)})
                 pattern = "^[0-9]{1,9}\\s*[x×]\\s*[0-9]{1,9}\\s*\\+\\s*[0-9]{1,9}\\s*\\+\\s*[0-9]{1,9}$"
                 return {"anyOf": [numbers, {"type": "string", "pattern": pattern}]}
-            case ChoiceSpec():
+            case specs.ChoiceSpec():
                 return {"enum": list(spec.options)}
-            case BooleanSpec():
+            case specs.BooleanSpec():
                 return {"type": "boolean"}
-            case TextSpec():
+            case specs.TextSpec():
                 return {"type": ["string", "number", "boolean"]}
-            case NamesSpec():
+            case specs.NamesSpec():
                 name = {"type": ["string", "number", "boolean"]}
                 return {"anyOf": [name, {"type": "array", "items": name}]}
-            case ModelSpec():
+            case specs.ModelSpec():
                 return self.reference(spec.model)
-            case UnionSpec():
+            case specs.UnionSpec():
                 return {"anyOf": [self.kind(cls, cls is not type(spec.default)) for cls in spec.kinds.values()]}
-            case ItemsSpec():
+            case specs.ItemsSpec():
                 kinds = [self.kind(cls, spec.tagged) for cls in spec.kinds.values()]
                 each = kinds[0] if len(kinds) == 1 else {"anyOf": kinds}
                 return {"type": "array", "items": each, "maxItems": spec.most}
-            case ParametersSpec():
+            case specs.ParametersSpec():
                 own = [cls for name in spec.registry.names() if (cls := spec.registry.settings(name)) is not None]
                 return {"anyOf": [self.reference(cls) for cls in own] or [{"type": "object", "maxProperties": 0}]}
-            case RulesSpec():
+            case specs.RulesSpec():
                 return self.rule_uses()
-            case PanelsSpec():
+            case specs.PanelsSpec():
                 return {"type": "array", "items": self.panel(), "maxItems": MOST_PANELS}
         raise TypeError(f"no such kind of setting: {type(spec).__name__}")
 
@@ -170,7 +150,7 @@ class _Writer:
         inner = {
             key: self.setting(setting.spec)
             for key, setting in settings_of(Scene).items()
-            if not isinstance(setting.spec, PanelsSpec)
+            if not isinstance(setting.spec, specs.PanelsSpec)
         }
         changes = "settings to change, nested or by dotted path such as `camera.fov`"
         properties = {

@@ -10,6 +10,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from . import specs
 from .absent import why_absent
 from .dump import plain
 from .faults import hint, shown
@@ -17,24 +18,10 @@ from .fields import settings_of
 from .model import Scene
 from .nodes import Entry, ListNode, MapNode, Node, Scalar, kind_of, node_of
 from .rule_type import RuleType
-from .specs import (
-    ColourSpec,
-    ItemsSpec,
-    ModelSpec,
-    NamesSpec,
-    PanelsSpec,
-    ParametersSpec,
-    RulesSpec,
-    SizeSpec,
-    Spec,
-    UnionSpec,
-    VectorSpec,
-    WindowSpec,
-)
 from .suggest import hint_inside
 from .values import given
 
-SCENE = ModelSpec(Scene)
+SCENE = specs.ModelSpec(Scene)
 
 
 class Unreachable(ValueError):
@@ -49,27 +36,31 @@ class RuleEntry(NamedTuple):
     parameters: Node
 
 
-def merge(base: Node | None, over: Node, spec: Spec | None, rules: Mapping[str, RuleType]) -> Node:
+def merge(base: Node | None, over: Node, spec: specs.Spec | None, rules: Mapping[str, RuleType]) -> Node:
     """``base`` with ``over`` laid over it, both being values of a setting ``spec`` (None: unknown).
 
     Raises Unreachable where ``over`` names a rule that a list in ``base`` does not hold.
     """
     if base is None or spec is None:
         return over
-    if isinstance(over, Scalar) and over.empty and isinstance(spec, ModelSpec | UnionSpec | RulesSpec):
+    if (
+        isinstance(over, Scalar)
+        and over.empty
+        and isinstance(spec, specs.ModelSpec | specs.UnionSpec | specs.RulesSpec)
+    ):
         return base
-    if isinstance(spec, RulesSpec) and isinstance(over, MapNode) and isinstance(base, ListNode):
+    if isinstance(spec, specs.RulesSpec) and isinstance(over, MapNode) and isinstance(base, ListNode):
         return _patched(base, over, rules)
     if not isinstance(base, MapNode) or not isinstance(over, MapNode):
         return over
-    if isinstance(spec, UnionSpec) and _kind(over, _kind(base, "")) != _kind(base, ""):
+    if isinstance(spec, specs.UnionSpec) and _kind(over, _kind(base, "")) != _kind(base, ""):
         return over  # another kind has other settings
-    specs = _specs(spec, over if isinstance(spec, UnionSpec) and over.get("kind") else base, rules)
-    if specs is None:
+    known = _specs(spec, over if isinstance(spec, specs.UnionSpec) and over.get("kind") else base, rules)
+    if known is None:
         return over
     merged = dict(base.entries)
     for key, entry in over.entries.items():
-        merged[key] = Entry(entry.mark, merge(base.get(key), entry.node, specs.get(key), rules))
+        merged[key] = Entry(entry.mark, merge(base.get(key), entry.node, known.get(key), rules))
     return MapNode(merged, base.mark)
 
 
@@ -103,34 +94,39 @@ def place(root: MapNode, path: str, value: Node, rules: Mapping[str, RuleType]) 
     return placed
 
 
-def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rules: Mapping[str, RuleType]) -> Node:
+def _place(
+    spec: specs.Spec, node: Node | None, parts: Sequence[str], value: Node, rules: Mapping[str, RuleType]
+) -> Node:
     if not parts:
         return merge(node, value, spec, rules)
     if isinstance(node, Scalar) and (node.null or node.empty):
         node = None
     part = parts[0]
-    if isinstance(spec, ModelSpec | UnionSpec):
+    if isinstance(spec, specs.ModelSpec | specs.UnionSpec):
         if node is None:
             node = MapNode({}, value.mark)
         if not isinstance(node, MapNode):
             raise Unreachable(f"{shown(part)} cannot be reached inside {kind_of(node)}")
-        specs = _specs(spec, node, rules)
-        if specs is None:
+        known = _specs(spec, node, rules)
+        if known is None:
             raise Unreachable(f"{shown(part)} cannot be reached: the kind of its entry is not known")
-        if part not in specs:
-            raise Unreachable(f"unknown key; {hint(part, specs, 'the keys are')}")
-        child = _place(specs[part], node.get(part), parts[1:], value, rules)
-        if isinstance(spec, UnionSpec) and part == "kind":
+        if part not in known:
+            raise Unreachable(f"unknown key; {hint(part, known, 'the keys are')}")
+        child = _place(known[part], node.get(part), parts[1:], value, rules)
+        if isinstance(spec, specs.UnionSpec) and part == "kind":
             node = _of_kind(spec, node, child)
         old = node.entries.get(part)
         return node.with_entry(part, Entry(value.mark if len(parts) == 1 or old is None else old.mark, child))
-    if isinstance(spec, RulesSpec):
+    if isinstance(spec, specs.RulesSpec):
         return _place_rule(node, parts, value, rules)
-    if isinstance(spec, ParametersSpec) and len(parts) == 1 and (node is None or isinstance(node, MapNode)):
+    if isinstance(spec, specs.ParametersSpec) and len(parts) == 1 and (node is None or isinstance(node, MapNode)):
         return (node or MapNode({}, value.mark)).with_entry(part, Entry(value.mark, value))
-    if isinstance(spec, PanelsSpec):
+    if isinstance(spec, specs.PanelsSpec):
         raise Unreachable("single panels are changed in the preset itself")
-    if not isinstance(spec, ItemsSpec | VectorSpec | ColourSpec | SizeSpec | WindowSpec | NamesSpec):
+    if not isinstance(
+        spec,
+        specs.ItemsSpec | specs.VectorSpec | specs.ColourSpec | specs.SizeSpec | specs.WindowSpec | specs.NamesSpec,
+    ):
         raise Unreachable("there is nothing inside this setting")
     if node is None and spec.default is not None:
         node = node_of(plain(spec.default), value.mark)
@@ -138,13 +134,13 @@ def _place(spec: Spec, node: Node | None, parts: Sequence[str], value: Node, rul
         raise Unreachable(f"{shown(part)} cannot be reached inside {'nothing' if node is None else kind_of(node)}")
     index = _index(node, part)
     item = node.items[index]
-    if isinstance(spec, ItemsSpec) and isinstance(value, Scalar) and value.null and len(parts) == 1:
+    if isinstance(spec, specs.ItemsSpec) and isinstance(value, Scalar) and value.null and len(parts) == 1:
         return node.without_item(index)
-    inner: Spec | None = None
-    if isinstance(spec, ItemsSpec):
+    inner: specs.Spec | None = None
+    if isinstance(spec, specs.ItemsSpec):
         kinds = spec.kinds
         stand_in = next(iter(kinds.values()))
-        inner = UnionSpec(stand_in(), kinds) if spec.tagged else ModelSpec(stand_in)
+        inner = specs.UnionSpec(stand_in(), kinds) if spec.tagged else specs.ModelSpec(stand_in)
     elif len(parts) > 1:
         raise Unreachable("there is nothing inside a number")
     return node.with_item(index, value if inner is None else _named(_place(inner, item, parts[1:], value, rules), item))
@@ -187,7 +183,7 @@ def _place_rule(node: Node | None, parts: Sequence[str], value: Node, rules: Map
     if len(parts) == 1 and not isinstance(value, MapNode) and not (isinstance(value, Scalar) and value.empty):
         kind = f"must be a mapping of settings, not {given(value)}"
         raise Unreachable(f"{kind}; null takes the rule out: rules.{parts[0]}=null")
-    parameters = ModelSpec(rules[found.name].Parameters)
+    parameters = specs.ModelSpec(rules[found.name].Parameters)
     inner = _place(parameters, found.parameters, parts[1:], value, rules)
     if isinstance(node, ListNode):
         entry = Entry(node.items[found.place].mark, inner)
@@ -262,20 +258,20 @@ def _kind(node: MapNode, otherwise: str) -> str:
     return kind.text if isinstance(kind, Scalar) else otherwise
 
 
-def _specs(spec: Spec, node: MapNode, rules: Mapping[str, RuleType]) -> dict[str, Spec] | None:
+def _specs(spec: specs.Spec, node: MapNode, rules: Mapping[str, RuleType]) -> dict[str, specs.Spec] | None:
     """The specs of the keys that a mapping may have, or None where its kind is not known."""
-    if isinstance(spec, RulesSpec):
-        return {name: ModelSpec(rule.Parameters) for name, rule in rules.items()}
-    if isinstance(spec, UnionSpec):
+    if isinstance(spec, specs.RulesSpec):
+        return {name: specs.ModelSpec(rule.Parameters) for name, rule in rules.items()}
+    if isinstance(spec, specs.UnionSpec):
         cls = spec.kinds.get(_kind(node, ""), None if node.get("kind") else type(spec.default))
-    elif isinstance(spec, ModelSpec):
+    elif isinstance(spec, specs.ModelSpec):
         cls = spec.model
     else:
         return None
     return None if cls is None else {key: setting.spec for key, setting in settings_of(cls).items()}
 
 
-def _of_kind(spec: UnionSpec, node: MapNode, kind: Node) -> MapNode:
+def _of_kind(spec: specs.UnionSpec, node: MapNode, kind: Node) -> MapNode:
     """``node`` without the settings that another kind does not have."""
     cls = spec.kinds.get(kind.text) if isinstance(kind, Scalar) else None
     if cls is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..common.registry import Registry
 
@@ -21,23 +21,13 @@ NO_COLOUR = "none"
 """What stands for no colour at all where there may be none; ``null`` stands for the default."""
 
 
-class Range:
-    """What a number may be; None is no limit."""
+class Range(NamedTuple):
+    """What a number may be: ``low`` and ``high`` may be reached, ``above`` and ``below`` may not; None is no limit."""
 
-    __slots__ = ("above", "below", "high", "low")
-
-    def __init__(
-        self,
-        *,
-        low: float | None = None,
-        above: float | None = None,
-        below: float | None = None,
-        high: float | None = None,
-    ) -> None:
-        self.low = low
-        self.above = above
-        self.below = below
-        self.high = high
+    low: float | None = None
+    above: float | None = None
+    below: float | None = None
+    high: float | None = None
 
     def holds(self, value: float) -> bool:
         """Whether ``value`` (finite) is allowed."""
@@ -64,56 +54,107 @@ class Range:
         )
 
 
-ANY = Range()
-"""No limits but those of single precision."""
+def within(what: str, limits: Range, unit: str) -> str:
+    """What is taken, within limits, in a unit: "a number above 0 (m)"."""
+    return f"{what} {limits}".rstrip() + in_unit(unit)
+
+
+def in_unit(unit: str) -> str:
+    """A unit in brackets after a space; "" for none."""
+    return f" ({unit})" if unit and unit != "1" else ""
 
 
 class Spec:
-    """What every setting has: its value where none is written, what it means, and in which unit.
+    """What every setting has: its value where none is written, what it means, in which unit, and within which limits.
 
     Specs are plain classes: made at every start, dataclasses of them would take 20 ms.
     """
 
-    def __init__(self, default: Any = None, *, doc: str = "", unit: str = "", limits: Range = ANY) -> None:
+    type_name = ""
+    """Of what it takes, in the reference."""
+
+    def __init__(self, default: Any = None, *, doc: str = "", unit: str = "", **limits: float | None) -> None:
+        """``limits``: of `Range`."""
         self.default = default
         self.doc = doc
         self.unit = unit
-        self.limits = limits
+        self.limits = Range(**limits)
+
+    def wanted(self) -> str:
+        """What it takes, in the words that follow "must be" in messages."""
+        return "a mapping of settings"
 
 
 class NumberSpec(Spec):
-    """A finite number within ``limits``."""
+    """A finite number, which is a float."""
+
+    type_name = "number"
+
+    def wanted(self) -> str:
+        return within("a number", self.limits, self.unit)
 
 
 class IntegerSpec(Spec):
-    """A whole number within ``limits``."""
+    """A whole number."""
+
+    type_name = "integer"
+
+    def wanted(self) -> str:
+        return within("a whole number", self.limits, self.unit)
 
 
 class VectorSpec(Spec):
-    """Three finite numbers, ``limits`` holding for each. ``nonzero`` refuses (0, 0, 0)."""
+    """Three finite numbers, limits holding for each. ``nonzero`` refuses (0, 0, 0)."""
 
-    def __init__(
-        self, default: Any = None, *, doc: str = "", unit: str = "", limits: Range = ANY, nonzero: bool = False
-    ) -> None:
-        super().__init__(default, doc=doc, unit=unit, limits=limits)
+    type_name = "[x, y, z]"
+
+    def __init__(self, default: Any = None, *, nonzero: bool = False, **more: Any) -> None:
+        super().__init__(default, **more)
         self.nonzero = nonzero
+
+    def wanted(self) -> str:
+        each = f" each {self.limits}" if str(self.limits) else ""
+        return f"three numbers [x, y, z]{each}{in_unit(self.unit)}"
 
 
 class ColourSpec(Spec):
-    """Three linear numbers that are not negative, or "#rrggbb" in sRGB; with ``or_none`` also the word `NO_COLOUR`."""
+    """A linear Rec. 709 colour: three numbers that are not negative, or "#rrggbb" in sRGB; with ``or_none`` also the
+    word `NO_COLOUR`."""
+
+    type_name = "colour"
 
     def __init__(self, default: Any = None, *, doc: str = "", or_none: bool = False) -> None:
         super().__init__(default, doc=doc)
         self.or_none = or_none
 
+    def wanted(self) -> str:
+        none = f", or {NO_COLOUR}" if self.or_none else ""
+        return f'three linear numbers [r, g, b] or "#rrggbb" in quotes{none}'
+
 
 class SizeSpec(Spec):
-    """Two whole numbers within ``limits``, as [w, h] or "800x600"."""
+    """Width and height in whole pixels from 1 to ``high``, as [w, h] or "800x600"."""
+
+    type_name = '[w, h] or "800x600"'
+
+    def __init__(self, default: tuple[int, int], *, high: int, doc: str = "") -> None:
+        super().__init__(default, doc=doc, unit="px", low=1, high=high)
+
+    def wanted(self) -> str:
+        return f'a size [w, h] or "800x600" of at least 1 and at most {self.limits.high}{in_unit(self.unit)}'
 
 
 class WindowSpec(Spec):
     """Part of a picture as (x, y, width, height) in whole pixels from the upper left, as [x, y, w, h] or
-    "400x300+100+50"."""
+    "400x300+100+50"; by default None."""
+
+    type_name = '[x, y, w, h] or "400x300+100+50"'
+
+    def __init__(self, *, high: int, doc: str = "") -> None:
+        super().__init__(doc=doc, unit="px", low=0, high=high)
+
+    def wanted(self) -> str:
+        return f'a part of the picture [x, y, width, height] or "400x300+100+50"{in_unit(self.unit)}'
 
 
 class ChoiceSpec(Spec):
@@ -133,36 +174,72 @@ class ChoiceSpec(Spec):
         """The words, in order."""
         return self._options if isinstance(self._options, tuple) else self._options.names()
 
+    def wanted(self) -> str:
+        return self.options[0] if len(self.options) == 1 else f"one of {', '.join(self.options)}"
+
 
 class BooleanSpec(Spec):
     """true or false."""
+
+    type_name = "boolean"
+
+    def wanted(self) -> str:
+        return "true or false"
 
 
 class TextSpec(Spec):
     """Any text."""
 
+    type_name = "text"
+
+    def wanted(self) -> str:
+        return "text"
+
 
 class FileSpec(TextSpec):
     """The path of a file that is there, beside the preset that names it, or of ``numbered`` ones; ``kind``: who reads
-    it, as `strandcli.run.fingerprint.READERS` has it."""
+    it, as `strandcli.run.fingerprint.READERS` has it. It has to be given, or with a default of None may be absent."""
 
-    def __init__(self, default: Any = None, *, kind: str, doc: str = "", numbered: bool = False) -> None:
+    type_name = "file"
+
+    def __init__(self, kind: str, default: str | None = "", *, doc: str = "", numbered: bool = False) -> None:
         super().__init__(default, doc=doc)
         self.kind, self.numbered = kind, numbered
 
+    def wanted(self) -> str:
+        return "the path of a file"
+
 
 class MapSpec(TextSpec):
-    """The name of an attribute of a mesh's vertices, or the path of a picture, which has a suffix."""
+    """The name of an attribute of a mesh's vertices, or the path of a picture, which has a suffix; by default
+    neither."""
 
+    type_name = "name or picture"
     kind = "picture"
+
+    def __init__(self, *, doc: str = "") -> None:
+        super().__init__("", doc=doc)
+
+    def wanted(self) -> str:
+        return "the name of an attribute, or the path of a picture"
 
 
 class NamesSpec(Spec):
-    """A list of names; one name may stand without the list."""
+    """A tuple of names; one name may stand without the list."""
+
+    type_name = "list of names"
+
+    def __init__(self, default: tuple[str, ...] = (), *, doc: str = "") -> None:
+        super().__init__(default, doc=doc)
+
+    def wanted(self) -> str:
+        return "a name or a list of names"
 
 
 class ModelSpec(Spec):
     """A mapping with the settings of one class. A default of None makes it one that may be absent."""
+
+    type_name = "mapping"
 
     def __init__(self, model: type, default: Any = None, *, doc: str = "") -> None:
         super().__init__(default, doc=doc)
@@ -172,19 +249,24 @@ class ModelSpec(Spec):
 class UnionSpec(Spec):
     """A mapping with the settings of one of several classes, told by its ``kind``; without one, the default's."""
 
+    type_name = "mapping"
+
     def __init__(self, default: Any, kinds: Mapping[str, type], *, doc: str = "") -> None:
         super().__init__(default, doc=doc)
         self.kinds = kinds
 
 
 class ItemsSpec(Spec):
-    """A list of mappings, of one class (under the key "" of ``kinds``) or each of the class that its ``kind`` names."""
+    """A list of mappings, ``most`` at the most: ``of`` one class, which ``kinds`` then has under the key "", or each of
+    the class that its ``kind`` names. Kinds that are added later count as well."""
+
+    type_name = "list"
 
     def __init__(
-        self, default: tuple[Any, ...], kinds: Mapping[str, type], *, most: int = MOST_ITEMS, doc: str = ""
+        self, of: type | Mapping[str, type], *, default: tuple[Any, ...] = (), most: int = MOST_ITEMS, doc: str = ""
     ) -> None:
         super().__init__(default, doc=doc)
-        self.kinds = kinds
+        self.kinds: Mapping[str, type] = {"": of} if isinstance(of, type) else of
         self.most = most
 
     @property
@@ -192,13 +274,18 @@ class ItemsSpec(Spec):
         """Whether an item must name its ``kind``."""
         return "" not in self.kinds
 
+    def wanted(self) -> str:
+        return "a list, each entry beginning with `- `"
+
 
 class ParametersSpec(Spec):
     """A mapping with the settings of the driver that a sibling setting, ``chooser``, names; None where it has none of
     its own."""
 
+    type_name = "mapping"
+
     def __init__(self, registry: Registry, chooser: str, *, doc: str = "") -> None:
-        super().__init__(None, doc=doc)
+        super().__init__(doc=doc)
         self.registry = registry
         self.chooser = chooser
 
@@ -206,6 +293,16 @@ class ParametersSpec(Spec):
 class RulesSpec(Spec):
     """The rules: a list in the order of application, or a mapping in the default order."""
 
+    type_name = "list or mapping"
+
+    def wanted(self) -> str:
+        return "a list or a mapping of rules"
+
 
 class PanelsSpec(Spec):
     """A list of variants of the scene."""
+
+    type_name = "list"
+
+    def wanted(self) -> str:
+        return "a list, each entry beginning with `- `"

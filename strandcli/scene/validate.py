@@ -10,36 +10,15 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from . import specs
 from .absent import why_absent
-from .describe import wanted
 from .faults import Fault, Mark, fault_at, hint, shown
 from .fields import settings_of
 from .model import RuleUse
 from .nodes import ListNode, MapNode, Node, Scalar
 from .rule_type import RuleType
 from .scalars import Refusal, as_boolean, as_colour, as_number, as_size
-from .specs import (
-    SMALLEST,
-    BooleanSpec,
-    ChoiceSpec,
-    ColourSpec,
-    FileSpec,
-    IntegerSpec,
-    ItemsSpec,
-    MapSpec,
-    ModelSpec,
-    NamesSpec,
-    NumberSpec,
-    ParametersSpec,
-    Range,
-    RulesSpec,
-    SizeSpec,
-    Spec,
-    TextSpec,
-    UnionSpec,
-    VectorSpec,
-    WindowSpec,
-)
+from .specs import SMALLEST, Range, within
 from .suggest import hint_inside
 from .values import file_path, given, in_range, name_or_file, no_rule, option, whole, window
 
@@ -82,17 +61,19 @@ class Reader:
             setting = settings.get(key)
             if setting is None:
                 self.refuse(entry.mark, where, why_absent(where) or self.unknown_key(key, settings, top=not path))
-            elif not (isinstance(setting.spec, ParametersSpec) or (isinstance(entry.node, Scalar) and entry.node.null)):
+            elif not (
+                isinstance(setting.spec, specs.ParametersSpec) or (isinstance(entry.node, Scalar) and entry.node.null)
+            ):
                 values[setting.attribute] = self.value(setting.spec, entry.node, where)
         for key, setting in settings.items():
-            if isinstance(setting.spec, ParametersSpec):
+            if isinstance(setting.spec, specs.ParametersSpec):
                 chosen = values.get(setting.spec.chooser, settings[setting.spec.chooser].spec.default)
                 found = self.parameters(setting.spec, chosen, node.get(key), f"{path}.{key}")
                 if found is not None:
                     values[setting.attribute] = found
         return cls(**values)
 
-    def parameters(self, spec: ParametersSpec, chosen: str, node: Node | None, path: str) -> Any:
+    def parameters(self, spec: specs.ParametersSpec, chosen: str, node: Node | None, path: str) -> Any:
         """The settings of the driver that was chosen, its defaults where none are written; None where it has none."""
         cls = spec.registry.settings(chosen)
         if node is None or (isinstance(node, Scalar) and node.null):
@@ -113,53 +94,53 @@ class Reader:
         guess = hint_inside(key, settings, self.rules) if top else hint(key, settings, "the keys are")
         return f"unknown key; {guess}"
 
-    def value(self, spec: Spec, node: Node, path: str) -> Any:
+    def value(self, spec: specs.Spec, node: Node, path: str) -> Any:
         """The value of one setting, or its default after a fault."""
         self.marks[path] = node.mark
         try:
             match spec:
-                case ModelSpec():
+                case specs.ModelSpec():
                     return self.model(spec.model, node, path)
-                case UnionSpec():
+                case specs.UnionSpec():
                     return self.union(spec, node, path)
-                case ItemsSpec():
+                case specs.ItemsSpec():
                     return self.items(spec, node, path)
-                case RulesSpec():
+                case specs.RulesSpec():
                     return self.rule_uses(spec, node, path)
-                case VectorSpec():
+                case specs.VectorSpec():
                     return self.vector(spec, node, path)
-                case ColourSpec():
+                case specs.ColourSpec():
                     return self.colour(spec, node, path)
-                case SizeSpec():
+                case specs.SizeSpec():
                     return self.size(spec, node, path)
-                case WindowSpec():
+                case specs.WindowSpec():
                     return window(spec, node)
-                case NamesSpec():
+                case specs.NamesSpec():
                     return self.names(spec, node, path)
             if not isinstance(node, Scalar) or node.empty:
                 raise Refusal(f"not {given(node)}")
             match spec:
-                case NumberSpec():
+                case specs.NumberSpec():
                     return in_range(float(as_number(node)), spec.limits, node)
-                case IntegerSpec():
+                case specs.IntegerSpec():
                     return whole(node, spec.limits)
-                case BooleanSpec():
+                case specs.BooleanSpec():
                     return as_boolean(node)
-                case ChoiceSpec():
+                case specs.ChoiceSpec():
                     return option(node, spec)
-                case FileSpec():
+                case specs.FileSpec():
                     return file_path(node, spec.numbered)
-                case MapSpec():
+                case specs.MapSpec():
                     return name_or_file(node)
-                case TextSpec():
+                case specs.TextSpec():
                     return node.text
         except Refusal as refusal:
             told = why_absent(path, node.text) if isinstance(node, Scalar) else None
-            self.refuse(node.mark, path, told or f"must be {wanted(spec)}, {refusal}")
+            self.refuse(node.mark, path, told or f"must be {spec.wanted()}, {refusal}")
             return spec.default
         raise TypeError(f"no such kind of setting: {type(spec).__name__}")
 
-    def numbers(self, spec: Spec, limits: Range, node: ListNode, path: str) -> tuple[float, ...] | None:
+    def numbers(self, spec: specs.Spec, limits: Range, node: ListNode, path: str) -> tuple[float, ...] | None:
         """The numbers of a list, each refused by itself; None after a fault."""
         found: list[float] = []
         for index, item in enumerate(node.items):
@@ -168,11 +149,11 @@ class Reader:
                     raise Refusal(f"not {given(item)}")
                 found.append(in_range(float(as_number(item)), limits, item))
             except Refusal as refusal:
-                one = NumberSpec(limits=limits, unit=spec.unit)
-                self.refuse(item.mark, f"{path}.{index}", f"must be {wanted(one)}, {refusal}")
+                words = within("a number", limits, spec.unit)
+                self.refuse(item.mark, f"{path}.{index}", f"must be {words}, {refusal}")
         return tuple(found) if len(found) == len(node.items) else None
 
-    def vector(self, spec: VectorSpec, node: Node, path: str) -> Any:
+    def vector(self, spec: specs.VectorSpec, node: Node, path: str) -> Any:
         """Three numbers."""
         if not isinstance(node, ListNode) or len(node.items) != 3:
             raise Refusal(f"not {given(node)}")
@@ -182,7 +163,7 @@ class Reader:
             return spec.default
         return spec.default if found is None else found
 
-    def colour(self, spec: ColourSpec, node: Node, path: str) -> Any:
+    def colour(self, spec: specs.ColourSpec, node: Node, path: str) -> Any:
         """Three linear numbers, or sRGB in hexadecimal."""
         if isinstance(node, ListNode) and len(node.items) == 3:
             found = self.numbers(spec, Range(low=0), node, path)
@@ -193,7 +174,7 @@ class Reader:
             return as_colour(node, spec.or_none)
         raise Refusal(f"not {given(node)}")
 
-    def size(self, spec: SizeSpec, node: Node, path: str) -> Any:
+    def size(self, spec: specs.SizeSpec, node: Node, path: str) -> Any:
         """Width and height."""
         if isinstance(node, Scalar) and not node.empty:
             found: tuple[int, ...] = as_size(node)
@@ -205,7 +186,7 @@ class Reader:
             raise Refusal(f"not {given(node)}")
         return found
 
-    def names(self, spec: NamesSpec, node: Node, path: str) -> Any:
+    def names(self, spec: specs.NamesSpec, node: Node, path: str) -> Any:
         """One name, or a list of names."""
         items = node.items if isinstance(node, ListNode) else (node,)
         found = []
@@ -216,14 +197,14 @@ class Reader:
             found.append(item.text)
         return tuple(found)
 
-    def union(self, spec: UnionSpec, node: Node, path: str) -> Any:
+    def union(self, spec: specs.UnionSpec, node: Node, path: str) -> Any:
         """An instance of the class that ``kind`` names, or of the default's class."""
         if not isinstance(node, MapNode) or node.get("kind") is None:
             return self.model(type(spec.default), node, path)
         cls = self.kind(spec.kinds, node, path)
         return spec.default if cls is None else self.model(cls, node, path)
 
-    def items(self, spec: ItemsSpec, node: Node, path: str) -> Any:
+    def items(self, spec: specs.ItemsSpec, node: Node, path: str) -> Any:
         """A tuple of instances; what cannot be read is replaced by a stand-in, so that places stay right."""
         if not isinstance(node, ListNode):
             raise Refusal(f"not {given(node)}")
@@ -258,7 +239,7 @@ class Reader:
         self.refuse(named.mark, f"{path}.kind", f"unknown kind {known}; {hint(text, kinds, 'the kinds are')}")
         return None
 
-    def rule_uses(self, spec: RulesSpec, node: Node, path: str) -> tuple[RuleUse, ...]:
+    def rule_uses(self, spec: specs.RulesSpec, node: Node, path: str) -> tuple[RuleUse, ...]:
         """The rules in the order in which they are to be applied."""
         entries: list[tuple[str, Mark, Node]] = []
         if isinstance(node, ListNode):

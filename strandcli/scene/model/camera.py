@@ -76,7 +76,7 @@ AOVS = ("depth", "mask", "solid", "tangent", "orientation", "strand_id", "shadow
 class Image:
     """The picture."""
 
-    size: tuple[int, int] = size((800, 600), high=32_768, unit="px", doc='width and height, as [w, h] or "800x600"')
+    size: tuple[int, int] = size((800, 600), high=32_768, doc='width and height, as [w, h] or "800x600"')
     supersample: int = integer(1, low=1, high=8, doc="samples along each side of a pixel")
     background: Colour | Literal["none"] = colour(
         (0.03, 0.035, 0.045),

@@ -88,7 +88,7 @@ class Scene:
         Children, doc="strands drawn around the simulated ones; absent: only those are drawn"
     )
     rules: tuple[RuleUse, ...] = rules(
-        doc="what moves the strands: a list is applied in its order, a mapping in the default order"
+        (), doc="what moves the strands: a list is applied in its order, a mapping in the default order"
     )
     solids: tuple[Solid, ...] = items(SOLIDS, doc="objects that are drawn, cast shadows and stop strands")
     camera: Camera = model(Camera, doc="the point of view")
@@ -108,7 +108,7 @@ class Scene:
     curves: Curves = model(Curves, doc="smoothing")
     detail: Detail | None = optional(Detail, doc="level of detail; absent: all strands are drawn")
     label: str = text("", doc="caption of a panel")
-    panels: tuple[Scene, ...] = panels(doc="pictures side by side: this scene with some settings changed")
+    panels: tuple[Scene, ...] = panels((), doc="pictures side by side: this scene with some settings changed")
     source: str = field(default="", compare=False)
     sha256: str = field(default="", compare=False)
 
