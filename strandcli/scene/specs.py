@@ -54,11 +54,6 @@ class Range(NamedTuple):
         )
 
 
-def within(what: str, limits: Range, unit: str) -> str:
-    """What is taken, within limits, in a unit: "a number above 0 (m)"."""
-    return f"{what} {limits}".rstrip() + in_unit(unit)
-
-
 def in_unit(unit: str) -> str:
     """A unit in brackets after a space; "" for none."""
     return f" ({unit})" if unit and unit != "1" else ""
@@ -70,8 +65,8 @@ class Spec:
     Specs are plain classes: made at every start, dataclasses of them would take 20 ms.
     """
 
-    type_name = ""
-    """Of what it takes, in the reference."""
+    type_name, words = "mapping", "a mapping of settings"
+    """What it takes, in the reference and in messages."""
 
     def __init__(self, default: Any = None, *, doc: str = "", unit: str = "", **limits: float | None) -> None:
         """``limits``: of `Range`."""
@@ -81,26 +76,20 @@ class Spec:
         self.limits = Range(**limits)
 
     def wanted(self) -> str:
-        """What it takes, in the words that follow "must be" in messages."""
-        return "a mapping of settings"
+        """What it takes, as it follows "must be" in messages: "a number above 0 (m)"."""
+        return f"{self.words} {self.limits}".rstrip() + in_unit(self.unit)
 
 
 class NumberSpec(Spec):
     """A finite number, which is a float."""
 
-    type_name = "number"
-
-    def wanted(self) -> str:
-        return within("a number", self.limits, self.unit)
+    type_name, words = "number", "a number"
 
 
 class IntegerSpec(Spec):
     """A whole number."""
 
-    type_name = "integer"
-
-    def wanted(self) -> str:
-        return within("a whole number", self.limits, self.unit)
+    type_name, words = "integer", "a whole number"
 
 
 class VectorSpec(Spec):
@@ -181,65 +170,48 @@ class ChoiceSpec(Spec):
 class BooleanSpec(Spec):
     """true or false."""
 
-    type_name = "boolean"
-
-    def wanted(self) -> str:
-        return "true or false"
+    type_name, words = "boolean", "true or false"
 
 
 class TextSpec(Spec):
     """Any text."""
 
-    type_name = "text"
-
-    def wanted(self) -> str:
-        return "text"
+    type_name, words = "text", "text"
 
 
 class FileSpec(TextSpec):
     """The path of a file that is there, beside the preset that names it, or of ``numbered`` ones; ``kind``: who reads
     it, as `strandcli.run.fingerprint.READERS` has it. It has to be given, or with a default of None may be absent."""
 
-    type_name = "file"
+    type_name, words = "file", "the path of a file"
 
     def __init__(self, kind: str, default: str | None = "", *, doc: str = "", numbered: bool = False) -> None:
         super().__init__(default, doc=doc)
         self.kind, self.numbered = kind, numbered
-
-    def wanted(self) -> str:
-        return "the path of a file"
 
 
 class MapSpec(TextSpec):
     """The name of an attribute of a mesh's vertices, or the path of a picture, which has a suffix; by default
     neither."""
 
-    type_name = "name or picture"
+    type_name, words = "name or picture", "the name of an attribute, or the path of a picture"
     kind = "picture"
 
     def __init__(self, *, doc: str = "") -> None:
         super().__init__("", doc=doc)
 
-    def wanted(self) -> str:
-        return "the name of an attribute, or the path of a picture"
-
 
 class NamesSpec(Spec):
     """A tuple of names; one name may stand without the list."""
 
-    type_name = "list of names"
+    type_name, words = "list of names", "a name or a list of names"
 
     def __init__(self, default: tuple[str, ...] = (), *, doc: str = "") -> None:
         super().__init__(default, doc=doc)
 
-    def wanted(self) -> str:
-        return "a name or a list of names"
-
 
 class ModelSpec(Spec):
     """A mapping with the settings of one class. A default of None makes it one that may be absent."""
-
-    type_name = "mapping"
 
     def __init__(self, model: type, default: Any = None, *, doc: str = "") -> None:
         super().__init__(default, doc=doc)
@@ -248,8 +220,6 @@ class ModelSpec(Spec):
 
 class UnionSpec(Spec):
     """A mapping with the settings of one of several classes, told by its ``kind``; without one, the default's."""
-
-    type_name = "mapping"
 
     def __init__(self, default: Any, kinds: Mapping[str, type], *, doc: str = "") -> None:
         super().__init__(default, doc=doc)
@@ -260,7 +230,7 @@ class ItemsSpec(Spec):
     """A list of mappings, ``most`` at the most: ``of`` one class, which ``kinds`` then has under the key "", or each of
     the class that its ``kind`` names. Kinds that are added later count as well."""
 
-    type_name = "list"
+    type_name, words = "list", "a list, each entry beginning with `- `"
 
     def __init__(
         self, of: type | Mapping[str, type], *, default: tuple[Any, ...] = (), most: int = MOST_ITEMS, doc: str = ""
@@ -274,15 +244,10 @@ class ItemsSpec(Spec):
         """Whether an item must name its ``kind``."""
         return "" not in self.kinds
 
-    def wanted(self) -> str:
-        return "a list, each entry beginning with `- `"
-
 
 class ParametersSpec(Spec):
     """A mapping with the settings of the driver that a sibling setting, ``chooser``, names; None where it has none of
     its own."""
-
-    type_name = "mapping"
 
     def __init__(self, registry: Registry, chooser: str, *, doc: str = "") -> None:
         super().__init__(doc=doc)
@@ -293,16 +258,10 @@ class ParametersSpec(Spec):
 class RulesSpec(Spec):
     """The rules: a list in the order of application, or a mapping in the default order."""
 
-    type_name = "list or mapping"
-
-    def wanted(self) -> str:
-        return "a list or a mapping of rules"
+    type_name, words = "list or mapping", "a list or a mapping of rules"
 
 
 class PanelsSpec(Spec):
     """A list of variants of the scene."""
 
-    type_name = "list"
-
-    def wanted(self) -> str:
-        return "a list, each entry beginning with `- `"
+    type_name, words = "list", "a list, each entry beginning with `- `"

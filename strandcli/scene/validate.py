@@ -18,7 +18,7 @@ from .model import RuleUse
 from .nodes import ListNode, MapNode, Node, Scalar
 from .rule_type import RuleType
 from .scalars import Refusal, as_boolean, as_colour, as_number, as_size
-from .specs import SMALLEST, Range, within
+from .specs import SMALLEST, Range
 from .suggest import hint_inside
 from .values import file_path, given, in_range, name_or_file, no_rule, option, whole, window
 
@@ -149,8 +149,8 @@ class Reader:
                     raise Refusal(f"not {given(item)}")
                 found.append(in_range(float(as_number(item)), limits, item))
             except Refusal as refusal:
-                words = within("a number", limits, spec.unit)
-                self.refuse(item.mark, f"{path}.{index}", f"must be {words}, {refusal}")
+                one = specs.NumberSpec(unit=spec.unit, **limits._asdict())
+                self.refuse(item.mark, f"{path}.{index}", f"must be {one.wanted()}, {refusal}")
         return tuple(found) if len(found) == len(node.items) else None
 
     def vector(self, spec: specs.VectorSpec, node: Node, path: str) -> Any:
