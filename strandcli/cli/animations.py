@@ -12,7 +12,7 @@ from ..errors import UsageError
 from . import signals
 from .render_words import interrupted
 from .say import say
-from .values import KINDS, ColourType, KindsType
+from .values import ANIMATIONS, COLOUR, KINDS
 
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
@@ -26,10 +26,10 @@ OPAQUE = ("gif", "mp4")
 def options(command: Callable[..., Any]) -> Callable[..., Any]:
     """``--animate`` and ``--over``."""
     kinds = click.option(
-        "--animate", type=KindsType(), metavar="KIND", help="Also write animation.gif, .webp, .mp4: gif,mp4."
+        "--animate", type=ANIMATIONS, metavar="KIND", help="Also write animation.gif, .webp, .mp4: gif,mp4."
     )
     over = click.option(
-        "--over", type=ColourType(), metavar="COLOUR",
+        "--over", type=COLOUR, metavar="COLOUR",
         help="Colour under frames without background, in GIF and MP4: white, '#rrggbb'.  [default: mid grey]",
     )  # fmt: skip
     return kinds(over(command))

@@ -45,7 +45,7 @@ AGREE = 0.8, 1.25
     "--frames", type=options.Whole(1, 100_000), metavar="N",
     help=f"Frames to time.  [default: {FRAMES}, of PRESET {FRAMES_OF_A_PRESET}]",
 )  # fmt: skip
-@click.option("--size", type=options.SizeType(), default="800x600", show_default=True, help="Picture.")
+@click.option("--size", type=options.SIZE, default="800x600", show_default=True, help="Picture.")
 @click.option(
     "--solver", default="thesis", metavar="NAME", help="How strands move.  [default: thesis, of PRESET its own]"
 )

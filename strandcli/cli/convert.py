@@ -10,8 +10,9 @@ import click
 from ..common.counted import counted
 from ..errors import UsageError
 from . import options, strand_files
-from .frame_range import FrameRange, FrameRangeType
+from .frame_range import FrameRange
 from .say import say
+from .values import Parsed
 
 if TYPE_CHECKING:
     from ..exchange.edit.moving import Change, Step
@@ -32,19 +33,18 @@ class FiniteType(click.FloatRange):
         return found
 
 
-class MatrixType(click.ParamType):
+def matrix(text: str) -> list[float]:
     """A matrix of three rows of four numbers, as a list of twelve."""
+    try:
+        found = [float(one) for one in text.replace(",", " ").split()]
+    except ValueError:
+        found = []
+    if len(found) != 12 or not all(abs(one) < float("inf") for one in found):
+        raise ValueError(f"'{text}' is not twelve numbers, three rows of four, the last of each a shift")
+    return found
 
-    name = "matrix"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
-        try:
-            found = [float(one) for one in str(value).replace(",", " ").split()]
-        except ValueError:
-            found = []
-        if len(found) != 12 or not all(abs(one) < float("inf") for one in found):
-            self.fail(f"'{value}' is not twelve numbers, three rows of four, the last of each a shift", param, ctx)
-        return found
+MATRIX = Parsed("matrix", matrix)
 
 
 @click.command()
@@ -54,7 +54,7 @@ class MatrixType(click.ParamType):
 @click.option(
     "-f",
     "--frames",
-    type=FrameRangeType(),
+    type=options.FRAMES,
     metavar="RANGE",
     help="Moments of a file of strands that move, the first is 1: 1-48 or 1-100x5.  [default: all]",
 )
@@ -63,7 +63,7 @@ class MatrixType(click.ParamType):
 @click.option("--up", type=AXIS, help="The up axis of IN, to be turned to that of OUT.")
 @click.option("--to-up", type=AXIS, default="y", show_default=True, help="The up axis of OUT, with --up.")
 @click.option("--scale", type=FiniteType(min=0, min_open=True), metavar="X", help="Multiply lengths: .01 for cm to m.")
-@click.option("--matrix", type=MatrixType(), metavar="'12 NUMBERS'", help="An affine map, three rows of four.")
+@click.option("--matrix", type=MATRIX, metavar="'12 NUMBERS'", help="An affine map, three rows of four.")
 @click.option("--min-length", type=FiniteType(min=0), metavar="X", help="Leave out strands shorter than this.")
 @click.option("--max-length", type=FiniteType(min=0), metavar="X", help="Leave out strands longer than this.")
 @click.option("--every", type=options.Whole(1), metavar="N", help="Select every N-th strand.")

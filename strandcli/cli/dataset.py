@@ -14,7 +14,7 @@ from . import camera_files, complete, options
 from .memory_check import option as memory_check_option
 from .progress import Progress, stepper, warner
 from .say import say
-from .values import SpanType
+from .values import span
 
 
 @click.command()
@@ -24,9 +24,12 @@ from .values import SpanType
 @click.option("--first", type=options.Whole(0, 1_000_000), default=0, help="Number of the first view, to make parts.")
 @options.folder()
 @camera_files.cameras
-@click.option("--azimuth", type=SpanType(360), default=(-180.0, 180.0), help="Degrees around, from the scene's camera.")
+@click.option("--azimuth", type=span(360), default=(-180.0, 180.0), help="Degrees around, from the scene's camera.")
 @click.option(
-    "--elevation", type=SpanType(90), default=(-10.0, 40.0), help="Degrees above the horizon, such as -10,40."
+    "--elevation",
+    type=span(90),
+    default=(-10.0, 40.0),
+    help="Degrees above the horizon, such as -10,40.",
 )
 @click.option(
     "--light",

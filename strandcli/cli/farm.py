@@ -12,7 +12,7 @@ from ..errors import UsageError
 from . import options
 from .frame_range import FrameRange
 from .say import say
-from .values import KindsType
+from .values import ANIMATIONS
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -38,7 +38,7 @@ MOST_THREADS, USUAL_THREADS = 4096, 4
     metavar="N",
     help="Threads a task.  [default: 4, or as many as this machine has cores]",
 )
-@click.option("--animate", type=KindsType(), metavar="KIND", help="Also join the frames as an animation.")
+@click.option("--animate", type=ANIMATIONS, metavar="KIND", help="Also join the frames as an animation.")
 @options.keep_going
 @options.overwrite
 @options.as_json

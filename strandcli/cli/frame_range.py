@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Any
-
-import click
 
 from ..errors import UsageError
 
@@ -55,9 +52,6 @@ class FrameRange:
             )
         return self.numbers()
 
-    def __str__(self) -> str:
-        return ",".join(_write(part) for part in self.parts)
-
 
 def _part(word: str) -> range:
     match = _PART.fullmatch(word)
@@ -73,24 +67,3 @@ def _part(word: str) -> range:
     if step < 1:
         raise ValueError(f"'{word}': the step after x is at least 1")
     return range(first, last + 1, step)
-
-
-def _write(part: range) -> str:
-    if len(part) == 1:
-        return str(part[0])
-    step = "" if part.step == 1 else f"x{part.step}"
-    return f"{part[0]}-{part[-1]}{step}"
-
-
-class FrameRangeType(click.ParamType):
-    """A click parameter that reads a :class:`FrameRange`."""
-
-    name = "frames"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> FrameRange:
-        if isinstance(value, FrameRange):
-            return value
-        try:
-            return FrameRange.parse(str(value))
-        except ValueError as error:
-            self.fail(str(error), param, ctx)

@@ -6,17 +6,26 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
+from click.shell_completion import CompletionItem
 
 from ..errors import UsageError
+from .complete import listed
 from .options import together
-from .values import LayersType
+from .values import Parsed, layers
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
 
+
+def _names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    from ..scene.model import AOVS
+
+    return listed(AOVS, incomplete)
+
+
 layer_options = together(
     click.option(
-        "--aov", "aovs", type=LayersType(), metavar="LAYERS",
+        "--aov", "aovs", type=Parsed("LAYERS", layers), metavar="LAYERS", shell_complete=_names,
         help="Also write layers as .npz and PNG: depth, mask, solid, tangent, orientation, strand_id, shadow, linear.",
     ),
     click.option("--exr", is_flag=True, help="Also write frame_0001.exr: linear light, and the layers of --aov."),

@@ -14,10 +14,10 @@ import click
 from ..common.counted import counted
 from ..errors import UsageError
 from . import complete
-from .frame_range import FrameRange, FrameRangeType
+from .frame_range import FrameRange
 from .main import set_debug
 from .say import json_text, say
-from .values import SizeType
+from .values import SIZE, Parsed
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -35,18 +35,7 @@ COUNT_STRANDS = Whole(1, 100_000_000)
 COUNT_PARTICLES = Whole(2, 100_000)
 
 
-class ThreadsType(Whole):
-    """A number of threads that this machine has."""
-
-    def __init__(self) -> None:
-        super().__init__(min=1)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        count = int(super().convert(value, param, ctx))
-        cores = available_cores()
-        if count > cores:
-            self.fail(f"{count} threads, but this process may use {counted(cores, 'core')}", param, ctx)
-        return count
+FRAMES = Parsed("frames", FrameRange.parse)
 
 
 def available_cores() -> int:
@@ -54,6 +43,13 @@ def available_cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def _available(ctx: click.Context, param: click.Parameter, count: int | None) -> int | None:
+    """A number of threads that this machine has."""
+    if count is not None and count > (cores := available_cores()):
+        raise click.BadParameter(f"{count} threads, but this process may use {counted(cores, 'core')}", ctx, param)
+    return count
 
 
 def _assignment(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
@@ -83,11 +79,12 @@ def folder(default: str | None = None) -> Callable[[F], F]:
 
 preset = click.argument("preset", shell_complete=complete.presets)
 drawn = click.argument("preset", metavar="PRESET|FILE", shell_complete=complete.presets)
-frames = click.option("-f", "--frames", type=FrameRangeType(), metavar="RANGE", help="Frames: 1-48 or 1-100x5,120.")
-size = click.option("--size", type=SizeType(), help="Width and height in pixels.")
+frames = click.option("-f", "--frames", type=FRAMES, metavar="RANGE", help="Frames: 1-48 or 1-100x5,120.")
+size = click.option("--size", type=SIZE, help="Width and height in pixels.")
 strands = click.option("--strands", type=COUNT_STRANDS, metavar="N", help="Number of strands.")
 particles = click.option("--particles", type=COUNT_PARTICLES, metavar="N", help="Particles a strand.")
-threads = click.option("--threads", type=ThreadsType(), metavar="N", help="Threads.  [default: all cores]")
+count_of_threads = functools.partial(click.option, "--threads", type=Whole(1), callback=_available, metavar="N")
+threads = count_of_threads(help="Threads.  [default: all cores]")
 seed = click.option("--seed", type=Whole(0, 2**63 - 1), metavar="N", help="Seed of everything random.")
 quality = click.option(
     "--quality", type=click.Choice(("draft", "default", "best")),

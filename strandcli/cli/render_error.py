@@ -11,7 +11,7 @@ from ..errors import StrandError, UsageError
 from . import garbage, options
 from .progress import Progress, beginner, stepper
 from .say import say
-from .values import BoundsType
+from .values import Parsed, bounds
 
 if TYPE_CHECKING:
     from ..output.report import RunReport
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..study.picture_advice import PictureAdvice
 
 max_error_option = click.option(
-    "--max-error", type=BoundsType(), metavar="ERRORS",
+    "--max-error", type=Parsed("ERRORS", bounds), metavar="ERRORS",
     help="Errors to stay under: of motion 1% or motion=1%, of the picture picture=2%, to the eye flip=0.05; "
     "several separated by commas.",
 )  # fmt: skip

@@ -9,7 +9,7 @@ import click
 from ..common.counted import counted
 from . import options
 from .say import say
-from .values import ColourType
+from .values import COLOUR
 
 
 @click.command()
@@ -21,7 +21,7 @@ from .values import ColourType
     help="Images wider than this are scaled down.",
 )  # fmt: skip
 @click.option(
-    "--over", type=ColourType(), metavar="COLOUR",
+    "--over", type=COLOUR, metavar="COLOUR",
     help="Colour under images with alpha: white, '#rrggbb'.  [default: the sheet's own]",
 )  # fmt: skip
 @options.overwrite

@@ -8,15 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.shell_completion import CompletionItem
 
 from ..common.counted import counted
 from ..errors import MismatchError, UsageError
 from ..scene.faults import shown
 from . import complete, options
-from .complete import listed
 from .progress import Progress
 from .say import say
+from .values import Parsed
 
 if TYPE_CHECKING:
     from ..study.stress.run import Result, Task
@@ -28,29 +27,20 @@ MOST_TOLD = 20
 KINDS = ("interaction", "twist")
 
 
-class TogetherType(click.ParamType):
+def together(text: str) -> tuple[str, ...]:
     """What every case has, separated by commas."""
-
-    name = "KINDS"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        if isinstance(value, tuple):
-            return value
-        kinds = tuple(dict.fromkeys(word.strip() for word in str(value).split(",")))
-        for kind in kinds:
-            if kind not in KINDS:
-                self.fail(f"unknown {shown(kind)}; choose {', '.join(KINDS)}, or both with a comma", param, ctx)
-        return kinds
-
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        return listed((*KINDS, ",".join(KINDS)), incomplete)
+    kinds = tuple(dict.fromkeys(word.strip() for word in text.split(",")))
+    for kind in kinds:
+        if kind not in KINDS:
+            raise ValueError(f"unknown {shown(kind)}; choose {', '.join(KINDS)}, or both with a comma")
+    return kinds
 
 
 @click.command()
 @click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--solver", type=click.Choice(("rod", "thesis", "both")), help="Solver to test.  [default: both]")
 @click.option(
-    "--with", "kinds", type=TogetherType(), default=(),
+    "--with", "kinds", type=Parsed("KINDS", together, (*KINDS, ",".join(KINDS))), default=(),
     help="Run the cases of rods that have these: interaction, twist, or both with a comma.",
 )  # fmt: skip
 @click.option("--case", "case", metavar="NAME", help="Run this case alone, as the table and --json name it.")

@@ -13,7 +13,7 @@ from ..errors import MismatchError, UsageError
 from . import complete, options
 from .progress import Progress, beginner, stepper
 from .say import say
-from .values import ErrorType, ListType, count, metres, step, word
+from .values import ERROR, count, metres, several, step, word
 
 if TYPE_CHECKING:
     from ..study.axes import Axis, Request
@@ -24,40 +24,40 @@ ROOM = 1_000_000
 KINDS = ("csv", "json", "svg", "html")
 """Files of a study."""
 
-max_error = click.option("--max-error", type=ErrorType(), metavar="ERROR", help="Error to stay under: 1% or 0.01.")
+max_error = click.option("--max-error", type=ERROR, metavar="ERROR", help="Error to stay under: 1% or 0.01.")
 
 
 @click.command()
 @click.argument("preset", required=False, shell_complete=complete.presets)
-@click.option("--reference", type=ListType("NAMES", word, "elastica,beam"), metavar="NAMES",
+@click.option("--reference", type=several("NAMES", word, "elastica,beam"), metavar="NAMES",
               help="Exact solutions in place of a preset: elastica, buckling, beam, chain, swing, catenary, spring, "
               "incline, layer, tuft, or all.")  # fmt: skip
 @click.option("--axis", metavar="NAME", help="What to study of a preset: motion, interaction, or of pictures coverage, "
               "shadow, occlusion, quality.  [default: motion]")  # fmt: skip
 @max_error
-@click.option("--solver", "solvers", type=ListType("NAMES", word, "rod,thesis"), metavar="NAMES",
+@click.option("--solver", "solvers", type=several("NAMES", word, "rod,thesis"), metavar="NAMES",
               help="Solvers: thesis, rod.  [default: all]")  # fmt: skip
-@click.option("--dt", "steps", type=ListType("SECONDS", step, "1/24,1/240"), metavar="SECONDS", help="Steps to try.")
-@click.option("--substeps", type=ListType("COUNTS", count(1, 1000), "1,2,4"), metavar="COUNTS",
+@click.option("--dt", "steps", type=several("SECONDS", step, "1/24,1/240"), metavar="SECONDS", help="Steps to try.")
+@click.option("--substeps", type=several("COUNTS", count(1, 1000), "1,2,4"), metavar="COUNTS",
               help="Steps a frame to try.")  # fmt: skip
-@click.option("--iterations", type=ListType("COUNTS", count(1, 1000), "2,8"), metavar="COUNTS",
+@click.option("--iterations", type=several("COUNTS", count(1, 1000), "2,8"), metavar="COUNTS",
               help="Iterations a step to try, of solvers that have them; axis interaction, too.")  # fmt: skip
-@click.option("--particles", type=ListType("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
+@click.option("--particles", type=several("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
               help="Particles a strand to try.")  # fmt: skip
-@click.option("--cells", type=ListType("METRES", metres, "0.01,0.02"), metavar="METRES",
+@click.option("--cells", type=several("METRES", metres, "0.01,0.02"), metavar="METRES",
               help="Cells of the rule interaction to try; axis interaction.")  # fmt: skip
-@click.option("--guides", type=ListType("COUNTS", count(1, 100_000_000), "250,500"), metavar="COUNTS",
+@click.option("--guides", type=several("COUNTS", count(1, 100_000_000), "250,500"), metavar="COUNTS",
               help="Numbers of strands to simulate for the same hair; axis interaction.")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
               help="Strands of the preset: the first N.  [default: 256; pictures: 2000]")  # fmt: skip
 @click.option("--span", type=click.FloatRange(1e-3, 3600), metavar="SECONDS",
               help="Part of the preset's film to run, after its pre-roll.  [default: 1]")  # fmt: skip
 @click.option("--frame", type=options.Whole(1), metavar="N", help="Frame to draw, of pictures.  [default: 1]")
-@click.option("--size", type=options.SizeType(), help="Size of pictures.  [default: some 30,000 pixels]")
+@click.option("--size", type=options.SIZE, help="Size of pictures.  [default: some 30,000 pixels]")
 @options.seed
 @options.overrides
 @options.folder("out/study")
-@click.option("--threads", type=options.ThreadsType(), metavar="N", default=1, show_default=True,
+@options.count_of_threads(default=1, show_default=True,
               help="Threads. One gives the steadiest times, and so few strands hardly need more.")  # fmt: skip
 @options.overwrite
 @options.talk("Print a line a run on a terminal too, and what is compiled.")

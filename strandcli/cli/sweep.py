@@ -14,16 +14,18 @@ import click
 from ..common.counted import counted
 from ..errors import SimulationError, UsageError
 from ..scene.faults import Fault, SceneError
-from . import options, signals
+from . import complete, options, signals
 from .say import say
-from .sweep_values import Point, SweepType, points
+from .sweep_values import Point, axis_of, points
+from .values import Parsed
 
 TABLE, SHEET = "sweep.csv", "sweep.png"
 COLUMNS, WIDTH, MOST_CELLS = 4, 320, 400
 """Of the sheet: pictures a row, their width, and how many at most."""
 
 sweep_option = click.option(
-    "--sweep", "sweep", multiple=True, type=SweepType(), metavar="KEY=VALUES",
+    "--sweep", "sweep", multiple=True, type=Parsed("KEY=VALUES", axis_of), metavar="KEY=VALUES",
+    shell_complete=complete.keys,
     help="Draw once for each value, as of wind.strength=1,2,4 or seed=1-8; if repeated, for all combinations.",
 )  # fmt: skip
 

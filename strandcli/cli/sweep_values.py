@@ -8,12 +8,6 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
-
-import click
-from click.shell_completion import CompletionItem
-
-from . import complete
 
 MOST_POINTS = 10_000
 LONGEST_VALUE, LONGEST_NAME = 24, 100
@@ -40,31 +34,23 @@ class Point:
         return tuple(f"{key}={value}" for key, value in self.settings)
 
 
-class SweepType(click.ParamType):
-    """``wind.strength=1,2,4`` or ``seed=1-8`` or ``seed=1-9x2``; commas in brackets and quotes belong to a value."""
-
-    name = "KEY=VALUES"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Axis:
-        if isinstance(value, Axis):
-            return value
-        key, given, text = str(value).partition("=")
-        if not given or not re.fullmatch(r"\s*[^\s=]+\s*", key):
-            self.fail(f"'{value}' is not KEY=VALUES, such as wind.strength=1,2,4 or seed=1-8", param, ctx)
-        values = []
-        for word in split(text):
-            if not word:
-                self.fail(f"'{value}': a value is empty; write for instance {key.strip()}=1,2,4", param, ctx)
-            try:
-                values += numbers(word)
-            except ValueError as error:
-                self.fail(f"'{value}': {error}", param, ctx)
-            if len(values) > MOST_POINTS:
-                self.fail(f"'{value}': more than {MOST_POINTS:,} values", param, ctx)
-        return Axis(key.strip(), tuple(dict.fromkeys(values)))
-
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        return complete.keys(ctx, param, incomplete)
+def axis_of(text: str) -> Axis:
+    """``wind.strength=1,2,4`` or ``seed=1-8`` or ``seed=1-9x2``; commas in brackets and quotes belong to a value.
+    Raises ``ValueError``."""
+    key, given, after = text.partition("=")
+    if not given or not re.fullmatch(r"\s*[^\s=]+\s*", key):
+        raise ValueError(f"'{text}' is not KEY=VALUES, such as wind.strength=1,2,4 or seed=1-8")
+    values = []
+    for word in split(after):
+        if not word:
+            raise ValueError(f"'{text}': a value is empty; write for instance {key.strip()}=1,2,4")
+        try:
+            values += numbers(word)
+        except ValueError as error:
+            raise ValueError(f"'{text}': {error}") from None
+        if len(values) > MOST_POINTS:
+            raise ValueError(f"'{text}': more than {MOST_POINTS:,} values")
+    return Axis(key.strip(), tuple(dict.fromkeys(values)))
 
 
 def split(text: str) -> list[str]:

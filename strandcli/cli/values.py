@@ -1,10 +1,10 @@
-"""Types of options: errors, steps, lists, kinds of animation and layers, angles, sizes of pictures."""
+"""Values of options: errors, steps, lists, kinds of animation and layers, angles, sizes of pictures."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -15,119 +15,94 @@ from .complete import listed
 
 MOST_PIXELS = 32_768
 """Along a side of a picture."""
-
-
-class ErrorType(click.ParamType):
-    """An error as a share: ``1%`` or ``0.01``."""
-
-    name = "ERROR"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        if isinstance(value, float):
-            return value
-        match = re.fullmatch(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?)\s*(%?)\s*", str(value), re.ASCII)
-        if match is None:
-            self.fail(f"'{value}' is not an error, such as 1% or 0.01", param, ctx)
-        share = float(match[1]) / (100 if match[2] else 1)
-        if not (math.isfinite(share) and 0 < share <= 1):
-            self.fail(f"'{value}': an error is more than 0 and at most 100%", param, ctx)
-        return share
-
-
-class BoundsType(click.ParamType):
-    """Errors by what they are of: ``1%`` (of motion), ``picture=2%``, ``motion=1%,flip=0.05``."""
-
-    name = "ERRORS"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, float]:
-        if isinstance(value, dict):
-            return value
-        found: dict[str, float] = {}
-        for word in str(value).split(","):
-            name, given, error = word.rpartition("=")
-            name = name.strip() if given else BOUNDS[0]
-            if name not in BOUNDS:
-                self.fail(f"'{name}' has no error; write {', '.join(f'{one}=2%' for one in BOUNDS)}", param, ctx)
-            if name in found:
-                self.fail(f"'{value}' names two errors of {name}", param, ctx)
-            found[name] = ErrorType().convert(error, param, ctx)
-        return found
-
-
+KINDS = ("gif", "webp", "mp4")
+"""Animations that can be written."""
 BOUNDS = ("motion", "picture", "flip")
 """What `render --max-error` bounds: where strands are, light in the picture, and what the eye sees of that. The first
 is meant where none is named."""
 
 
-class ListType(click.ParamType):
+class Parsed(click.ParamType):
+    """What a function reads of a text; its ``ValueError`` says what is wrong."""
+
+    def __init__(self, name: str, read: Callable[[str], Any], choices: Sequence[str] = ()) -> None:
+        """``choices``: words that a shell offers, for a list with commas in between."""
+        self.name, self.read, self.choices = name, read, choices
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):  # as click hands in what it has converted
+            return value
+        try:
+            return self.read(value)
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        return listed(self.choices, incomplete)
+
+
+def error_share(text: str) -> float:
+    """An error as a share: ``1%`` or ``0.01``."""
+    match = re.fullmatch(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?)\s*(%?)\s*", text, re.ASCII)
+    if match is None:
+        raise ValueError(f"'{text}' is not an error, such as 1% or 0.01")
+    share = float(match[1]) / (100 if match[2] else 1)
+    if not (math.isfinite(share) and 0 < share <= 1):
+        raise ValueError(f"'{text}': an error is more than 0 and at most 100%")
+    return share
+
+
+def bounds(text: str) -> dict[str, float]:
+    """Errors by what they are of: ``1%`` (of motion), ``picture=2%``, ``motion=1%,flip=0.05``."""
+    found: dict[str, float] = {}
+    for word in text.split(","):
+        name, given, error = word.rpartition("=")
+        name = name.strip() if given else BOUNDS[0]
+        if name not in BOUNDS:
+            raise ValueError(f"'{name}' has no error; write {', '.join(f'{one}=2%' for one in BOUNDS)}")
+        if name in found:
+            raise ValueError(f"'{text}' names two errors of {name}")
+        found[name] = error_share(error)
+    return found
+
+
+def several(name: str, read: Callable[[str], Any], example: str) -> Parsed:
     """Values separated by commas."""
 
-    def __init__(self, name: str, read: Callable[[str], Any], example: str) -> None:
-        self.name, self.read, self.example = name, read, example
+    def read_all(text: str) -> tuple[Any, ...]:
+        try:
+            return tuple(dict.fromkeys(read(word.strip()) for word in text.split(",")))
+        except ValueError as error:
+            raise ValueError(f"{error}; write for instance {example}") from None
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[Any, ...]:
-        if isinstance(value, tuple):
-            return value
-        found = []
-        for word in str(value).split(","):
-            try:
-                found.append(self.read(word.strip()))
-            except ValueError as error:
-                self.fail(f"{error}; write for instance {self.example}", param, ctx)
-        return tuple(dict.fromkeys(found))
+    return Parsed(name, read_all)
 
 
-class KindsType(click.ParamType):
+def kinds(text: str) -> tuple[str, ...]:
     """Kinds of animation, separated by commas."""
-
-    name = "KIND"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        if isinstance(value, tuple):
-            return value
-        kinds = tuple(dict.fromkeys(word.strip().lower().lstrip(".") for word in str(value).split(",")))
-        for kind in kinds:
-            if kind not in KINDS:
-                self.fail(
-                    f"'{kind}' is not an animation that can be written; choose gif, webp, mp4, or several with commas",
-                    param,
-                    ctx,
-                )
-        return kinds
-
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        return listed(KINDS, incomplete)
+    found = tuple(dict.fromkeys(word.strip().lower().lstrip(".") for word in text.split(",")))
+    for kind in found:
+        if kind not in KINDS:
+            raise ValueError(
+                f"'{kind}' is not an animation that can be written; choose gif, webp, mp4, or several with commas"
+            )
+    return found
 
 
-KINDS = ("gif", "webp", "mp4")
-"""Animations that can be written."""
-
-
-class LayersType(click.ParamType):
+def layers(text: str) -> tuple[str, ...]:
     """Names of layers, separated by commas."""
+    names = tuple(word.strip() for word in text.split(","))
+    if not all(names):
+        raise ValueError(f"'{text}' is not a list of layers such as depth,mask")
+    from ..scene.faults import hint, shown
+    from ..scene.model import AOVS
 
-    name = "LAYERS"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        if isinstance(value, tuple):
-            return value
-        names = tuple(word.strip() for word in str(value).split(","))
-        if not all(names):
-            self.fail(f"'{value}' is not a list of layers such as depth,mask", param, ctx)
-        from ..scene.faults import hint, shown
-        from ..scene.model import AOVS
-
-        for place, name in enumerate(names):
-            if name not in AOVS:
-                self.fail(f"unknown layer {shown(name)}; {hint(name, AOVS, 'the layers are')}", param, ctx)
-            if name in names[:place]:
-                self.fail(f"the layer {shown(name)} is listed twice", param, ctx)
-        return names
-
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        from ..scene.model import AOVS
-
-        return listed(AOVS, incomplete)
+    for place, name in enumerate(names):
+        if name not in AOVS:
+            raise ValueError(f"unknown layer {shown(name)}; {hint(name, AOVS, 'the layers are')}")
+        if name in names[:place]:
+            raise ValueError(f"the layer {shown(name)} is listed twice")
+    return names
 
 
 def count(low: int, high: int) -> Callable[[str], int]:
@@ -167,57 +142,46 @@ def word(text: str) -> str:
     return text
 
 
-class SpanType(click.ParamType):
+def span(most: float) -> Parsed:
     """Two angles in degrees, the lesser first, neither beyond ``most``: ``-30,45``."""
 
-    name = "A,B"
-
-    def __init__(self, most: float) -> None:
-        self.most = most
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, float]:
-        if isinstance(value, tuple):
-            return value
+    def read(text: str) -> tuple[float, float]:
         try:
-            low, high = (float(one) for one in str(value).split(","))
+            low, high = (float(one) for one in text.split(","))
         except ValueError:
             low, high = 1.0, 0.0
-        if not -self.most <= low <= high <= self.most:
-            words = f"'{value}' is not two angles in degrees, the lesser first, such as -30,45"
-            self.fail(f"{words}, within {-self.most:g} and {self.most:g}", param, ctx)
+        if not -most <= low <= high <= most:
+            words = f"'{text}' is not two angles in degrees, the lesser first, such as -30,45"
+            raise ValueError(f"{words}, within {-most:g} and {most:g}")
         return low, high
 
+    return Parsed("A,B", read)
 
-class ColourType(click.ParamType):
+
+def colour(text: str) -> tuple[int, ...]:
     """A colour of sRGB, ``#rrggbb`` or a name of CSS such as ``white``, as three numbers of 8 bits."""
+    from PIL import ImageColor
 
-    name = "COLOUR"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, ...]:
-        if isinstance(value, tuple):
-            return value
-        from PIL import ImageColor
-
-        found: tuple[int, ...] = ()
-        with suppress(ValueError):
-            found = ImageColor.getrgb(str(value).strip())
-        if len(found) != 3:
-            self.fail(f"'{value}' is not a colour, such as white or '#3060a0' in quotes", param, ctx)
-        return found
+    found: tuple[int, ...] = ()
+    with suppress(ValueError):
+        found = ImageColor.getrgb(text.strip())
+    if len(found) != 3:
+        raise ValueError(f"'{text}' is not a colour, such as white or '#3060a0' in quotes")
+    return found
 
 
-class SizeType(click.ParamType):
+def picture_size(text: str) -> tuple[int, int]:
     """A picture's size, ``800x600``, as (width, height)."""
+    match = re.fullmatch(r"\s*([0-9]{1,9})\s*[xX×]\s*([0-9]{1,9})\s*", text, re.ASCII)
+    if match is None:
+        raise ValueError(f"'{text}' is not a width and a height in pixels, such as 800x600")
+    width, height = int(match[1]), int(match[2])
+    if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
+        raise ValueError(f"'{text}': width and height are from 1 to {MOST_PIXELS} pixels")
+    return width, height
 
-    name = "WxH"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
-        if isinstance(value, tuple):
-            return value
-        match = re.fullmatch(r"\s*([0-9]{1,9})\s*[xX×]\s*([0-9]{1,9})\s*", str(value), re.ASCII)
-        if match is None:
-            self.fail(f"'{value}' is not a width and a height in pixels, such as 800x600", param, ctx)
-        width, height = int(match[1]), int(match[2])
-        if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
-            self.fail(f"'{value}': width and height are from 1 to {MOST_PIXELS} pixels", param, ctx)
-        return width, height
+ANIMATIONS = Parsed("KIND", kinds, KINDS)
+COLOUR = Parsed("COLOUR", colour)
+ERROR = Parsed("ERROR", error_share)
+SIZE = Parsed("WxH", picture_size)

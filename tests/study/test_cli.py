@@ -188,9 +188,9 @@ def test_errors_that_are_none(run: Runner, command: str, given: str) -> None:
 
 @pytest.mark.parametrize("given", ["1%", "0.01", "1e-2", " 1 % ", "1.0%", ".01"])
 def test_errors_may_be_written_as_shares_or_percent(given: str) -> None:
-    from strandcli.cli.values import ErrorType
+    from strandcli.cli.values import error_share
 
-    assert ErrorType().convert(given, None, None) == pytest.approx(0.01)
+    assert error_share(given) == pytest.approx(0.01)
 
 
 def test_render_takes_the_cheapest_setting_and_remembers_it(
