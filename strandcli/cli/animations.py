@@ -11,7 +11,7 @@ import click
 from ..errors import UsageError
 from . import signals
 from .render_words import interrupted
-from .say import say
+from .talk import Talk
 from .values import ANIMATIONS, COLOUR, KINDS
 
 if TYPE_CHECKING:
@@ -56,17 +56,17 @@ def ground(scene: Scene, kinds: Sequence[str], over: Rgb | None) -> Ground:
 
 def animate(
     writer: FrameWriter, data: Mapping[str, Any], asked: Sequence[str], replace: bool, fps: float, under: Ground,
-    quiet: bool,
+    talk: Talk,
 ) -> list[Path]:  # fmt: skip
     """Write the animations of a run with the report ``data``, of all frames of its scene in the folder: those that are
     ``asked`` for. Where a run that may ``replace`` files has drawn some of the frames, those that are there."""
     frames = [entry["frame"] for entry in data["frames"]]
     there = [kind for kind in KINDS if (writer.directory / f"animation.{kind}").exists()]
     some = replace and 0 < len(writer.wanted) < len(frames)
-    return [_animate(writer, kind, frames, fps, under, quiet) for kind in asked or (there if some else ())]
+    return [_animate(writer, kind, frames, fps, under, talk) for kind in asked or (there if some else ())]
 
 
-def _animate(writer: FrameWriter, kind: str, numbers: Sequence[int], fps: float, under: Ground, quiet: bool) -> Path:
+def _animate(writer: FrameWriter, kind: str, numbers: Sequence[int], fps: float, under: Ground, talk: Talk) -> Path:
     """Write an animation of a writer's frames, and say what it could not do."""
     from ..output.animation import write_animation
     from ..output.frames import frame_file
@@ -78,11 +78,10 @@ def _animate(writer: FrameWriter, kind: str, numbers: Sequence[int], fps: float,
         signals.check()
         shown = write_animation(path, paths, numbers, fps, under.colour or GREY)
     except KeyboardInterrupt:
-        if not quiet:
-            say(interrupted(writer, f"{path.name} is not written; "), err=True)
+        talk.note(interrupted(writer, f"{path.name} is not written; "))
         raise
-    if not quiet and under.guessed and kind in OPAQUE:
-        say(f"{path}: {kind} has no alpha: frames are over mid grey; name another colour by --over", err=True)
-    if not quiet and len(numbers) > 1 and shown < 0.99 * fps:
-        say(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked", err=True)
+    if under.guessed and kind in OPAQUE:
+        talk.note(f"{path}: {kind} has no alpha: frames are over mid grey; name another colour by --over")
+    if len(numbers) > 1 and shown < 0.99 * fps:
+        talk.note(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked")
     return path

@@ -11,8 +11,7 @@ from click.core import ParameterSource
 from ..common.counted import counted
 from ..errors import UsageError
 from . import options
-from .progress import Progress
-from .say import say
+from .talk import Talk
 
 OWN = {
     "emitter.strands": "--strands", "emitter.particles": "--particles", "image.size": "--size", "solver": "--solver",
@@ -75,10 +74,7 @@ def command(
     growth: bool,
     cpu: bool,
     threads: int | None,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    no_progress: bool,
+    talk: Talk,
 ) -> None:
     """Time every stage on the thesis's headline scene: six rules, smoothing, Marschner, shadow map.
 
@@ -94,10 +90,9 @@ def command(
     frames = frames or (FRAMES if preset is None else FRAMES_OF_A_PRESET)
     from ..compiling import runtime
 
-    with Progress(frames, "bench", hidden=no_progress or quiet, verbose=verbose) as progress:
+    with talk.progress(frames, "bench") as progress:
         runtime.start(threads, progress.note)
         from ..study import bench
-        from ..study.busy import busy_words
 
         if preset is not None:
             from ..study import bench_preset
@@ -120,12 +115,9 @@ def command(
                 overrides=overrides,
                 notify=progress.note,
             )
-    if as_json:
-        options.print_json(data)
-    elif not quiet:
-        say(stage_table(data) if preset is not None else growth_table(data) if growth else table(data))
-    if not quiet and (words := busy_words(data["busy"])):
-        say(f"warning: {words}; times are longer than they would be, so repeat this when it is idle", err=True)
+    shown = stage_table if preset is not None else growth_table if growth else table
+    talk.result(data, lambda: shown(data))
+    talk.warn_if_busy(data["busy"], "times are longer than they would be, so repeat this when it is idle")
 
 
 def refuse_contradictions(preset: str | None, given: set[str], overrides: Sequence[str]) -> None:

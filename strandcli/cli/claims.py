@@ -13,8 +13,7 @@ from typing import Any
 import click
 
 from . import options
-from .progress import Progress
-from .say import say
+from .talk import Talk
 
 FILES = ("claims.csv", "claims.svg")
 HEADS = {"claim": "claim", "source": "source's figure", "ours": "ours"}
@@ -29,20 +28,16 @@ HEADS = {"claim": "claim", "source": "source's figure", "ours": "ours"}
 @options.threads
 @options.overwrite
 @options.talk("Say what is compiled, where stderr is no terminal too.")
-def command(
-    output: Path | None, repeats: int, threads: int | None, overwrite: bool, as_json: bool, quiet: bool, verbose: bool,
-    no_progress: bool,
-) -> None:  # fmt: skip
+def command(output: Path | None, repeats: int, threads: int | None, overwrite: bool, talk: Talk) -> None:
     """Measure what the thesis claims and print each claim, the source's figure and ours."""
     from ..compiling import runtime
     from ..output.files import prepare_folder, write_pieces
-    from ..study.busy import busy_words
 
     if output is not None:
         for name in FILES:
             options.refuse_existing(output / name, overwrite)
         prepare_folder(output, 0)
-    with Progress(1, "claims", hidden=no_progress or quiet, verbose=verbose) as progress:
+    with talk.progress(1, "claims") as progress:
         runtime.start(threads, progress.note)
         from ..study import claims
 
@@ -52,12 +47,8 @@ def command(
 
         for name, text in zip(FILES, (to_csv(data["claims"]), chart(data["claims"])), strict=True):
             write_pieces(output / name, [text.encode()])
-    if as_json:
-        options.print_json(data)
-    elif not quiet:
-        say(table(data["claims"]))
-    if not quiet and (words := busy_words(data["busy"])):
-        say(f"warning: {words}; repeat this when it is idle", err=True)
+    talk.result(data, lambda: table(data["claims"]))
+    talk.warn_if_busy(data["busy"], "repeat this when it is idle")
 
 
 def to_csv(rows: Sequence[Mapping[str, Any]]) -> str:

@@ -9,6 +9,7 @@ import click
 from ..errors import MismatchError, UsageError
 from . import options
 from .say import say
+from .talk import Talk
 
 
 @click.command()
@@ -25,9 +26,7 @@ from .say import say
 )  # fmt: skip
 @click.option("--rmse", type=click.FloatRange(0, 255), metavar="X", help="Greatest RMSE, of 255.  [default: no limit]")
 @click.option("--flip", "perceived", is_flag=True, help="Also measure ꟻLIP: how far they are apart to the eye, 0 to 1.")
-@options.as_json
-@options.quiet
-@options.debug
+@options.brief
 def command(
     first: Path,
     second: Path,
@@ -36,8 +35,7 @@ def command(
     allow: float,
     rmse: float | None,
     perceived: bool,
-    as_json: bool,
-    quiet: bool,
+    talk: Talk,
 ) -> None:
     """Compare the pixels of two images A and B, or of the frames in two folders; ends with exit code 3 if they differ
     by more than allowed."""
@@ -47,19 +45,19 @@ def command(
     if output is not None:
         options.require_png(output)
     folders = _are_folders(first, second)
-    if folders and (output is not None or as_json):
+    if folders and (output is not None or talk.as_json):
         raise UsageError("-o and --json are for two images: name one frame of each folder")
     for a, b in _frames(first, second) if folders else [(first, second)]:
         found, one, two, note = compare_files(a, b, threshold)
-        if note and not quiet:
-            say(note, err=True)
+        if note:
+            talk.note(note)
         if output is not None:
             write_image(output, difference_image(one, two))
         seen = {"flip": mean_flip(one, two)} if perceived else {}
         over = 100 * found.over_fraction > allow
-        if as_json:
-            options.print_json({"a": str(a), "b": str(b), **found.as_dict(), **seen})
-        elif not quiet:
+        if talk.as_json:
+            talk.data({"a": str(a), "b": str(b), **found.as_dict(), **seen})
+        elif not talk.quiet:
             if not over:  # else the error tells
                 say(f"{a.name}: {found}" if folders else str(found))
             if not found.equal and found.psnr_db is not None:

@@ -12,6 +12,7 @@ from ..errors import UsageError
 from . import options, strand_files
 from .frame_range import FrameRange
 from .say import say
+from .talk import Talk
 from .values import Parsed
 
 if TYPE_CHECKING:
@@ -84,9 +85,7 @@ MATRIX = Parsed("matrix", matrix)
     help="How other programs join the points of a file of USD: by straight segments, or smoothly.",
 )  # fmt: skip
 @options.overwrite
-@options.as_json
-@options.quiet
-@options.debug
+@options.brief
 def command(
     source: Path,
     target: Path,
@@ -96,8 +95,7 @@ def command(
     frames: FrameRange | None,
     basis: str,
     overwrite: bool,
-    as_json: bool,
-    quiet: bool,
+    talk: Talk,
     **edits: Any,
 ) -> None:
     """Write the strands of the file IN as the file OUT, in the format that its name ends in.
@@ -125,7 +123,7 @@ def command(
     lost = files.write(target, strands, samples, basis=basis)
     if frames is None and len(chosen) < there:
         lost.append(f"{writer.name} has one moment: the first of {there:,} is written, --frames chooses another")
-    _report(source, target, (before, strands), skipped, changes, lost, (as_json, quiet))
+    _report(source, target, (before, strands), skipped, changes, lost, talk)
 
 
 def _moments(source: Path, there: int, frames: FrameRange | None, moving: bool) -> tuple[int, ...]:
@@ -197,15 +195,15 @@ def _report(
     skipped: dict[str, int],
     changes: list[Change],
     lost: list[str],
-    how: tuple[bool, bool],
+    talk: Talk,
 ) -> None:
-    """Say what was done; ``strands``: how many were read, and what was written; ``how``: as JSON, quietly."""
+    """Say what was done; ``strands``: how many were read, and what was written."""
     from ..exchange.control import note_of
 
     before, after = strands
     note = note_of(after.source.facts)
-    if how[0]:
-        options.print_json({
+    if talk.as_json:
+        talk.data({
             "in": str(source), "out": str(target), "strands_read": before, "skipped": skipped,
             "strands": after.count, "points": after.points.shape[0], "lost": lost,
             "basis": after.source.facts.get("basis"),
@@ -214,12 +212,6 @@ def _report(
         return
     for why, count in skipped.items():
         say(f"{source}: {counted(count, 'strand')} of {why} skipped", err=True)
-    if how[1]:
-        return
-    if note:
-        say(f"{source}: {note}", err=True)
-    for one in changes:
-        say(one.text, err=True)
-    for line in lost:
-        say(line, err=True)
-    say(f"{target}: {counted(after.count, 'strand')}, {after.points.shape[0]:,} points", err=True)
+    for line in ([f"{source}: {note}"] if note else []) + [one.text for one in changes] + lost:
+        talk.note(line)
+    talk.note(f"{target}: {counted(after.count, 'strand')}, {after.points.shape[0]:,} points")

@@ -12,8 +12,8 @@ from ..common.registry import LAYOUTS
 from ..errors import UsageError
 from . import camera_files, complete, options
 from .memory_check import option as memory_check_option
-from .progress import Progress, stepper, warner
-from .say import say
+from .progress import warner
+from .talk import Talk
 from .values import span
 
 
@@ -61,10 +61,7 @@ def command(
     memory_check: bool,
     resume: bool,
     overwrite: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    no_progress: bool,
+    talk: Talk,
     **scene_settings: Any,
 ) -> None:
     """Draw labelled views of each GROOM, which is a file of strands, a preset, or a shipped preset's name, into DIR, or
@@ -75,8 +72,8 @@ def command(
     camera_files.require_file(cameras, camera)
     from ..cameras.pinhole import UP
     from ..cameras.read import Views
+    from ..dataset import run as sets
     from ..dataset.order import layout_of, names_of, numbers_for, scene_for, size_for
-    from ..dataset.run import Order, Talk, make
     from ..dataset.views import EACH, ONE, Chance
     from ..plan import checked_plan
 
@@ -97,20 +94,15 @@ def command(
         folder = output / name if len(grooms) > 1 else output
         chance = Chance(scene_settings["seed"] or 0, name, light or usual, colour or usual, azimuth, elevation)
         above = found.above if options.is_groom(groom) else UP
-        order = Order(groom, scene, folder, kind, numbers, chance, frame, found.views, above, resume, overwrite)
-        with Progress(
-            len(numbers), options.preset_name(groom), hidden=no_progress or quiet, verbose=verbose, each="view"
-        ) as progress:
-            warn = warner(progress, quiet, heard=heard)
+        order = sets.Order(groom, scene, folder, kind, numbers, chance, frame, found.views, above, resume, overwrite)
+        with talk.progress(len(numbers), options.preset_name(groom), each="view") as progress:
+            warn = warner(progress, talk.quiet, heard=heard)
             for note in found.notes:
                 warn(note)
-            data = make(order, threads, Talk(progress.note, warn, stepper(progress)))
+            data = sets.make(order, threads, sets.Talk(progress.note, warn, progress.checked_step))
         made.append({"folder": str(folder), **data})
-        if not quiet:
-            count = len(data["views"])
-            say(f"{folder}: {counted(count, 'view')} in the layout {kind.name}", err=True)
-    if as_json:
-        options.print_json(made)
+        talk.note(f"{folder}: {counted(len(data['views']), 'view')} in the layout {kind.name}")
+    talk.data(made)
 
 
 def _require_files(grooms: tuple[str, ...]) -> None:

@@ -10,17 +10,16 @@ import click
 from ..errors import FAILED
 from . import options
 from .say import printable, say
+from .talk import Talk
 
 MARKS = {"ok": ("ok    ", "green"), "note": ("note  ", "yellow"), "broken": ("BROKEN", "red")}
 
 
 @click.command()
 @click.option("--calibrate", is_flag=True, help="Measure this machine's speed, for what 'strandcli plan' says of time.")
-@options.as_json
-@options.quiet
-@options.debug
+@options.brief
 @click.pass_context
-def command(ctx: click.Context, calibrate: bool, as_json: bool, quiet: bool) -> None:
+def command(ctx: click.Context, calibrate: bool, talk: Talk) -> None:
     """Check that strandcli works here: versions, threads, memory, kernel cache, extras, and a small picture, drawn and
     compared with the known one. Prints a line for each, with what to do; exit code 1 where something is broken.
     """
@@ -28,19 +27,19 @@ def command(ctx: click.Context, calibrate: bool, as_json: bool, quiet: bool) -> 
     from ..doctor.finding import BROKEN, OK
 
     if calibrate:
-        _calibrate(as_json, quiet)
+        _calibrate(talk)
         return
     found = []
     for one in examine():
         found.append(one)
-        if not as_json and not (quiet and one.state == OK):
+        if not talk.as_json and not (talk.quiet and one.state == OK):
             _report(*one)
-        if one.check == "extras" and not as_json and not quiet and sys.stderr.isatty():
+        if one.check == "extras" and not talk.as_json and not talk.quiet and sys.stderr.isatty():
             say("drawing a small picture; the first time it compiles, for about a minute", err=True)
     broken = [one.check for one in found if one.state == BROKEN]
-    if as_json:
-        options.print_json({"broken": broken, "checks": [one._asdict() for one in found]})
-    elif not quiet:
+    if talk.as_json:
+        talk.data({"broken": broken, "checks": [one._asdict() for one in found]})
+    elif not talk.quiet:
         say(f"broken: {', '.join(broken)}" if broken else "all is well", err=True)
     if broken:
         ctx.exit(FAILED)
@@ -54,20 +53,19 @@ def _report(check: str, state: str, text: str, advice: str) -> None:
         say(f"{'':<17} {advice}")
 
 
-def _calibrate(as_json: bool, quiet: bool) -> None:
+def _calibrate(talk: Talk) -> None:
     """Measure, keep and tell the speed of this machine."""
     from ..calibration import profile
     from ..calibration.measure import measure
     from ..compiling import runtime
-    from .progress import Progress
 
     runtime.start(1)
-    with Progress(1, "calibration", hidden=quiet) as progress:
+    with talk.progress(1, "calibration") as progress:
         found = measure(progress.note)
     kept = profile.write(found)
-    if as_json:
-        options.print_json({"factor": found.factor, "measured": found.measured, "kept": kept})
-    elif not quiet:
+    if talk.as_json:
+        talk.data({"factor": found.factor, "measured": found.measured, "kept": kept})
+    elif not talk.quiet:
         say(
             f"frames take {found.factor:.2f} times as long here as where they were measured for docs/speed.md", err=True
         )

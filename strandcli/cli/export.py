@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..common.counted import counted
-from . import options, signals
+from . import options
 from .frame_range import FrameRange
 from .positions import open_cache
-from .progress import Progress, warner
-from .say import say
+from .progress import warner
+from .talk import Talk
 
 if TYPE_CHECKING:
     from ..exchange.strands import Strands, TimeSample
@@ -48,10 +48,7 @@ def command(
     from_cache: Path | None,
     keep_going: bool,
     overwrite: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    no_progress: bool,
+    talk: Talk,
     **scene_settings: Any,
 ) -> None:
     """Write the strands that PRESET draws, children among them, as the file OUT, in the format that its name ends in.
@@ -75,7 +72,7 @@ def command(
     checked_plan(scene, numbers)
     positions = open_cache(from_cache, numbers, scene, keep_going)
     lost: dict[str, None] = {}
-    with Progress(len(numbers), options.preset_name(preset), hidden=no_progress or quiet, verbose=verbose) as progress:
+    with talk.progress(len(numbers), options.preset_name(preset)) as progress:
         from ..compiling import runtime
 
         runtime.start(threads, progress.note)
@@ -85,14 +82,13 @@ def command(
             for one in drawn_strands(
                 scene, numbers, level=None if pieces is None else LEVELS[pieces], threads=threads,
                 positions=positions, keep_going=keep_going, notify=progress.note,
-                warn=warner(progress, quiet),
+                warn=warner(progress, talk.quiet),
             ):  # fmt: skip
                 yield one
-                progress.step(f"frame {one.number}")
-                signals.check()
+                progress.checked_step(f"frame {one.number}")
 
         found = _write(stepped(), paths, moving and len(numbers) > 1, scene, lost)
-    _report(target, found, len(numbers), list(dict.fromkeys(paths.values())), list(lost), (as_json, quiet))
+    _report(target, found, len(numbers), list(dict.fromkeys(paths.values())), list(lost), talk)
 
 
 def _numbered(target: Path, number: int) -> Path:
@@ -126,21 +122,17 @@ def _write(
     return first.strands
 
 
-def _report(
-    target: Path, strands: Strands, frames: int, paths: list[Path], lost: list[str], how: tuple[bool, bool]
-) -> None:
-    """Say what was written; ``how``: as JSON, quietly."""
+def _report(target: Path, strands: Strands, frames: int, paths: list[Path], lost: list[str], talk: Talk) -> None:
+    """Say what was written."""
     points = strands.points.shape[0]
     if not strands.attributes:
         lost = [*lost, "material.width is 0, lines one pixel wide: no widths are written"]
-    if how[0]:
-        options.print_json({"out": [str(path) for path in paths], "frames": frames, "strands": strands.count,
+    if talk.as_json:
+        talk.data({"out": [str(path) for path in paths], "frames": frames, "strands": strands.count,
                             "points": points, "lost": lost})  # fmt: skip
         return
-    if how[1]:
-        return
     for line in lost:
-        say(line, err=True)
+        talk.note(line)
     where = str(target) if len(paths) == 1 else f"{paths[0]} … {paths[-1].name}"
     each = f", {frames:,} frames" if frames > 1 else ""
-    say(f"{where}: {counted(strands.count, 'strand')}, {points:,} points{each}", err=True)
+    talk.note(f"{where}: {counted(strands.count, 'strand')}, {points:,} points{each}")

@@ -11,7 +11,7 @@ from ..common.counted import counted
 from ..errors import UsageError
 from . import options
 from .frame_range import FrameRange
-from .say import say
+from .talk import Talk
 from .values import ANIMATIONS
 
 if TYPE_CHECKING:
@@ -41,9 +41,7 @@ MOST_THREADS, USUAL_THREADS = 4096, 4
 @click.option("--animate", type=ANIMATIONS, metavar="KIND", help="Also join the frames as an animation.")
 @options.keep_going
 @options.overwrite
-@options.as_json
-@options.quiet
-@options.debug
+@options.brief
 def command(
     preset: str,
     target: str,
@@ -54,8 +52,7 @@ def command(
     animate: tuple[str, ...] | None,
     keep_going: bool,
     overwrite: bool,
-    as_json: bool,
-    quiet: bool,
+    talk: Talk,
     **scene_settings: Any,
 ) -> None:
     """Write job files that draw PRESET with a scheduler: Slurm, GNU parallel, or one that takes Open Job Description.
@@ -90,11 +87,9 @@ def command(
     for name, text in files.items():
         write_pieces(folder / name, [text.encode("utf-8", "surrogateescape")])
     again = NEXT[target].format(folder)
-    if as_json:
-        options.print_json({"folder": str(folder), "files": [jobs.SCENE, *files], "chunks": list(chunks), "run": again})
-    if not quiet:
-        tasks = f"{counted(len(numbers), 'frame')} in {counted(len(chunks), 'task')}"
-        say(f"{folder}: {tasks}; start with '{again}'", err=True)
+    talk.data({"folder": str(folder), "files": [jobs.SCENE, *files], "chunks": list(chunks), "run": again})
+    tasks = f"{counted(len(numbers), 'frame')} in {counted(len(chunks), 'task')}"
+    talk.note(f"{folder}: {tasks}; start with '{again}'")
 
 
 def _simulated(scene: Scene, numbers: tuple[int, ...]) -> str:

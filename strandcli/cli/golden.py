@@ -12,8 +12,7 @@ import click
 from ..errors import MismatchError
 from . import options
 from .junit import junit
-from .progress import Progress
-from .say import say
+from .talk import Talk
 
 
 @click.group(no_args_is_help=False)
@@ -42,10 +41,7 @@ def check(
     output: Path | None,
     xml: Path | None,
     threads: int | None,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    no_progress: bool,
+    talk: Talk,
 ) -> None:
     """Draw the images of DIR, or only those called NAME, and compare; a mismatch ends in exit code 3."""
     from ..compiling import runtime
@@ -57,7 +53,7 @@ def check(
         prepare_folder(xml.parent, 0)
     output = output or Path(tempfile.gettempdir()) / "golden-diff"
     results, seconds = [], []
-    with Progress(len(entries), "golden check", hidden=no_progress or quiet, verbose=verbose) as progress:
+    with talk.progress(len(entries), "golden check") as progress:
         runtime.start(threads, progress.note)
         drawer = functools.partial(golden.draw, notify=progress.note, threads=threads)
         for entry in entries:
@@ -66,15 +62,14 @@ def check(
             results.append(result)
             seconds.append(time.perf_counter() - began)
             progress.step()
-            if not (quiet and result.matches):
+            if not (talk.quiet and result.matches):
                 place = f" ({result.difference})" if result.difference else ""
                 progress.line(f"{'ok      ' if result.matches else 'MISMATCH'} {entry.name}: {result.words}{place}")
     if xml is not None:
         write_pieces(xml, [junit(results, seconds)])
     failed = [result.entry.name for result in results if not result.matches]
-    if as_json:
-        found = [result.as_dict() for result in results]
-        options.print_json({"machine_class": golden.machine_class(), "mismatches": len(failed), "images": found})
+    found = [result.as_dict() for result in results]
+    talk.data({"machine_class": golden.machine_class(), "mismatches": len(failed), "images": found})
     if failed:
         raise MismatchError(f"{len(failed)} of {len(results)} golden images do not match: {', '.join(failed)}")
 
@@ -88,10 +83,7 @@ def update(
     directory: Path,
     names: tuple[str, ...],
     threads: int | None,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    no_progress: bool,
+    talk: Talk,
 ) -> None:
     """Make what is drawn now the golden images of DIR, or only those called NAME. Look at them before you commit."""
     from ..compiling import runtime
@@ -102,7 +94,7 @@ def update(
     entries = golden_list.select(listed, names)
     prepare_folder(directory, 0)
     changes: dict[str, str] = {}
-    with Progress(len(entries), "golden update", hidden=no_progress or quiet, verbose=verbose) as progress:
+    with talk.progress(len(entries), "golden update") as progress:
         runtime.start(threads, progress.note)
         drawer = functools.partial(golden.draw, notify=progress.note, threads=threads)
         for entry in entries:
@@ -110,11 +102,9 @@ def update(
             progress.step()
             if change is not None:
                 changes[entry.name] = change
-            if not quiet and (change is not None or verbose):
+            if not talk.quiet and (change is not None or talk.verbose):
                 progress.line(f"{entry.name}: {change or 'unchanged'}")
     if not names:
         changes |= dict.fromkeys(golden.prune(directory, listed), "removed")
-    if as_json:
-        options.print_json({"machine_class": golden.machine_class(), "changes": changes})
-    if not quiet:
-        say(f"{directory}: {len(changes)} of {len(entries)} golden images changed", err=True)
+    talk.data({"machine_class": golden.machine_class(), "changes": changes})
+    talk.note(f"{directory}: {len(changes)} of {len(entries)} golden images changed")

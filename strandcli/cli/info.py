@@ -11,6 +11,7 @@ import click
 from ..errors import UsageError
 from . import options, strand_files
 from .say import say
+from .talk import print_json
 
 if TYPE_CHECKING:
     from ..exchange.files import ReadOptions
@@ -64,7 +65,7 @@ def command(
 
         fit = fits.facts_on(files_of(file)[0], replace(how, lenient=True), Settings(file=str(on)))
     if as_json:
-        options.print_json(found.as_dict() if fit is None else {**found.as_dict(), "on": fit})
+        print_json(found.as_dict() if fit is None else {**found.as_dict(), "on": fit})
     else:
         strand_files.say_facts(found)
         if fit is not None:
@@ -101,7 +102,7 @@ def _report_mesh(file: Path, picture: Path | None, as_json: bool) -> None:
 
     data, mesh = facts_of_file(file)
     if as_json:
-        options.print_json(data)
+        print_json(data)
     else:
         mesh_info.say_facts(data)
     if picture is not None:

@@ -16,7 +16,8 @@ from ..errors import UsageError
 from . import complete
 from .frame_range import FrameRange
 from .main import set_debug
-from .say import json_text, say
+from .say import say
+from .talk import Talk
 from .values import SIZE, Parsed
 
 if TYPE_CHECKING:
@@ -141,6 +142,17 @@ def alone(*names: str) -> Callable[[F], F]:
     return decorate
 
 
+def _with_talk(function: F) -> F:
+    """Hand a command `Talk` in place of its options."""
+
+    @functools.wraps(function)
+    def talking(*args: Any, **given: Any) -> Any:
+        asked = {name: given.pop(name) for name in Talk._fields if name in given}
+        return function(*args, talk=Talk(**asked), **given)
+
+    return talking  # type: ignore[return-value]
+
+
 resume_or_overwrite = together(alone("overwrite", "resume"), resume, overwrite)
 scene_options = together(size, strands, particles, seed, objects, overrides)
 
@@ -148,10 +160,11 @@ scene_options = together(size, strands, particles, seed, objects, overrides)
 def talk(more: str) -> Callable[[F], F]:
     """How much a command says; ``more`` is what it does with --verbose."""
     verbose = click.option("-v", "--verbose", is_flag=True, help=more)
-    return together(alone("quiet", "verbose"), as_json, quiet, verbose, no_progress, debug)
+    return together(alone("quiet", "verbose"), as_json, quiet, verbose, no_progress, debug, _with_talk)
 
 
 talk_options = talk("Print a line for each frame.")
+brief = together(as_json, quiet, debug, _with_talk)
 
 
 def load_scene(
@@ -245,11 +258,6 @@ def default_folder(preset: str) -> Path:
     """Where a command writes when -o is not given: out/PRESET."""
     parts = [part for part in Path(_stem(preset)).parts if part not in ("/", "..")]
     return Path("out", *parts)
-
-
-def print_json(data: Any) -> None:
-    """Machine data alone on stdout."""
-    click.echo(json_text(data))
 
 
 def refuse_existing(path: Path, overwrite: bool) -> None:

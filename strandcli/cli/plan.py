@@ -13,6 +13,7 @@ from . import options
 from .frame_range import FrameRange
 from .progress import Progress, duration, pace
 from .say import say
+from .talk import print_json
 
 if TYPE_CHECKING:
     from ..calibration.foretell import Foretold
@@ -77,7 +78,7 @@ def command(
         more = {"warnings": warnings, "sizes": sizes, "frame_bytes": written, "time": time}
         data = {**dataclasses.asdict(plan), **more}
         del data["parts"]
-        options.print_json(data)
+        print_json(data)
         return
     stages = [(one.stage, one.why) for one in (*plan.used, *plan.left_out)]
     width = max((len(stage) for stage, _ in stages), default=0)

@@ -9,6 +9,7 @@ import click
 from ..errors import UsageError
 from . import complete, options
 from .say import say
+from .talk import print_json
 
 
 @click.group(invoke_without_command=True)
@@ -44,7 +45,7 @@ def list_all(as_json: bool = False) -> None:
 
     found = [(name, describe_preset(path)) for name, path in list_presets()]
     if as_json:
-        options.print_json([{"name": name, "title": title} for name, title in found])
+        print_json([{"name": name, "title": title} for name, title in found])
         return
     width = max((len(name) for name, _ in found), default=0)
     for name, title in found:

@@ -125,6 +125,15 @@ class Progress:
         elif self.lines and _tenths(self.done, self.total) > _tenths(before, self.total):
             self.line(f"{self.label}: {self.done:,} of {self.total:,} {self.each}s{self._left(now)}")
 
+    def begin(self, total: int) -> None:
+        """There will be so many steps, none of which is done."""
+        self.total, self.done = max(1, total), 0
+
+    def checked_step(self, text: str) -> None:
+        """One more is done; ends here if the user wants so."""
+        self.step(text)
+        signals.check()
+
     def _pause(self, now: float) -> float:
         """Seconds of the present note that are no work on a frame, such as compiling and pre-roll."""
         return now - self._note_since if self._note and _kind(self._note) != "drawing" else 0.0
@@ -185,25 +194,6 @@ def compiling() -> str:
     """How far compiling is, as far as that is known: ``compiling 12 of 64 kernels, 20 s left``."""
     number, total, left = clock.progress()
     return f"compiling {number} of {total} kernels, {duration(left)} left" if total else f"compiling kernel {number}"
-
-
-def beginner(progress: Progress) -> Callable[[int], None]:
-    """Tells a progress line how many runs there will be."""
-
-    def begin(runs: int) -> None:
-        progress.total, progress.done = max(1, runs), 0
-
-    return begin
-
-
-def stepper(progress: Progress) -> Callable[[str], None]:
-    """Tells it of each run; stops here if the user wants so."""
-
-    def step(text: str) -> None:
-        progress.step(text)
-        signals.check()
-
-    return step
 
 
 def warner(

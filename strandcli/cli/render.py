@@ -11,7 +11,7 @@ import click
 from ..common.counted import counted
 from ..errors import SimulationError, StrandError
 from ..files import inputs
-from . import animations, camera_files, garbage, html_page, options, signals
+from . import animations, camera_files, garbage, html_page, options
 from . import checkpoint as checkpoints
 from . import dask as clusters
 from .frame_range import FrameRange
@@ -24,9 +24,9 @@ from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
 from .render_frames import Motion, Watch, frames_of, learn_speed
 from .render_words import frame_line, interrupted, tell
-from .say import say
 from .sweep import run as run_sweep
 from .sweep import sweep_option
+from .talk import Talk
 from .terminal_pictures import Preview, preview_option
 from .watch import run as run_watch
 from .watch import watch_option
@@ -83,10 +83,7 @@ def command(
     preview: str | None,
     resume: bool,
     overwrite: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    no_progress: bool,
+    talk: Talk,
     **scene_settings: Any,
 ) -> None:
     """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them), or draw a FILE of
@@ -110,13 +107,12 @@ def command(
     if cameras is not None:
         changes, notes = camera_files.film(preset, cameras, scene_settings["size"], camera)
         scene_settings["overrides"] = (*changes, *scene_settings["overrides"])
-        for words in () if quiet else notes:
-            say(f"warning: {words}", err=True)
+        for words in notes:
+            talk.note(f"warning: {words}")
     scene = options.load_scene(preset, **scene_settings)
     bound = None
     if max_error is not None:
-        talk = Progress(1, "study", hidden=no_progress or quiet, verbose=verbose, each="run", lines=True)
-        scene, bound = advised(preset, max_error, scene_settings, threads, talk, quiet)
+        scene, bound = advised(preset, max_error, scene_settings, threads, talk)
     scene = with_layers(scene, exr)
     clusters.require(scene, dask)
     ground = animations.ground(scene, animate or (), over)
@@ -137,17 +133,16 @@ def command(
     motion = Motion(positions, checkpoint, keep_going, dask, Watch())
     with (
         html_page.of_failed(page),
-        Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress,
+        talk.progress(len(writer.wanted), label) as progress,
         look.signalled(progress),
     ):
-        data = _run(scene, writer, report, motion, threads, quiet, progress, bound, look)
+        data = _run(scene, writer, report, motion, threads, talk.quiet, progress, bound, look)
     learn_speed(plan, scene, data, motion)
-    made = animations.animate(writer, data, animate or (), overwrite or resume, scene.time.fps, ground, quiet)
+    made = animations.animate(writer, data, animate or (), overwrite or resume, scene.time.fps, ground, talk)
     if page is not None:
         page.write(data, made)
-    if as_json:
-        options.print_json(data)
-    if not quiet:
+    talk.data(data)
+    if not talk.quiet:
         tell(data, writer, made)
 
 
@@ -192,8 +187,7 @@ def _run(
                         bound.keep(frame)
                     if frame.image is not None:  # it is, where draw is not turned off
                         look.hand_on(writer, frame)
-                    progress.step(frame_line(frame.number, frame.report))
-                    signals.check()
+                    progress.checked_step(frame_line(frame.number, frame.report))
                     garbage.resume()
             if bound is not None:
                 bound.check(report, warn, progress.note)

@@ -9,8 +9,7 @@ import click
 
 from ..errors import StrandError, UsageError
 from . import garbage, options
-from .progress import Progress, beginner, stepper
-from .say import say
+from .talk import Talk
 from .values import Parsed, bounds
 
 if TYPE_CHECKING:
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
     from ..run.frame import Frame
     from ..scene.model import Scene
     from ..study.picture_advice import PictureAdvice
+    from .progress import Progress
 
 max_error_option = click.option(
     "--max-error", type=Parsed("ERRORS", bounds), metavar="ERRORS",
@@ -31,8 +31,7 @@ def advised(
     bounds: Mapping[str, float],
     given: dict[str, Any],
     threads: int | None,
-    progress: Progress,
-    quiet: bool,
+    talk: Talk,
 ) -> tuple[Scene, PictureError | None]:
     """The scene with the settings that studies choose, and what its picture's error is bound to; None where that is not
     asked for. What the user has set (``given``, as `options.load_scene` takes it) is left alone."""
@@ -42,7 +41,7 @@ def advised(
     if given["particles"] is not None:
         fixed.add("emitter.particles")
     if "motion" in bounds:
-        given = {**given, "overrides": (*given["overrides"], *_motion(scene, preset, bounds, fixed, progress, quiet))}
+        given = {**given, "overrides": (*given["overrides"], *_motion(scene, preset, bounds, fixed, talk))}
         scene = options.load_scene(preset, **given)
     asked = {name: most for name, most in bounds.items() if name != "motion"}
     if not asked:
@@ -54,34 +53,35 @@ def advised(
 
     name = options.preset_name(preset)
     wanted = {METRICS[one]: most for one, most in asked.items()}
-    with progress:
+    with _progress(talk) as progress:
         runtime.start(threads, progress.note)
-        advice = advise(scene, name, wanted, sorted(fixed), stepper(progress), beginner(progress))
-    _report(name, asked, advice.text(), quiet)
+        advice = advise(scene, name, wanted, sorted(fixed), progress.checked_step, progress.begin)
+    _report(name, asked, advice.text(), talk)
     return advice.apply(scene), PictureError(scene, name, advice)
 
 
-def _motion(
-    scene: Scene, preset: str, bounds: Mapping[str, float], fixed: set[str], progress: Progress, quiet: bool
-) -> tuple[str, ...]:
+def _motion(scene: Scene, preset: str, bounds: Mapping[str, float], fixed: set[str], talk: Talk) -> tuple[str, ...]:
     """Settings of motion under an error, as after --set."""
     from ..compiling import runtime
     from ..study.advice import advise
 
-    with progress:
+    with _progress(talk) as progress:
         runtime.start(1, progress.note)  # as `strandcli study` does
         name = options.preset_name(preset)
-        advice = advise(scene, name, bounds["motion"], sorted(fixed), stepper(progress), beginner(progress))
-    _report(name, {"": bounds["motion"]}, advice.text(), quiet)
+        advice = advise(scene, name, bounds["motion"], sorted(fixed), progress.checked_step, progress.begin)
+    _report(name, {"": bounds["motion"]}, advice.text(), talk)
     return tuple(f"{path}={value}" for path, value in advice.settings.items())
 
 
-def _report(name: str, asked: Mapping[str, float], text: str, quiet: bool) -> None:
+def _progress(talk: Talk) -> Progress:
+    return talk.progress(1, "study", each="run", lines=True)
+
+
+def _report(name: str, asked: Mapping[str, float], text: str, talk: Talk) -> None:
     from ..study.report import share
 
     words = ", ".join(f"{one} {share(most)}".strip() for one, most in asked.items())
-    if not quiet:
-        say(f"{name}: under {words}: {text}", err=True)
+    talk.note(f"{name}: under {words}: {text}")
 
 
 class PictureError:

@@ -11,12 +11,12 @@ from ..common.counted import counted
 from ..errors import UsageError
 from ..files import inputs
 from . import checkpoint as checkpoints
-from . import options, signals
+from . import options
 from .frame_range import FrameRange
 from .memory_check import option as memory_check_option
 from .positions import motion_of
-from .progress import Progress, warner
-from .say import say
+from .progress import warner
+from .talk import Talk
 
 
 @click.command()
@@ -41,10 +41,7 @@ def command(
     memory_check: bool,
     resume: bool,
     overwrite: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    no_progress: bool,
+    talk: Talk,
     **scene_settings: Any,
 ) -> None:
     """Simulate PRESET and write the positions only, as positions_0001.npz … and manifest.json.
@@ -68,7 +65,7 @@ def command(
     )
     label = options.preset_name(preset)
     status = "failed"
-    with Progress(len(writer.wanted), label, hidden=no_progress or quiet, verbose=verbose) as progress:
+    with talk.progress(len(writer.wanted), label) as progress:
         try:
             if writer.wanted:
                 from ..compiling import runtime
@@ -77,7 +74,7 @@ def command(
                 from ..run import pipeline
                 from ..run.first_frame import FirstFrame
 
-                warn = warner(progress, quiet)
+                warn = warner(progress, talk.quiet)
                 for frame in pipeline.render(
                     scene,
                     writer.wanted,
@@ -91,8 +88,7 @@ def command(
                 ):
                     if frame.positions is not None:  # they are, where they are asked for
                         writer.write(frame.number, frame.positions, frame.report["error"])
-                    progress.step(f"frame {frame.number}")
-                    signals.check()
+                    progress.checked_step(f"frame {frame.number}")
                 if stale := inputs.changed():
                     warn(stale)
             status = "complete"
@@ -101,9 +97,6 @@ def command(
             raise
         finally:
             data = writer.write_manifest(label, scene.sha256, scene.time.fps, status)
-    if as_json:
-        options.print_json(data)
-    if not quiet:
-        kept = f"; {len(writer.kept)} kept" if writer.kept else ""
-        count = len(writer.wanted)
-        say(f"{output}: {counted(count, 'frame')} of positions{kept}", err=True)
+    talk.data(data)
+    kept = f"; {len(writer.kept)} kept" if writer.kept else ""
+    talk.note(f"{output}: {counted(len(writer.wanted), 'frame')} of positions{kept}")

@@ -13,8 +13,8 @@ from ..common.counted import counted
 from ..errors import MismatchError, UsageError
 from ..scene.faults import shown
 from . import complete, options
-from .progress import Progress
 from .say import say
+from .talk import Talk
 from .values import Parsed
 
 if TYPE_CHECKING:
@@ -62,10 +62,7 @@ def command(
     html: Path | None,
     overwrite: bool,
     threads: int | None,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    no_progress: bool,
+    talk: Talk,
 ) -> None:
     """Run the solvers through every extreme of step, stiffness, weight, wind, motion, contact and start.
 
@@ -90,11 +87,10 @@ def command(
     if listing:
         say("\n".join(names))
         return
-    hidden = no_progress or quiet
-    with Progress(len(names), "stress", hidden=hidden, verbose=verbose, each="case", lines=len(names) > 1) as progress:
+    with talk.progress(len(names), "stress", each="case", lines=len(names) > 1) as progress:
 
         def tell(one: Verdict) -> None:
-            if verbose and one.verdict == "fail":
+            if talk.verbose and one.verdict == "fail":
                 progress.line(f"failed: {one.name}: {one.why}")
 
         result = stress.run(
@@ -111,11 +107,11 @@ def command(
 
         prepare_folder(html.parent, 0)
         write_pieces(html, [of_stress(result, table(result))])
-    if as_json:
+    if talk.as_json:
         _print_json(result)
-    elif case and not quiet:
+    elif case and not talk.quiet:
         say("\n".join(detail(one) for one in result.verdicts))
-    elif not quiet:
+    elif not talk.quiet:
         say(table(result))
     failed = [one for one in result.verdicts if one.verdict == "fail"]
     if failed:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +12,7 @@ import click
 
 from ..errors import MismatchError, UsageError
 from . import complete, options
-from .progress import Progress, beginner, stepper
-from .say import say
+from .talk import Talk
 from .values import ERROR, count, metres, several, step, word
 
 if TYPE_CHECKING:
@@ -69,10 +69,7 @@ def command(
     output: Path | None,
     threads: int,
     overwrite: bool,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    no_progress: bool,
+    talk: Talk,
     **wishes: Any,
 ) -> None:
     """Measure error against run time: of motion over solvers, steps, iterations and particles; of interaction over
@@ -97,32 +94,23 @@ def command(
 
     from ..compiling import runtime
     from ..output.files import require_folder
+    from ..output.report import finite
     from ..study import report, sweep
 
     require_folder(folder, ROOM)
     chosen = find("reference" if preset is None else "motion" if axis is None else axis)
     studies = []
-    hidden = no_progress or quiet
-    with Progress(1, "study", hidden=hidden, verbose=verbose, each="run", lines=True) as progress:
+    with talk.progress(1, "study", each="run", lines=True) as progress:
         runtime.start(threads, progress.note)
         for request in requests:
             progress.label = f"study {request.name}"
-            study = sweep.run(chosen, request, max_error, stepper(progress), beginner(progress))
+            study = sweep.run(chosen, request, max_error, progress.checked_step, progress.begin)
             studies.append(study)
             _write(study, folder, max_error)
-    if as_json:
-        data = [one.as_dict() for one in studies]
-        options.print_json(_finite(data[0] if len(data) == 1 else {"studies": data}))
-    elif not quiet:
-        texts = [report.to_text(one) for one in studies]
-        if axis == "quality":
-            from ..study.pictures.frame import quality_text
-
-            texts += [quality_text(one.points) for one in studies]
-        say("\n\n".join(texts))
-    if not quiet:
-        names = ", ".join(file_name(one.name, one.axis) for one in studies)
-        say(f"{folder}: {names} ({', '.join('.' + kind for kind in KINDS)})", err=True)
+    data = [one.as_dict() for one in studies]
+    talk.result(finite(data[0] if len(data) == 1 else {"studies": data}), lambda: _text(studies))
+    names = ", ".join(file_name(one.name, one.axis) for one in studies)
+    talk.note(f"{folder}: {names} ({', '.join('.' + kind for kind in KINDS)})")
     missed = [one for one in studies if one.points and not one.recommended]
     if max_error is not None and missed:
         raise MismatchError(report.why_missed(missed, max_error))
@@ -209,17 +197,21 @@ def file_name(name: str, axis: str | None = None) -> str:
     return re.sub(r"[^\w.-]+", "-", name, flags=letters).strip("-.") or "study"
 
 
-def _finite(data: Any) -> Any:
-    """Data without NaN and infinities, which JSON does not have: null in their place."""
-    from ..output.report import finite
+def _text(studies: Sequence[Study]) -> str:
+    """The tables of studies for people."""
+    from ..study import report
+    from ..study.pictures.frame import quality_text
 
-    return finite(data)
+    texts = [report.to_text(one) for one in studies]
+    texts += [quality_text(one.points) for one in studies if one.axis == "quality"]
+    return "\n\n".join(texts)
 
 
 def _write(study: Study, folder: Path, max_error: float | None) -> None:
     from ..compiling import runtime
     from ..html_report.measured import of_study
     from ..output.files import prepare_folder, write_json, write_pieces
+    from ..output.report import finite
     from ..study.chart import chart
     from ..study.report import to_csv
 
@@ -228,4 +220,4 @@ def _write(study: Study, folder: Path, max_error: float | None) -> None:
     write_pieces(folder / f"{name}.csv", [to_csv(study).encode()])
     write_pieces(folder / f"{name}.svg", [chart(study, max_error).encode()])
     write_pieces(folder / f"{name}.html", [of_study(study, max_error, runtime.machine())])
-    write_json(folder / f"{name}.json", _finite({**study.as_dict(), "machine": runtime.machine()}))
+    write_json(folder / f"{name}.json", finite({**study.as_dict(), "machine": runtime.machine()}))

@@ -17,6 +17,7 @@ from ..scene.faults import Fault, SceneError
 from . import complete, options, signals
 from .say import say
 from .sweep_values import Point, axis_of, points
+from .talk import print_json
 from .values import Parsed
 
 TABLE, SHEET = "sweep.csv", "sweep.png"
@@ -61,7 +62,7 @@ def run(draw: Callable[..., None], given: Mapping[str, Any]) -> None:
         signals.check()
     made = _finish(folder, settings, entries)
     if settings["as_json"]:
-        options.print_json({"folder": str(folder), "points": entries})
+        print_json({"folder": str(folder), "points": entries})
     if not settings["quiet"]:
         bad = f", {len(failed)} of which went wrong" if failed else ""
         say(f"{folder}: {counted(len(entries), 'run')}{bad}; {', '.join(made)}", err=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,8 +17,7 @@ from ..compiling.folder import cache
 from ..compiling.service import cores
 from . import complete, options, signals
 from .layers import layer_options, with_layers
-from .progress import Progress
-from .say import say
+from .talk import Talk
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -51,10 +51,7 @@ def command(
     cpu: str | None,
     profile: bool,
     threads: int | None,
-    as_json: bool,
-    quiet: bool,
-    verbose: bool,
-    no_progress: bool,
+    talk: Talk,
     **scene_settings: Any,
 ) -> None:
     """Compile the kernels of PRESET, or of all shipped presets, so that the next run starts at once.
@@ -82,13 +79,13 @@ def command(
         cache.arrays = False  # what computes them belongs to a pack
     with (
         profiled() if profile else nullcontext() as measured,
-        Progress(len(names), "warmup", hidden=no_progress or quiet, verbose=verbose) as progress,
+        talk.progress(len(names), "warmup") as progress,
     ):
         runtime.start(threads, progress.note)
         for scene in scenes:
             clock.expect(scene.source)
         for name, scene in zip(names, scenes, strict=True):
-            _draw(scene, threads, progress)
+            _draw(scene, threads, progress.note)
             progress.step(name)
     seconds = runtime.compile_seconds()
     data: dict[str, Any] = {
@@ -100,15 +97,14 @@ def command(
     if measured is not None:
         data["profile"] = measured.costs()
     cache.arrays = True
-    if as_json:
-        options.print_json(data)
-    elif measured is not None:
+    talk.data(data)
+    if measured is not None and not talk.as_json:
         click.echo(_table(data["profile"]))
-    if not quiet and measured is None:
+    if measured is None:
         told = f"compiled for {seconds:.1f} s" if seconds else "everything was compiled already"
-        say(f"warmup: {told}; kernels are in {cache.path}", err=True)
+        talk.note(f"warmup: {told}; kernels are in {cache.path}")
         if pack is not None:
-            say(f"warmup: {pack} has {data['pack']['kernels']} kernels, {data['pack']['bytes'] / 1e6:.1f} MB", err=True)
+            talk.note(f"warmup: {pack} has {data['pack']['kernels']} kernels, {data['pack']['bytes'] / 1e6:.1f} MB")
 
 
 def _names(presets: tuple[str, ...]) -> list[str]:
@@ -118,12 +114,12 @@ def _names(presets: tuple[str, ...]) -> list[str]:
     return [name for name, _ in list_presets()] if presets in ((), ("all",)) else list(presets)
 
 
-def _draw(scene: Scene, threads: int | None, progress: Progress) -> None:
+def _draw(scene: Scene, threads: int | None, notify: Callable[[str], None]) -> None:
     """Draw the first frames of a scene."""
     from ..run import pipeline
 
     for count, frames in ((threads, range(1, min(FRAMES, scene.time.frames) + 1)), (1, [1])):
-        for _ in pipeline.render(scene, frames, threads=count, notify=progress.note):
+        for _ in pipeline.render(scene, frames, threads=count, notify=notify):
             signals.check()
 
 
