@@ -6,13 +6,13 @@ is a fault that names both, because neither could win without a surprise.
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Container, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from .faults import shown
 from .fields import settings_of
 from .model import Scene
+from .paths import value_at, with_value
 
 
 class Fixed(NamedTuple):
@@ -39,8 +39,8 @@ def settle(scene: Scene, written: Container[str]) -> tuple[Scene, list[tuple[str
     clashes: list[tuple[str, str]] = []
     for path, values in LOOKS.get(scene.look, ()):
         for place in _places(scene, path.split(".")):
-            found = _get(scene, place)
             name = ".".join(place)
+            found = value_at(scene, name)
             if found in values:
                 continue
             if name in written:
@@ -52,7 +52,7 @@ def settle(scene: Scene, written: Container[str]) -> tuple[Scene, list[tuple[str
                     )
                 )
             else:
-                scene = _with(scene, place, values[0])
+                scene = with_value(scene, name, values[0])
     return scene, clashes
 
 
@@ -74,18 +74,3 @@ def _places(scene: Any, parts: list[str]) -> Iterator[tuple[str, ...]]:
             return
         for rest in _places(getattr(scene, parts[0]), parts[1:]):
             yield (parts[0], *rest)
-
-
-def _get(scene: Any, place: tuple[str, ...]) -> Any:
-    for part in place:
-        scene = scene[int(part)] if isinstance(scene, tuple) else getattr(scene, part)
-    return scene
-
-
-def _with(scene: Any, place: tuple[str, ...], value: Any) -> Any:
-    if not place:
-        return value
-    if isinstance(scene, tuple):
-        index = int(place[0])
-        return (*scene[:index], _with(scene[index], place[1:], value), *scene[index + 1 :])
-    return dataclasses.replace(scene, **{place[0]: _with(getattr(scene, place[0]), place[1:], value)})

@@ -34,6 +34,7 @@ from typing import Any, NamedTuple
 
 from .fields import settings_of
 from .model import Scene
+from .paths import value_at
 from .specs import ChoiceSpec, ItemsSpec, ModelSpec, Spec, UnionSpec
 
 
@@ -110,7 +111,7 @@ QUALITIES: Mapping[str, Mapping[str, Any]] = {
 def settings_for(name: str, scene: Scene) -> dict[str, Any]:
     """The settings of a quality for a scene without one, by path, those of lights by their numbers. `STRANDS` are left
     out: they need other strands."""
-    found = expanded(name, shadowed(scene), lambda path: _own(scene, path.split(".")))
+    found = expanded(name, shadowed(scene), lambda path: value_at(scene, path))
     return {path: value for path, value in found if path not in STRANDS}
 
 
@@ -130,16 +131,6 @@ def expanded(name: str, lights: Sequence[int], own: Own) -> Iterator[tuple[str, 
             widened = path != "material.width" or (own("children.count") or 1) > 1
             if wanted is not None and not absent and widened and _known(ModelSpec(Scene), path.split("."), wanted):
                 yield path, wanted
-
-
-def _own(scene: Scene, parts: Sequence[str]) -> Any:
-    """The value at a path of a scene; None where it has none."""
-    found: Any = scene
-    for part in parts:
-        if found is None:
-            return None
-        found = found[int(part)] if isinstance(found, tuple) else getattr(found, part)
-    return found
 
 
 def _known(spec: Spec, parts: list[str], value: Any) -> bool:

@@ -9,8 +9,8 @@ import pytest
 import strandcli
 from strandcli.errors import StrandError
 from strandcli.scene import SceneError, to_dict
+from strandcli.scene.paths import value_at
 from strandcli.scene.quality import QUALITIES, settings_for
-from strandcli.study.settings import value_at
 
 TEXT = "extends: hair\nquality: best\nimage: {supersample: 3}\n"
 

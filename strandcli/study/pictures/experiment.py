@@ -8,9 +8,10 @@ from typing import Any
 
 from ...errors import UsageError
 from ...scene.model import Scene
+from ...scene.paths import value_at
 from ..axes import Experiment, Request
 from ..points import Knobs, Point
-from ..settings import changed, knows, value_at
+from ..settings import changed, knows
 from .subject import Picture, Subject, total
 
 
