@@ -6,19 +6,21 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from strandcli.study import sweep
-from strandcli.study.axes import Axis, Experiment, Request
+from strandcli.study.axes import Experiment, Request
 from strandcli.study.points import Point, grid
 
 
 class Synthetic(Experiment):
     """Two solvers of order 1 and 2 in the step, both of order 2 in the segments; the second costs four times more."""
 
+    axis = "reference"
     metric, unit, title = "tip", "of the length", "a made-up solver"
     references = 2
 
-    def __init__(self, margin: float = 0.0) -> None:
+    def __init__(self, request: Request) -> None:
+        """The margin is what a request has as its span."""
         self.absent = [{"solver": "thesis", "why": "not represented: inertia"}]
-        self.margin = margin
+        self.margin = request.span or 0.0
 
     def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
         step("one")
@@ -39,9 +41,5 @@ class Synthetic(Experiment):
         return Point(knobs, seconds, {"tip": error, "other": None}, knobs["solver"], {"dt": dt, "segment": 1 / (n - 1)})
 
 
-AXIS = Axis("reference", lambda request: Synthetic(request.span or 0.0))
-"""Opened with the margin that a request has in place of a span."""
-
-
 def made(max_error: float | None = None, margin: float = 0.0) -> sweep.Study:
-    return sweep.run(AXIS, Request(name="synthetic", span=margin), max_error)
+    return sweep.run(Synthetic, Request(name="synthetic", span=margin), max_error)

@@ -16,7 +16,7 @@ from .say import say
 from .talk import print_json
 
 if TYPE_CHECKING:
-    from ..calibration.foretell import Foretold
+    from ..calibration.speed import Foretold
     from ..plan import Plan
     from ..scene.model import Emitter, Scene
 
@@ -154,7 +154,7 @@ def _totals(plan: Plan, written: int) -> None:
 
 def _foretold(plan: Plan, scene: Scene, threads: int, measure: bool) -> Foretold | None:
     """How long it takes, where the machine's speed is known or to be measured."""
-    from ..calibration import foretell, profile
+    from ..calibration import profile, speed
 
     known = profile.read()
     if known is None and measure:
@@ -163,7 +163,7 @@ def _foretold(plan: Plan, scene: Scene, threads: int, measure: bool) -> Foretold
         with Progress(1, "calibration") as progress:
             known = measured(progress.note)
         profile.write(known)
-    return None if known is None else foretell.foretell(plan, scene, known, threads)
+    return None if known is None else speed.foretell(plan, scene, known, threads)
 
 
 def _time(plan: Plan, found: Foretold | None) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..calibration.learn import Watch, learn
+from ..calibration.speed import Watch, learn
 from ..plan.libraries import keep_mapped
 from . import dask
 

@@ -16,7 +16,7 @@ from .talk import Talk
 from .values import ERROR, count, metres, several, step, word
 
 if TYPE_CHECKING:
-    from ..study.axes import Axis, Request
+    from ..study.axes import Experiment, Request
     from ..study.sweep import Study
 
 ROOM = 1_000_000
@@ -149,13 +149,13 @@ def _requests(
     else:
         assert preset is not None
         chosen = find("motion" if axis is None else axis)
-        if chosen.name == "reference":
+        if chosen.axis == "reference":
             raise UsageError(f"axis {axis}: studies no preset; leave out --axis and name a --reference")
         _refuse_others(chosen, wishes)
         frame = wishes.pop("frame")
         scene = options.load_scene(preset, seed=seed, overrides=overrides)
         paths = [text.partition("=")[0].strip() for text in overrides]
-        if chosen.name == "motion":
+        if chosen.axis == "motion":
             for name, values in settled(scene, paths).items():  # what is set by hand is not turned
                 wishes[name] = wishes[name] or values
         wishes |= {"frame": frame or 1, "fixed": frozenset(paths)}
@@ -171,14 +171,14 @@ DRAWN = {"frame": "--frame", "size": "--size"}
 """Options of motion, of interaction and of pictures."""
 
 
-def _refuse_others(axis: Axis, wishes: dict[str, Any]) -> None:
+def _refuse_others(axis: type[Experiment], wishes: dict[str, Any]) -> None:
     """Raise `UsageError` for options of other axes than one."""
     own = "use --set for the preset's own settings"
     drawn = dict.fromkeys(DRAWN.values(), "name an --axis of pictures with it")
     crowded = dict.fromkeys(CROWDED.values(), "name --axis interaction with it, or none")
-    if axis.pictures:
+    if axis.draws:
         foreign = {**dict.fromkeys((*STEPPED.values(), "--span"), own), **crowded}
-    elif axis.name == "interaction":
+    elif axis.axis == "interaction":
         foreign = {**dict.fromkeys(STEPPED.values(), own), "--strands": "name --guides in its place", **drawn}
         del foreign["--iterations"]
     else:
@@ -186,7 +186,7 @@ def _refuse_others(axis: Axis, wishes: dict[str, Any]) -> None:
     options = {**STEPPED, **CROWDED, **DRAWN, "span": "--span", "strands": "--strands"}
     for name, option in options.items():
         if option in foreign and wishes.get(name) is not None:
-            raise UsageError(f"{option} does not go with axis {axis.name}; {foreign[option]}")
+            raise UsageError(f"{option} does not go with axis {axis.axis}; {foreign[option]}")
 
 
 def file_name(name: str, axis: str | None = None) -> str:

@@ -159,8 +159,8 @@ def _finish(folder: Path, settings: Mapping[str, Any], entries: Sequence[Mapping
         write_sheet(folder / SHEET, cells, min(COLUMNS, len(cells)), WIDTH)
         made.append(SHEET)
     if not settings["no_html"]:
-        from ..html_report import of_sweep
+        from ..html_report import measured
 
-        of_sweep.write(folder, options.preset_name(settings["preset"]), entries, *rows_of(entries))
-        made.append(of_sweep.FILE)
+        measured.write_sweep(folder, options.preset_name(settings["preset"]), entries, *rows_of(entries))
+        made.append(measured.FILE)
     return made

@@ -149,7 +149,7 @@ def _stages(frames: Sequence[Json]) -> str:
 def _times(frames: Sequence[Json]) -> str:
     points = [(one["frame"], one["seconds"]["total"]) for one in frames if (one.get("seconds") or {}).get("total")]
     large = max((value for _, value in points), default=0.0) >= 1
-    return svg.lines({"": [(x, y if large else 1000 * y) for x, y in points]}, " s" if large else " ms")
+    return svg.line([(x, y if large else 1000 * y) for x, y in points], " s" if large else " ms")
 
 
 def _errors(frames: Sequence[Json]) -> Iterator[tuple[str, str]]:
@@ -158,7 +158,7 @@ def _errors(frames: Sequence[Json]) -> Iterator[tuple[str, str]]:
         points = [(one["frame"], factor * one["error"][key]) for one in frames
                   if (one.get("error") or {}).get(key) is not None]  # fmt: skip
         if any(value > 0 for _, value in points):
-            yield name, svg.lines({"": points}, unit)
+            yield name, svg.line(points, unit)
 
 
 def _reasons(stages: Sequence[Json] | None) -> str:

@@ -1,9 +1,9 @@
-"""Charts as inline SVG: bars, and lines over frames."""
+"""Charts as inline SVG: bars, and a line over frames."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from .page import text
 
@@ -34,30 +34,22 @@ def bars(rows: Sequence[tuple[str, float, str]]) -> str:
     return f'<svg class="chart" viewBox="0 0 {WIDTH:g} {len(rows) * step:g}" role="img">{"".join(parts)}</svg>'
 
 
-def lines(series: Mapping[str, Sequence[Point]], unit: str, *, least: float = 0.0) -> str:
-    """Lines of (frame, value) by name, on one scale from 0 to the greatest value, at least ``least``. "" for none."""
-    known = {name: thinned(points) for name, points in series.items() if points}
-    if not known:
+def line(points: Sequence[Point], unit: str) -> str:
+    """A line of (frame, value), on a scale from 0 to the greatest value. "" for none."""
+    if not points:
         return ""
-    xs = [x for points in known.values() for x, _ in points]
-    low, high = min(xs), max(xs)
-    top = _round_up(max(least, *(y for points in known.values() for _, y in points)))
-    parts = [_grid(low, high, top, unit)]
-    for place, (name, points) in enumerate(known.items()):
-        colour = COLOURS[place % len(COLOURS)]
-        at = [f"{_x(x, low, high):.1f},{_y(y, top):.1f}" for x, y in points]
-        if len(at) == 1:
-            cx, cy = at[0].split(",")
-            parts.append(f'<circle cx="{cx}" cy="{cy}" r="3.5" fill="{colour}"/>')
-        else:
-            parts.append(f'<polyline points="{" ".join(at)}" fill="none" stroke="{colour}" stroke-width="1.8" '
-                         'stroke-linejoin="round"/>')  # fmt: skip
-        if len(known) > 1:
-            x, y = LEFT + 140 * (place % 3), HEIGHT + 24 + 18 * (place // 3)
-            parts.append(f'<circle cx="{x + 4}" cy="{y - 4}" r="4" fill="{colour}"/>')
-            parts.append(f'<text x="{x + 14}" y="{y}">{text(name)}</text>')
-    height = HEIGHT + (12 + 18 * -(-len(known) // 3) if len(known) > 1 else 0)
-    return f'<svg class="chart" viewBox="0 0 {WIDTH:g} {height:g}" role="img">{"".join(parts)}</svg>'
+    shown = thinned(points)
+    low, high = min(x for x, _ in shown), max(x for x, _ in shown)
+    top = _round_up(max(y for _, y in shown))
+    at = [f"{_x(x, low, high):.1f},{_y(y, top):.1f}" for x, y in shown]
+    if len(at) == 1:
+        cx, cy = at[0].split(",")
+        drawn = f'<circle cx="{cx}" cy="{cy}" r="3.5" fill="{COLOURS[0]}"/>'
+    else:
+        drawn = f'<polyline points="{" ".join(at)}" fill="none" stroke="{COLOURS[0]}" stroke-width="1.8" '
+        drawn += 'stroke-linejoin="round"/>'
+    grid = _grid(low, high, top, unit)
+    return f'<svg class="chart" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img">{grid}{drawn}</svg>'
 
 
 def thinned(points: Sequence[Point]) -> Sequence[Point]:

@@ -7,16 +7,3 @@ from ..draw.shadows.shadow_model import needs_counts, needs_shadow_maps
 from .free import SHARE, available_memory
 from .make import Plan, Stage, make_plan, pictures_that_fit
 from .require import checked_plan, require_memory
-
-__all__ = [
-    "SHARE",
-    "Plan",
-    "Stage",
-    "available_memory",
-    "checked_plan",
-    "make_plan",
-    "needs_counts",
-    "needs_shadow_maps",
-    "pictures_that_fit",
-    "require_memory",
-]

@@ -39,23 +39,20 @@ def cores(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> float | 
 
 def memory(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> int | None:
     """Bytes of memory that the process's groups may hold; None where there is no such limit."""
-    found = []
-    for folder in folders("memory", root, told):
-        word = _read(folder / "memory.max") or _read(folder / "memory.limit_in_bytes")
-        if word.isdigit() and int(word) < UNLIMITED:
-            found.append(int(word))
-    return min(found, default=None)
+    return min((limit for limit, _ in _memory(root, told)), default=None)
 
 
 def memory_left(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> int | None:
     """Bytes that the process's groups may still take; None where there is no such limit."""
-    found = []
+    return min((limit - int(used) for limit, used in _memory(root, told) if used.isdigit()), default=None)
+
+
+def _memory(root: Path, told: Path) -> Iterator[tuple[int, str]]:
+    """The limit of each group, bytes, and what it says that it holds."""
     for folder in folders("memory", root, told):
         word = _read(folder / "memory.max") or _read(folder / "memory.limit_in_bytes")
-        used = _read(folder / "memory.current") or _read(folder / "memory.usage_in_bytes")
-        if word.isdigit() and used.isdigit() and int(word) < UNLIMITED:
-            found.append(int(word) - int(used))
-    return min(found, default=None)
+        if word.isdigit() and int(word) < UNLIMITED:
+            yield int(word), _read(folder / "memory.current") or _read(folder / "memory.usage_in_bytes")
 
 
 def _read(path: Path) -> str:

@@ -8,19 +8,3 @@ from .loading import load, loads
 from .model import RuleUse, Scene
 from .rule_type import RuleType
 from .schema import json_schema
-
-__all__ = [
-    "Fault",
-    "RuleType",
-    "RuleUse",
-    "Scene",
-    "SceneError",
-    "describe_preset",
-    "dump",
-    "find",
-    "json_schema",
-    "list_presets",
-    "load",
-    "loads",
-    "to_dict",
-]

@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from .checks_of_file import clashes, mesh_clashes
-from .checks_of_rod import rod_clashes
+from .checks_of_file import clashes, mesh_clashes, rod_clashes
 from .faults import hint, shown
 from .fields import Vector
 from .model import (

@@ -1,4 +1,4 @@
-"""What does not go together with strands from a file."""
+"""What does not go together with strands from a file, and in the solver `rod`."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from .fields import settings_of
 from .model import Emitter, MeshShape, Scene
 from .model.emitter import FILE_LEAVES, GUIDED_LEAVES, HEADS
 from .model.placed_file import both_sizes
+from .motion import deforming_ground
 
 PLACE = "emitter.groom"
 Clash = tuple[tuple[str, ...], str]
@@ -78,6 +79,20 @@ def mesh_clashes(scene: Scene) -> Iterator[Clash]:
             if not one.file:
                 yield (f"{place}.deform.{key}.file", f"{place}.deform.{key}"), "must be the path of a mesh"
         yield from both_sizes(place, settings)
+
+
+def rod_clashes(scene: Scene) -> Iterator[Clash]:
+    """Settings of ``rod`` that have no meaning beside others."""
+    if scene.solver != "rod":
+        return
+    rod, listed = scene.rod, {use.name for use in scene.rules}
+    if rod.root == "hinged" and rod.rest == "sag_free":
+        yield (
+            ("rod.root", "rod.rest"),
+            "hinged roots cannot balance gravity, as rest: sag_free needs; use root: clamped, or rest: shape",
+        )
+    if rod.end == "pinned" and "emitter_motion" in listed and deforming_ground(scene) is not None:
+        yield ("rod.end", "emitter", "rules"), "tips cannot be pinned on an emitter that deforms; use end: free"
 
 
 def grown(scene: Scene) -> list[str]:

@@ -59,8 +59,13 @@ class Request:
 
 
 class Experiment(ABC):
-    """A subject that can be measured at any setting of its knobs."""
+    """A subject that can be measured at any setting of its knobs; a class of it is an axis, a kind of error with the
+    settings that buy it off."""
 
+    axis: str
+    """By which a person asks for it."""
+    draws = False
+    """Whether it is of pictures; else it is about motion."""
     metric: str
     """The error that settings are chosen by."""
     unit: str
@@ -70,6 +75,10 @@ class Experiment(ABC):
     """Solvers that cannot be measured, and why: {"solver", "why"}."""
     references: int = 0
     """Runs that `prepare` takes."""
+
+    @abstractmethod
+    def __init__(self, request: Request) -> None:
+        """Raises `UsageError` for what cannot be studied."""
 
     @abstractmethod
     def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
@@ -86,16 +95,6 @@ class Experiment(ABC):
     @abstractmethod
     def measure(self, knobs: Knobs) -> Point:
         """One of them."""
-
-
-@dataclass(frozen=True)
-class Axis:
-    """A kind of error, with the settings that buy it off."""
-
-    name: str
-    open: Callable[[Request], Experiment]
-    pictures: bool = False
-    """Whether it draws; else it is about motion."""
 
 
 def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:

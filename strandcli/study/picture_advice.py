@@ -18,7 +18,7 @@ from ..output.report import finite
 from ..run.fingerprint import fingerprint
 from ..scene.model import Scene
 from . import advice, sweep
-from .axes import Axis, Request
+from .axes import Request
 from .pictures.frame import CHECKED, FrameStudy
 from .points import described
 from .report import seconds, share
@@ -87,7 +87,7 @@ def advise(
     data = read_picture(path)
     reused = data is not None
     if data is None:
-        study = sweep.run(Axis("frame", FrameStudy, True), request, None, step, begin)
+        study = sweep.run(FrameStudy, request, None, step, begin)
         data = finite(study.as_dict())
         advice.write(path, data)
     return choose(data, name, asked, reused)

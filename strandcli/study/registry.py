@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..errors import UsageError
-from .axes import Axis
+from .axes import Experiment
 from .motion.experiment import Motion
 from .motion.interaction import Interaction
 from .pictures.coverage import CoverageStudy
@@ -14,21 +14,12 @@ from .pictures.occlusion import OcclusionStudy
 from .pictures.shadow import ShadowStudy
 from .references.experiment import References
 
-AXES: Mapping[str, Axis] = {
-    axis.name: axis
-    for axis in (
-        Axis("motion", Motion),
-        Axis("interaction", Interaction),
-        Axis("reference", References),
-        Axis("coverage", CoverageStudy, True),
-        Axis("shadow", ShadowStudy, True),
-        Axis("occlusion", OcclusionStudy, True),
-        Axis("quality", QualityStudy, True),
-    )
+AXES: Mapping[str, type[Experiment]] = {
+    one.axis: one for one in (Motion, Interaction, References, CoverageStudy, ShadowStudy, OcclusionStudy, QualityStudy)
 }
 
 
-def find(name: str) -> Axis:
+def find(name: str) -> type[Experiment]:
     """An axis by name. Raises `UsageError`."""
     if name not in AXES:
         raise UsageError(f"no axis '{name}'; the axes are {', '.join(AXES)}")

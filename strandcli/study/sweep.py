@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .axes import Axis, Request
+from .axes import Experiment, Request
 from .points import Point, by_line, cheapest, described, orders, pareto
 
 LADDER = (0.1, 0.05, 0.02, 0.01, 0.005, 0.001)
@@ -57,14 +57,14 @@ class Study:
 
 
 def run(
-    axis: Axis,
+    axis: type[Experiment],
     request: Request,
     max_error: float | None = None,
     step: Callable[[str], None] = lambda text: None,
     begin: Callable[[int], None] = lambda runs: None,
 ) -> Study:
     """Measure all settings of a subject. ``begin`` is told how many runs there will be, ``step`` a line after each."""
-    experiment = axis.open(request)
+    experiment = axis(request)
     settings = list(experiment.settings())
     begin(experiment.references + len(settings))
     reference = experiment.prepare(step)
@@ -81,7 +81,7 @@ def run(
     margins = experiment.margins()
     names = dict.fromkeys([metric, *(name for point in points for name in point.error)])
     return Study(
-        axis=axis.name,
+        axis=axis.axis,
         name=request.name,
         title=experiment.title,
         metric=metric,

@@ -10,8 +10,8 @@ import pytest
 
 from cli_runs import TINY, Runner
 from strand_kit import scene_of
-from strandcli.calibration import learn, measure, profile
-from strandcli.calibration.foretell import foretell
+from strandcli.calibration import measure, profile, speed
+from strandcli.calibration.speed import foretell
 from strandcli.compiling.folder import cache
 from strandcli.plan import libraries, make_plan
 from strandcli.plan.cost import frame_seconds, kind_of, run_seconds
@@ -80,10 +80,10 @@ def test_a_run_teaches_by_the_frames_after_the_first(kept: Path, monkeypatch: py
     for numbers, runs in (([1, 2, 3, 4], 1), ([1, 2, 3, 5], 0), ([1, 2], 0)):
         profile.write(profile.Profile(1.0, "2026-01-31"))
         clock = iter(ticks)
-        monkeypatch.setattr(learn.time, "process_time", lambda clock=clock: next(clock))
-        watch = learn.Watch()
+        monkeypatch.setattr(speed.time, "process_time", lambda clock=clock: next(clock))
+        watch = speed.Watch()
         assert [frame.number for frame in watch.over(frames(numbers))] == numbers
-        learn.learn(plan, scene, watch)
+        speed.learn(plan, scene, watch)
         known = profile.read()
         assert known is not None
         factor, found = known.of(kind_of(scene))

@@ -124,7 +124,7 @@ def test_lines_keep_peaks_and_bars_their_shares() -> None:
     points[4321] = (4321.0, 9.0)
     assert (4321.0, 9.0) in svg.thinned(points)
     assert len(svg.thinned(points)) <= svg.MOST_POINTS
-    chart = ET.fromstring(svg.lines({"a": points, "b": points[:1]}, " ms"))
+    chart = ET.fromstring(svg.line(points, " ms"))
     line = chart.find("polyline")
     assert line is not None
     heights = [float(pair.split(",")[1]) for pair in line.attrib["points"].split()]
@@ -132,7 +132,7 @@ def test_lines_keep_peaks_and_bars_their_shares() -> None:
     bars = ET.fromstring(svg.bars([("one", 4.0, "<"), ("two", 1.0, "&")]))
     widths = [float(one.attrib["width"]) for one in bars.findall("rect")]
     assert widths[0] == pytest.approx(4 * widths[1], rel=1e-3)
-    assert svg.lines({}, "") == svg.bars([]) == ""
+    assert svg.line([], "") == svg.bars([]) == ""
     assert [svg._round_up(value) for value in (0, 0.7, 1, 1.1, 30, 51)] == [1, 1, 1, 2, 50, 100]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from strandcli.errors import UsageError
-from strandcli.scene.checks_of_rod import rod_clashes
+from strandcli.scene.checks_of_file import rod_clashes
 from strandcli.simulate import solver_of
 from strandcli.study.stress import matrix, run, scenes
 from strandcli.study.stress.axes import AXES, DEFAULTS, GROUPED, Case, case_named, refusal

@@ -15,7 +15,7 @@ from strandcli.study.motion.experiment import Motion
 from strandcli.study.points import Point
 from strandcli.study.references.experiment import References
 from strandcli.study.settings import changed
-from study_kit import AXIS, made
+from study_kit import Synthetic, made
 
 
 def test_orders_of_a_synthetic_solver_are_found() -> None:
@@ -28,7 +28,7 @@ def test_orders_of_a_synthetic_solver_are_found() -> None:
 def test_every_run_is_counted() -> None:
     steps: list[str] = []
     totals: list[int] = []
-    study = sweep.run(AXIS, axes.Request(), None, steps.append, totals.append)
+    study = sweep.run(Synthetic, axes.Request(), None, steps.append, totals.append)
     assert totals == [2 + 32]
     assert len(steps) == 34
     assert len(study.points) == 32

@@ -52,6 +52,7 @@ def frames_of(scene: Scene, span: float | None) -> list[int]:
 class Motion(Experiment):
     """Runs of one preset."""
 
+    axis = "motion"
     metric, unit = "median", "of the length"
 
     def __init__(self, request: Request) -> None:

@@ -77,6 +77,7 @@ class Found(NamedTuple):
 class Interaction(Experiment):
     """Runs of one preset."""
 
+    axis = "interaction"
     metric, unit = "elsewhere", "of the hair or of its length"
 
     def __init__(self, request: Request) -> None:

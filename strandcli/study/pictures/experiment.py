@@ -18,7 +18,7 @@ from .subject import Picture, Subject, total
 class Pictures(Experiment):
     """Pictures of one preset at many settings, each against one reference, which is finer by far."""
 
-    axis = ""
+    draws = True
     metric, unit = "rmse", "of the mean of the reference picture"
     stages: tuple[str, ...] = ()
     """Those whose time counts; none: all."""

@@ -15,5 +15,3 @@ REFERENCES: Mapping[str, Reference] = {
     )
 }  # fmt: skip
 """By name, in the order in which `--reference all` goes through them."""
-
-__all__ = ["REFERENCES", "Case", "Reference", "Track"]

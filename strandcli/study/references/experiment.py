@@ -23,6 +23,8 @@ ITERATIONS = (2, Rod().iterations)
 class References(Experiment):
     """Runs of one reference. All of them ask for mass and rigidity in physical units, which the solver thesis lacks."""
 
+    axis = "reference"
+
     def __init__(self, request: Request) -> None:
         if request.name not in REFERENCES:
             raise UsageError(f"no reference '{request.name}'; the references are {', '.join(REFERENCES)} and all")

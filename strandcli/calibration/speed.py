@@ -1,12 +1,13 @@
-"""What a run tells of this machine's speed: the processor's time of its frames, whatever else the machine does."""
+"""How long a run will take here, and what a run tells of this machine's speed: the processor's time of its frames,
+whatever else the machine does."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from ..plan.cost import frame_seconds, kind_of
+from ..plan.cost import frame_seconds, kind_of, run_seconds
 from . import profile
 
 if TYPE_CHECKING:
@@ -14,8 +15,32 @@ if TYPE_CHECKING:
     from ..run.frame import Frame
     from ..scene.model import Scene
 
+WITHIN = 2.0
+"""Times by which the figures may be off, on a machine that does nothing else."""
 FEWEST = 2
 """Frames after the first, which loads kernels."""
+
+
+class Foretold(NamedTuple):
+    """Seconds of a run with kernels in the cache, and where they are from."""
+
+    frame: float
+    """A frame, of those that are drawn at once its share."""
+    total: float
+    threads: int
+    within: float
+    source: str
+
+
+def foretell(plan: Plan, scene: Scene, known: profile.Profile, threads: int) -> Foretold:
+    """Return the seconds of a run on so many threads."""
+    factor, runs = known.of(kind_of(scene))
+    frame, total = run_seconds(plan, scene, factor, threads)
+    if runs:
+        source = f"by {'the last run' if runs == 1 else f'{runs} runs'} of such scenes here"
+    else:
+        source = f"by a calibration of this machine on {known.measured}"
+    return Foretold(frame, total, threads, WITHIN, source)
 
 
 class Watch:
