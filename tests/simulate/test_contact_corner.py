@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rod_kit import each_step, rod_of
 from strandcli.simulate.rod.solver import RodSolver
+from tests.simulate.test_rod_contact import slab
 from tests.simulate.test_rod_rest import rms
 
 SECONDS = 8
@@ -24,22 +25,6 @@ CAPSULES = (
     "{kind: capsule, position: [0.05, -0.07, 0], rotation: [90, 0, 0], length: 0.4, radius: 0.055}, "
     "{kind: capsule, position: [-0.05, -0.08, 0], rotation: [85, 0, 0], length: 0.4, radius: 0.05}"
 )
-SLAB = """
-v -0.5 -0.5 -0.5
-v 0.5 -0.5 -0.5
-v 0.5 -0.05 -0.5
-v -0.5 -0.05 -0.5
-v -0.5 -0.5 0.5
-v 0.5 -0.5 0.5
-v 0.5 -0.05 0.5
-v -0.5 -0.05 0.5
-f 1 4 3 2
-f 5 6 7 8
-f 1 2 6 5
-f 2 3 7 6
-f 3 4 8 7
-f 4 1 5 8
-"""
 BALL = "{kind: sphere, position: [0.02, -0.06, 0.1], radius: 0.05}"
 FLOOR = "{kind: plane, position: [0, -0.05, 0]}"
 
@@ -99,9 +84,8 @@ def test_strands_rest_between_other_solids(end: str, friction: float, solids: st
 
 @pytest.mark.parametrize("end", ["pinned", "free"])
 def test_strands_rest_between_two_meshes(end: str, tmp_path: Path) -> None:
-    slab = tmp_path / "slab.obj"
-    slab.write_text(SLAB)
-    solids = ", ".join(f"{{kind: mesh, file: {slab}, rotation: [0, 0, {angle}]}}" for angle in (20, -35))
+    file = slab(tmp_path, top=-0.05)
+    solids = ", ".join(f"{{kind: mesh, file: {file}, rotation: [0, 0, {angle}]}}" for angle in (20, -35))
     moved, _ = at_rest(fallen(solids, 24, f"friction: 0.2, end: {end}"), 24)
     assert rms(moved) < STILL
 

@@ -10,10 +10,9 @@ import pytest
 
 import mesh_kit as kit
 from rod_kit import rod_of, take_steps
-from strandcli.meshes.mesh import TriangleMesh
 from strandcli.simulate.rod.solver import RodSolver
-from tests.simulate.test_rod import PULL, scene
-from tests.simulate.test_rod_motion import first, solver_of
+from tests.simulate.test_rod import PULL, scene, solver_of
+from tests.simulate.test_rod_motion import first
 
 
 def against(solids: list[dict[str, Any]], gamma: float = 10.0, double: bool = False, **changes: Any) -> RodSolver:
@@ -81,19 +80,12 @@ def test_friction_carries_strands_along() -> None:
 
 
 SECONDS, RATE, SHIFT = 2.0, 24, 0.2
-TOP = -0.2
 
 
-def slab(folder: Path, shift: float = 0.0, turn: float = 0.0) -> str:
-    """A file of a slab whose top is at the height `TOP`, shifted along z, and turned about y by so many radians."""
-    box = kit.mesh("box")
-    vertices = box.vertices * (1.5, 0.3, 1.5)
-    vertices[:, 1] += TOP - vertices[:, 1].max()
-    x, y, z = vertices.T
-    vertices = np.stack([np.cos(turn) * x + np.sin(turn) * z, y, np.cos(turn) * z - np.sin(turn) * x + shift], axis=1)
-    path = folder / f"slab_{shift}_{turn}.obj"
-    path.write_bytes(kit.obj(TriangleMesh(vertices, box.triangles, vertices)))
-    return str(path)
+def slab(folder: Path, shift: float = 0.0, top: float = -0.2) -> str:
+    """A file of a slab whose top is at a height, shifted along z."""
+    vertices, triangles = kit.cube()
+    return str(kit.write(folder / f"slab_{shift}.obj", vertices * (1.5, 0.3, 1.5) + (0, top - 0.3, shift), triangles))
 
 
 def moved(friction: float, **solid: Any) -> np.ndarray:

@@ -9,8 +9,8 @@ import pytest
 
 from rod_kit import each_step, take_steps
 from strandcli.simulate.rod.solver import RodSolver
-from tests.simulate.test_rod import PULL, scene
-from tests.simulate.test_rod_motion import first, solver_of
+from tests.simulate.test_rod import PULL, scene, solver_of
+from tests.simulate.test_rod_motion import first
 
 SOLIDS: dict[str, dict[str, Any]] = {
     "sphere": {"kind": "sphere", "radius": 0.2},

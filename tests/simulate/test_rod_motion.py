@@ -12,11 +12,7 @@ from strand_kit import scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate.rod.solver import RodSolver
-from tests.simulate.test_rod import PULL, scene
-
-
-def solver_of(one: Any, double: bool = False) -> RodSolver:
-    return RodSolver(one, emit(one.emitter, one.seed), double)
+from tests.simulate.test_rod import PULL, scene, solver_of
 
 
 def first(solver: RodSolver) -> np.ndarray:
