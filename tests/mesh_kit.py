@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import struct
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
@@ -39,6 +40,14 @@ def sphere(times: int = 3) -> tuple[np.ndarray, np.ndarray]:
             [np.stack(one, axis=1) for one in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
         )
     return vertices, triangles
+
+
+def ball(times: int, radius: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """The same, enlarged to the volume of a sphere of a radius."""
+    vertices, triangles = sphere(times)
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+    return vertices * radius * (4 * np.pi / 3 / volume) ** (1 / 3), triangles
 
 
 @cache
@@ -87,6 +96,19 @@ def obj(mesh: TriangleMesh) -> bytes:
         for t, (a, b, c) in enumerate((mesh.triangles + 1).tolist()):
             lines.append(f"f {a}/{3 * t + 1} {b}/{3 * t + 2} {c}/{3 * t + 3}")
     return ("\n".join(lines) + "\n").encode()
+
+
+def write(
+    path: Path, vertices: np.ndarray, triangles: np.ndarray, colours: np.ndarray | None = None,
+    uv: np.ndarray | None = None,
+) -> Path:  # fmt: skip
+    """An OBJ file; colours (V, 3) follow the vertices, uv (V, 2) are those of vertices."""
+    rows = vertices if colours is None else np.hstack([vertices, colours])
+    lines = ["v " + " ".join(f"{x:.9g}" for x in row) for row in rows]
+    lines += [] if uv is None else [f"vt {s:.9g} {t:.9g}" for s, t in uv]
+    lines += ["f " + " ".join(f"{i + 1}" if uv is None else f"{i + 1}/{i + 1}" for i in row) for row in triangles]
+    path.write_text("\n".join(lines) + "\n")
+    return path
 
 
 def ply(

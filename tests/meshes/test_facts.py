@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,13 +13,6 @@ import mesh_kit
 from cli_runs import Runner
 from strandcli.meshes.facts import facts, is_mesh
 from strandcli.meshes.make import make_mesh
-
-
-def written(path: Path, vertices: Any, triangles: Any) -> Path:
-    lines = [f"v {' '.join(f'{x:.9g}' for x in row)}" for row in vertices]
-    lines += [f"f {' '.join(str(k + 1) for k in row)}" for row in triangles]
-    path.write_text("\n".join(lines) + "\n")
-    return path
 
 
 def test_a_box_by_its_closed_form() -> None:
@@ -93,7 +85,7 @@ def test_a_mesh_in_the_place_of_a_preset_is_told_what_it_is(command: str, run: R
 
 
 def test_info_tells_a_mesh_and_draws_it(run: Runner, tmp_path: Path) -> None:
-    path = written(tmp_path / "ball.obj", *mesh_kit.sphere(3))
+    path = mesh_kit.write(tmp_path / "ball.obj", *mesh_kit.sphere(3))
     words = run("info", path, "--picture", tmp_path / "ball.png")
     assert words.code == 0, words.err
     assert "triangles  512" in words.out

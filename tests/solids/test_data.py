@@ -20,14 +20,13 @@ from strandcli.draw.shadows.kernels import penumbra
 from strandcli.draw.solids.kernels import rays
 from strandcli.groom.emit import emit
 from strandcli.scene import loads
-from strandcli.scene.model import CapsuleSolid, Emitter, PoseKey
+from strandcli.scene.model import CapsuleSolid, Emitter
 from strandcli.scene.model.solids import SHAPES
 from strandcli.simulate import advice
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis.solver import ThesisSolver
 from strandcli.solids import Solids, pack_all, register
-from strandcli.solids.shapes import other_code
 
 STILL = Emitter()
 FAR, SKIN = np.float32(1e3), np.float32(1e-3)
@@ -106,29 +105,6 @@ def test_rays_and_shadows_are_those_of_the_capsules() -> None:
     assert hits > 60
 
 
-def test_how_it_looks_is_told_in_the_world() -> None:
-    solids = pack_all([tube.Settings(position=(1.0, 2.0, 3.0), rotation=(0.0, 0.0, 90.0))], STILL, 0.0)
-    module = other_code.module_for([tube.Settings()])
-    top = (1.0 - 0.25 - 0.1, 2.0 - 0.25, 3.0)  # own +y is −x of the world
-    normal, place, colour, before = look_of(module, solids, *(np.float32(one) for one in top))
-    assert normal == pytest.approx((-1, 0, 0), abs=0.02)
-    assert place == pytest.approx(top, abs=1e-6)
-    assert (colour, before) == ((0, 1, 0), -1)
-
-
-def look_of(module: Any, solids: Any, x: Any, y: Any, z: Any) -> Any:
-    from strandcli.jit import function
-
-    global LOOK, AMONG
-    LOOK, AMONG = module.look, module.among
-
-    @function
-    def ask(solids, x, y, z):  # type: ignore[no-untyped-def]
-        return LOOK(AMONG(solids), 0, x, y, z, (x, y, z), np.float32(1e-3), np.int64(-1))
-
-    return ask(solids, x, y, z)
-
-
 @pytest.mark.parametrize(("solver", "collision"), [
     ("thesis", "collision"), ("rod", "collision"), ("rod", "{collision: {segments: true}}"),
 ])  # fmt: skip
@@ -149,12 +125,3 @@ def test_strands_stay_outside(solver: str, collision: str) -> None:
     free, kept = deepest
     assert free > 0.05
     assert kept < (1e-3 if solver == "thesis" else 1e-4)
-
-
-def test_moving_solids_keep_their_data() -> None:
-    keys = (PoseKey(time=0.0, position=(0.0, 0.0, 0.0)), PoseKey(time=1.0, position=(2.0, 0.0, 0.0)))
-    one = tube.Settings(keys=keys)
-    for time in (0.0, 0.5, 1.0):
-        middle = np.array([[0.0 + 2.0 * (time**2 * (3 - 2 * time)), 0.25, 0.0]])
-        assert advice.depth(middle, one, STILL, time)[0] == pytest.approx(0.1, abs=1e-6)
-        assert tube.CALLS[-1] == time

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-import ball_kit
+import mesh_kit
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
 from strandcli.draw.common.kernels.light_columns import COLUMNS, KIND, LIGHT_SIZE, PLACE_X
@@ -30,7 +25,7 @@ POINTS = 40 * W
 @pytest.fixture(scope="module")
 def solids(tmp_path_factory: pytest.TempPathFactory) -> Solids:
     """Two balls, one before the other in some of the lights."""
-    path = ball_kit.write(tmp_path_factory.mktemp("balls") / "ball.obj", *ball_kit.ball(4, 0.4))
+    path = mesh_kit.write(tmp_path_factory.mktemp("balls") / "ball.obj", *mesh_kit.ball(4, 0.4))
     balls = [Settings(file=str(path), position=at) for at in ((0.1, 0, 0), (-0.9, 0.3, 0.2))]
     return pack_all(balls, Emitter(), 0.0)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import os
-import sys
 import weakref
 from pathlib import Path
 from typing import Any
@@ -12,9 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-import ball_kit
+import mesh_kit
 from shadow_kit import soft_visibility
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
@@ -47,7 +44,7 @@ AT = (0.2, -0.1, 0.3)
 def balls(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     """Files of balls of radius .5 by how often they are refined."""
     folder = tmp_path_factory.mktemp("balls")
-    return {n: ball_kit.write(folder / f"ball_{n}.obj", *ball_kit.ball(n, R)) for n in (3, 4, 5)}
+    return {n: mesh_kit.write(folder / f"ball_{n}.obj", *mesh_kit.ball(n, R)) for n in (3, 4, 5)}
 
 
 def settings(path: Path, **more: Any) -> Settings:
@@ -209,9 +206,9 @@ def test_the_data_is_made_once_and_follows_the_file(balls: dict[int, Path], tmp_
     assert made.table[0, arrays.TRIANGLES] == len(mesh_of(one).triangles)
     both = mesh_data.data([one, settings(balls[4])], 0.0)
     assert both.table[1, arrays.TRIANGLES] == made.table[0, arrays.TRIANGLES] * 4
-    path = ball_kit.write(tmp_path / "one.obj", *ball_kit.ball(2))
+    path = mesh_kit.write(tmp_path / "one.obj", *mesh_kit.ball(2))
     before = mesh_data.data([settings(path)], 0.0)
-    ball_kit.write(path, *ball_kit.ball(3))
+    mesh_kit.write(path, *mesh_kit.ball(3))
     os.utime(path, ns=(1, 1))
     after = mesh_data.data([settings(path)], 0.0)
     assert after.table[0, arrays.TRIANGLES] == 4 * before.table[0, arrays.TRIANGLES]
@@ -234,7 +231,7 @@ def test_a_table_keeps_its_arrays(balls: dict[int, Path]) -> None:
 
 
 def test_several_meshes_are_met_by_themselves(balls: dict[int, Path], tmp_path: Path) -> None:
-    cube = ball_kit.write(tmp_path / "cube.obj", *cube_of(0.4))
+    cube = mesh_kit.write(tmp_path / "cube.obj", 0.4 * mesh_kit.cube()[0], mesh_kit.cube()[1])
     solids = packed(settings(cube, position=(-2.0, 0.0, 0.0)), settings(balls[4], position=(2.0, 0.0, 0.0)))
     for x, m, half in ((-2.0, 0, 0.4), (2.0, 1, R)):
         ray = (np.float32(x), np.float32(0.1), np.float32(5), *np.array([0, 0, -1], np.float32))
@@ -246,18 +243,11 @@ def test_several_meshes_are_met_by_themselves(balls: dict[int, Path], tmp_path: 
     ] == pytest.approx(0.1, abs=2e-3)
 
 
-def cube_of(half: float) -> tuple[Any, Any]:
-    """A cube whose faces are wound outward."""
-    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float) * half
-    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    return corners, np.array([one for a, b, c, d in quads for one in ((a, b, c), (a, c, d))])
-
-
 def test_it_deforms_from_file_to_file(tmp_path: Path) -> None:
     """A ball that moves and grows: rays, distances and strands follow; halfway it is the mean of both."""
-    vertices, triangles = ball_kit.ball(4, R)
-    small = ball_kit.write(tmp_path / "small.obj", vertices * 0.9, triangles)
-    large = ball_kit.write(tmp_path / "large.obj", vertices * 1.1 + (0.1, 0, 0), triangles)
+    vertices, triangles = mesh_kit.ball(4, R)
+    small = mesh_kit.write(tmp_path / "small.obj", vertices * 0.9, triangles)
+    large = mesh_kit.write(tmp_path / "large.obj", vertices * 1.1 + (0.1, 0, 0), triangles)
     keys = (MeshKey(time=0.0, file=str(small)), MeshKey(time=1.0, file=str(large)))
     one = settings(small, deform=keys)
     for time, middle, radius in (
@@ -288,6 +278,6 @@ def test_it_deforms_from_file_to_file(tmp_path: Path) -> None:
     assert (away < 0.56).sum() > 20
     with pytest.raises(SceneError, match="forward in time"):
         loads(text.replace("time: 0.6", "time: 0"), rules=registry())
-    other = ball_kit.write(tmp_path / "other.obj", *ball_kit.ball(3))
+    other = mesh_kit.write(tmp_path / "other.obj", *mesh_kit.ball(3))
     with pytest.raises(UsageError, match="vertices"):
         pack_all([settings(small, deform=(keys[0], MeshKey(time=1.0, file=str(other))))], STILL, 0.0)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import ball_kit
+import mesh_kit
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.mesh_file import needs
@@ -20,12 +20,12 @@ from strandcli.scene import SceneError, loads
 from strandcli.simulate import advice
 from strandcli.simulate.rules import registry
 from strandcli.solid_shapes.mesh import Settings
-from tests.solids.test_mesh import STRANDS, cube_of, settings
+from tests.solids.test_mesh import STRANDS, settings
 
 
 def test_place_size_scale_and_up_are_those_of_grooms(tmp_path: Path) -> None:
-    vertices, triangles = ball_kit.ball(2)
-    path = ball_kit.write(tmp_path / "high.obj", vertices * (1, 2, 3) + (5, 6, 7), triangles)
+    vertices, triangles = mesh_kit.ball(2)
+    path = mesh_kit.write(tmp_path / "high.obj", vertices * (1, 2, 3) + (5, 6, 7), triangles)
     box = np.array(mesh_of(settings(path)).box())
     np.testing.assert_allclose(np.ptp(box, axis=0) / np.ptp(vertices, axis=0), (1, 2, 3))
     turned = np.array(mesh_of(settings(path, up="z", scale=0.5)).box())
@@ -38,11 +38,11 @@ def test_place_size_scale_and_up_are_those_of_grooms(tmp_path: Path) -> None:
 
 
 def test_creases_are_kept_and_facets_are_not() -> None:
-    cube = make_mesh(*cube_of(1.0))
+    cube = make_mesh(*mesh_kit.cube())
     np.testing.assert_allclose(shading_normals(cube, 60.0), np.repeat(cube.face_normals()[:, None], 3, 1), atol=1e-12)
     corner = shading_normals(cube, 100.0)
     np.testing.assert_allclose(np.abs(corner), 1 / np.sqrt(3), atol=0.2)
-    vertices, triangles = ball_kit.ball(3)
+    vertices, triangles = mesh_kit.ball(3)
     ball = make_mesh(vertices, triangles)
     np.testing.assert_allclose(shading_normals(ball, 60.0), shading_normals(ball, 180.0), atol=1e-12)
     flat = make_mesh(vertices, triangles)
@@ -67,10 +67,10 @@ def test_levels_of_a_texture_keep_its_light() -> None:
 
 
 def test_which_colour_is_drawn(tmp_path: Path) -> None:
-    vertices, triangles = ball_kit.ball(1)
-    plain = ball_kit.write(tmp_path / "plain.obj", vertices, triangles)
-    coloured = ball_kit.write(tmp_path / "coloured.obj", vertices, triangles, colours=np.abs(vertices) / 2)
-    pictured = ball_kit.write(tmp_path / "pictured.obj", vertices, triangles, uv=np.abs(vertices[:, :2]))
+    vertices, triangles = mesh_kit.ball(1)
+    plain = mesh_kit.write(tmp_path / "plain.obj", vertices, triangles)
+    coloured = mesh_kit.write(tmp_path / "coloured.obj", vertices, triangles, colours=np.abs(vertices) / 2)
+    pictured = mesh_kit.write(tmp_path / "pictured.obj", vertices, triangles, uv=np.abs(vertices[:, :2]))
     Image.fromarray(np.zeros((4, 4, 3), np.uint8)).save(tmp_path / "black.png")
     black = str(tmp_path / "black.png")
 
@@ -95,7 +95,7 @@ def test_bad_input_is_told(tmp_path: Path) -> None:
             loads(f"solids: [{solid}]", rules=registry())
         return str(caught.value)
 
-    path = ball_kit.write(tmp_path / "ball.obj", *ball_kit.ball(1))
+    path = mesh_kit.write(tmp_path / "ball.obj", *mesh_kit.ball(1))
     assert "must be the path of a mesh" in faults("{kind: mesh}")
     assert "there is no file" in faults(f"{{kind: mesh, file: {tmp_path}/none.obj}}")
     assert "clashes with solids.0.size" in faults(f"{{kind: mesh, file: {path}, size: 1, scale: 2}}")
@@ -107,8 +107,8 @@ def test_bad_input_is_told(tmp_path: Path) -> None:
 
 
 def test_a_wrong_unit_and_an_open_mesh_are_told(tmp_path: Path) -> None:
-    vertices, triangles = ball_kit.ball(3)
-    path = ball_kit.write(tmp_path / "open.obj", vertices * 18, triangles[20:])
+    vertices, triangles = mesh_kit.ball(3)
+    path = mesh_kit.write(tmp_path / "open.obj", vertices * 18, triangles[20:])
     text = STRANDS.format(solver="rod", rules="gravity, collision", solid=f"{{kind: mesh, file: {path}}}")
     scene = loads(text, rules=registry())
     told = "\n".join(advice.warnings(scene, emit(scene.emitter, scene.seed)))

@@ -15,8 +15,6 @@ from strandcli.scene.fields import choice, number
 from strandcli.scene.model import SolidSettings
 
 kind = "tube"
-CALLS: list[float] = []
-"""The times at which data was asked for."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -46,7 +44,6 @@ def reach(settings: Settings) -> float:
 
 
 def data(tubes: Sequence[Settings], time: float) -> Data:
-    CALLS.append(time)
     lines = [line(one) for one in tubes]
     return Data(np.cumsum([0, *map(len, lines)]), np.concatenate(lines).astype(np.float32))
 

@@ -20,12 +20,6 @@ from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.thesis.solver import ThesisSolver
 
 
-@pytest.fixture
-def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 @pytest.mark.parametrize(
     ("key", "words"),
     [
@@ -35,26 +29,24 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
         ("yung: 3", "did you mean 'young'?"),
     ],
 )
-def test_what_rods_do_not_have_is_said_where_it_is_asked_for(command: Runner, key: str, words: str) -> None:
+def test_what_rods_do_not_have_is_said_where_it_is_asked_for(run: Runner, key: str, words: str) -> None:
     Path("p.yaml").write_text(f"solver: rod\nrod:\n  {key}\n")
-    result = command("plan", "p.yaml")
+    result = run("plan", "p.yaml")
     assert result.code == 2
     assert result.error().startswith(f"p.yaml:3:3: rod.{key.split(':')[0]}: ")
     assert words in result.error()
 
 
-def test_a_rule_that_rods_do_not_apply_is_refused_where_it_stands(
-    command: Runner, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_rule_that_rods_do_not_apply_is_refused_where_it_stands(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     import bad_rules
 
     monkeypatch.setitem(rules._registry, "rooted", bad_rules.rooted)
     Path("p.yaml").write_text("solver: rod\nrules:\n- gravity\n- rooted: {after: 1}\n- elasticity\n")
-    line = command("plan", "p.yaml").error()
+    line = run("plan", "p.yaml").error()
     assert line.startswith("p.yaml:4:11: rooted: the solver rod does not apply this rule, only emitter_motion, gravity")
     Path("q.yaml").write_text("rules: [rooted]\npanels: [{label: a}, {label: b, set: {solver: rod}}]\n")
-    assert command("plan", "q.yaml").error().startswith("q.yaml:2:22: panels.1.set.rooted: the solver rod does not")
-    assert command("plan", "p.yaml", "--set", "solver=thesis").code == 0
+    assert run("plan", "q.yaml").error().startswith("q.yaml:2:22: panels.1.set.rooted: the solver rod does not")
+    assert run("plan", "p.yaml", "--set", "solver=thesis").code == 0
 
 
 def test_rods_take_a_preset_of_the_source_and_say_what_they_leave_out() -> None:
@@ -124,13 +116,13 @@ def test_a_solid_that_comes_to_swallow_roots_is_named_with_its_frame() -> None:
     assert advised("", "emitter_motion", COMES.replace("[0.1, 0, 0]", "[1.5, 0, 0]")) == []
 
 
-def test_plan_warns_as_render_does_and_imports_no_numba(command: Runner) -> None:
+def test_plan_warns_as_render_does_and_imports_no_numba(run: Runner) -> None:
     text = LATER.replace("KEYS", "").replace("RULES", "emitter_motion").replace("KEYED", COMES)
     Path("p.yaml").write_text(f"image: {{size: [24, 16]}}\n{text}")
-    planned, drawn = command("plan", "p.yaml"), command("render", "p.yaml", "-f", "1", "-o", "a")
+    planned, drawn = run("plan", "p.yaml"), run("render", "p.yaml", "-f", "1", "-o", "a")
     lines = [line for line in planned.err.splitlines() if line.startswith("warning: ")]
     assert lines == [line for line in drawn.err.splitlines() if line.startswith("warning: ")] != []
-    data = json.loads(command("plan", "p.yaml", "--json").out)
+    data = json.loads(run("plan", "p.yaml", "--json").out)
     assert [f"warning: {words}" for words in data["warnings"]] == lines
     script = "import sys; from strandcli.cli.main import main\n"
     script += "try: main(['plan', 'p.yaml'])\nexcept SystemExit: pass\nassert 'numba' not in sys.modules"
@@ -198,12 +190,12 @@ def test_strands_too_far_away_for_single_precision_are_told() -> None:
 
 
 @pytest.mark.parametrize("solver", ["rod", "thesis"])
-def test_a_run_goes_on_with_its_roots_swallowed_and_says_so(command: Runner, solver: str) -> None:
+def test_a_run_goes_on_with_its_roots_swallowed_and_says_so(run: Runner, solver: str) -> None:
     Path("p.yaml").write_text(
         f"solver: {solver}\ntime: {{frames: 3}}\nimage: {{size: [24, 16]}}\nemitter: {{strands: 40, particles: 4}}\n"
         "solids: [{kind: sphere, name: head, radius: 3}]\nrules: [gravity, collision, elasticity]\n"
     )
-    result = command("render", "p.yaml", "-o", "a")
+    result = run("render", "p.yaml", "-o", "a")
     assert result.code == 0
     assert "warning: solids.0 (head): swallows the roots of 40 of 40 strands" in result.err
     data = json.loads(Path("a/report.json").read_text())

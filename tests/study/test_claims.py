@@ -5,27 +5,19 @@ from __future__ import annotations
 import csv
 import json
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
-from cli_runs import TINY, Runner
+from cli_runs import Runner
 from strandcli.study import claims, claims_chart
 
 ROWS = [
     claims.row("frames a second", "25-30", "ours", "frames a second", [27.0, 40.0, 20.0], (25, 30), fps=27.0),
     claims.row("cut < strands", "none", "ours", "%", [45.0]),
 ]
-
-
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
 
 
 def test_repeats_are_told_by_median_and_spread(monkeypatch: pytest.MonkeyPatch) -> None:

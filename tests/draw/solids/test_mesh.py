@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "solids"))
-
-import ball_kit
+import mesh_kit
 from strand_kit import frames_of, scene_of
 
 R = 0.5
@@ -47,7 +44,7 @@ def light(
 @pytest.fixture(scope="session")
 def balls(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
     folder = tmp_path_factory.mktemp("balls")
-    return {n: ball_kit.write(folder / f"ball_{n}.obj", *ball_kit.ball(n, R)) for n in (3, 5)}
+    return {n: mesh_kit.write(folder / f"ball_{n}.obj", *mesh_kit.ball(n, R)) for n in (3, 5)}
 
 
 @pytest.mark.parametrize("more", [
@@ -80,9 +77,9 @@ image: {size: [%d, %d], resolver: %s, background: [0, 0, 0], aovs: [linear]}
 def test_edges_within_its_outline_are_antialiased(tmp_path: Path, view: str) -> None:
     """Two balls in one mesh, against eight by eight samples: the dim limb of the near ball before the lit one, which
     rays reach that graze the near one."""
-    vertices, triangles = ball_kit.ball(5, 1.0)
+    vertices, triangles = mesh_kit.ball(5, 1.0)
     both = np.concatenate([0.5 * vertices + (-0.3, 0, 0.8), 0.6 * vertices + (0.3, 0, -0.8)])
-    path = ball_kit.write(tmp_path / "two.obj", both, np.concatenate([triangles, triangles + len(vertices)]))
+    path = mesh_kit.write(tmp_path / "two.obj", both, np.concatenate([triangles, triangles + len(vertices)]))
 
     def seen(width: int, height: int, resolver: str) -> np.ndarray:
         scene = scene_of(FOLDED % (path, view, width, height, resolver))
@@ -97,14 +94,14 @@ def test_edges_within_its_outline_are_antialiased(tmp_path: Path, view: str) -> 
 
 def test_vertex_colours_and_textures_are_drawn(tmp_path: Path) -> None:
     """Each octant in its own colour: by vertices, and by a texture over (x, y)."""
-    vertices, triangles = ball_kit.ball(4, R)
+    vertices, triangles = mesh_kit.ball(4, R)
     middles = vertices[triangles].mean(1)
     corners = vertices[triangles].reshape(-1, 3)
     shades = np.repeat((middles > 0) * 0.8 + 0.1, 3, 0)
     split = np.arange(len(corners)).reshape(-1, 3)
-    plain = light(mesh(ball_kit.write(tmp_path / "a.obj", vertices, triangles), mottle=0, coat=0, colour="[1, 1, 1]"))
+    plain = light(mesh(mesh_kit.write(tmp_path / "a.obj", vertices, triangles), mottle=0, coat=0, colour="[1, 1, 1]"))
     coloured = light(
-        mesh(ball_kit.write(tmp_path / "b.obj", corners, split, colours=shades), mottle=0, coat=0, colour_from="file")
+        mesh(mesh_kit.write(tmp_path / "b.obj", corners, split, colours=shades), mottle=0, coat=0, colour_from="file")
     )
     face = plain[40, 40:56].mean(0) > 0
     assert face.all()
@@ -118,7 +115,7 @@ def test_vertex_colours_and_textures_are_drawn(tmp_path: Path) -> None:
     uv = vertices[:, :2] / (2.2 * R) + 0.5
     textured = light(
         mesh(
-            ball_kit.write(tmp_path / "c.obj", vertices, triangles, uv=uv), mottle=0, coat=0, colour_from="file",
+            mesh_kit.write(tmp_path / "c.obj", vertices, triangles, uv=uv), mottle=0, coat=0, colour_from="file",
             texture=tmp_path / "map.png",
         )
     )  # fmt: skip
@@ -133,12 +130,12 @@ def test_vertex_colours_and_textures_are_drawn(tmp_path: Path) -> None:
 
 def test_a_fine_texture_does_not_alias(tmp_path: Path) -> None:
     """A chequer far finer than a pixel is drawn as its mean, whatever the pixels' phase."""
-    vertices, triangles = ball_kit.ball(4, R)
+    vertices, triangles = mesh_kit.ball(4, R)
     image = np.zeros((1024, 1024, 3), np.uint8)
     image[(np.add.outer(np.arange(1024), np.arange(1024)) % 2) == 0] = 255
     Image.fromarray(image).save(tmp_path / "fine.png")
     uv = vertices[:, :2] / (2.2 * R) + 0.5
-    path = ball_kit.write(tmp_path / "d.obj", vertices, triangles, uv=uv)
+    path = mesh_kit.write(tmp_path / "d.obj", vertices, triangles, uv=uv)
     plain = light(mesh(path, mottle=0, coat=0, colour="[1, 1, 1]", colour_from="colour"))
     fine = light(mesh(path, mottle=0, coat=0, colour_from="file", texture=tmp_path / "fine.png"))
     share = fine[22:48, 33:63] / plain[22:48, 33:63]
