@@ -120,8 +120,8 @@ def widths_of(
     widths = scratch.borrow("widths", len(screen), np.float32)
     taper, along = lines.tapered(material.drawn_taper)
     project.widths(
-        lines.first, screen, packed, np.float32(material.width), taper, scale, np.float32(1.0), np.float32(least),
-        along, widths,
+        lines.first, screen, packed, np.float32(material.width), taper, scale, np.float32(least), along,
+        widths,
     )  # fmt: skip
     return widths
 

@@ -69,7 +69,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "third coefficient": (curves.third_coefficient, (ONE, ONE, ONE)),
     "cross_near_plane": (project.cross_near_plane, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
     "to_screen": (project.to_screen, (WORK, 8, ROW)),
-    "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, True, ONE, None)),
+    "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, ONE, None)),
     "line": (lines.draw_line, (1, STEPS, lines.Window(0, 8, 8), np.uint64(1), KEYS)),
     "mitre": (ribbon.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
     "lines": (lines.prepare, (TABLE, 0, 1, lines.Window(0, 8, 8), STEPS)),
@@ -107,11 +107,11 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (np.ones(splats.ROOM, np.float32), 3, lines.Window(0, 8, 8),
          splats.OpacityMap(np.ones((16, 4), np.float32), ONE, 5, np.ones(512, np.float32))),
     ),
-    "dual angles": (dual.angles, (*[ONE] * 9, 64)),
+    "dual angles": (dual.angles, (*3 * (3 * (ONE,),), 64)),
     "dual lobes": (dual.lobes, (ONE,) * 8),
     "dual scattered": (dual.scattered, (*(ONE,) * 4, 2 * (ONE,), 5 * (ONE,), 2 * (ONE,), ONE)),
     "around": (light.around, (np.ones((2, 9, 3), np.float32), 0, 0, ONE, ONE, ONE)),
-    "toward": (light.toward, (TABLE, 1, ONE, ONE, ONE)),
+    "toward": (light.toward, (TABLE, 1, 3 * (ONE,))),
     "colours": (shade_strands.load_colours, (StrandColour(ROW, np.ones((3, 3, 6), np.float32), ONE), LIT, 3)),
     "sphere": (sphere.meet, (TABLE, 1, *[ONE] * 6)),
     "capsule": (capsule.meet, (TABLE, 1, *[ONE] * 6)),
@@ -124,15 +124,15 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "ray": (rays.ray, (ROW, ONE, ONE)),
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
     "marschner": (
-        marschner.marschner,
-        (*3 * (3 * (ONE,),), marschner.MarschnerArrays(
-            np.ones(11, np.float32), *[np.ones((3, 3, k), np.float32) for k in (8, 2)]), 3 * (ONE,)),
+        marschner.highlights,
+        (LIT, 1, TABLE, 0, marschner.MarschnerArrays(ROW, *[np.ones((3, 3, k), np.float32) for k in (8, 2)])),
     ),
+    "marschner's lobes": (marschner.longitudinal, (*3 * (3 * (ONE,),), ROW)),
     "chiang": (
-        chiang.chiang,
-        (*3 * (3 * (ONE,),), chiang.ChiangArrays(
-            np.ones(20, np.float32), *[np.ones((3, 3, k), np.float32) for k in (12, 4)]), 3 * (ONE,)),
+        chiang.highlights,
+        (LIT, 1, TABLE, 0, chiang.ChiangArrays(ROW, *[np.ones((3, 3, k), np.float32) for k in (12, 4)])),
     ),
+    "chiang's lobes": (chiang.longitudinal, (*3 * (3 * (ONE,),), ROW)),
     "kajiya_diffuse": (diffuse.kajiya_diffuse, (ONE,) * 6),
 }  # fmt: skip
 

@@ -14,13 +14,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fibre_kit import WHITE, scattered, shade
 from strandcli.constants import W
-from strandcli.draw.common.kernels import batch, light_columns
+from strandcli.draw.common.kernels import batch
 from strandcli.draw.fibre import chiang as tables_of
 from strandcli.draw.fibre.kernels import chiang as kernel
 from strandcli.draw.fibre.pigment import mass_colour
 from strandcli.draw.fibre.tables import FibreTables
-from strandcli.jit import function
 from strandcli.scene.model import Material
 from tests.reference import chiang as reference
 from tests.reference.chiang import Hair
@@ -28,19 +28,7 @@ from tests.reference.chiang import Hair
 TABLE = Path(__file__).parents[2] / "reference/hair_bsdf.csv"
 MEASURED = Hair(0.3, 0.3, -2.0, 0.3)
 """The hair of the table, whose tangent points to the root, so that the tilt has the other sign."""
-ZERO = np.float32(0)
 AXIS = np.array([1.0, 0.0, 0.0])
-
-
-@function
-def evaluate(ways_l, ways_v, tables, out):
-    """The kernel for many pairs of directions about a tangent along x."""
-    one, zero = np.float32(1), np.float32(0)
-    for i in range(len(out)):
-        out[i] = kernel.chiang(
-            (one, zero, zero), (ways_l[i, 0], ways_l[i, 1], ways_l[i, 2]), (ways_v[i, 0], ways_v[i, 1], ways_v[i, 2]),
-            tables, (zero, zero, zero),
-        )  # fmt: skip
 
 
 def way(theta: np.ndarray | float, phi: np.ndarray | float) -> np.ndarray:
@@ -52,9 +40,7 @@ def way(theta: np.ndarray | float, phi: np.ndarray | float) -> np.ndarray:
 
 def drawn(tables: FibreTables, theta_l: np.ndarray | float, theta_v: float, phi: np.ndarray) -> np.ndarray:
     theta, phi = np.broadcast_arrays(theta_l, phi)
-    out = np.empty((theta.size, 3), np.float32)
-    ways_v = np.repeat(way(theta_v, 0.0), theta.size, 0)
-    evaluate(way(theta, phi), ways_v, replace(tables, paths=None).arrays, out)
+    out = scattered(replace(tables, paths=None).arrays, AXIS, way(theta, phi), way(theta_v, 0.0))
     return out[:, 0].astype(np.float64).reshape(theta.shape)
 
 
@@ -189,24 +175,14 @@ def test_absorption_may_differ_from_the_tables() -> None:
     for sigma in (0.1, 0.4):
         extra = np.float32(sigma - found.absorption[0])
         for light, view in ((10.0, -15.0), (-40.0, 30.0)):
-            ways = [way(math.radians(light), float(p))[0] for p in phi]
-            eye = way(math.radians(view), 0.0)[0]
-            got = [
-                kernel.chiang(tuple(AXIS.astype(np.float32)), tuple(one), tuple(eye), found.arrays, (extra,) * 3)[0]
-                for one in ways
-            ]
+            ways, eye = way(math.radians(light), phi), way(math.radians(view), 0.0)
+            got = scattered(found.arrays, AXIS, ways, eye, (extra,) * 3)[:, 0]
             exact = reference.scattering(Hair(0.3, 0.3, 2.0, sigma), math.radians(light), math.radians(view), phi)
             assert np.abs(got - exact).max() < 0.03 * exact.max()
 
 
-@function
-def shade(work, n, lights, tables):
-    """The kernel for a batch of vertices."""
-    kernel.highlights(work, n, lights, 0, tables)
-
-
 def test_a_batch_is_lit_vertex_by_vertex_to_the_bit() -> None:
-    """Vectors of vertices give what the function for one gives; those behind them, and unlit ones, stay as they are."""
+    """Vectors of vertices give what each gives alone; those behind them, and unlit ones, stay as they are."""
     found = tables_of.build_tables(replace(material(Hair(0.3, 0.3, 2.0, 0.2)), colour_variation=0.1))
     rng = np.random.default_rng(8)
     work = rng.normal(size=(batch.ROWS, W)).astype(np.float32)
@@ -215,13 +191,12 @@ def test_a_batch_is_lit_vertex_by_vertex_to_the_bit() -> None:
         rows[name][:] /= np.linalg.norm(rows[name], axis=0)
     rows["RADIANCE"][:] = 0
     work[batch.ARRIVES // W] = rng.random(W) > 0.3
-    lights = np.ones((1, light_columns.COLUMNS), np.float32)
-    shade(work.reshape(-1), 100, lights, found.arrays)
+    shade(work.reshape(-1), 100, WHITE, found.arrays)
     for k in range(W):
         tangent, light, eye, extra = (tuple(rows[name][:, k]) for name in ("TX", "LX", "EX", "EXTRA"))
         lit = k < 100 and work[batch.ARRIVES // W, k] > 0
-        true = kernel.chiang(tangent, light, eye, found.arrays, extra) if lit else (0, 0, 0)
-        np.testing.assert_array_equal(rows["RADIANCE"][:, k], np.float32(true))
+        true = scattered(found.arrays, tangent, light, eye, extra)[0] if lit else (0, 0, 0)
+        np.testing.assert_array_equal(rows["RADIANCE"][:, k], true)
 
 
 @given(
@@ -236,8 +211,8 @@ def test_whatever_is_asked_light_is_a_number(
     assert found.paths is not None
     assert all(np.isfinite(array).all() for array in (found.lobes, found.nodes, found.paths))
     arguments = np.array(ways, np.float32)
-    light = kernel.chiang(*map(tuple, arguments.reshape(3, 3)), found.arrays, (ZERO, np.float32(-3), np.float32(3)))
-    assert all(math.isfinite(x) and x >= 0 for x in light)
-    along = tuple(AXIS.astype(np.float32))
-    grazing = kernel.chiang(along, tuple(-AXIS.astype(np.float32)), along, found.arrays, (ZERO, ZERO, ZERO))
-    assert all(math.isfinite(x) and x >= 0 for x in grazing)
+    light = scattered(found.arrays, *arguments.reshape(3, 3), (0, -3, 3))
+    grazing = scattered(found.arrays, AXIS, -AXIS, AXIS)
+    for found_light in (light, grazing):
+        assert np.isfinite(found_light).all()
+        assert (found_light >= 0).all()

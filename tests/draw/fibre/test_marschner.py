@@ -10,25 +10,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fibre_kit import scattered
 from strandcli.draw.fibre import marschner as tables_of
-from strandcli.draw.fibre.kernels import marschner as kernel
 from strandcli.draw.fibre.kernels.diffuse import kajiya_diffuse
 from strandcli.draw.fibre.pigment import absorption
-from strandcli.jit import function
 from strandcli.scene.model import Material
 from tests.reference import marschner as ref
 
 BROWN = Material(colour=(0.4, 0.15, 0.03))
 DEGREES = math.pi / 180
-
-
-@function
-def over(t, lights, views, tables, extra, out):
-    for i in range(out.shape[0]):
-        out[i] = kernel.marschner(
-            (t[0], t[1], t[2]), (lights[i, 0], lights[i, 1], lights[i, 2]), (views[i, 0], views[i, 1], views[i, 2]),
-            tables, (extra[0], extra[1], extra[2]),
-        )  # fmt: skip
 
 
 def direction(theta, phi):
@@ -38,11 +28,7 @@ def direction(theta, phi):
 
 
 def evaluate(tables, lights, views, extra=(0, 0, 0), t=(1, 0, 0)):
-    lights, views = np.broadcast_arrays(np.float32(lights), np.float32(views))
-    out = np.empty((len(lights), 3), np.float32)
-    arrays = (np.float32(t), np.ascontiguousarray(lights), np.ascontiguousarray(views))
-    over(*arrays, tables.arrays, np.float32(extra), out)
-    return out.astype(np.float64)
+    return scattered(tables.arrays, t, lights, views, extra).astype(np.float64)
 
 
 def at(tables, theta_l, theta_v, phi, extra=(0, 0, 0)):
@@ -151,9 +137,6 @@ def test_a_strand_of_another_colour_against_tables_of_that_colour(ratio, bound):
     assert np.abs(got - wanted).max() < bound * wanted.max()
 
 
-ZERO = np.float32(0)
-
-
 NUMBERS = st.floats(width=32, allow_nan=True, allow_infinity=True)
 UNITS = st.sampled_from([0.0, 1.0, -1.0, 1.0000002, 0.70710677, 1e-20, 1e-7])
 ROUGH = tables_of.build_tables(Material(colour_variation=0.2))
@@ -165,9 +148,9 @@ SHARP = tables_of.build_tables(Material(beta=0.1, azimuthal=1.0, colour_variatio
 def test_finite_and_not_negative_whatever_is_passed(numbers, tables):
     arguments = [np.float32(x) for x in numbers]
     with np.errstate(all="ignore"):
-        ways = [tuple(arguments[i : i + 3]) for i in (0, 3, 6)]
-        result = kernel.marschner(*ways, tables.arrays, tuple(arguments[9:]))
-        plain = kernel.marschner(*ways, replace(tables, paths=None).arrays, (ZERO, ZERO, ZERO))
+        ways = [arguments[i : i + 3] for i in (0, 3, 6)]
+        result = scattered(tables.arrays, *ways, arguments[9:])[0]
+        plain = scattered(replace(tables, paths=None).arrays, *ways)[0]
         diffuse = kajiya_diffuse(*arguments[:6])
     assert np.isfinite([*result, *plain, diffuse]).all()
     assert min(*result, *plain, diffuse) >= 0

@@ -6,44 +6,44 @@ from .batch import layout
 
 # Unit normal; position on the screen, and distance along the ray; width of a pixel there, metres; the point's share of
 # its pixel.
-NX, NY, NZ = layout.allocate("normal", 3, surfaces="ambient:out")
-SX, SY = layout.allocate("place on the screen", 2, surfaces="gather:reflect")
-DISTANCE = layout.allocate_row("distance", surfaces="gather:ambient")
-PIXEL = layout.allocate_row("width of a pixel", surfaces="ambient")
-THERE = layout.allocate_row("share of the picture", surfaces="ambient:out")
+NX, NY, NZ = layout.allocate(3, surfaces="ambient:out")
+SX, SY = layout.allocate(2, surfaces="gather:reflect")
+DISTANCE = layout.allocate(surfaces="gather:ambient")[0]
+PIXEL = layout.allocate(surfaces="ambient")[0]
+THERE = layout.allocate(surfaces="ambient:out")[0]
 # How much of a pixel's light is that of the point, negative where a solid has an edge in front of itself in the pixel;
 # distances along the rays of such a pixel.
-SHARE = layout.allocate_row("share of a pixel's light", surfaces="gather:out")
-RAYS = layout.allocate_row("distances along a pixel's rays", surfaces="gather")
+SHARE = layout.allocate(surfaces="gather:out")[0]
+RAYS = layout.allocate(surfaces="gather")[0]
 # A number that the look of a solid is looked for at (`strandcli.scene.solid_shape.SolidShape.look_after`), or −1.
-BEFORE = layout.allocate_row("where to look first", surfaces="gather:ambient")
+BEFORE = layout.allocate(surfaces="gather:ambient")[0]
 # Width of a pixel on the surface, metres, and patches in [−1, 1].
-ACROSS, TONE = layout.allocate("patches", 2, surfaces="ambient")
+ACROSS, TONE = layout.allocate(2, surfaces="ambient")
 # Mirror direction of the eye, and the share of ambient light that the coat mirrors.
-MX, MY, MZ = layout.allocate("mirror direction", 3, surfaces="ambient")
-MIRRORED = layout.allocate_row("share that the coat mirrors", surfaces="ambient")
+MX, MY, MZ = layout.allocate(3, surfaces="ambient")
+MIRRORED = layout.allocate(surfaces="ambient")[0]
 # Noise of a pixel, in 8-bit levels.
-NOISE = layout.allocate_row("noise of a pixel", surfaces="out")
+NOISE = layout.allocate(surfaces="out")[0]
 # Light that a coat reflects, red, green and blue; its transmittance.
-COAT = layout.allocate("light of the coat", 3, surfaces="ambient:out")[0]
-UNDER = layout.allocate_row("share under the coat", surfaces="ambient:out")
+COAT = layout.allocate(3, surfaces="ambient:out")[0]
+UNDER = layout.allocate(surfaces="ambient:out")[0]
 # Where shadow rays begin, from the point, and the colour: of solids that have a look of their own, else 0 and theirs.
-LIFT = layout.allocate("lift of the point", 3, surfaces="ambient:out")[0]
-ALBEDO = layout.allocate("colour of the surface", 3, surfaces="ambient:out")[0]
+LIFT = layout.allocate(3, surfaces="ambient:out")[0]
+ALBEDO = layout.allocate(3, surfaces="ambient:out")[0]
 # Of the current light: position of the point itself, because `X` is offset above the surface; cosine of incidence; unit
 # direction to it, where shadow rays take another; and in red, green and blue the transmittance of strands and the
 # irradiance.
-PX = layout.allocate("place on the surface", 3, surfaces="light:soft")[0]
-COSINE = layout.allocate_row("cosine", surfaces="light:reflect")
-TRUE_X, TRUE_Y, TRUE_Z = layout.allocate("light, unbent", 3, surfaces="light:soft")
-LEFT = layout.allocate("share that strands leave", 3, surfaces="maps:reflect")[0]
-ARRIVED = layout.allocate("light that arrived", 3, surfaces="reflect")[0]
-SHINE = layout.allocate_row("share that the coat mirrors of it", surfaces="reflect")
+PX = layout.allocate(3, surfaces="light:soft")[0]
+COSINE = layout.allocate(surfaces="light:reflect")[0]
+TRUE_X, TRUE_Y, TRUE_Z = layout.allocate(3, surfaces="light:soft")
+LEFT = layout.allocate(3, surfaces="maps:reflect")[0]
+ARRIVED = layout.allocate(3, surfaces="reflect")[0]
+SHINE = layout.allocate(surfaces="reflect")[0]
 # In a map: filter radius, texels; blur, texels a metre of distance to the occluder; that distance where no texel gives
 # one, metres; w of light that is scattered forward, metres.
-RADIUS, BLUR, AWAY, CLOUD = layout.allocate("blur of a point", 4, surfaces="maps")
+RADIUS, BLUR, AWAY, CLOUD = layout.allocate(4, surfaces="maps")
 # Of the points of a vector: weights of the columns of their windows, two numbers a column.
-COLUMNS = layout.allocate("weights of columns", 4, surfaces="maps")[0]
+COLUMNS = layout.allocate(4, surfaces="maps")[0]
 
 ROWS = layout.row_count("surfaces")
 """Rows of the array of a batch of points."""

@@ -20,7 +20,7 @@ from ....simd import (
 )
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from .tiles import THIN
-from .windows import window_of
+from .windows import OF_TILE, window_of
 
 WIDE = np.float32(0.7)
 """Pixels. Segments that are no wider are thin whatever their slope; wider ones have the height of their band from point
@@ -194,7 +194,9 @@ def measure_segments(work, widths, count, opacity, left, top, far, depth_slope, 
         store(rows, WIDENING + k, w1 - w0)
         reach_x, reach_y = reach_of(kind, wide)
         x0, x1, y0, y1 = x0 - left, x1 - left, y0 - top, y1 - top
-        here = window_of(min(x0, x1) - reach_x, max(x0, x1) + reach_x, min(y0, y1) - reach_y, max(y0, y1) + reach_y)
+        here = window_of(
+            min(x0, x1) - reach_x, max(x0, x1) + reach_x, min(y0, y1) - reach_y, max(y0, y1) + reach_y, OF_TILE
+        )  # fmt: skip
         store(rows, HIDDEN + k, gather(depths, 0, here, 1, ZERO))
     return ribbons
 

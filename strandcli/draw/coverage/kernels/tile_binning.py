@@ -35,7 +35,7 @@ from .segments import (
 )
 from .strand_extents import GREATEST_Y, LEAST_Y
 from .tiles import TILE_HEIGHT, TILE_WIDTH
-from .windows import PictureWindows, picture_window_of
+from .windows import PictureWindows, window_of
 
 OUTSIDE = np.float32(-max(TILE_WIDTH, TILE_HEIGHT))
 """Coordinate in tile number −1."""
@@ -212,7 +212,8 @@ def find_tiles(work, widths, count, region):
         up, down = min(y0, y1) - reach_y, max(y0, y1) + reach_y
         there = kind < BEHIND
         if region.windows.depths.shape[0] > 0:
-            here = picture_window_of(left, right, up, down, region.windows)
+            blocks = np.float32(region.windows.across), np.float32(region.windows.down)
+            here = window_of(left, right, up, down, blocks)
             hidden = gather(half_width_pointer(region.windows.depths), 0, here, 1, ZERO)
             if any_lane(max(q0, q1) < hidden):
                 per = ONE / (along(kind, x1, y1) - along(kind, x0, y0))

@@ -17,7 +17,7 @@ from ....constants import W
 from ....jit import device, function, inlined, parallel, prange
 from ....simd import broadcast, load, pointer, prefetch, store, triple_pointer
 from ...common.kernels.approximations import clamp
-from ...common.kernels.batch import BEFORE, EX, EY, EZ, LX, LY, LZ, RADIANCE, TX, TY, TZ
+from ...common.kernels.batch import BEFORE, EX, LX, RADIANCE, TX, vector_at
 from ...common.kernels.keys import LOW
 from ...common.kernels.numbers import HALF, ONE, THREE, TWO, ZERO
 from .segments import TALL
@@ -107,9 +107,9 @@ def add_cosine_lobe(work, n, which, slots, profile):
 @device
 def azimuth(work, k):
     """Return cosine and sine of the angle from the eye to the light around the tangent, positive toward b."""
-    tx, ty, tz = work[TX + k], work[TY + k], work[TZ + k]
-    ex, ey, ez = work[EX + k], work[EY + k], work[EZ + k]
-    lx, ly, lz = work[LX + k], work[LY + k], work[LZ + k]
+    tx, ty, tz = vector_at(work, TX, k)
+    ex, ey, ez = vector_at(work, EX, k)
+    lx, ly, lz = vector_at(work, LX, k)
     sin_l = tx * lx + ty * ly + tz * lz
     sin_v = tx * ex + ty * ey + tz * ez
     size = ONE / math.sqrt(max((ONE - sin_l * sin_l) * (ONE - sin_v * sin_v), TINY))

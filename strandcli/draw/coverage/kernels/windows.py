@@ -32,11 +32,8 @@ SAFE = np.float32(1 - 1e-6)
 PER_PIXEL = np.float32(1 / BLOCK)
 REACH = np.float32(BLOCK * SPAN)
 SPANNED = np.float32(SPAN)
-ROW_LENGTH = np.float32(ACROSS)
-LAST = np.float32(ACROSS - 1)
-TO_THE_END = np.float32(ACROSS - SPAN)
-"""Number of a block from which on windows reach the tile's end."""
-ALL = np.float32(WHOLE)
+OF_TILE = np.float32(ACROSS), np.float32(DOWN)
+"""Blocks of a tile across and down, as `window_of` takes them."""
 FARTHEST = np.int32(np.float32(np.inf).view(np.int32))
 MOST = 1 << 24
 """Windows of a picture are numbered by whole numbers in single precision, which are exact up to here."""
@@ -119,33 +116,19 @@ def find_picture_windows(hides, width, blocks, across, out):
 
 
 @inlined
-def picture_window_of(left, right, up, down, windows):
-    """Return the number of the window in which boxes lie, as `window_of` does; their sides in pixels from the picture's
-    corner; windows: `PictureWindows`. Vectors."""
-    wide, tall = np.float32(windows.across), np.float32(windows.down)
-    x, fits_x = begin_within(left, right, wide)
-    y, fits_y = begin_within(up, down, tall)
-    return where(fits_x & fits_y, y * wide + x, wide * tall)
+def window_of(left, right, up, down, blocks):
+    """Return the number of the window in which boxes lie, from their sides, pixels from the corner of a tile or picture
+    of so many ``blocks`` across and down, float32; the number of all blocks for those that fit into none, or have a
+    side that is no number. Vectors."""
+    across, tall = blocks
+    x, fits_x = begin_of(left, right, across)
+    y, fits_y = begin_of(up, down, tall)
+    return where(fits_x & fits_y, y * across + x, across * tall)
 
 
 @inlined
-def begin_within(low, high, blocks):
-    """Return what `begin_of` does, among so many blocks. Vectors."""
+def begin_of(low, high, blocks):
+    """Return the block, of so many, at which the window of intervals begins, and whether it reaches as far as they do.
+    Vectors."""
     block = floor(min(blocks - ONE, max(ZERO, low * PER_PIXEL)))
     return block, (high < block / PER_PIXEL + REACH) | ((block >= blocks - SPANNED) & (high >= low))
-
-
-@inlined
-def window_of(left, right, up, down):
-    """Return the number of the window in which boxes lie, from their sides, pixels from the tile's corner; `WHOLE` for
-    those that fit into none, or have a side that is no number. Vectors."""
-    x, fits_x = begin_of(left, right)
-    y, fits_y = begin_of(up, down)
-    return where(fits_x & fits_y, y * ROW_LENGTH + x, ALL)
-
-
-@inlined
-def begin_of(low, high):
-    """Return the block at which the window of intervals begins, and whether it reaches as far as they do. Vectors."""
-    block = floor(min(LAST, max(ZERO, low * PER_PIXEL)))
-    return block, (high < block / PER_PIXEL + REACH) | ((block >= TO_THE_END) & (high >= low))

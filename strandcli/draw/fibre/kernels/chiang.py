@@ -20,26 +20,10 @@ from numpy.typing import NDArray
 
 from ....jit import device, function, inlined
 from ...common.kernels.approximations import acos, asin, clamp, exp2
-from ...common.kernels.batch import (
-    EX,
-    EY,
-    EZ,
-    LX,
-    LY,
-    LZ,
-    NODE_X,
-    NODE_Y,
-    REST,
-    TRT,
-    TT,
-    TX,
-    TY,
-    TZ,
-    R,
-)
+from ...common.kernels.batch import EX, LX, NODE_X, NODE_Y, REST, TRT, TT, TX, R, vector_at
 from ...common.kernels.numbers import ONE, ZERO
 from .highlights import shaded_by
-from .lobes import add_lobes, azimuthal
+from .lobes import add_lobes
 
 TINY = np.float32(1e-20)
 HALF_LOG2_E = np.float32(0.5 / math.log(2.0))
@@ -77,13 +61,11 @@ def lobe(
 
 
 @inlined
-def longitudinal(
-    tx: np.float32, ty: np.float32, tz: np.float32,
-    lx: np.float32, ly: np.float32, lz: np.float32,
-    vx: np.float32, vy: np.float32, vz: np.float32,
-    lobes: np.ndarray,
-) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]:  # fmt: skip
+def longitudinal(tangent, light, eye, lobes):
     """The part that reads no table, without branches: the place (x, y) in the tables, and M_p of the four lobes."""
+    tx, ty, tz = tangent
+    lx, ly, lz = light
+    vx, vy, vz = eye
     sin_l = clamp(tx * lx + ty * ly + tz * lz, -ONE, ONE)
     sin_v = clamp(tx * vx + ty * vy + tz * vz, -ONE, ONE)
     # from what is across the strand, not from 1 − sin²: near the strand's own direction that has no digits left
@@ -113,23 +95,13 @@ def tilted(sin_l, cos_l, sin_v, cos_v, lobes, p):
     return lobe(sin_l, cos_l, s, c, lobes[SHARP + p], lobes[NORM + p])
 
 
-@function
-def chiang(tangent, light, eye, tables, extra):
-    """S cos θ_l in red, green and blue, in 1/sr, as `kernels.marschner.marschner`; tables: `ChiangArrays`."""
-    x, y, m_r, m_tt, m_trt, m_rest = longitudinal(
-        tangent[0], tangent[1], tangent[2], light[0], light[1], light[2], eye[0], eye[1], eye[2], tables.lobes
-    )
-    return azimuthal(x, y, (m_r, m_tt, m_trt), m_rest, tables.nodes, tables.paths, extra)
-
-
 @device
 def highlights(work, n, lights, i, tables):
     """Add the light that strands scatter once, as `kernels.marschner.highlights`; tables: `ChiangArrays`."""
     for k in range(n):
         x, y, r, tt, trt, rest = longitudinal(
-            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
-            work[EX + k], work[EY + k], work[EZ + k], tables.lobes,
-        )  # fmt: skip
+            vector_at(work, TX, k), vector_at(work, LX, k), vector_at(work, EX, k), tables.lobes
+        )
         work[NODE_X + k] = x
         work[NODE_Y + k] = y
         work[R + k] = r

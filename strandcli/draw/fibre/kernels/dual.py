@@ -42,8 +42,11 @@ class DualArrays(NamedTuple):
 
 
 @inlined
-def angles(tx, ty, tz, lx, ly, lz, vx, vy, vz, nodes):
+def angles(tangent, light, eye, nodes):
     """sin θ and cos θ of light and eye, cos φ, and the place among so many `nodes` of the tables."""
+    tx, ty, tz = tangent
+    lx, ly, lz = light
+    vx, vy, vz = eye
     sin_l = clamp(tx * lx + ty * ly + tz * lz, -ONE, ONE)
     sin_v = clamp(tx * vx + ty * vy + tz * vz, -ONE, ONE)
     cos_l = np.sqrt(ONE - sin_l * sin_l)

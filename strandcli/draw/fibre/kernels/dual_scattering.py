@@ -15,13 +15,9 @@ from ...common.kernels.batch import (
     COS_PHI,
     COS_V,
     EX,
-    EY,
-    EZ,
     FORWARD,
     LEFT,
     LX,
-    LY,
-    LZ,
     PASSED,
     PLACE,
     RADIANCE,
@@ -30,9 +26,8 @@ from ...common.kernels.batch import (
     SIN_V,
     TABLE,
     TX,
-    TY,
-    TZ,
     UNBLOCKED,
+    vector_at,
 )
 from ...common.kernels.light_columns import POWER_R
 from ...common.kernels.numbers import ZERO
@@ -50,9 +45,8 @@ def dual_scattering(work, n, lights, one, tables):
     nodes = rows.shape[0]
     for k in range(n):
         sin_l, cos_l, sin_v, cos_v, cos_phi, place = dual.angles(
-            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
-            work[EX + k], work[EY + k], work[EZ + k], nodes,
-        )  # fmt: skip
+            vector_at(work, TX, k), vector_at(work, LX, k), vector_at(work, EX, k), nodes
+        )
         work[SIN_L + k] = sin_l
         work[COS_L + k] = cos_l
         work[SIN_V + k] = sin_v

@@ -21,27 +21,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, function, inlined
+from ....jit import device, inlined
 from ...common.kernels.approximations import acos, asin, clamp, exp2
-from ...common.kernels.batch import (
-    EX,
-    EY,
-    EZ,
-    LX,
-    LY,
-    LZ,
-    NODE_X,
-    NODE_Y,
-    TRT,
-    TT,
-    TX,
-    TY,
-    TZ,
-    R,
-)
+from ...common.kernels.batch import EX, LX, NODE_X, NODE_Y, TRT, TT, TX, R, vector_at
 from ...common.kernels.numbers import ONE, TWO, ZERO
 from .highlights import shaded_by
-from .lobes import add_lobes, azimuthal
+from .lobes import add_lobes
 
 TINY = np.float32(1e-20)
 
@@ -55,29 +40,17 @@ NODE_SIZE = 8
 """Channels of a node of the array `nodes`, of which the eighth is padding, so that a node is half a cache line."""
 
 
-@function
-def marschner(tangent, light, eye, tables, extra):
-    """S cos θ_l in red, green and blue, in 1/sr: finite and not negative whatever the arguments.
-
-    tangent, light, eye: unit vectors; tables: `MarschnerArrays`; extra: this strand's absorption less that of the
-    tables, in red, green and blue, 1/radius. Every number is float32. Directions need not be exactly of unit length:
-    sines are clamped, and where t is parallel to l or v the undefined φ takes some value in [0, π].
-    """
-    x, y, m_r, m_tt, m_trt = longitudinal(
-        tangent[0], tangent[1], tangent[2], light[0], light[1], light[2], eye[0], eye[1], eye[2], tables.lobes
-    )
-    return azimuthal(x, y, (m_r, m_tt, m_trt), None, tables.nodes, tables.paths, extra)
-
-
 @inlined
-def longitudinal(
-    tx: np.float32, ty: np.float32, tz: np.float32,
-    lx: np.float32, ly: np.float32, lz: np.float32,
-    vx: np.float32, vy: np.float32, vz: np.float32,
-    lobes: np.ndarray,
-) -> tuple[np.float32, np.float32, np.float32, np.float32, np.float32]:  # fmt: skip
-    """The part of `marschner` that reads no table, without branches, so that a loop over it becomes vector code: the
-    place (x, y) in the tables, and M_p cos θ_l / cos² θ_d of the three paths."""
+def longitudinal(tangent, light, eye, lobes):
+    """The part that reads no table, without branches, so that a loop over it becomes vector code: the place (x, y) in
+    the tables, and M_p cos θ_l / cos² θ_d of the three paths.
+
+    tangent, light, eye: unit vectors. Directions need not be exactly of unit length: sines are clamped, and where t is
+    parallel to l or v the undefined φ takes some value in [0, π].
+    """
+    tx, ty, tz = tangent
+    lx, ly, lz = light
+    vx, vy, vz = eye
     sin_l = clamp(tx * lx + ty * ly + tz * lz, -ONE, ONE)
     sin_v = clamp(tx * vx + ty * vy + tz * vz, -ONE, ONE)
     cos_l = np.sqrt(ONE - sin_l * sin_l)
@@ -108,13 +81,13 @@ def highlights(work, n, lights, i, tables):
     """Add the light that strands scatter once of light number i, at the first n vertices of a batch.
 
     work: rows of `batch`, of which those of directions, of what arrives and of extra absorption are read, and the
-    radiance is added to; lights: columns of `light_columns`; tables: `MarschnerArrays`.
+    radiance is added to, finite and not negative whatever they are; lights: columns of `light_columns`; tables:
+    `MarschnerArrays`.
     """
     for k in range(n):
         x, y, r, tt, trt = longitudinal(
-            work[TX + k], work[TY + k], work[TZ + k], work[LX + k], work[LY + k], work[LZ + k],
-            work[EX + k], work[EY + k], work[EZ + k], tables.lobes,
-        )  # fmt: skip
+            vector_at(work, TX, k), vector_at(work, LX, k), vector_at(work, EX, k), tables.lobes
+        )
         work[NODE_X + k] = x
         work[NODE_Y + k] = y
         work[R + k] = r

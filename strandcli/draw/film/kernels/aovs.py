@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device, parallel, prange
-from ...common.kernels.batch import ARRIVES, ROWS, X
+from ...common.kernels.batch import ARRIVES, ROWS, X, set_vector, vector_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
@@ -251,10 +251,9 @@ def shadows(ids, keys, samples, point, lights, bare, maps, solids, out):
 @device
 def rise(key, solids, skin, places, k):
     """Move item k of the second three rows of places, where its shadow rays begin, above the solid of a key."""
-    nx, ny, nz = rays.normal(solids, np.int64((key & LOW) - FIRST), places[k], places[W + k], places[2 * W + k])
-    places[3 * W + k] += nx * skin
-    places[4 * W + k] += ny * skin
-    places[5 * W + k] += nz * skin
+    x, y, z = vector_at(places, 0, k)
+    nx, ny, nz = rays.normal(solids, np.int64((key & LOW) - FIRST), x, y, z)
+    set_vector(places, 3 * W, k, (x + nx * skin, y + ny * skin, z + nz * skin))
 
 
 @device

@@ -18,13 +18,13 @@ STRAND, SURFACE = FIRST, SECOND
 
 
 @device
-def toward(lights, i, x, y, z):
+def toward(lights, i, point):
     """Return the unit direction from a point to light number i, its distance in metres, and its falloff."""
     if lights[i, KIND] == ZERO:
         return lights[i, PLACE_X], lights[i, PLACE_Y], lights[i, PLACE_Z], FAR, ONE
-    lx = lights[i, PLACE_X] - x
-    ly = lights[i, PLACE_Y] - y
-    lz = lights[i, PLACE_Z] - z
+    lx = lights[i, PLACE_X] - point[0]
+    ly = lights[i, PLACE_Y] - point[1]
+    lz = lights[i, PLACE_Z] - point[2]
     square = max(lx * lx + ly * ly + lz * lz, TINY)
     size = math.sqrt(square)
     return lx / size, ly / size, lz / size, size, ONE / square

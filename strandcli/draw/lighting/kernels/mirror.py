@@ -19,10 +19,10 @@ from ....jit import device
 from ....simd import lane_count, load, pointer, reduce_max
 from ....solids.kernels import built_in
 from ....solids.kernels import other as other_solids
-from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
+from ...common.kernels.batch import EX, RADIANCE, X, set_vector, vector_at
 from ...common.kernels.light_columns import POWER_R
 from ...common.kernels.numbers import HALF, INF, INV_PI, ONE, THREE, TWO, ZERO
-from ...common.kernels.surface_batch import BEFORE, NX, NY, NZ, PIXEL
+from ...common.kernels.surface_batch import BEFORE, NX, PIXEL
 from ...solids.kernels import coat, rays
 from . import occlusion
 from .light import toward
@@ -39,8 +39,8 @@ OPEN, SHUT = np.float32(0.42), np.float32(0.2)
 """Share of the whole sky that is left where there are no strands, and where a ray does not get through."""
 FREE = np.int64(-1)
 """Stands for a ray that meets no solid."""
-MX, MY, MZ, FAR = range(4)
-"""Rows of a batch's rays: unit direction, and metres to the nearest other solid."""
+WAY, FAR = 0, 3 * W
+"""Rows of a batch's rays: unit direction, three rows, and metres to the nearest other solid."""
 RAYS = 4
 
 
@@ -86,24 +86,22 @@ def follow(way, n, solids, which):
     """Store the mirror rays, `Rays`, of the first n points of a batch of solid number `which`, and what each meets."""
     work, ways = way.work, way.ways
     for k in range(n):
-        nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
-        facing = nx * work[EX + k] + ny * work[EY + k] + nz * work[EZ + k]
-        mx = TWO * facing * nx - work[EX + k]
-        my = TWO * facing * ny - work[EY + k]
-        mz = TWO * facing * nz - work[EZ + k]
+        nx, ny, nz = vector_at(work, NX, k)
+        ex, ey, ez = vector_at(work, EX, k)
+        facing = nx * ex + ny * ey + nz * ez
+        mx, my, mz = TWO * facing * nx - ex, TWO * facing * ny - ey, TWO * facing * nz - ez
+        x, y, z = vector_at(work, X, k)
         near = INF
         hit = FREE
         for j in range(number_of(solids)):
             if j == which:
                 continue
-            t = rays.meet(solids, j, work[X + k], work[Y + k], work[Z + k], mx, my, mz)
+            t = rays.meet(solids, j, x, y, z, mx, my, mz)
             if ZERO < t < near:
                 near = t
                 hit = np.int64(j)
-        ways[MX * W + k] = mx
-        ways[MY * W + k] = my
-        ways[MZ * W + k] = mz
-        ways[FAR * W + k] = near
+        set_vector(ways, WAY, k, (mx, my, mz))
+        ways[FAR + k] = near
         way.hits[k] = hit
 
 
@@ -115,13 +113,11 @@ def gather(way, n, hit):
     for k in range(n):
         if way.hits[k] != hit:
             continue
-        far = ways[FAR * W + k]
-        other[X + m] = work[X + k] + far * ways[MX * W + k]
-        other[Y + m] = work[Y + k] + far * ways[MY * W + k]
-        other[Z + m] = work[Z + k] + far * ways[MZ * W + k]
-        other[EX + m] = -ways[MX * W + k]
-        other[EY + m] = -ways[MY * W + k]
-        other[EZ + m] = -ways[MZ * W + k]
+        far = ways[FAR + k]
+        x, y, z = vector_at(work, X, k)
+        mx, my, mz = vector_at(ways, WAY, k)
+        set_vector(other, X, m, (x + far * mx, y + far * my, z + far * mz))
+        set_vector(other, EX, m, (-mx, -my, -mz))
         other[PIXEL + m] = TWO * work[PIXEL + k]
         other[BEFORE + m] = -ONE
         way.points[m] = k
@@ -135,9 +131,10 @@ def add(way, k, seen, there, sky, surround, strands, lights, coats, which):
     the share `there` covers the radiance `sky` (r, g, b), behind strands. strands: `StrandLight`; lights: the rows of
     `Lights`."""
     work, ways = way.work, way.ways
-    ray = ways[MX * W + k], ways[MY * W + k], ways[MZ * W + k]
-    place = work[X + k], work[Y + k], work[Z + k]
-    facing = work[NX + k] * work[EX + k] + work[NY + k] * work[EY + k] + work[NZ + k] * work[EZ + k]
+    ray, place = vector_at(ways, WAY, k), vector_at(work, X, k)
+    nx, ny, nz = vector_at(work, NX, k)
+    ex, ey, ez = vector_at(work, EX, k)
+    facing = nx * ex + ny * ey + nz * ez
     share = strength(coats, which) * coat.mirrored(coats[which, coat.COAT], coats[which, coat.ROUGH], facing)
     visible = ONE
     covered = ZERO
@@ -145,11 +142,11 @@ def add(way, k, seen, there, sky, surround, strands, lights, coats, which):
         visible = occlusion.sky_visibility(
             surround.volume, surround.box, place[0], place[1], place[2], ray[0], ray[1], ray[2]
         )
-        covered = strands_along(surround, place, ray, ways[FAR * W + k])
+        covered = strands_along(surround, place, ray, ways[FAR + k])
     for c in range(3):
         arrives = HALF * sky[c]
         for i in range(lights.shape[0]):
-            lx, ly, lz, _, falloff = toward(lights, i, place[0], place[1], place[2])
+            lx, ly, lz, _, falloff = toward(lights, i, place)
             away = -(ray[0] * lx + ray[1] * ly + ray[2] * lz)
             arrives += INV_PI * max(away, ZERO) * falloff * lights[i, POWER_R + c]
         found = there * seen[c] + (ONE - there) * sky[c]

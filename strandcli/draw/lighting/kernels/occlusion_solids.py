@@ -24,9 +24,9 @@ from .occlusion import DENSITY, MIDDLE_X, MIDDLE_Y, MIDDLE_Z
 
 DARK = np.uint8(0)
 FAR = np.float32(1e30)
-LX, LY, LZ, LIGHT = (i * W for i in range(4))
+LX, LIGHT = 0, 3 * W
 ROWS = 4
-"""Rows of numbers, one a direction: unit vector to the light, and transmitted light."""
+"""Rows of numbers, one a direction: unit vector to the light, three rows, and transmitted light."""
 
 
 class Grid(NamedTuple):
@@ -82,9 +82,7 @@ def hide(cells, grid, box, ways, listed, solids, i):
             for low in range(0, ways.shape[0], W):
                 n = min(ways.shape[0] - low, W)
                 for d in range(n):
-                    fan[LX + d] = ways[low + d, 0]
-                    fan[LY + d] = ways[low + d, 1]
-                    fan[LZ + d] = ways[low + d, 2]
+                    batch.set_vector(fan, LX, d, (ways[low + d, 0], ways[low + d, 1], ways[low + d, 2]))
                     fan[LIGHT + d] = np.float32(listed.every[(low + d) * total + cell])
                 occlude(fan, n, x, y, z, solids, skin)
                 for d in range(n):
@@ -112,8 +110,8 @@ def list_rays(ways, listed, found, slab, total, solids, skin):
             if listed.every[place] == DARK:
                 continue
             listed.places[count] = place
-            work[batch.X + count], work[batch.Y + count], work[batch.Z + count] = near[c, 0], near[c, 1], near[c, 2]
-            work[batch.LX + count], work[batch.LY + count], work[batch.LZ + count] = ways[d, 0], ways[d, 1], ways[d, 2]
+            batch.set_vector(work, batch.X, count, (near[c, 0], near[c, 1], near[c, 2]))
+            batch.set_vector(work, batch.LX, count, (ways[d, 0], ways[d, 1], ways[d, 2]))
             count += 1
             if count == W:
                 past_distances(listed, count, solids, skin)
@@ -144,7 +142,7 @@ def occlude(work, n, x, y, z, solids, skin):
     further = flat_or_other(solids)
     for d in range(n):
         if further and work[LIGHT + d] > ZERO:
-            lx, ly, lz = work[LX + d], work[LY + d], work[LZ + d]
+            lx, ly, lz = batch.vector_at(work, LX, d)
             ox, oy, oz = x + skin * lx, y + skin * ly, z + skin * lz
             if by_lanes:
                 work[LIGHT + d] *= rays.visibility_past_planes(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
@@ -163,19 +161,18 @@ def past_round(solids, work, n, x, y, z, skin):
     """Set the row `LIGHT` to 0 where a sphere or a capsule occludes the light."""
     for s in range(solids.spheres.shape[0]):
         for d in range(n):
-            work[LIGHT + d] *= sphere.visibility(
-                solids.spheres, s, x, y, z, work[LX + d], work[LY + d], work[LZ + d], FAR, skin
-            )
+            lx, ly, lz = batch.vector_at(work, LX, d)
+            work[LIGHT + d] *= sphere.visibility(solids.spheres, s, x, y, z, lx, ly, lz, FAR, skin)
     for s in range(solids.capsules.shape[0]):
         beside = np.int64(0)
         for d in range(n):
-            ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-            free = capsule.misses_ball(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
+            lx, ly, lz = batch.vector_at(work, LX, d)
+            free = capsule.misses_ball(solids.capsules, s, x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz)
             beside += np.int64(free | (work[LIGHT + d] == ZERO))
         if beside < n:
             for d in range(n):
-                ox, oy, oz = x + skin * work[LX + d], y + skin * work[LY + d], z + skin * work[LZ + d]
-                t = capsule.meet(solids.capsules, s, ox, oy, oz, work[LX + d], work[LY + d], work[LZ + d])
+                lx, ly, lz = batch.vector_at(work, LX, d)
+                t = capsule.meet(solids.capsules, s, x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz)
                 work[LIGHT + d] *= ZERO if (skin < t) & (t < FAR) else ONE
 
 

@@ -8,24 +8,10 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device
-from ...common.kernels.batch import ARRIVES, EX, EY, EZ, LX, LY, LZ, RADIANCE, REACH, X, Y, Z
+from ...common.kernels.batch import ARRIVES, EX, LX, RADIANCE, REACH, X, set_vector, vector_at
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE, POWER_R
 from ...common.kernels.numbers import INV_PI, ONE, ZERO
-from ...common.kernels.surface_batch import (
-    ARRIVED,
-    COAT,
-    COSINE,
-    LEFT,
-    LIFT,
-    NX,
-    NY,
-    NZ,
-    PX,
-    SHINE,
-    TRUE_X,
-    TRUE_Y,
-    TRUE_Z,
-)  # fmt: skip
+from ...common.kernels.surface_batch import ARRIVED, COAT, COSINE, LEFT, LIFT, NX, PX, SHINE, TRUE_X
 from ...solids.kernels import coat
 from ...solids.kernels.coat import SUBSURFACE, scattered
 
@@ -39,12 +25,13 @@ def rise(work, n, skin, depth):
     for k in range(3 * W):
         work[PX + k] = work[X + k]
     for k in range(n):
-        cosine = work[NX + k] * work[LX + k] + work[NY + k] * work[LY + k] + work[NZ + k] * work[LZ + k]
+        nx, ny, nz = vector_at(work, NX, k)
+        lx, ly, lz = vector_at(work, LX, k)
+        cosine = nx * lx + ny * ly + nz * lz
         work[COSINE + k] = cosine
         work[ARRIVES + k] = ZERO if cosine <= -depth else work[ARRIVES + k]
-        work[X + k] += work[NX + k] * skin
-        work[Y + k] += work[NY + k] * skin
-        work[Z + k] += work[NZ + k] * skin
+        x, y, z = vector_at(work, X, k)
+        set_vector(work, X, k, (x + nx * skin, y + ny * skin, z + nz * skin))
 
 
 @device
@@ -68,18 +55,13 @@ def bend(work, n, lights, i):
     """Raise the directions to light number i until all of it stands above the surface's tangent plane, for shadow rays
     of light that enters a surface beside the point and leaves it here; `unbend` puts them back."""
     for k in range(n):
-        x, y, z = work[LX + k], work[LY + k], work[LZ + k]
-        work[TRUE_X + k] = x
-        work[TRUE_Y + k] = y
-        work[TRUE_Z + k] = z
+        x, y, z = vector_at(work, LX, k)
+        nx, ny, nz = vector_at(work, NX, k)
+        set_vector(work, TRUE_X, k, (x, y, z))
         more = max(angle_of(work, k, lights, i) - work[COSINE + k], ZERO)
-        x += more * work[NX + k]
-        y += more * work[NY + k]
-        z += more * work[NZ + k]
+        x, y, z = x + more * nx, y + more * ny, z + more * nz
         per = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
-        work[LX + k] = x * per
-        work[LY + k] = y * per
-        work[LZ + k] = z * per
+        set_vector(work, LX, k, (x * per, y * per, z * per))
 
 
 @device
@@ -125,8 +107,8 @@ def gleam(work, n, lights, i, coats, which):
     for k in range(n):
         angle = angle_of(work, k, lights, i)
         share = coat.gleam(
-            coats[which, coat.COAT], coats[which, coat.ROUGH], angle, (work[NX + k], work[NY + k], work[NZ + k]),
-            (work[LX + k], work[LY + k], work[LZ + k]), (work[EX + k], work[EY + k], work[EZ + k]),
+            coats[which, coat.COAT], coats[which, coat.ROUGH], angle, vector_at(work, NX, k), vector_at(work, LX, k),
+            vector_at(work, EX, k),
         )  # fmt: skip
         work[SHINE + k] = share if work[ARRIVES + k] != ZERO else ZERO
     for c in range(3):

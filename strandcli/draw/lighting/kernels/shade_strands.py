@@ -20,24 +20,18 @@ from ...common.kernels.batch import (
     COLOUR,
     EX,
     EXTRA,
-    EY,
-    EZ,
     INSIDE,
     LEFT,
     LX,
-    LY,
-    LZ,
     PASSED,
     RADIANCE,
     REACH,
     ROWS,
     TX,
-    TY,
-    TZ,
     UNBLOCKED,
     X,
-    Y,
-    Z,
+    set_vector,
+    vector_at,
 )
 from ...common.kernels.light_columns import (
     BIAS,
@@ -259,30 +253,28 @@ def frames(work, n, view):
     perspective = view[PERSPECTIVE]
     straight = perspective - ONE  # for an orthographic view the direction is −forward
     for k in range(n):
-        x = work[TX + k]
-        y = work[TY + k]
-        z = work[TZ + k]
-        size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
-        work[TX + k] = x * size
-        work[TY + k] = y * size
-        work[TZ + k] = z * size
-        x = perspective * (view[EYE_X] - work[X + k]) + straight * view[FORWARD_X]
-        y = perspective * (view[EYE_Y] - work[Y + k]) + straight * view[FORWARD_Y]
-        z = perspective * (view[EYE_Z] - work[Z + k]) + straight * view[FORWARD_Z]
-        size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
-        work[EX + k] = x * size
-        work[EY + k] = y * size
-        work[EZ + k] = z * size
+        set_vector(work, TX, k, unit(vector_at(work, TX, k)))
+        x, y, z = vector_at(work, X, k)
+        x = perspective * (view[EYE_X] - x) + straight * view[FORWARD_X]
+        y = perspective * (view[EYE_Y] - y) + straight * view[FORWARD_Y]
+        z = perspective * (view[EYE_Z] - z) + straight * view[FORWARD_Z]
+        set_vector(work, EX, k, unit((x, y, z)))
+
+
+@inlined
+def unit(vector):
+    """Return a vector scaled to length one; 0 for a zero vector."""
+    x, y, z = vector
+    size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
+    return x * size, y * size, z * size
 
 
 @device
 def aim(work, n, lights, i):
     """Store direction and distance to light number i, and its falloff in `ARRIVES`."""
     for k in range(n):
-        x, y, z, reach, falloff = toward(lights, i, work[X + k], work[Y + k], work[Z + k])
-        work[LX + k] = x
-        work[LY + k] = y
-        work[LZ + k] = z
+        x, y, z, reach, falloff = toward(lights, i, vector_at(work, X, k))
+        set_vector(work, LX, k, (x, y, z))
         work[REACH + k] = reach
         work[ARRIVES + k] = falloff
         work[INSIDE + k] = ZERO

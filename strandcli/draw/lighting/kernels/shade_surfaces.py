@@ -12,15 +12,9 @@ from ....constants import W
 from ....jit import device, inlined, parallel, prange
 from ....jit.balance import places, task_at
 from ....solids.kernels import other
-from ...common.kernels.batch import RADIANCE
+from ...common.kernels.batch import RADIANCE, vector_at
 from ...common.kernels.numbers import ZERO
-from ...common.kernels.surface_batch import (
-    ALBEDO,
-    COAT,
-    ROWS,
-    THERE,
-    UNDER,
-)
+from ...common.kernels.surface_batch import ALBEDO, COAT, ROWS, THERE, UNDER
 from ...solids.kernels import appearance
 from ...solids.kernels.pixel_squares import find_pixels, places_in
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
@@ -167,7 +161,7 @@ def mirror_solids(n, which, surround, strands, lights, shadows, solids, coating,
             light = ZERO, ZERO, ZERO
             there = ZERO
             if hit >= 0:
-                light = seen[RADIANCE + k], seen[RADIANCE + W + k], seen[RADIANCE + 2 * W + k]
+                light = vector_at(seen, RADIANCE, k)
                 there = seen[THERE + k]
-            sky = surroundings(surround, ways[p], ways[W + p], ways[2 * W + p])
+            sky = surroundings(surround, vector_at(ways, mirror.WAY, p))
             mirror.add(way, p, light, there, sky, surround, strands, lights.rows, coats, which)

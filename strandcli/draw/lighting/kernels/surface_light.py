@@ -7,7 +7,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device, inlined
 from ....solids.kernels import other
-from ...common.kernels.batch import ARRIVES, RADIANCE, X, Y, Z
+from ...common.kernels.batch import ARRIVES, RADIANCE, X, vector_at
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.surface_batch import COAT, LEFT, PX, SHARE, SX, SY, UNDER
@@ -73,7 +73,7 @@ def note(work, n, i, lights):
     """Write what has arrived of light number i to the lattice; where a solid has an edge in front of itself nothing is
     known."""
     for k in range(n):
-        _, _, _, _, falloff = toward(lights.rows, i, work[X + k], work[Y + k], work[Z + k])
+        _, _, _, _, falloff = toward(lights.rows, i, vector_at(work, X, k))
         share = work[ARRIVES + k] / falloff
         y, x = place_of(work, k, lights)
         for c in range(3):

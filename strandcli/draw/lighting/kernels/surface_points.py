@@ -11,7 +11,7 @@ from ....jit import device
 from ....jit.indices import FIRST, SECOND, THIRD
 from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import sphere
-from ...common.kernels.batch import EX, EY, EZ, RADIANCE, X, Y, Z
+from ...common.kernels.batch import EX, RADIANCE, X, set_vector, vector_at
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...common.kernels.surface_batch import (
     ACROSS,
@@ -20,11 +20,7 @@ from ...common.kernels.surface_batch import (
     DISTANCE,
     MIRRORED,
     MX,
-    MY,
-    MZ,
     NX,
-    NY,
-    NZ,
     PIXEL,
     SX,
     SY,
@@ -42,9 +38,10 @@ TINY = np.float32(1e-6)
 
 
 @device
-def surroundings(surround, x, y, z):
-    """Return the radiance of a white surface of the unit normal (x, y, z) in unoccluded ambient light, as r, g, b."""
+def surroundings(surround, normal):
+    """Return the radiance of a white surface of a unit normal in unoccluded ambient light, as r, g, b."""
     ambient, sky = surround.ambient, surround.sky
+    x, y, z = normal
     r, g, b = ambient[0], ambient[1], ambient[2]
     if sky.shape[0] > 0:
         r += around(sky, SURFACE, FIRST, x, y, z)
@@ -63,12 +60,8 @@ def look(work, n, view):
         ox, oy, oz, dx, dy, dz = rays.ray(view, right, up)
         t = work[DISTANCE + k]
         far = ONE / math.sqrt(dx * dx + dy * dy + dz * dz)
-        work[X + k] = ox + t * dx
-        work[Y + k] = oy + t * dy
-        work[Z + k] = oz + t * dz
-        work[EX + k] = -far * dx
-        work[EY + k] = -far * dy
-        work[EZ + k] = -far * dz
+        set_vector(work, X, k, (ox + t * dx, oy + t * dy, oz + t * dz))
+        set_vector(work, EX, k, (-far * dx, -far * dy, -far * dz))
         work[PIXEL + k] = t / (focal * far) if view[PERSPECTIVE] > ZERO else ONE / focal
 
 
@@ -77,27 +70,22 @@ def face(work, n, solids, which):
     """Store the unit normals."""
     if which < solids.spheres.shape[0]:
         for k in range(n):
-            x = work[X + k] - solids.spheres[which, sphere.X]
-            y = work[Y + k] - solids.spheres[which, sphere.Y]
-            z = work[Z + k] - solids.spheres[which, sphere.Z]
+            x, y, z = vector_at(work, X, k)
+            x -= solids.spheres[which, sphere.X]
+            y -= solids.spheres[which, sphere.Y]
+            z -= solids.spheres[which, sphere.Z]
             size = ONE / math.sqrt(max(x * x + y * y + z * z, rays.TINY))
-            work[NX + k] = x * size
-            work[NY + k] = y * size
-            work[NZ + k] = z * size
+            set_vector(work, NX, k, (x * size, y * size, z * size))
     elif appearance.looks(solids, which):
         appearance.face(work, n, solids, which)
     elif is_plane(solids, which):
-        x, y, z = rays.normal(solids, which, work[X], work[Y], work[Z])
+        normal = rays.normal(solids, which, work[X], work[X + W], work[X + 2 * W])
         for k in range(n):
-            work[NX + k] = x
-            work[NY + k] = y
-            work[NZ + k] = z
+            set_vector(work, NX, k, normal)
     else:
         for k in range(n):
-            x, y, z = rays.normal(solids, which, work[X + k], work[Y + k], work[Z + k])
-            work[NX + k] = x
-            work[NY + k] = y
-            work[NZ + k] = z
+            x, y, z = vector_at(work, X, k)
+            set_vector(work, NX, k, rays.normal(solids, which, x, y, z))
 
 
 @device
@@ -112,10 +100,7 @@ def light_around(work, n, surround, bounce, depth):
     """Set the radiance to that in ambient light, occluded by strands and solids. What occludes it is as light as the
     strands, ``bounce`` (3,); for a solid with subsurface scattering (depth > 0), whose own folds do, as the solid."""
     for k in range(n):
-        r, g, b = surroundings(surround, work[NX + k], work[NY + k], work[NZ + k])
-        work[RADIANCE + k] = r
-        work[RADIANCE + W + k] = g
-        work[RADIANCE + 2 * W + k] = b
+        set_vector(work, RADIANCE, k, surroundings(surround, vector_at(work, NX, k)))
     if surround.volume.shape[0] > 0:
         rows = pointer(work)
         for k in range(0, n, lane_count(rows)):
@@ -138,9 +123,8 @@ def fade(work, n, paint, which):
         work[THERE + k] = ONE
     if paint[which, FADE] > ZERO:
         for k in range(n):
-            x = work[X + k] - paint[which, FADE_X]
-            y = work[Y + k] - paint[which, FADE_Y]
-            z = work[Z + k] - paint[which, FADE_Z]
+            x, y, z = vector_at(work, X, k)
+            x, y, z = x - paint[which, FADE_X], y - paint[which, FADE_Y], z - paint[which, FADE_Z]
             there = max(ONE - math.sqrt(x * x + y * y + z * z) / paint[which, FADE], ZERO)
             work[THERE + k] = there * there * (np.float32(3.0) - np.float32(2.0) * there)
 
@@ -151,18 +135,17 @@ def cover(work, n, surround, coats, which):
     if coats[which, coat.COAT] <= ZERO:
         for k in range(n):
             work[UNDER + k] = ONE
-            work[COAT + k] = work[COAT + W + k] = work[COAT + 2 * W + k] = ZERO
+            set_vector(work, COAT, k, (ZERO, ZERO, ZERO))
         return
     for k in range(n):
-        nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
-        wx, wy, wz = work[EX + k], work[EY + k], work[EZ + k]
+        nx, ny, nz = vector_at(work, NX, k)
+        wx, wy, wz = vector_at(work, EX, k)
         facing = nx * wx + ny * wy + nz * wz
         share = coat.mirrored(coats[which, coat.COAT], coats[which, coat.ROUGH], facing)
         work[UNDER + k] = ONE - share
         work[MIRRORED + k] = share
-        work[MX + k] = (facing + facing) * nx - wx
-        work[MY + k] = (facing + facing) * ny - wy
-        work[MZ + k] = (facing + facing) * nz - wz
+        twice = facing + facing
+        set_vector(work, MX, k, (twice * nx - wx, twice * ny - wy, twice * nz - wz))
     if surround.volume.shape[0] > 0:
         rows = pointer(work)
         for k in range(0, n, lane_count(rows)):
@@ -171,10 +154,9 @@ def cover(work, n, surround, coats, which):
             )
             store(rows, MIRRORED + k, load(rows, MIRRORED + k) * seen)
     for k in range(n):
-        r, g, b = surroundings(surround, work[MX + k], work[MY + k], work[MZ + k])
-        work[COAT + k] = r * work[MIRRORED + k]
-        work[COAT + W + k] = g * work[MIRRORED + k]
-        work[COAT + 2 * W + k] = b * work[MIRRORED + k]
+        r, g, b = surroundings(surround, vector_at(work, MX, k))
+        share = work[MIRRORED + k]
+        set_vector(work, COAT, k, (r * share, g * share, b * share))
 
 
 @device
@@ -183,8 +165,9 @@ def patch(work, n, coats, which):
     if coats[which, coat.MOTTLE] <= ZERO:
         return
     for k in range(n):
-        nx, ny, nz = work[NX + k], work[NY + k], work[NZ + k]
-        facing = nx * work[EX + k] + ny * work[EY + k] + nz * work[EZ + k]
+        nx, ny, nz = vector_at(work, NX, k)
+        wx, wy, wz = vector_at(work, EX, k)
+        facing = nx * wx + ny * wy + nz * wz
         work[ACROSS + k] = work[PIXEL + k] / max(facing, TINY)  # wider where the surface is seen at a slant
     mottle(work, n, coats[which, coat.MOTTLE], coats[which, coat.GRAIN])
 
@@ -201,10 +184,10 @@ def mottle(work, n, strength, grain):
             least = min(least, work[ACROSS + k])
         if least < size:  # finer octaves are not shown at all
             for k in range(n):
+                x, y, z = vector_at(work, X, k)
                 work[TONE + k] = coat.add_octave(
-                    work[TONE + k], work[X + k], work[Y + k], work[Z + k], size, work[ACROSS + k], weight,
-                    np.uint32(octave),
-                )  # fmt: skip
+                    work[TONE + k], x, y, z, size, work[ACROSS + k], weight, np.uint32(octave)
+                )
         size *= HALF
         weight *= coat.FAINTER
     for k in range(n):

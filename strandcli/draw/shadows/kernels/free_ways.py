@@ -16,7 +16,7 @@ from ....constants import W
 from ....jit import device, parallel, prange
 from ....simd import broadcast, floor, gather, lane_count, load, load3, pointer, store, where
 from ....solids.kernels import other_edges
-from ...common.kernels.batch import LEAST, LIST, RADIUS, WX, X, Y, Z
+from ...common.kernels.batch import LEAST, LIST, RADIUS, WX, X, set_vector, vector_at
 from ...common.kernels.light_columns import LIGHT_SIZE
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.view_columns import (
@@ -85,10 +85,7 @@ def list_others(work, n, i, free):
     `LIST`; return how many. Rows of `batch`: positions, `RADIUS`, `LEAST`."""
     views = free.views
     for k in range(n):
-        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, i)
-        work[WX + k] = u
-        work[WX + W + k] = v
-        work[WX + 2 * W + k] = d
+        set_vector(work, WX, k, texel_of(vector_at(work, X, k), views, i))
     rows, table = pointer(work), pointer(free.depths)
     start, edge = i * (SIDE * SIDE), np.float32(SIDE - 1)
     for k in range(0, n, lane_count(rows)):

@@ -7,7 +7,7 @@ from ....jit import device
 from ....solids.kernels import plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.outside import count
-from ...common.kernels.batch import ARRIVES, LX, LY, LZ, REACH, X, Y, Z
+from ...common.kernels.batch import ARRIVES, LX, REACH, X, vector_at
 from ...common.kernels.numbers import ZERO
 from ...solids.kernels import rays
 
@@ -23,10 +23,9 @@ def hard_shadows(work, n, solids, skin):
     if count(solids) > solids.spheres.shape[0] + solids.planes.shape[0]:
         for k in range(n):
             if work[ARRIVES + k] > ZERO:
-                work[ARRIVES + k] *= rays.visibility_past_others(
-                    solids, work[X + k], work[Y + k], work[Z + k],
-                    work[LX + k], work[LY + k], work[LZ + k], work[REACH + k], skin,
-                )  # fmt: skip
+                x, y, z = vector_at(work, X, k)
+                lx, ly, lz = vector_at(work, LX, k)
+                work[ARRIVES + k] *= rays.visibility_past_others(solids, x, y, z, lx, ly, lz, work[REACH + k], skin)
 
 
 @device_if_built_in(lambda solids, work, n, skin: None)
@@ -34,10 +33,9 @@ def past_spheres(solids, work, n, skin):
     """Set the rows `ARRIVES` to 0 where a sphere occludes the light."""
     for s in range(solids.spheres.shape[0]):
         for k in range(n):
-            work[ARRIVES + k] *= sphere.visibility(
-                solids.spheres, s, work[X + k], work[Y + k], work[Z + k], work[LX + k], work[LY + k], work[LZ + k],
-                work[REACH + k], skin,
-            )  # fmt: skip
+            x, y, z = vector_at(work, X, k)
+            lx, ly, lz = vector_at(work, LX, k)
+            work[ARRIVES + k] *= sphere.visibility(solids.spheres, s, x, y, z, lx, ly, lz, work[REACH + k], skin)
 
 
 @device_if_built_in(lambda solids, work, n, skin: None)
@@ -45,8 +43,8 @@ def past_planes(solids, work, n, skin):
     """Set the rows `ARRIVES` to 0 where a plane occludes the light."""
     for s in range(solids.planes.shape[0]):
         for k in range(n):
-            lx, ly, lz = work[LX + k], work[LY + k], work[LZ + k]
-            x, y, z = work[X + k] + skin * lx, work[Y + k] + skin * ly, work[Z + k] + skin * lz
-            t = plane.meet(solids.planes, s, x, y, z, lx, ly, lz)
+            x, y, z = vector_at(work, X, k)
+            lx, ly, lz = vector_at(work, LX, k)
+            t = plane.meet(solids.planes, s, x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz)
             hides = (skin < t) & (t < work[REACH + k])
             work[ARRIVES + k] = ZERO if hides else work[ARRIVES + k]

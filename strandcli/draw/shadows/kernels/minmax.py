@@ -126,10 +126,10 @@ def line(k, steps, top, bottom, size, texels):
 
 
 @device
-def texel_of(x, y, z, views, one):
+def texel_of(point, views, one):
     """Return column, row and depth (metres) of a point in map number `one`; columns and rows are integers at texel
     centres."""
-    sx, sy, d = to_view_number(x, y, z, views, one)
+    sx, sy, d = to_view_number(point[0], point[1], point[2], views, one)
     scale = views[one, FOCAL] / d if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
     return views[one, AXIS_X] + scale * sx - HALF, views[one, AXIS_Y] - scale * sy - HALF, d
 

@@ -28,7 +28,7 @@ from ....constants import W
 from ....jit import device, function, inlined
 from ....simd import any_lane, floor, gather4, lane_count, load, pointer, sqrt, store, where
 from ...common.kernels.approximations import exp_lanes
-from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, Y, Z
+from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, U, V, X, vector_at
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, PER_FALL
 from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
 from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, COLUMNS, LEFT, RADIUS
@@ -37,7 +37,7 @@ from ...fibre.kernels.dual import HALF_WAY
 from . import opacity
 from .deep_map import DeepMap, cell_at, cells_in, heads_of, layers_of, passed_at, passed_in_cell
 from .filter_window import WIDEST, column_of, row_of, store_columns, windows_about
-from .minmax import texel_of as project
+from .minmax import texel_of
 from .window_blocks import NO_BITS, blocks_about, is_shaded, shaded_columns
 
 ALL, FOUR = np.int64(0), np.int64(4)
@@ -95,7 +95,7 @@ def locate(work, n, lights, i, views, one, size):
     # perspective maps of one light adjoin each other, so their windows must not extend beyond them
     wide = ONE if flat else ZERO
     for k in range(n):
-        u, v, d = project(work[X + k], work[Y + k], work[Z + k], views, one)
+        u, v, d = texel_of(vector_at(work, X, k), views, one)
         away = max(d - near - HALF * views[one, DEPTH_RANGE], min(d - near, HALF * views[one, DEPTH_RANGE]))
         far = max(d, DARK)
         angle = lights[i, LIGHT_SIZE] if flat or lights[i, KIND] == ZERO else lights[i, LIGHT_SIZE] / far

@@ -18,25 +18,19 @@ from ...common.kernels.batch import (
     ASKED,
     AT_NEAR,
     DX,
-    DY,
-    DZ,
     END,
     FAR,
     HIGH,
     LEAST,
     LIST,
     LX,
-    LY,
-    LZ,
     NEAR,
     RADIUS,
     REACH,
     WX,
-    WY,
-    WZ,
     X,
-    Y,
-    Z,
+    set_vector,
+    vector_at,
 )
 from ...common.kernels.numbers import ONE, ZERO
 from .free_ways import list_others
@@ -104,12 +98,8 @@ def gather(work, count):
     """Copy the rows `OWN` of listed rays to `LISTED`."""
     for j in range(count):
         k = np.int64(work[LIST + j])
-        work[WX + j] = work[X + k]
-        work[WY + j] = work[Y + k]
-        work[WZ + j] = work[Z + k]
-        work[DX + j] = work[LX + k]
-        work[DY + j] = work[LY + k]
-        work[DZ + j] = work[LZ + k]
+        set_vector(work, WX, j, vector_at(work, X, k))
+        set_vector(work, DX, j, vector_at(work, LX, k))
         work[END + j] = work[REACH + k]
         work[NEAR + j] = work[RADIUS + k]
         work[HIGH + j] = work[LEAST + k]

@@ -21,8 +21,6 @@ from ...common.kernels.batch import (
     AT_FAR,
     AT_NEAR,
     DX,
-    DY,
-    DZ,
     END,
     FAR,
     HIGH,
@@ -30,17 +28,13 @@ from ...common.kernels.batch import (
     LIST,
     LOW,
     LX,
-    LY,
-    LZ,
     NEAR,
     RADIUS,
     REACH,
     WX,
-    WY,
-    WZ,
     X,
-    Y,
-    Z,
+    set_vector,
+    vector_at,
 )
 from ...common.kernels.golden_section import CLOSER
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
@@ -103,7 +97,8 @@ def past_built_in(solids, work, n, skin):
         for k in range(n):
             if work[LEAST + k] > -work[RADIUS + k]:
                 x, y, z = lifted(work, k, skin)
-                ray = penumbra.LightRay(x, y, z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k])
+                lx, ly, lz = vector_at(work, LX, k)
+                ray = penumbra.LightRay(x, y, z, lx, ly, lz, work[REACH + k])
                 least = penumbra.box(solids.boxes, m, ray, skin, work[RADIUS + k])
                 work[LEAST + k] = min(work[LEAST + k], least)
 
@@ -121,19 +116,17 @@ def any_may_see(work, n, capsules, skin):
     x, y, z = per * x, per * y, per * z
     r = ZERO
     for m in range(capsules.shape[0]):
-        ax, ay, az = (
-            HALF * capsules[m, capsule.AXIS_X],
-            HALF * capsules[m, capsule.AXIS_Y],
-            HALF * capsules[m, capsule.AXIS_Z],
-        )
+        ax, ay, az = capsules[m, capsule.AXIS_X], capsules[m, capsule.AXIS_Y], capsules[m, capsule.AXIS_Z]
+        ax, ay, az = HALF * ax, HALF * ay, HALF * az
         dx, dy, dz = capsules[m, capsule.X] + ax - x, capsules[m, capsule.Y] + ay - y, capsules[m, capsule.Z] + az - z
         half = math.sqrt(ax * ax + ay * ay + az * az)
         r = max(r, capsules[m, capsule.RADIUS] + half + math.sqrt(dx * dx + dy * dy + dz * dz))
     found = np.int32(0)
     for k in range(n):
         px, py, pz = lifted(work, k, skin)
+        lx, ly, lz = vector_at(work, LX, k)
         radius = work[RADIUS + k]
-        free = penumbra.aside(r, x - px, y - py, z - pz, work[LX + k], work[LY + k], work[LZ + k], radius)
+        free = penumbra.aside(r, x - px, y - py, z - pz, lx, ly, lz, radius)
         found |= np.int32(ZERO if free | (work[LEAST + k] <= -radius) else ONE)
     return found != 0
 
@@ -141,7 +134,9 @@ def any_may_see(work, n, capsules, skin):
 @inlined
 def lifted(work, k, skin):
     """Return point number k, moved by `skin` toward the light."""
-    return work[X + k] + skin * work[LX + k], work[Y + k] + skin * work[LY + k], work[Z + k] + skin * work[LZ + k]
+    x, y, z = vector_at(work, X, k)
+    lx, ly, lz = vector_at(work, LX, k)
+    return x + skin * lx, y + skin * ly, z + skin * lz
 
 
 @device
@@ -149,7 +144,8 @@ def by_ball(work, n, cx, cy, cz, r, skin):
     """Reduce the rows `LEAST` to the sines of the angles to the edge of a ball of centre c and radius r, metres."""
     for k in range(n):
         x, y, z = lifted(work, k, skin)
-        least = penumbra.ball(r, cx - x, cy - y, cz - z, work[LX + k], work[LY + k], work[LZ + k], work[REACH + k])
+        lx, ly, lz = vector_at(work, LX, k)
+        least = penumbra.ball(r, cx - x, cy - y, cz - z, lx, ly, lz, work[REACH + k])
         work[LEAST + k] = min(work[LEAST + k], least)
 
 
@@ -159,7 +155,8 @@ def by_plane(work, n, nx, ny, nz, height, skin):
     for k in range(n):
         x, y, z = lifted(work, k, skin)
         over = nx * x + ny * y + nz * z - height
-        up = nx * work[LX + k] + ny * work[LY + k] + nz * work[LZ + k]
+        lx, ly, lz = vector_at(work, LX, k)
+        up = nx * lx + ny * ly + nz * lz
         least = over / work[REACH + k] + up
         work[LEAST + k] = min(work[LEAST + k], least if over >= ZERO else penumbra.CLEAR)
 
@@ -170,9 +167,9 @@ def by_distance(work, n, solids, skin):
     for k in range(n):
         if work[LEAST + k] > -work[RADIUS + k]:
             x, y, z = lifted(work, k, skin)
-            way = work[LX + k], work[LY + k], work[LZ + k]
             light = work[REACH + k], work[RADIUS + k], skin
-            work[LEAST + k] = min(work[LEAST + k], other.lowest_sine(solids, x, y, z, way, light))
+            least = other.lowest_sine(solids, x, y, z, vector_at(work, LX, k), light)
+            work[LEAST + k] = min(work[LEAST + k], least)
 
 
 @device
@@ -188,11 +185,9 @@ def by_capsule(work, n, capsules, m, skin):
     found = np.int32(0)
     for k in range(n):
         x, y, z = lifted(work, k, skin)
+        lx, ly, lz = vector_at(work, LX, k)
         radius = work[RADIUS + k]
-        free = penumbra.aside(
-            around, ax - x + HALF * bx, ay - y + HALF * by, az - z + HALF * bz,
-            work[LX + k], work[LY + k], work[LZ + k], radius,
-        )  # fmt: skip
+        free = penumbra.aside(around, ax - x + HALF * bx, ay - y + HALF * by, az - z + HALF * bz, lx, ly, lz, radius)
         asked = ZERO if free | (work[LEAST + k] <= -radius) else ONE
         work[ASKED + k] = asked
         found |= np.int32(asked)
@@ -205,19 +200,14 @@ def by_capsule(work, n, capsules, m, skin):
     for j in range(count):
         k = np.int64(work[LIST + j])
         x, y, z = lifted(work, k, skin)
-        work[WX + j] = ax - x
-        work[WY + j] = ay - y
-        work[WZ + j] = az - z
-        work[DX + j] = work[LX + k]
-        work[DY + j] = work[LY + k]
-        work[DZ + j] = work[LZ + k]
+        set_vector(work, WX, j, (ax - x, ay - y, az - z))
+        set_vector(work, DX, j, vector_at(work, LX, k))
         work[END + j] = work[REACH + k]
         work[NEAR + j] = work[RADIUS + k]
     for j in range(count):
-        free, s = penumbra.nearest(
-            r, work[WX + j], work[WY + j], work[WZ + j], penumbra.Axis(bx, by, bz, bb),
-            work[DX + j], work[DY + j], work[DZ + j], work[NEAR + j],
-        )  # fmt: skip
+        wx, wy, wz = vector_at(work, WX, j)
+        lx, ly, lz = vector_at(work, DX, j)
+        free, s = penumbra.nearest(r, wx, wy, wz, penumbra.Axis(bx, by, bz, bb), lx, ly, lz, work[NEAR + j])
         least = on_axis(work, j, r, bx, by, bz, s)
         work[FAR + j] = penumbra.CLEAR if free else least
         work[ASKED + j] = ZERO if free | (least <= -work[NEAR + j]) else ONE
@@ -240,10 +230,9 @@ def compact(work, count):
 @inlined
 def on_axis(work, j, r, bx, by, bz, s):
     """Return `penumbra.ball` of the ball at position s of the axis, for listed point j."""
-    return penumbra.ball(
-        r, work[WX + j] + s * bx, work[WY + j] + s * by, work[WZ + j] + s * bz,
-        work[DX + j], work[DY + j], work[DZ + j], work[END + j],
-    )  # fmt: skip
+    wx, wy, wz = vector_at(work, WX, j)
+    lx, ly, lz = vector_at(work, DX, j)
+    return penumbra.ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, work[END + j])
 
 
 @device

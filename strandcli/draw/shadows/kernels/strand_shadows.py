@@ -8,7 +8,7 @@ from ....constants import W
 from ....jit import device, function
 from ....simd import broadcast, load, pointer, store, store3
 from ....simd import lane_count as lanes
-from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, Y, Z
+from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, vector_at
 from ...common.kernels.numbers import ONE, ZERO
 from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
 from . import opacity
@@ -64,7 +64,7 @@ def locate(work, n, views, one, size, bias):
     does, else 0."""
     edge = np.float32(size - 1)
     for k in range(n):
-        u, v, d = texel_of(work[X + k], work[Y + k], work[Z + k], views, one)
+        u, v, d = texel_of(vector_at(work, X, k), views, one)
         fresh = in_map(u, v, d, views, one, edge) & (work[INSIDE + k] == ZERO)
         work[U + k] = u if fresh else ZERO
         work[V + k] = v if fresh else ZERO

@@ -9,9 +9,9 @@ import numpy as np
 from ....constants import W
 from ....jit import device
 from ....solids.kernels import built_in, other
-from ...common.kernels.batch import EX, EY, EZ, X, Y, Z
+from ...common.kernels.batch import EX, X, set_vector, vector_at
 from ...common.kernels.numbers import ONE, ZERO
-from ...common.kernels.surface_batch import ALBEDO, BEFORE, LIFT, NX, NY, NZ, PIXEL
+from ...common.kernels.surface_batch import ALBEDO, BEFORE, LIFT, NX, PIXEL
 
 LEAST = np.float32(0.05)
 """Least cosine between the normal and the eye: where a smooth normal is turned away further, it is bent back, so that
@@ -45,18 +45,15 @@ def face(work, n, solids, which):
     m = which - built_in.count(solids)
     before = np.int64(-1)
     for k in range(n):
-        x, y, z = work[X + k], work[Y + k], work[Z + k]
+        x, y, z = vector_at(work, X, k)
         if work[BEFORE + k] >= ZERO:
             before = np.int64(work[BEFORE + k])
-        eye = work[EX + k], work[EY + k], work[EZ + k]
+        eye = vector_at(work, EX, k)
         normal, place, colour, before = other.look(solids, m, x, y, z, eye, work[PIXEL + k], before)
-        work[NX + k], work[NY + k], work[NZ + k] = towards(normal, eye)
-        work[LIFT + k] = place[0] - x
-        work[LIFT + W + k] = place[1] - y
-        work[LIFT + 2 * W + k] = place[2] - z
+        set_vector(work, NX, k, towards(normal, eye))
+        set_vector(work, LIFT, k, (place[0] - x, place[1] - y, place[2] - z))
         if min(colour[0], min(colour[1], colour[2])) >= ZERO:
-            for c in range(3):
-                work[ALBEDO + c * W + k] = colour[c]
+            set_vector(work, ALBEDO, k, colour)
 
 
 @device

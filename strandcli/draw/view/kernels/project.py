@@ -68,14 +68,13 @@ def to_view_number(x, y, z, views, number):
 
 
 @parallel
-def widths(first, screen, view, thickness, taper, scale, off_axis, least, along, out):
+def widths(first, screen, view, thickness, taper, scale, least, along, out):
     """Write the widths of strands on the screen to out (V,) float32, pixels, at least `least`.
 
     thickness: metres at the root; taper: share by which it is smaller at the tip; scale (S,): factor of each strand's
-    width, or None; off_axis: 1 to apply `perspective_widening`, else 0; along (V,): how far along its
-    strand each vertex stands, 0 to 1, or None: evenly; first, screen, view: as in `points`.
+    width, or None; along (V,): how far along its strand each vertex stands, 0 to 1, or None: evenly; first, screen,
+    view: as in `points`.
     """
-    widened = view[PERSPECTIVE] * off_axis > ZERO
     strands = first.shape[0] - 1
     for task in prange((strands + STRANDS - 1) // STRANDS):
         work = np.empty(ROWS * ROW, np.float32)
@@ -91,7 +90,7 @@ def widths(first, screen, view, thickness, taper, scale, off_axis, least, along,
                         work[np.uint64(ALONG) + k] = along[np.uint64(v) + k]
                 widen(
                     work, count, v - begin, view, thickness, per if along is None else taper,
-                    None if scale is None else scale[s], widened, least, along,
+                    None if scale is None else scale[s], least, along,
                 )  # fmt: skip
                 for k in range(np.uint64(count)):
                     out[np.uint64(v) + k] = work[np.uint64(WIDE) + k]
@@ -110,10 +109,10 @@ def load_with_neighbours(screen, begin, end, v, count, work):
 
 
 @device
-def widen(work, count, past, view, thickness, per, scale, widened, least, along):
+def widen(work, count, past, view, thickness, per, scale, least, along):
     """Store the widths of `count` vertices in the row `WIDE`; past: number of the first one within its strand; per:
-    taper a vertex, or from root to tip where the row `ALONG` tells how far along they stand; widened: whether to apply
-    `perspective_widening`; along: None if that row is not there; else as in `widths`."""
+    taper a vertex, or from root to tip where the row `ALONG` tells how far along they stand; along: None if that row is
+    not there; else as in `widths`."""
     rows = half_width_pointer(work)
     steps = load(half_width_pointer(STEPS), 0)
     for k in range(0, count, lane_count(rows)):
@@ -124,7 +123,6 @@ def widen(work, count, past, view, thickness, per, scale, widened, least, along)
             wide *= scale
         if view[PERSPECTIVE] > ZERO:
             wide *= q
-        if widened:
             before = load(rows, NUMBER + k) > ZERO
             after = load(rows, NUMBER + 2 + k) > ZERO
             dx = where(after, load(rows, X + 2 + k), x) - where(before, load(rows, X + k), x)
