@@ -20,18 +20,7 @@ from ..shadows.shadow import ShadowMaps, map_arrays
 from ..shadows.shadow_model import shades_vertices
 from ..solids.solids import NONE, coats_of, paint_of
 from ..view.camera import View, ball
-from .kernels import shade_strands, shade_surfaces, smooth_pixels
-from .kernels.inputs import (
-    COMPUTED,
-    Coating,
-    Lights,
-    Screen,
-    StrandColour,
-    StrandLight,
-    Surround,
-    Vertices,
-    WidthProfiles,
-)
+from .kernels import inputs, shade_strands, shade_surfaces, smooth_pixels
 from .kernels.lattice import DRAWN, SMOOTH
 from .kernels.mirror import DULL
 from .kernels.occlusion import BOX_SIZE
@@ -55,10 +44,10 @@ def given(array: NDArray[np.float32] | None, *shape: int) -> NDArray[np.float32]
     return np.zeros((0, *shape), np.float32) if array is None else array
 
 
-def coating_of(solids: Sequence[Any], paint: NDArray[np.float32]) -> Coating:
+def coating_of(solids: Sequence[Any], paint: NDArray[np.float32]) -> inputs.Coating:
     """Return the materials of visible solids; paint: from `paint_of`."""
     polished = any(solid.coat > 0 and solid.roughness < DULL for solid in solids)
-    return Coating(paint, given(coats_of(solids), 7), given(None, 7), np.uint8(1) if polished else None)
+    return inputs.Coating(paint, given(coats_of(solids), 7), given(None, 7), np.uint8(1) if polished else None)
 
 
 class Lattice(NamedTuple):
@@ -71,7 +60,7 @@ class Lattice(NamedTuple):
     wanted: np.uint8
 
 
-NO_LATTICE = Lattice(np.zeros((0, 0, 0, 3), np.float32), np.uint8(0), np.uint8(0), COMPUTED, DRAWN)
+NO_LATTICE = Lattice(np.zeros((0, 0, 0, 3), np.float32), np.uint8(0), np.uint8(0), inputs.COMPUTED, DRAWN)
 
 
 ANY_TRIANGLE = np.zeros(0, np.int32)
@@ -143,12 +132,12 @@ class Lighting:
         """
         p = self.palette
         shade_strands.strands(
-            Vertices(
+            inputs.Vertices(
                 lines.first, lines.world, given(lines.along), given(lines.ways, 3), marks, tones, self.view.pack()
             ),
-            StrandColour(p.colour, given(p.tint, 0, 6), p.diffuse), self._surround(), p.arrays, p.dual,
+            inputs.StrandColour(p.colour, given(p.tint, 0, 6), p.diffuse), self._surround(), p.arrays, p.dual,
             self._lights(given(clear, 0)), map_arrays(self.maps), self.solids or NONE,
-            None if body is None else WidthProfiles(body.slots, p.columns, body.profile), colours,
+            None if body is None else inputs.WidthProfiles(body.slots, p.columns, body.profile), colours,
         )  # fmt: skip
 
     def shade_surfaces(
@@ -167,10 +156,10 @@ class Lighting:
         seen = [solid for solid in self.scene.solids if solid.visible]
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
-            Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN), hidden,
+            inputs.Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN), hidden,
                    lattice.wanted, top, bottom, ANY_TRIANGLE if len(spots) else self.triangles),
             self._surround(),
-            StrandLight(self.palette.colour, given(self.palette.loss, 4)),
+            inputs.StrandLight(self.palette.colour, given(self.palette.loss, 4)),
             replace(self, free=NO_FREE_WAYS)._lights(given(None, 0), lattice),
             map_arrays(self.maps), self.solids, coating_of(seen, paint), image,
         )  # fmt: skip
@@ -183,25 +172,27 @@ class Lighting:
         assert self.solids is not None
         seen = [solid for solid in self.scene.solids if solid.visible]
         smooth_pixels.shade_smooth(
-            Screen(keys, self.view.pack(), NO_SPOTS, *(self.grain or NO_GRAIN), hidden, SMOOTH, *rows, ANY_TRIANGLE),
+            inputs.Screen(
+                keys, self.view.pack(), NO_SPOTS, *(self.grain or NO_GRAIN), hidden, SMOOTH, *rows, ANY_TRIANGLE
+            ),
             self._lights(given(None, 0), lattice), self.solids,
             coating_of(seen, paint_of(seen, self.scene.emitter, self.at)), image,
         )  # fmt: skip
 
-    def at_points(self) -> tuple[Lights, Lights]:
+    def at_points(self) -> tuple[inputs.Lights, inputs.Lights]:
         """Return the lights for single points: of strands, which do not shade themselves, and of solids."""
         of_strands, rows = replace(self, free=NO_FREE_WAYS), self.lights.copy()
         rows[:, STRAND_WIDTH] = 0
         return of_strands._lights(given(None, 0)), replace(of_strands, lights=rows)._lights(given(None, 0))
 
-    def _surround(self) -> Surround:
+    def _surround(self) -> inputs.Surround:
         found = self.occlusion
         around = (given(None, 4), NO_BOX) if found is None else (found.volume, found.box)
-        return Surround(np.array(self.scene.ambient, np.float32), given(self.sky, 9, 3), *around)
+        return inputs.Surround(np.array(self.scene.ambient, np.float32), given(self.sky, 9, 3), *around)
 
-    def _lights(self, clear: NDArray[np.float32], lattice: Lattice = NO_LATTICE) -> Lights:
+    def _lights(self, clear: NDArray[np.float32], lattice: Lattice = NO_LATTICE) -> inputs.Lights:
         at = lattice.known, lattice.down, lattice.right, lattice.use
-        return Lights(self.lights, clear, self.skin, self.sized, *at, *self.free)
+        return inputs.Lights(self.lights, clear, self.skin, self.sized, *at, *self.free)
 
 
 def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDArray[np.float64]) -> NDArray[np.float32]:

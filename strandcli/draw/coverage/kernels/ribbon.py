@@ -17,18 +17,8 @@ from ....jit import inlined
 from ....simd import half_width_pointer, lane_count, load, pointer, sqrt, store, where
 from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
 from ...geometry.kernels.ribbon import cross_section, make_ribbon
-from . import joined
+from . import joined, tiles
 from .crowds import count_visible
-from .tiles import (
-    AT_DEPTH,
-    AT_OPACITY,
-    AT_PLACE,
-    AT_VERTEX,
-    NUMBERS,
-    PIXEL_BITS,
-    TILE_WIDTH,
-    fixed_point,
-)  # fmt: skip
 
 FLAT = np.float32(1 / 16)
 """Least slope that is drawn; single precision needs it, and the difference is invisible."""
@@ -203,7 +193,7 @@ def cover_listed(work, n, ribbon, band, strands, target):
         store(rows, DEPTH + k, where(cover > FAINT, depth, UNSEEN))
         store(rows, ALPHA + k, min(cover, ONE) * strands.opacity)
         x, y = (column, row) if ribbon.flat else (row, column)
-        store(rows, PIXEL + k, (y - top) * np.float32(TILE_WIDTH) + (x - left))
+        store(rows, PIXEL + k, (y - top) * np.float32(tiles.TILE_WIDTH) + (x - left))
 
 
 @inlined
@@ -216,17 +206,17 @@ def add_listed(work, n, vertex, past_lit, target, m):
     fragment is written, and the end of the list advances only past visible ones, as in `cells.cover_cells`.
     """
     found = target.found
-    room = np.uint64(found.shape[0] // NUMBERS - 1)
+    room = np.uint64(found.shape[0] // tiles.NUMBERS - 1)
     o = np.uint64(m)
     for k in range(np.uint64(n)):
         pixel = np.int64(work[np.uint64(PIXEL) + k])
         depth, alpha = work[np.uint64(DEPTH) + k], work[np.uint64(ALPHA) + k]
-        place = fixed_point(work[np.uint64(ALONG) + k], past_lit, target.place_bits)
-        at = min(o, room) * np.uint64(NUMBERS)
-        found[at + AT_DEPTH] = np.float32(depth).view(np.int32)
-        found[at + AT_OPACITY] = np.float32(alpha).view(np.int32)
-        found[at + AT_VERTEX] = vertex
-        found[at + AT_PLACE] = place << PIXEL_BITS | pixel
+        place = tiles.fixed_point(work[np.uint64(ALONG) + k], past_lit, target.place_bits)
+        at = min(o, room) * np.uint64(tiles.NUMBERS)
+        found[at + tiles.AT_DEPTH] = np.float32(depth).view(np.int32)
+        found[at + tiles.AT_OPACITY] = np.float32(alpha).view(np.int32)
+        found[at + tiles.AT_VERTEX] = vertex
+        found[at + tiles.AT_PLACE] = place << tiles.PIXEL_BITS | pixel
         visible = count_visible(target, np.uint64(pixel), depth, alpha)
         if visible & (alpha > OPAQUE):
             target.occlusion_depth[np.uint64(pixel)] = depth

@@ -14,25 +14,7 @@ from numpy.typing import NDArray
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, floor, gather, half_width_pointer, lane_count, load, store, where
 from ...common.kernels.numbers import HALF, ONE, ZERO
-from .segments import (
-    BEGIN,
-    BEHIND,
-    DEPTH,
-    KIND,
-    NO_LENGTH,
-    RIBBON,
-    ROW,
-    SEGMENTS,
-    WIDTH,
-    X,
-    Y,
-    along,
-    from_axis,
-    kind_of,
-    load_vertices,
-    nearest_of,
-    reach_of,
-)
+from . import segments as seg
 from .strand_extents import GREATEST_Y, LEAST_Y
 from .tiles import TILE_HEIGHT, TILE_WIDTH
 from .windows import PictureWindows, window_of
@@ -55,7 +37,7 @@ LOW = np.int64(0xFFFFFFFF)
 
 # Rows of the scratch array: X, Y, DEPTH, WIDTH, KIND and BEGIN of `segments`, and the tiles that each segment can
 # touch, LEFT <= column < RIGHT and UP <= row < DOWN.
-LEFT, RIGHT, UP, DOWN = (i * ROW for i in range(6, 10))
+LEFT, RIGHT, UP, DOWN = (i * seg.ROW for i in range(6, 10))
 ROWS = 10
 
 
@@ -146,11 +128,11 @@ def bin_segments(lines, extents, top, bottom, width, workers, segments, windows,
         )  # fmt: skip
         wide, above, below = np.float32(width), np.float32(top), np.float32(bottom)
         region = Region(
-            above, wide, below - above, from_axis(ZERO, wide, above, below, depth_slope), depth_slope, windows
+            above, wide, below - above, seg.from_axis(ZERO, wide, above, below, depth_slope), depth_slope, windows
         )  # fmt: skip
         bin_strands(
             task * strands // workers, (task + 1) * strands // workers, lines, extents, region, chains,
-            np.empty(ROWS * ROW, np.float32),
+            np.empty(ROWS * seg.ROW, np.float32),
         )  # fmt: skip
 
 
@@ -165,20 +147,20 @@ def bin_strands(low, high, lines, extents, region, chains, work):
         if not (extents[s, LEAST_Y] < below and extents[s, GREATEST_Y] >= above):
             continue
         end = lines.first[s + 1]
-        run = RIBBON
+        run = seg.RIBBON
         start = ZERO
         v = lines.first[s]
         open_ = nowhere  # the tiles in which a row of segments is open
-        for base in range(v + 1, end, SEGMENTS):
-            count = min(end - base, SEGMENTS)
-            load_vertices(points, lines.widths, base - 1, count + 1, work)
+        for base in range(v + 1, end, seg.SEGMENTS):
+            count = min(end - base, seg.SEGMENTS)
+            seg.load_vertices(points, lines.widths, base - 1, count + 1, work)
             find_tiles(work, lines.widths, count, region)
             for i in range(1, count + 1):
-                kind = work[KIND + i]
-                if kind == NO_LENGTH:
+                kind = work[seg.KIND + i]
+                if kind == seg.NO_LENGTH:
                     continue
                 if kind != run:
-                    start = work[BEGIN + i]
+                    start = work[seg.BEGIN + i]
                     run = kind
                 new = TileRange(work[LEFT + i], work[RIGHT + i], work[UP + i], work[DOWN + i])
                 if (
@@ -200,24 +182,34 @@ def find_tiles(work, widths, count, region):
     rows = half_width_pointer(work)
     wide, tall = region.wide, region.tall
     for k in range(0, count, lane_count(rows)):
-        x0, y0, q0, w0 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
+        x0, y0, q0, w0 = (
+            load(rows, seg.X + k),
+            load(rows, seg.Y + k),
+            load(rows, seg.DEPTH + k),
+            load(rows, seg.WIDTH + k),
+        )
         k += 1
-        x1, y1, q1, w1 = load(rows, X + k), load(rows, Y + k), load(rows, DEPTH + k), load(rows, WIDTH + k)
+        x1, y1, q1, w1 = (
+            load(rows, seg.X + k),
+            load(rows, seg.Y + k),
+            load(rows, seg.DEPTH + k),
+            load(rows, seg.WIDTH + k),
+        )
         w = max(w0, w1)
-        kind = kind_of(x1 - x0, y1 - y0, min(q0, q1), w, widths)
-        store(rows, KIND + k, kind)
-        store(rows, BEGIN + k, along(kind, x0, y0))
-        reach_x, reach_y = reach_of(kind, w)
+        kind = seg.kind_of(x1 - x0, y1 - y0, min(q0, q1), w, widths)
+        store(rows, seg.KIND + k, kind)
+        store(rows, seg.BEGIN + k, seg.along(kind, x0, y0))
+        reach_x, reach_y = seg.reach_of(kind, w)
         left, right = min(x0, x1) - reach_x, max(x0, x1) + reach_x
         up, down = min(y0, y1) - reach_y, max(y0, y1) + reach_y
-        there = kind < BEHIND
+        there = kind < seg.BEHIND
         if region.windows.depths.shape[0] > 0:
             blocks = np.float32(region.windows.across), np.float32(region.windows.down)
             here = window_of(left, right, up, down, blocks)
             hidden = gather(half_width_pointer(region.windows.depths), 0, here, 1, ZERO)
             if any_lane(max(q0, q1) < hidden):
-                per = ONE / (along(kind, x1, y1) - along(kind, x0, y0))
-                there = there & ~(nearest_of(q0, q1, w, per, region.far, region.depth_slope) < hidden)
+                per = ONE / (seg.along(kind, x1, y1) - seg.along(kind, x0, y0))
+                there = there & ~(seg.nearest_of(q0, q1, w, per, region.far, region.depth_slope) < hidden)
         up -= region.above
         down -= region.above
         store(rows, LEFT + k, tile_of(there, left, ZERO, wide, PER_X, ZERO))

@@ -7,28 +7,8 @@ import numpy as np
 from ....constants import W
 from ....jit import device
 from ....simd import floor, gather4, lane_count, load, pointer, store, store3
+from ...common.kernels import batch as row
 from ...common.kernels.approximations import exp
-from ...common.kernels.batch import (
-    CHANNELS,
-    COLOUR,
-    COS_L,
-    COS_PHI,
-    COS_V,
-    EX,
-    FORWARD,
-    LEFT,
-    LX,
-    PASSED,
-    PLACE,
-    RADIANCE,
-    RETURNED,
-    SIN_L,
-    SIN_V,
-    TABLE,
-    TX,
-    UNBLOCKED,
-    vector_at,
-)
 from ...common.kernels.light_columns import POWER_R
 from ...common.kernels.numbers import ZERO
 from . import dual
@@ -45,55 +25,56 @@ def dual_scattering(work, n, lights, one, tables):
     nodes = rows.shape[0]
     for k in range(n):
         sin_l, cos_l, sin_v, cos_v, cos_phi, place = dual.angles(
-            vector_at(work, TX, k), vector_at(work, LX, k), vector_at(work, EX, k), nodes
+            row.vector_at(work, row.TX, k), row.vector_at(work, row.LX, k), row.vector_at(work, row.EX, k), nodes
         )
-        work[SIN_L + k] = sin_l
-        work[COS_L + k] = cos_l
-        work[SIN_V + k] = sin_v
-        work[COS_V + k] = cos_v
-        work[COS_PHI + k] = cos_phi
-        work[PLACE + k] = place
+        work[row.SIN_L + k] = sin_l
+        work[row.COS_L + k] = cos_l
+        work[row.SIN_V + k] = sin_v
+        work[row.COS_V + k] = cos_v
+        work[row.COS_PHI + k] = cos_phi
+        work[row.PLACE + k] = place
     look_up(work, n, rows)
     for k in range(n):
         back, through = dual.lobes(
-            work[SIN_L + k], work[COS_L + k], work[SIN_V + k], work[COS_V + k], work[PASSED + k],
-            work[TABLE + dual.SPREAD * W + k], work[TABLE + dual.WIDTH * W + k], work[TABLE + dual.OWN * W + k],
+            work[row.SIN_L + k], work[row.COS_L + k], work[row.SIN_V + k], work[row.COS_V + k], work[row.PASSED + k],
+            work[row.TABLE + dual.SPREAD * W + k], work[row.TABLE + dual.WIDTH * W + k],
+            work[row.TABLE + dual.OWN * W + k],
         )  # fmt: skip
-        work[RETURNED + k] = back
-        work[FORWARD + k] = through
+        work[row.RETURNED + k] = back
+        work[row.FORWARD + k] = through
     for c in range(3):
         power = lights[one, POWER_R + c]
         per = tables.scale[c]
         for k in range(n):
             s = dual.scattered(
-                work[PASSED + k], work[LEFT + k], exp(-work[PASSED + k]), work[COS_PHI + k],
-                (work[RETURNED + k], work[FORWARD + k]),
-                (work[TABLE + (dual.DECAY + c) * W + k], work[TABLE + (dual.MIRROR + c) * W + k],
-                 work[TABLE + (dual.BEAM + c) * W + k], work[TABLE + (dual.ON + c) * W + k],
-                 work[TABLE + (dual.BACK + c) * W + k]),
-                (work[TABLE + (dual.ROUND + c) * W + k], work[TABLE + (dual.COSINE + c) * W + k]),
-                work[COLOUR + c * W + k] * per,
+                work[row.PASSED + k], work[row.LEFT + k], exp(-work[row.PASSED + k]), work[row.COS_PHI + k],
+                (work[row.RETURNED + k], work[row.FORWARD + k]),
+                (work[row.TABLE + (dual.DECAY + c) * W + k], work[row.TABLE + (dual.MIRROR + c) * W + k],
+                 work[row.TABLE + (dual.BEAM + c) * W + k], work[row.TABLE + (dual.ON + c) * W + k],
+                 work[row.TABLE + (dual.BACK + c) * W + k]),
+                (work[row.TABLE + (dual.ROUND + c) * W + k], work[row.TABLE + (dual.COSINE + c) * W + k]),
+                work[row.COLOUR + c * W + k] * per,
             )  # fmt: skip
-            work[RADIANCE + c * W + k] += work[UNBLOCKED + k] * power * s
+            work[row.RADIANCE + c * W + k] += work[row.UNBLOCKED + k] * power * s
 
 
 @device
 def look_up(work, n, table):
     """Store the rows `TABLE` at the places `PLACE` of the first n vertices; table (n_θ, CHANNELS)."""
     for k in range(n, W):  # the unused lanes of the last vector must read valid nodes
-        work[PLACE + k] = ZERO
+        work[row.PLACE + k] = ZERO
     rows, nodes = pointer(work), pointer(table)
     last = np.float32(table.shape[0] - 2)
     for k in range(0, n, lane_count(rows)):
-        place = load(rows, PLACE + k)
+        place = load(rows, row.PLACE + k)
         i = min(floor(place), last)
         part = place - i
-        for c in range(0, CHANNELS, 4):
-            low = gather4(nodes, c, i, CHANNELS, ZERO)
-            high = gather4(nodes, c + CHANNELS, i, CHANNELS, ZERO)
+        for c in range(0, row.CHANNELS, 4):
+            low = gather4(nodes, c, i, row.CHANNELS, ZERO)
+            high = gather4(nodes, c + row.CHANNELS, i, row.CHANNELS, ZERO)
             store3(
-                rows, TABLE + c * W + k, W,
+                rows, row.TABLE + c * W + k, W,
                 low[0] + part * (high[0] - low[0]), low[1] + part * (high[1] - low[1]),
                 low[2] + part * (high[2] - low[2]),
             )  # fmt: skip
-            store(rows, TABLE + (c + 3) * W + k, low[3] + part * (high[3] - low[3]))
+            store(rows, row.TABLE + (c + 3) * W + k, low[3] + part * (high[3] - low[3]))

@@ -10,27 +10,11 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device, parallel, prange
+from ...common.kernels import view_columns as at
 from ...common.kernels.batch import ARRIVES, ROWS, X, set_vector, vector_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
-from ...common.kernels.view_columns import (
-    AXIS_X,
-    AXIS_Y,
-    DEPTH_RANGE,
-    FOCAL,
-    FORWARD_X,
-    FORWARD_Y,
-    FORWARD_Z,
-    NEAR_PLANE,
-    PERSPECTIVE,
-    RIGHT_X,
-    RIGHT_Y,
-    RIGHT_Z,
-    UP_X,
-    UP_Y,
-    UP_Z,
-)
 from ...coverage.kernels.composite import OPAQUE
 from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, between, tile_at
 from ...lighting.kernels.shade_strands import aim, past_solids, past_strands
@@ -147,11 +131,11 @@ def strands(keys, samples, base, begin, lines, view, ids, tangents, angles):
             tangents[y, x, 1] = ay
             tangents[y, x, 2] = az
             # projected along the ray (u, v, 1): the derivative of (x, y) / z, times z
-            tx = view[RIGHT_X] * ax + view[RIGHT_Y] * ay + view[RIGHT_Z] * az
-            ty = view[UP_X] * ax + view[UP_Y] * ay + view[UP_Z] * az
-            tz = view[FORWARD_X] * ax + view[FORWARD_Y] * ay + view[FORWARD_Z] * az
-            u = view[PERSPECTIVE] * (np.float32(column) + HALF - view[AXIS_X]) / view[FOCAL]
-            w = view[PERSPECTIVE] * (view[AXIS_Y] - np.float32(row) - HALF) / view[FOCAL]
+            tx = view[at.RIGHT_X] * ax + view[at.RIGHT_Y] * ay + view[at.RIGHT_Z] * az
+            ty = view[at.UP_X] * ax + view[at.UP_Y] * ay + view[at.UP_Z] * az
+            tz = view[at.FORWARD_X] * ax + view[at.FORWARD_Y] * ay + view[at.FORWARD_Z] * az
+            u = view[at.PERSPECTIVE] * (np.float32(column) + HALF - view[at.AXIS_X]) / view[at.FOCAL]
+            w = view[at.PERSPECTIVE] * (view[at.AXIS_Y] - np.float32(row) - HALF) / view[at.FOCAL]
             angle = math.atan2(ty - w * tz, tx - u * tz)
             angle += PI if angle < ZERO else ZERO
             angles[y, x] = angle if angle < PI else ZERO
@@ -201,14 +185,14 @@ def depths(keys, shares, samples, view, solids, depth, mask, point, ids):
             point[y, x] = ZERO
             if key == EMPTY:
                 continue
-            right = (np.float32(column) + HALF - view[AXIS_X]) / view[FOCAL]
-            up = (view[AXIS_Y] - np.float32(row) - HALF) / view[FOCAL]
+            right = (np.float32(column) + HALF - view[at.AXIS_X]) / view[at.FOCAL]
+            up = (view[at.AXIS_Y] - np.float32(row) - HALF) / view[at.FOCAL]
             ox, oy, oz, dx, dy, dz = rays.ray(view, right, up)
             q = np.uint32(LOW - (key >> SHIFT)).view(np.float32)
-            t = ONE / q if view[PERSPECTIVE] > ZERO else view[NEAR_PLANE] + (ONE - q) * view[DEPTH_RANGE]
+            t = ONE / q if view[at.PERSPECTIVE] > ZERO else view[at.NEAR_PLANE] + (ONE - q) * view[at.DEPTH_RANGE]
             if (key & LOW) >= FIRST:
                 which = np.int64((key & LOW) - FIRST)
-                if view[PERSPECTIVE] == ZERO:  # keys are clamped to the depth range, solids are not
+                if view[at.PERSPECTIVE] == ZERO:  # keys are clamped to the depth range, solids are not
                     far = rays.meet(solids, which, ox, oy, oz, dx, dy, dz)
                     t = far if far < INF else t
                 ids[y, x] = -2

@@ -10,19 +10,8 @@ from numpy.typing import NDArray
 from ....constants import W
 from ....jit import device, inlined, parallel, prange
 from ....simd import broadcast, floor, load, load3, pointer, sqrt, store, where
+from ...common.kernels import view_columns as at
 from ...common.kernels.numbers import ONE, TWO, ZERO
-from ...common.kernels.view_columns import (
-    AXIS_X,
-    AXIS_Y,
-    CORNER_STRETCH,
-    FOCAL,
-    NEAR_PLANE,
-    PERSPECTIVE,
-    SCREEN_HEIGHT,
-    SCREEN_WIDTH,
-    SLANT_X,
-    SLANT_Y,
-)
 from ...view.kernels.project import to_view
 from .tangents import LANES, STEP, difference, first_place, tangent
 
@@ -167,33 +156,33 @@ def second_difference(ex, ey, ez, tx, ty, tz, sx, sy, sz, third):
 @device
 def sides_of(view):
     """Return the `Sides` of a view."""
-    focal = view[FOCAL]
-    right, below = view[SCREEN_WIDTH] - view[AXIS_X], view[SCREEN_HEIGHT] - view[AXIS_Y]
-    return Sides(view[AXIS_X] / focal, right / focal, view[AXIS_Y] / focal, below / focal)
+    focal = view[at.FOCAL]
+    right, below = view[at.SCREEN_WIDTH] - view[at.AXIS_X], view[at.SCREEN_HEIGHT] - view[at.AXIS_Y]
+    return Sides(view[at.AXIS_X] / focal, right / focal, view[at.AXIS_Y] / focal, below / focal)
 
 
 @inlined
 def greatest_scale(u0, v0, z0, u1, v1, z1, margin, sides, view):
     """Return the greatest number of pixels a metre within a margin, metres, around segments in view coordinates; 0 if
     none of that is on the screen; sides: `sides_of` the view. Vectors."""
-    near = view[NEAR_PLANE]
+    near = view[at.NEAR_PLANE]
     none = broadcast(margin, ZERO)
     f0 = f1 = none + ONE
-    if view[PERSPECTIVE] > ZERO:
+    if view[at.PERSPECTIVE] > ZERO:
         f0 = max(z0, near)
         f1 = max(z1, near)
-    wide = margin * view[SLANT_X]
-    tall = margin * view[SLANT_Y]
+    wide = margin * view[at.SLANT_X]
+    tall = margin * view[at.SLANT_Y]
     off = max(z0, z1) + margin < near
     off = off | (min(u0 - sides.right * f0, u1 - sides.right * f1) > wide)
     off = off | (min(-u0 - sides.left * f0, -u1 - sides.left * f1) > wide)
     off = off | (min(v0 - sides.above * f0, v1 - sides.above * f1) > tall)
     off = off | (min(-v0 - sides.below * f0, -v1 - sides.below * f1) > tall)
-    scale = none + view[FOCAL]
-    if view[PERSPECTIVE] > ZERO:
+    scale = none + view[at.FOCAL]
+    if view[at.PERSPECTIVE] > ZERO:
         least = max(min(z0, z1) - margin, near)
         u = max(abs(u0), abs(u1)) + margin
         v = max(abs(v0), abs(v1)) + margin
         # away from the axis a length along the depth shows as well
-        scale = scale * (min(sqrt(ONE + (u * u + v * v) / (least * least)), view[CORNER_STRETCH]) / least)
+        scale = scale * (min(sqrt(ONE + (u * u + v * v) / (least * least)), view[at.CORNER_STRETCH]) / least)
     return where(off, none, scale)

@@ -10,22 +10,7 @@ from ....constants import W
 from ....jit import device, function
 from ....jit.indices import FIRST, SECOND, THIRD
 from ...common.kernels.numbers import HALF, ONE, ZERO
-from .occlusion import (
-    COUNT_X,
-    COUNT_Y,
-    COUNT_Z,
-    DENSITY,
-    MIDDLE_X,
-    PER_METRE_X,
-    PER_METRE_Y,
-    PER_METRE_Z,
-    XX,
-    XY,
-    XZ,
-    YY,
-    YZ,
-    ZZ,
-)
+from . import occlusion
 
 
 @function
@@ -63,7 +48,10 @@ def count_strands(positions, chosen, width, taper, scale, shares, weight, box, c
 @device
 def piece(x, y, z, dx, dy, dz, length, width, box, cells):
     """Add a straight segment to the cells, with one sample for each cell along the axis on which it crosses most."""
-    most = max(max(abs(dx) * box[PER_METRE_X], abs(dy) * box[PER_METRE_Y]), abs(dz) * box[PER_METRE_Z])
+    most = max(
+        max(abs(dx) * box[occlusion.PER_METRE_X], abs(dy) * box[occlusion.PER_METRE_Y]),
+        abs(dz) * box[occlusion.PER_METRE_Z],
+    )
     steps = np.ceil(min(most, np.float32(1e4))) + ONE
     per = ONE / steps
     share = width * length * per
@@ -75,18 +63,18 @@ def piece(x, y, z, dx, dy, dz, length, width, box, cells):
         a = place(x + t * dx, box, FIRST)
         b = place(y + t * dy, box, SECOND)
         c = place(z + t * dz, box, THIRD)
-        cell = (a * np.int64(box[COUNT_Y]) + b) * np.int64(box[COUNT_Z]) + c
-        cells[cell, DENSITY] += share
-        cells[cell, XX] += share * tx * tx
-        cells[cell, XY] += share * tx * ty
-        cells[cell, XZ] += share * tx * tz
-        cells[cell, YY] += share * ty * ty
-        cells[cell, YZ] += share * ty * tz
-        cells[cell, ZZ] += share * tz * tz
+        cell = (a * np.int64(box[occlusion.COUNT_Y]) + b) * np.int64(box[occlusion.COUNT_Z]) + c
+        cells[cell, occlusion.DENSITY] += share
+        cells[cell, occlusion.XX] += share * tx * tx
+        cells[cell, occlusion.XY] += share * tx * ty
+        cells[cell, occlusion.XZ] += share * tx * tz
+        cells[cell, occlusion.YY] += share * ty * ty
+        cells[cell, occlusion.YZ] += share * ty * tz
+        cells[cell, occlusion.ZZ] += share * tz * tz
 
 
 @device
 def place(x, box, axis):
     """Return the number of the cell along an axis, clamped to the grid."""
-    u = (x - box[MIDDLE_X + axis]) * box[PER_METRE_X + axis] + HALF
-    return np.int64(min(max(u, ZERO), box[COUNT_X + axis] - ONE))
+    u = (x - box[occlusion.MIDDLE_X + axis]) * box[occlusion.PER_METRE_X + axis] + HALF
+    return np.int64(min(max(u, ZERO), box[occlusion.COUNT_X + axis] - ONE))

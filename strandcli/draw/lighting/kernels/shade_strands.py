@@ -14,25 +14,8 @@ from ....constants import W
 from ....jit import device, inlined, parallel, prange
 from ....jit.balance import places, task_at
 from ....simd import floor, lane_count, load, pointer, store3
+from ...common.kernels import batch as row
 from ...common.kernels.approximations import exp
-from ...common.kernels.batch import (
-    ARRIVES,
-    COLOUR,
-    EX,
-    EXTRA,
-    INSIDE,
-    LEFT,
-    LX,
-    PASSED,
-    RADIANCE,
-    REACH,
-    ROWS,
-    TX,
-    UNBLOCKED,
-    X,
-    set_vector,
-    vector_at,
-)
 from ...common.kernels.light_columns import (
     BIAS,
     CLEAR_ROW,
@@ -81,8 +64,8 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
     tasks = np.int64((count + STRANDS - 1) // STRANDS)
     for turn in prange(places(tasks)):
         task = task_at(np.int64(turn), tasks)
-        work = np.empty(ROWS * W, np.float32)
-        work[EXTRA : EXTRA + 3 * W] = ZERO
+        work = np.empty(row.ROWS * W, np.float32)
+        work[row.EXTRA : row.EXTRA + 3 * W] = ZERO
         which = np.empty(W, np.int64)
         marked = np.empty(longest(vertices.first, task * STRANDS, min((task + 1) * STRANDS, count)), np.int64)
         n = np.int64(0)  # with a literal, Numba would compile the functions below twice
@@ -120,10 +103,10 @@ def load_vertex(vertices, s, v, begin, end, per, work, k):
     high = v + NEXT if v + NEXT < end else v
     for c in range(np.uint64(3)):
         at = c * np.uint64(W) + k
-        work[np.uint64(X) + at] = world[v, c]
-        work[np.uint64(TX) + at] = world[high, c] - world[low, c] if ways.shape[0] == 0 else ways[v, c]
-    work[np.uint64(COLOUR) + k] = np.float32(np.int64(v - begin)) * per if along.shape[0] == 0 else along[v]
-    work[np.uint64(COLOUR + W) + k] = vertices.tones[s]
+        work[np.uint64(row.X) + at] = world[v, c]
+        work[np.uint64(row.TX) + at] = world[high, c] - world[low, c] if ways.shape[0] == 0 else ways[v, c]
+    work[np.uint64(row.COLOUR) + k] = np.float32(np.int64(v - begin)) * per if along.shape[0] == 0 else along[v]
+    work[np.uint64(row.COLOUR + W) + k] = vertices.tones[s]
 
 
 @device
@@ -133,17 +116,17 @@ def load_colours(paint, work, n):
     if tint.shape[0] == 0:
         for c in range(3):
             for k in range(n):
-                work[COLOUR + c * W + k] = paint.colour[c]
+                work[row.COLOUR + c * W + k] = paint.colour[c]
         return
     for k in range(n, W):  # the unused lanes of the last vector must read valid entries
-        work[COLOUR + k] = work[COLOUR + W + k] = ZERO
+        work[row.COLOUR + k] = work[row.COLOUR + W + k] = ZERO
     rows = pointer(work)
     for k in range(0, n, lane_count(rows)):
-        place = place_in(tint, load(rows, COLOUR + k), load(rows, COLOUR + W + k))
+        place = place_in(tint, load(rows, row.COLOUR + k), load(rows, row.COLOUR + W + k))
         red, green, blue, extra_red = mixed(tint, ALL, place)
         extra_green, extra_blue = mixed_pair(tint, LAST_TWO, place)
-        store3(rows, COLOUR + k, W, red, green, blue)
-        store3(rows, EXTRA + k, W, extra_red, extra_green, extra_blue)
+        store3(rows, row.COLOUR + k, W, red, green, blue)
+        store3(rows, row.EXTRA + k, W, extra_red, extra_green, extra_blue)
 
 
 @inlined
@@ -169,7 +152,7 @@ def store_radiance(work, which, n, out):
     for k in range(np.uint64(n)):
         v = np.uint64(which[k])
         for c in range(np.uint64(3)):
-            out[v, c] = work[np.uint64(RADIANCE) + c * np.uint64(W) + k]
+            out[v, c] = work[np.uint64(row.RADIANCE) + c * np.uint64(W) + k]
 
 
 @device
@@ -195,7 +178,7 @@ def add_light(work, n, which, i, diffuse, tables, dual, lights, shadows, wide):
     past_strands(work, n, lights, i, shadows, dual)
     if lights.clear.shape[0] > 0 and rows[i, CLEAR_ROW] > ZERO:
         for k in range(n):
-            work[ARRIVES + k] *= lights.clear[np.int64(rows[i, CLEAR_ROW]) - 1, which[k]]
+            work[row.ARRIVES + k] *= lights.clear[np.int64(rows[i, CLEAR_ROW]) - 1, which[k]]
     if wide is not None:
         width_profiles.save_radiance(work)
     if dual is not None and rows[i, MAP_LAYERS] > ZERO:
@@ -231,8 +214,8 @@ def past_strands(work, n, lights, i, shadows, dual):
             shade_by_minmax(work, n, shadows, one, bias)
         return
     for k in range(n):
-        work[PASSED + k] = ZERO
-        work[LEFT + k] = ZERO
+        work[row.PASSED + k] = ZERO
+        work[row.LEFT + k] = ZERO
     layers = np.int64(rows[i, MAP_LAYERS])
     width = rows[i, STRAND_WIDTH]
     over = rows[i, PER_FALL]
@@ -241,10 +224,10 @@ def past_strands(work, n, lights, i, shadows, dual):
         if dual is not None:
             count_behind(work, n, shadows, one, bias, width)
     for k in range(n):
-        work[UNBLOCKED + k] = work[ARRIVES + k]
+        work[row.UNBLOCKED + k] = work[row.ARRIVES + k]
     if lights.clear.shape[0] == 0 or rows[i, CLEAR_ROW] == ZERO:
         for k in range(n):
-            work[ARRIVES + k] *= exp(-work[PASSED + k])
+            work[row.ARRIVES + k] *= exp(-work[row.PASSED + k])
 
 
 @device
@@ -253,12 +236,12 @@ def frames(work, n, view):
     perspective = view[PERSPECTIVE]
     straight = perspective - ONE  # for an orthographic view the direction is −forward
     for k in range(n):
-        set_vector(work, TX, k, unit(vector_at(work, TX, k)))
-        x, y, z = vector_at(work, X, k)
+        row.set_vector(work, row.TX, k, unit(row.vector_at(work, row.TX, k)))
+        x, y, z = row.vector_at(work, row.X, k)
         x = perspective * (view[EYE_X] - x) + straight * view[FORWARD_X]
         y = perspective * (view[EYE_Y] - y) + straight * view[FORWARD_Y]
         z = perspective * (view[EYE_Z] - z) + straight * view[FORWARD_Z]
-        set_vector(work, EX, k, unit((x, y, z)))
+        row.set_vector(work, row.EX, k, unit((x, y, z)))
 
 
 @inlined
@@ -273,8 +256,8 @@ def unit(vector):
 def aim(work, n, lights, i):
     """Store direction and distance to light number i, and its falloff in `ARRIVES`."""
     for k in range(n):
-        x, y, z, reach, falloff = toward(lights, i, vector_at(work, X, k))
-        set_vector(work, LX, k, (x, y, z))
-        work[REACH + k] = reach
-        work[ARRIVES + k] = falloff
-        work[INSIDE + k] = ZERO
+        x, y, z, reach, falloff = toward(lights, i, row.vector_at(work, row.X, k))
+        row.set_vector(work, row.LX, k, (x, y, z))
+        work[row.REACH + k] = reach
+        work[row.ARRIVES + k] = falloff
+        work[row.INSIDE + k] = ZERO

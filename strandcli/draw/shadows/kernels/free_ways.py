@@ -16,19 +16,10 @@ from ....constants import W
 from ....jit import device, parallel, prange
 from ....simd import broadcast, floor, gather, lane_count, load, load3, pointer, store, where
 from ....solids.kernels import other_edges
+from ...common.kernels import view_columns as at
 from ...common.kernels.batch import LEAST, LIST, RADIUS, WX, X, set_vector, vector_at
 from ...common.kernels.light_columns import LIGHT_SIZE
 from ...common.kernels.numbers import HALF, ONE, ZERO
-from ...common.kernels.view_columns import (
-    AXIS_X,
-    AXIS_Y,
-    DEPTH_RANGE,
-    EYE_X,
-    FOCAL,
-    FORWARD_X,
-    RIGHT_X,
-    UP_X,
-)
 from .minmax import texel_of
 from .penumbra import SHARP
 
@@ -60,21 +51,21 @@ def measure(lights, views, solids, skin, depths):
         for column in range(SIDE):
             work[column] = np.float32(column)
         rows = pointer(work)
-        per = ONE / views[i, FOCAL]
-        up = (views[i, AXIS_Y] - HALF - np.float32(row)) * per
+        per = ONE / views[i, at.FOCAL]
+        up = (views[i, at.AXIS_Y] - HALF - np.float32(row)) * per
         light = max(lights[i, LIGHT_SIZE], SHARP), skin, skin
         for k in range(0, SIDE, lane_count(rows)):
-            right = (load(rows, k) + (HALF - views[i, AXIS_X])) * per
+            right = (load(rows, k) + (HALF - views[i, at.AXIS_X])) * per
             none = ZERO * right
             point = (
-                right * views[i, RIGHT_X] + (up * views[i, UP_X] + views[i, EYE_X]),
-                right * views[i, RIGHT_X + 1] + (up * views[i, UP_X + 1] + views[i, EYE_X + 1]),
-                right * views[i, RIGHT_X + 2] + (up * views[i, UP_X + 2] + views[i, EYE_X + 2]),
+                right * views[i, at.RIGHT_X] + (up * views[i, at.UP_X] + views[i, at.EYE_X]),
+                right * views[i, at.RIGHT_X + 1] + (up * views[i, at.UP_X + 1] + views[i, at.EYE_X + 1]),
+                right * views[i, at.RIGHT_X + 2] + (up * views[i, at.UP_X + 2] + views[i, at.EYE_X + 2]),
             )
             way = (
-                none + views[i, FORWARD_X], none + views[i, FORWARD_X + 1], none + views[i, FORWARD_X + 2],
+                none + views[i, at.FORWARD_X], none + views[i, at.FORWARD_X + 1], none + views[i, at.FORWARD_X + 2],
             )  # fmt: skip
-            store(rows, k, other_edges.free_depth(solids, point, way, none + views[i, DEPTH_RANGE], light))
+            store(rows, k, other_edges.free_depth(solids, point, way, none + views[i, at.DEPTH_RANGE], light))
         for column in range(SIDE):
             depths[i, row, column] = work[column]
 

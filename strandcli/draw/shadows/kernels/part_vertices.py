@@ -16,26 +16,8 @@ from ....simd import any_lane
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.lines import Window
-from . import cell_extents, straight_parts
+from . import cell_extents, map_parts, straight_parts
 from .deep_strands import weight_at
-from .map_parts import (
-    AT,
-    BOTTOM,
-    COUNT,
-    DEPTH,
-    GROUP,
-    SHORT,
-    TINY,
-    TOP,
-    WIDE,
-    X,
-    Y,
-    depth_of,
-    part_range,
-    place_of,
-    shared_before,
-    width_of,
-)
 
 STRANDS = 64
 """Strands a task."""
@@ -56,21 +38,21 @@ def thin(strands, sketch, view, size, kept, found, places, costs, extents):
     window = Window(0, size, size)
     for task in prange((count + STRANDS - 1) // STRANDS):
         begin, end = np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, count)
-        at = low = strands.first[begin] + shared_before(strands.first, begin)
-        limit = strands.first[end] + shared_before(strands.first, end)
+        at = low = strands.first[begin] + map_parts.shared_before(strands.first, begin)
+        limit = strands.first[end] + map_parts.shared_before(strands.first, end)
         work = np.empty(max(straight_parts.ROOM, cell_extents.ROOM), np.float32)
         straight_parts.start(work)
         longest = ZERO
         for s in range(begin, end):
-            row = s + shared_before(strands.first, s)
-            for number in range(s + 1 + shared_before(strands.first, s + 1) - row):
+            row = s + map_parts.shared_before(strands.first, s)
+            for number in range(s + 1 + map_parts.shared_before(strands.first, s + 1) - row):
                 part = row + number
-                found[part, AT] = at
+                found[part, map_parts.AT] = at
                 length = write_part(work, strands, s, number, sketch, view, size, (kept, found, costs), limit)
-                if found[part, COUNT] > 0:
-                    at += found[part, COUNT]
+                if found[part, map_parts.COUNT] > 0:
+                    at += found[part, map_parts.COUNT]
                     longest = max(longest, length)
-                    places[part] = place_of(strands, s, number, size)
+                    places[part] = map_parts.place_of(strands, s, number, size)
         if extents.shape[0] > 0 and at > low:  # of all parts at once: vectors wait for what was just written
             cell_extents.start(work)
             cell_extents.widen(work, kept, low, at - low, longest, window, extents)
@@ -83,16 +65,16 @@ def write_part(work, strands, s, number, sketch, view, size, out, limit):
 
     work: rows of `straight_parts`; out: `kept`, `found` and `costs` of `thin`; limit: of `straight_parts.write`."""
     kept, found, costs = out
-    begin, last = part_range(strands.first, s, number)
-    part = s + shared_before(strands.first, s) + number
-    found[part, COUNT] = 0
+    begin, last = map_parts.part_range(strands.first, s, number)
+    part = s + map_parts.shared_before(strands.first, s) + number
+    found[part, map_parts.COUNT] = 0
     if begin >= last:
         return ZERO
-    width = width_of(strands.width, strands.scale, s)
+    width = map_parts.width_of(strands.width, strands.scale, s)
     thin = width * strands.taper / np.float32(max(strands.first[s + 1] - strands.first[s] - 1, 1))
     if straight_parts.fits(begin, last, strands.screen, view):
         strand = s, strands.first[s], begin, last, width, thin, size
-        at = np.int64(found[part, AT])
+        at = np.int64(found[part, map_parts.AT])
         n, length = straight_parts.write(work, strands, sketch, view, strand, kept, at, limit)
         if n >= 0:
             note(kept, at, n, size, found, part, costs)
@@ -105,12 +87,17 @@ def note(kept, at, count, size, found, part, costs):
     """Write what is found of a part with so many vertices from number `at` of `kept` on, and its cost, where there are
     bands."""
     if costs.shape[0] == 0:
-        found[part, COUNT], found[part, TOP], found[part, BOTTOM] = count, 0, size - 1
+        found[part, map_parts.COUNT], found[part, map_parts.TOP], found[part, map_parts.BOTTOM] = count, 0, size - 1
         return
     low, high, cost = INF, -INF, ZERO
     for k in range(at + 1, at + count):
-        if kept[k, WIDE] >= ZERO:
-            x0, y0, x1, y1 = kept[k - 1, X], kept[k - 1, Y], kept[k, X], kept[k, Y]
+        if kept[k, map_parts.WIDE] >= ZERO:
+            x0, y0, x1, y1 = (
+                kept[k - 1, map_parts.X],
+                kept[k - 1, map_parts.Y],
+                kept[k, map_parts.X],
+                kept[k, map_parts.Y],
+            )
             low, high = min(low, min(y0, y1)), max(high, max(y0, y1))
             cost += ONE + HALF * min(max(abs(x1 - x0), abs(y1 - y0)), np.float32(size))
     note_rows(low, high, cost, count, size, found, part, costs)
@@ -121,9 +108,9 @@ def note_rows(low, high, cost, count, size, found, part, costs):
     """Write what is found of a part between two rows, texels, if the map has them."""
     # splats of flat segments add to the row next to theirs
     if low <= high and high >= -ONE and low <= np.float32(size):
-        found[part, COUNT] = count
-        found[part, TOP] = max(np.int64(low) - 1, 0)
-        found[part, BOTTOM] = min(np.int64(min(high, np.float32(size))) + 1, size - 1)
+        found[part, map_parts.COUNT] = count
+        found[part, map_parts.TOP] = max(np.int64(low) - 1, 0)
+        found[part, map_parts.BOTTOM] = min(np.int64(min(high, np.float32(size))) + 1, size - 1)
         if costs.shape[0] > 0:
             costs[part] = cost
 
@@ -133,30 +120,30 @@ def thin_part(strands, s, number, sketch, view, size, out, along):
     """Do as `write_part`, vertex by vertex, and leave out those less than `SHORT` behind the last; along: of the
     strands. Return the length of the longest segment along an axis, texels."""
     kept, found, costs = out
-    width = width_of(strands.width, strands.scale, s)
+    width = map_parts.width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
     a = strands.first[s]
     thin = width * strands.taper / np.float32(max(strands.first[s + 1] - a - 1, 1))
     middle = HALF * np.float32(size)
-    begin, last = part_range(strands.first, s, number)
-    part = s + shared_before(strands.first, s) + number
-    at = np.int64(found[part, AT])
+    begin, last = map_parts.part_range(strands.first, s, number)
+    part = s + map_parts.shared_before(strands.first, s) + number
+    at = np.int64(found[part, map_parts.AT])
     longest = ZERO
     low, high, cost, n = INF, -INF, ZERO, at
     u = begin
     x0, y0, q0 = screen[u, 0], screen[u, 1], screen[u, 2]
-    d0 = depth_of(q0, near, far) if q0 > ZERO else ONE
-    kept[n, X], kept[n, Y], kept[n, DEPTH], kept[n, WIDE] = x0, y0, d0, -ONE
+    d0 = map_parts.depth_of(q0, near, far) if q0 > ZERO else ONE
+    kept[n, map_parts.X], kept[n, map_parts.Y], kept[n, map_parts.DEPTH], kept[n, map_parts.WIDE] = x0, y0, d0, -ONE
     way = ZERO  # from the last vertex by way of those that are left out
     weight, ends = ONE, begin if sketch.chances.shape[0] > 0 else last  # of the group of segments up to `ends`
     for v in range(begin + 1, last + 1):
         if v > ends:
-            ends = min(v + GROUP - 1, last)
-            weight = weight_of_vertex(sketch, screen, min(v + GROUP // 2 - 1, last), view, s)
+            ends = min(v + map_parts.GROUP - 1, last)
+            weight = weight_of_vertex(sketch, screen, min(v + map_parts.GROUP // 2 - 1, last), view, s)
         if weight == ZERO and v < ends:
             continue
         x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
-        d1 = depth_of(q1, near, far) if q1 > ZERO else ONE
+        d1 = map_parts.depth_of(q1, near, far) if q1 > ZERO else ONE
         there = q0 > ZERO and q1 > ZERO and weight > ZERO
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
         if v < ends and there and too_short((x0, y0, d0), (x1, y1, d1), scale):
@@ -170,16 +157,16 @@ def thin_part(strands, s, number, sketch, view, size, out, along):
                 w = width * (ONE - strands.taper * HALF * (along[u] + along[v]))
             w *= weight * scale * widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, view)
             if way > ZERO:
-                w *= (way + distance(screen, v - 1, v)) / max(distance(screen, u, v), TINY)
+                w *= (way + distance(screen, v - 1, v)) / max(distance(screen, u, v), map_parts.TINY)
             low, high = min(low, min(y0, y1)), max(high, max(y0, y1))
             length = max(abs(x1 - x0), abs(y1 - y0))
             longest = max(longest, length)
             cost += ONE + HALF * min(length, np.float32(size))
-        if there or kept[n, WIDE] >= ZERO:
+        if there or kept[n, map_parts.WIDE] >= ZERO:
             n += 1
-        kept[n, X], kept[n, Y], kept[n, DEPTH], kept[n, WIDE] = x1, y1, d1, w
+        kept[n, map_parts.X], kept[n, map_parts.Y], kept[n, map_parts.DEPTH], kept[n, map_parts.WIDE] = x1, y1, d1, w
         u, x0, y0, q0, d0, way = v, x1, y1, q1, d1, ZERO
-    last_ends = np.int32(kept[n, WIDE] >= ZERO)  # at the last vertex a segment may not end
+    last_ends = np.int32(kept[n, map_parts.WIDE] >= ZERO)  # at the last vertex a segment may not end
     note_rows(low, high, cost, n - at + last_ends, size, found, part, costs)
     return longest
 
@@ -189,7 +176,7 @@ def weight_of_vertex(sketch, screen, v, view, s):
     """Return the weight of strand s at a vertex; 1 where that is behind a light."""
     if not screen[v, 2] > ZERO:
         return ONE
-    depth = depth_of(screen[v, 2], view.near, view.far)
+    depth = map_parts.depth_of(screen[v, 2], view.near, view.far)
     return weight_at(sketch, screen[v, 0], screen[v, 1], depth, sketch.chances[s])
 
 
@@ -198,7 +185,7 @@ def too_short(begin, end, scale):
     """Return whether a segment is less than `SHORT` along all axes. begin, end: x and y, texels, and depth, metres;
     scale: texels a metre."""
     dx, dy, rise = end[0] - begin[0], end[1] - begin[1], end[2] - begin[2]
-    return max(max(abs(dx), abs(dy)), abs(rise) * scale) < SHORT
+    return max(max(abs(dx), abs(dy)), abs(rise) * scale) < map_parts.SHORT
 
 
 @inlined

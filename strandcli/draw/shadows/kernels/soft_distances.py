@@ -14,24 +14,7 @@ from ....constants import W
 from ....jit import device, inlined
 from ....simd import lane_count, load, load3, pointer, store, where
 from ....solids.kernels import other, other_edges
-from ...common.kernels.batch import (
-    ASKED,
-    AT_NEAR,
-    DX,
-    END,
-    FAR,
-    HIGH,
-    LEAST,
-    LIST,
-    LX,
-    NEAR,
-    RADIUS,
-    REACH,
-    WX,
-    X,
-    set_vector,
-    vector_at,
-)
+from ...common.kernels import batch as row
 from ...common.kernels.numbers import ONE, ZERO
 from .free_ways import list_others
 
@@ -55,8 +38,17 @@ class Rays(NamedTuple):
     """How far the ray has come, metres."""
 
 
-OWN = Rays(np.int64(X), np.int64(LX), np.int64(REACH), np.int64(RADIUS), np.int64(LEAST), np.int64(AT_NEAR))
-LISTED = Rays(np.int64(WX), np.int64(DX), np.int64(END), np.int64(NEAR), np.int64(HIGH), np.int64(FAR))
+OWN = Rays(
+    np.int64(row.X),
+    np.int64(row.LX),
+    np.int64(row.REACH),
+    np.int64(row.RADIUS),
+    np.int64(row.LEAST),
+    np.int64(row.AT_NEAR),
+)
+LISTED = Rays(
+    np.int64(row.WX), np.int64(row.DX), np.int64(row.END), np.int64(row.NEAR), np.int64(row.HIGH), np.int64(row.FAR)
+)
 
 
 @device
@@ -65,17 +57,17 @@ def by_distances(work, n, solids, lift, skin):
     seen from points moved by `lift` metres toward the lights. Rows of `batch`: positions, lights, `RADIUS`."""
     for m in range(other.count(solids)):
         for k in range(n):
-            work[AT_NEAR + k] = ZERO
+            work[row.AT_NEAR + k] = ZERO
         go(work, n, OWN, solids, m, (lift, skin), FEW)
         count = np.int64(0)
         for k in range(n):
-            work[LIST + count] = np.float32(k)
-            count += np.int64(work[ASKED + k])
+            work[row.LIST + count] = np.float32(k)
+            count += np.int64(work[row.ASKED + k])
         if count > 0:
             gather(work, count)
             go(work, count, LISTED, solids, m, (lift, skin), ALL)
             for j in range(count):
-                work[LEAST + np.int64(work[LIST + j])] = work[HIGH + j]
+                work[row.LEAST + np.int64(work[row.LIST + j])] = work[row.HIGH + j]
 
 
 @device
@@ -85,25 +77,25 @@ def by_distances_of_some(work, n, i, solids, skin, free):
     if count == 0:
         return
     for k in range(n):
-        work[AT_NEAR + k] = ZERO
+        work[row.AT_NEAR + k] = ZERO
     for m in range(other.count(solids)):
         gather(work, count)
         go(work, count, LISTED, solids, m, (skin, skin), ALL)
         for j in range(count):
-            work[LEAST + np.int64(work[LIST + j])] = work[HIGH + j]
+            work[row.LEAST + np.int64(work[row.LIST + j])] = work[row.HIGH + j]
 
 
 @device
 def gather(work, count):
     """Copy the rows `OWN` of listed rays to `LISTED`."""
     for j in range(count):
-        k = np.int64(work[LIST + j])
-        set_vector(work, WX, j, vector_at(work, X, k))
-        set_vector(work, DX, j, vector_at(work, LX, k))
-        work[END + j] = work[REACH + k]
-        work[NEAR + j] = work[RADIUS + k]
-        work[HIGH + j] = work[LEAST + k]
-        work[FAR + j] = work[AT_NEAR + k]
+        k = np.int64(work[row.LIST + j])
+        row.set_vector(work, row.WX, j, row.vector_at(work, row.X, k))
+        row.set_vector(work, row.DX, j, row.vector_at(work, row.LX, k))
+        work[row.END + j] = work[row.REACH + k]
+        work[row.NEAR + j] = work[row.RADIUS + k]
+        work[row.HIGH + j] = work[row.LEAST + k]
+        work[row.FAR + j] = work[row.AT_NEAR + k]
 
 
 @device
@@ -144,4 +136,4 @@ def keep(rows, k, at, t, least, ray):
     _, _, end, _, light = ray
     store(rows, at.least + k, least)
     store(rows, at.place + k, t)
-    store(rows, ASKED + k, where((t < end) & (least > -light[1]), ONE, ZERO * t))
+    store(rows, row.ASKED + k, where((t < end) & (least > -light[1]), ONE, ZERO * t))

@@ -15,27 +15,7 @@ from ....jit import device, function, inlined
 from ....solids.kernels import other
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.shapes import capsule, plane, sphere
-from ...common.kernels.batch import (
-    ARRIVES,
-    ASKED,
-    AT_FAR,
-    AT_NEAR,
-    DX,
-    END,
-    FAR,
-    HIGH,
-    LEAST,
-    LIST,
-    LOW,
-    LX,
-    NEAR,
-    RADIUS,
-    REACH,
-    WX,
-    X,
-    set_vector,
-    vector_at,
-)
+from ...common.kernels import batch as row
 from ...common.kernels.golden_section import CLOSER
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from ...common.kernels.numbers import HALF, ONE, ZERO
@@ -58,10 +38,10 @@ def soft_shadows(work, n, lights, i, solids, skin, free):
     size = lights[i, LIGHT_SIZE]
     point = lights[i, KIND]
     for k in range(n):
-        radius = penumbra.seen_from(size, point, work[REACH + k])
-        work[RADIUS + k] = radius
+        radius = penumbra.seen_from(size, point, work[row.REACH + k])
+        work[row.RADIUS + k] = radius
         # without incoming light the point counts as fully occluded
-        work[LEAST + k] = radius if work[ARRIVES + k] > ZERO else -radius
+        work[row.LEAST + k] = radius if work[row.ARRIVES + k] > ZERO else -radius
     past_built_in(solids, work, n, skin)
     if other.count(solids) > 0:
         if other.takes_vectors(solids):
@@ -69,7 +49,7 @@ def soft_shadows(work, n, lights, i, solids, skin, free):
         else:
             by_distance(work, n, solids, skin)
     for k in range(n):
-        work[ARRIVES + k] *= penumbra.share(work[LEAST + k], work[RADIUS + k])
+        work[row.ARRIVES + k] *= penumbra.share(work[row.LEAST + k], work[row.RADIUS + k])
 
 
 @device
@@ -95,12 +75,12 @@ def past_built_in(solids, work, n, skin):
         by_plane(work, n, x, y, z, solids.planes[m, plane.HEIGHT], skin)
     for m in range(solids.boxes.shape[0]):
         for k in range(n):
-            if work[LEAST + k] > -work[RADIUS + k]:
+            if work[row.LEAST + k] > -work[row.RADIUS + k]:
                 x, y, z = lifted(work, k, skin)
-                lx, ly, lz = vector_at(work, LX, k)
-                ray = penumbra.LightRay(x, y, z, lx, ly, lz, work[REACH + k])
-                least = penumbra.box(solids.boxes, m, ray, skin, work[RADIUS + k])
-                work[LEAST + k] = min(work[LEAST + k], least)
+                lx, ly, lz = row.vector_at(work, row.LX, k)
+                ray = penumbra.LightRay(x, y, z, lx, ly, lz, work[row.REACH + k])
+                least = penumbra.box(solids.boxes, m, ray, skin, work[row.RADIUS + k])
+                work[row.LEAST + k] = min(work[row.LEAST + k], least)
 
 
 @device
@@ -124,18 +104,18 @@ def any_may_see(work, n, capsules, skin):
     found = np.int32(0)
     for k in range(n):
         px, py, pz = lifted(work, k, skin)
-        lx, ly, lz = vector_at(work, LX, k)
-        radius = work[RADIUS + k]
+        lx, ly, lz = row.vector_at(work, row.LX, k)
+        radius = work[row.RADIUS + k]
         free = penumbra.aside(r, x - px, y - py, z - pz, lx, ly, lz, radius)
-        found |= np.int32(ZERO if free | (work[LEAST + k] <= -radius) else ONE)
+        found |= np.int32(ZERO if free | (work[row.LEAST + k] <= -radius) else ONE)
     return found != 0
 
 
 @inlined
 def lifted(work, k, skin):
     """Return point number k, moved by `skin` toward the light."""
-    x, y, z = vector_at(work, X, k)
-    lx, ly, lz = vector_at(work, LX, k)
+    x, y, z = row.vector_at(work, row.X, k)
+    lx, ly, lz = row.vector_at(work, row.LX, k)
     return x + skin * lx, y + skin * ly, z + skin * lz
 
 
@@ -144,9 +124,9 @@ def by_ball(work, n, cx, cy, cz, r, skin):
     """Reduce the rows `LEAST` to the sines of the angles to the edge of a ball of centre c and radius r, metres."""
     for k in range(n):
         x, y, z = lifted(work, k, skin)
-        lx, ly, lz = vector_at(work, LX, k)
-        least = penumbra.ball(r, cx - x, cy - y, cz - z, lx, ly, lz, work[REACH + k])
-        work[LEAST + k] = min(work[LEAST + k], least)
+        lx, ly, lz = row.vector_at(work, row.LX, k)
+        least = penumbra.ball(r, cx - x, cy - y, cz - z, lx, ly, lz, work[row.REACH + k])
+        work[row.LEAST + k] = min(work[row.LEAST + k], least)
 
 
 @device
@@ -155,21 +135,21 @@ def by_plane(work, n, nx, ny, nz, height, skin):
     for k in range(n):
         x, y, z = lifted(work, k, skin)
         over = nx * x + ny * y + nz * z - height
-        lx, ly, lz = vector_at(work, LX, k)
+        lx, ly, lz = row.vector_at(work, row.LX, k)
         up = nx * lx + ny * ly + nz * lz
-        least = over / work[REACH + k] + up
-        work[LEAST + k] = min(work[LEAST + k], least if over >= ZERO else penumbra.CLEAR)
+        least = over / work[row.REACH + k] + up
+        work[row.LEAST + k] = min(work[row.LEAST + k], least if over >= ZERO else penumbra.CLEAR)
 
 
 @device
 def by_distance(work, n, solids, skin):
     """Reduce the rows `LEAST` to the sines of the angles to solids without kernels of their own."""
     for k in range(n):
-        if work[LEAST + k] > -work[RADIUS + k]:
+        if work[row.LEAST + k] > -work[row.RADIUS + k]:
             x, y, z = lifted(work, k, skin)
-            light = work[REACH + k], work[RADIUS + k], skin
-            least = other.lowest_sine(solids, x, y, z, vector_at(work, LX, k), light)
-            work[LEAST + k] = min(work[LEAST + k], least)
+            light = work[row.REACH + k], work[row.RADIUS + k], skin
+            least = other.lowest_sine(solids, x, y, z, row.vector_at(work, row.LX, k), light)
+            work[row.LEAST + k] = min(work[row.LEAST + k], least)
 
 
 @device
@@ -185,32 +165,32 @@ def by_capsule(work, n, capsules, m, skin):
     found = np.int32(0)
     for k in range(n):
         x, y, z = lifted(work, k, skin)
-        lx, ly, lz = vector_at(work, LX, k)
-        radius = work[RADIUS + k]
+        lx, ly, lz = row.vector_at(work, row.LX, k)
+        radius = work[row.RADIUS + k]
         free = penumbra.aside(around, ax - x + HALF * bx, ay - y + HALF * by, az - z + HALF * bz, lx, ly, lz, radius)
-        asked = ZERO if free | (work[LEAST + k] <= -radius) else ONE
-        work[ASKED + k] = asked
+        asked = ZERO if free | (work[row.LEAST + k] <= -radius) else ONE
+        work[row.ASKED + k] = asked
         found |= np.int32(asked)
     if found == 0:
         return
     count = np.int64(0)
     for k in range(n):
-        work[LIST + count] = np.float32(k)
-        count += np.int64(work[ASKED + k])
+        work[row.LIST + count] = np.float32(k)
+        count += np.int64(work[row.ASKED + k])
     for j in range(count):
-        k = np.int64(work[LIST + j])
+        k = np.int64(work[row.LIST + j])
         x, y, z = lifted(work, k, skin)
-        set_vector(work, WX, j, (ax - x, ay - y, az - z))
-        set_vector(work, DX, j, vector_at(work, LX, k))
-        work[END + j] = work[REACH + k]
-        work[NEAR + j] = work[RADIUS + k]
+        row.set_vector(work, row.WX, j, (ax - x, ay - y, az - z))
+        row.set_vector(work, row.DX, j, row.vector_at(work, row.LX, k))
+        work[row.END + j] = work[row.REACH + k]
+        work[row.NEAR + j] = work[row.RADIUS + k]
     for j in range(count):
-        wx, wy, wz = vector_at(work, WX, j)
-        lx, ly, lz = vector_at(work, DX, j)
-        free, s = penumbra.nearest(r, wx, wy, wz, penumbra.Axis(bx, by, bz, bb), lx, ly, lz, work[NEAR + j])
+        wx, wy, wz = row.vector_at(work, row.WX, j)
+        lx, ly, lz = row.vector_at(work, row.DX, j)
+        free, s = penumbra.nearest(r, wx, wy, wz, penumbra.Axis(bx, by, bz, bb), lx, ly, lz, work[row.NEAR + j])
         least = on_axis(work, j, r, bx, by, bz, s)
-        work[FAR + j] = penumbra.CLEAR if free else least
-        work[ASKED + j] = ZERO if free | (least <= -work[NEAR + j]) else ONE
+        work[row.FAR + j] = penumbra.CLEAR if free else least
+        work[row.ASKED + j] = ZERO if free | (least <= -work[row.NEAR + j]) else ONE
     search(work, compact(work, count), r, bx, by, bz)
 
 
@@ -219,20 +199,20 @@ def compact(work, count):
     """Store the results of the listed points, keep only those that need a search in the list; return their number."""
     left = np.int64(0)
     for j in range(count):
-        k = np.int64(work[LIST + j])
-        work[LEAST + k] = min(work[LEAST + k], work[FAR + j])
-        for row in range(MOVED):
-            work[LIST + row * W + left] = work[LIST + row * W + j]
-        left += np.int64(work[ASKED + j])
+        k = np.int64(work[row.LIST + j])
+        work[row.LEAST + k] = min(work[row.LEAST + k], work[row.FAR + j])
+        for moved in range(row.LIST, row.LIST + MOVED * W, W):
+            work[moved + left] = work[moved + j]
+        left += np.int64(work[row.ASKED + j])
     return left
 
 
 @inlined
 def on_axis(work, j, r, bx, by, bz, s):
     """Return `penumbra.ball` of the ball at position s of the axis, for listed point j."""
-    wx, wy, wz = vector_at(work, WX, j)
-    lx, ly, lz = vector_at(work, DX, j)
-    return penumbra.ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, work[END + j])
+    wx, wy, wz = row.vector_at(work, row.WX, j)
+    lx, ly, lz = row.vector_at(work, row.DX, j)
+    return penumbra.ball(r, wx + s * bx, wy + s * by, wz + s * bz, lx, ly, lz, work[row.END + j])
 
 
 @device
@@ -242,29 +222,29 @@ def search(work, count, r, bx, by, bz):
     if count == 0:
         return
     for j in range(count):
-        work[LOW + j] = ZERO
-        work[HIGH + j] = ONE
-        work[NEAR + j] = ONE - CLOSER * (ONE - ZERO)
-        work[FAR + j] = ZERO + CLOSER * (ONE - ZERO)
+        work[row.LOW + j] = ZERO
+        work[row.HIGH + j] = ONE
+        work[row.NEAR + j] = ONE - CLOSER * (ONE - ZERO)
+        work[row.FAR + j] = ZERO + CLOSER * (ONE - ZERO)
     for j in range(count):
-        work[AT_NEAR + j] = on_axis(work, j, r, bx, by, bz, work[NEAR + j])
-        work[AT_FAR + j] = on_axis(work, j, r, bx, by, bz, work[FAR + j])
+        work[row.AT_NEAR + j] = on_axis(work, j, r, bx, by, bz, work[row.NEAR + j])
+        work[row.AT_FAR + j] = on_axis(work, j, r, bx, by, bz, work[row.FAR + j])
     for _ in range(penumbra.ALONG):
         for j in range(count):
-            low, near, far, high = work[LOW + j], work[NEAR + j], work[FAR + j], work[HIGH + j]
-            at_near, at_far = work[AT_NEAR + j], work[AT_FAR + j]
+            low, near, far, high = work[row.LOW + j], work[row.NEAR + j], work[row.FAR + j], work[row.HIGH + j]
+            at_near, at_far = work[row.AT_NEAR + j], work[row.AT_FAR + j]
             nearer = at_near < at_far
             low = low if nearer else near
             high = far if nearer else high
             step = CLOSER * (high - low)
             s = high - step if nearer else low + step
             found = on_axis(work, j, r, bx, by, bz, s)
-            work[LOW + j] = low
-            work[HIGH + j] = high
-            work[NEAR + j] = s if nearer else far
-            work[FAR + j] = near if nearer else s
-            work[AT_NEAR + j] = found if nearer else at_far
-            work[AT_FAR + j] = at_near if nearer else found
+            work[row.LOW + j] = low
+            work[row.HIGH + j] = high
+            work[row.NEAR + j] = s if nearer else far
+            work[row.FAR + j] = near if nearer else s
+            work[row.AT_NEAR + j] = found if nearer else at_far
+            work[row.AT_FAR + j] = at_near if nearer else found
     for j in range(count):
-        k = np.int64(work[LIST + j])
-        work[LEAST + k] = min(work[LEAST + k], min(work[AT_NEAR + j], work[AT_FAR + j]))
+        k = np.int64(work[row.LIST + j])
+        work[row.LEAST + k] = min(work[row.LEAST + k], min(work[row.AT_NEAR + j], work[row.AT_FAR + j]))

@@ -30,23 +30,7 @@ from ....simd import (
     where,
 )
 from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
-from .map_segments import (
-    ACROSS,
-    AREA,
-    BATCH,
-    BEGIN,
-    DEPTH,
-    HIGH,
-    LENGTH,
-    LOW,
-    NEAR,
-    NUMBERS,
-    OUT,
-    PIECES,
-    RISE,
-    STEEP,
-    STEP,
-)
+from . import map_segments as seg
 from .opacity import HEAD, TEXELS
 
 OUTSIDE = np.float32(-10.0)
@@ -58,9 +42,9 @@ PAIR = 2
 
 # Rows of a batch, one number a splat: place, texels, of which one is whole; depth, metres; area, texels². Then two rows
 # each, one a texel: what is added, and int32 where.
-U, V, DEEP, SIZE = (OUT + row * BATCH for row in range(4))
-ADDED, AT = (OUT + row * BATCH for row in (4, 6))
-ROOM = OUT + 8 * BATCH
+U, V, DEEP, SIZE = (seg.OUT + row * seg.BATCH for row in range(4))
+ADDED, AT = (seg.OUT + row * seg.BATCH for row in (4, 6))
+ROOM = seg.OUT + 8 * seg.BATCH
 """Numbers of a batch with what is kept of segments."""
 
 
@@ -100,22 +84,27 @@ def collect_some(work, n, segments, s, past):
     s, past: where to begin; else as in `collect`."""
     rows = half_width_pointer(work)  # a segment has few pieces
     lanes = lane_count(rows)
-    numbers = load(rows, NUMBERS)
+    numbers = load(rows, seg.NUMBERS)
     while s < segments:
-        pieces = np.int64(work[PIECES + s])
-        low, high, near, length = work[LOW + s], work[HIGH + s], work[NEAR + s], work[LENGTH + s]
-        across, step, depth, rise = work[ACROSS + s] - HALF, work[STEP + s], work[DEPTH + s], work[RISE + s]
-        along, beside = (V, U) if work[STEEP + s] > ZERO else (U, V)
+        pieces = np.int64(work[seg.PIECES + s])
+        low, high, near, length = work[seg.LOW + s], work[seg.HIGH + s], work[seg.NEAR + s], work[seg.LENGTH + s]
+        across, step, depth, rise = (
+            work[seg.ACROSS + s] - HALF,
+            work[seg.STEP + s],
+            work[seg.DEPTH + s],
+            work[seg.RISE + s],
+        )
+        along, beside = (V, U) if work[seg.STEEP + s] > ZERO else (U, V)
         while past < pieces:
-            if n > BATCH - lanes:
+            if n > seg.BATCH - lanes:
                 return n, s, past
-            piece = numbers + (work[BEGIN + s] + np.float32(past))
+            piece = numbers + (work[seg.BEGIN + s] + np.float32(past))
             begin, end = max(length * piece, low), min(length * (piece + ONE), high)
             t = HALF * (begin + end) - near
             store(rows, along + n, floor(length * (piece + HALF)))
             store(rows, beside + n, across + t * step)
             store(rows, DEEP + n, depth + t * rise)
-            store(rows, SIZE + n, work[AREA + s] * max(end - begin, ZERO))  # it may end before its first texel
+            store(rows, SIZE + n, work[seg.AREA + s] * max(end - begin, ZERO))  # it may end before its first texel
             n += min(pieces - past, lanes)
             past += lanes
         s += 1
@@ -137,10 +126,10 @@ def add(work, n, window, opacity_map):
     numbers = pointer(stacks)
     for k in range(np.uint64(n)):
         prefetch(numbers, np.int64(places[np.uint64(AT) + k]))
-        prefetch(numbers, np.int64(places[np.uint64(AT + BATCH) + k]))
+        prefetch(numbers, np.int64(places[np.uint64(AT + seg.BATCH) + k]))
     for k in range(np.uint64(n)):
         stacks[np.uint64(places[np.uint64(AT) + k])] += work[np.uint64(ADDED) + k]
-        stacks[np.uint64(places[np.uint64(AT + BATCH) + k])] += work[np.uint64(ADDED + BATCH) + k]
+        stacks[np.uint64(places[np.uint64(AT + seg.BATCH) + k])] += work[np.uint64(ADDED + seg.BATCH) + k]
 
 
 @device
@@ -166,7 +155,7 @@ def find(rows, k, window, opacity_map):
         ended = floor(most * (far / (far + ONE)))
         layer = min(ended, np.float32(opacity_map.layers - 1))
         own = TWO * (row - TWO * cell_row) + (column - TWO * cell_column)
-        at = texel * BATCH + k
+        at = texel * seg.BATCH + k
         number = where(inside, number, ZERO)
         place = np.float32(TEXELS) * (layer + ONE) + own
         store(rows, AT + at, bits_of_places(begin, number, stride, place))

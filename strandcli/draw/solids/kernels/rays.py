@@ -14,22 +14,8 @@ from ....constants import W
 from ....jit import device, function
 from ....solids.kernels import box, built_in, capsule, other, pixel_rays, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
+from ...common.kernels import view_columns as at
 from ...common.kernels.numbers import INF, ONE, ZERO
-from ...common.kernels.view_columns import (
-    EYE_X,
-    EYE_Y,
-    EYE_Z,
-    FORWARD_X,
-    FORWARD_Y,
-    FORWARD_Z,
-    PERSPECTIVE,
-    RIGHT_X,
-    RIGHT_Y,
-    RIGHT_Z,
-    UP_X,
-    UP_Y,
-    UP_Z,
-)
 
 TINY = np.float32(1e-20)
 OX, OY, OZ, DX, DY, DZ, MET = (row * W for row in range(7))
@@ -179,16 +165,16 @@ def ray(view, right, up):
     """Origin and direction of the ray through a point of the screen, (right, up) in metres at a depth of one metre; the
     direction's length is such that its parameter is the depth. No branch: view[PERSPECTIVE] is 1 for perspective,
     else 0."""
-    ax = view[RIGHT_X] * right + view[UP_X] * up
-    ay = view[RIGHT_Y] * right + view[UP_Y] * up
-    az = view[RIGHT_Z] * right + view[UP_Z] * up
-    spread = view[PERSPECTIVE]
+    ax = view[at.RIGHT_X] * right + view[at.UP_X] * up
+    ay = view[at.RIGHT_Y] * right + view[at.UP_Y] * up
+    az = view[at.RIGHT_Z] * right + view[at.UP_Z] * up
+    spread = view[at.PERSPECTIVE]
     shift = ONE - spread
     return (
-        view[EYE_X] + shift * ax,
-        view[EYE_Y] + shift * ay,
-        view[EYE_Z] + shift * az,
-        view[FORWARD_X] + spread * ax,
-        view[FORWARD_Y] + spread * ay,
-        view[FORWARD_Z] + spread * az,
+        view[at.EYE_X] + shift * ax,
+        view[at.EYE_Y] + shift * ay,
+        view[at.EYE_Z] + shift * az,
+        view[at.FORWARD_X] + spread * ax,
+        view[at.FORWARD_Y] + spread * ay,
+        view[at.FORWARD_Z] + spread * az,
     )

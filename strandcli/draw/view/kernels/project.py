@@ -9,27 +9,8 @@ import numpy as np
 from ....constants import VECTOR
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
+from ...common.kernels import view_columns as at
 from ...common.kernels.numbers import INF, ONE, ZERO
-from ...common.kernels.view_columns import (
-    AXIS_X,
-    AXIS_Y,
-    DEPTH_RANGE,
-    FOCAL,
-    FORWARD_SHIFT,
-    FORWARD_X,
-    FORWARD_Y,
-    FORWARD_Z,
-    NEAR_PLANE,
-    PERSPECTIVE,
-    RIGHT_SHIFT,
-    RIGHT_X,
-    RIGHT_Y,
-    RIGHT_Z,
-    UP_SHIFT,
-    UP_X,
-    UP_Y,
-    UP_Z,
-)
 
 STEPS = np.arange(VECTOR // 2 // 4, dtype=np.float32)
 OFF_SCREEN = np.float32(1e8)
@@ -49,9 +30,9 @@ ROWS = 5
 def to_view(x, y, z, view):
     """Return view coordinates of a point, metres: right, up, and depth along the view direction."""
     return (
-        view[RIGHT_X] * x + view[RIGHT_Y] * y + view[RIGHT_Z] * z + view[RIGHT_SHIFT],
-        view[UP_X] * x + view[UP_Y] * y + view[UP_Z] * z + view[UP_SHIFT],
-        view[FORWARD_X] * x + view[FORWARD_Y] * y + view[FORWARD_Z] * z + view[FORWARD_SHIFT],
+        view[at.RIGHT_X] * x + view[at.RIGHT_Y] * y + view[at.RIGHT_Z] * z + view[at.RIGHT_SHIFT],
+        view[at.UP_X] * x + view[at.UP_Y] * y + view[at.UP_Z] * z + view[at.UP_SHIFT],
+        view[at.FORWARD_X] * x + view[at.FORWARD_Y] * y + view[at.FORWARD_Z] * z + view[at.FORWARD_SHIFT],
     )
 
 
@@ -59,11 +40,12 @@ def to_view(x, y, z, view):
 def to_view_number(x, y, z, views, number):
     """Return the coordinates of a point as `to_view` does, in one of several views (M, SIZE)."""
     return (
-        views[number, RIGHT_X] * x + views[number, RIGHT_Y] * y + views[number, RIGHT_Z] * z
-        + views[number, RIGHT_SHIFT],
-        views[number, UP_X] * x + views[number, UP_Y] * y + views[number, UP_Z] * z + views[number, UP_SHIFT],
-        views[number, FORWARD_X] * x + views[number, FORWARD_Y] * y + views[number, FORWARD_Z] * z
-        + views[number, FORWARD_SHIFT],
+        views[number, at.RIGHT_X] * x + views[number, at.RIGHT_Y] * y + views[number, at.RIGHT_Z] * z
+        + views[number, at.RIGHT_SHIFT],
+        views[number, at.UP_X] * x + views[number, at.UP_Y] * y + views[number, at.UP_Z] * z
+        + views[number, at.UP_SHIFT],
+        views[number, at.FORWARD_X] * x + views[number, at.FORWARD_Y] * y + views[number, at.FORWARD_Z] * z
+        + views[number, at.FORWARD_SHIFT],
     )  # fmt: skip
 
 
@@ -118,18 +100,18 @@ def widen(work, count, past, view, thickness, per, scale, least, along):
     for k in range(0, count, lane_count(rows)):
         x, y, q = load(rows, X + 1 + k), load(rows, Y + 1 + k), load(rows, NUMBER + 1 + k)
         place = steps + np.float32(past + k) if along is None else load(rows, ALONG + k)
-        wide = thickness * (ONE - per * place) * view[FOCAL]
+        wide = thickness * (ONE - per * place) * view[at.FOCAL]
         if scale is not None:
             wide *= scale
-        if view[PERSPECTIVE] > ZERO:
+        if view[at.PERSPECTIVE] > ZERO:
             wide *= q
             before = load(rows, NUMBER + k) > ZERO
             after = load(rows, NUMBER + 2 + k) > ZERO
             dx = where(after, load(rows, X + 2 + k), x) - where(before, load(rows, X + k), x)
             dy = where(after, load(rows, Y + 2 + k), y) - where(before, load(rows, Y + k), y)
-            x -= view[AXIS_X]
-            y -= view[AXIS_Y]
-            off = (dx * y - dy * x) / (max(sqrt(dx * dx + dy * dy), TINY) * view[FOCAL])
+            x -= view[at.AXIS_X]
+            y -= view[at.AXIS_Y]
+            off = (dx * y - dy * x) / (max(sqrt(dx * dx + dy * dy), TINY) * view[at.FOCAL])
             wide *= sqrt(ONE + off * off)
         store(rows, WIDE + k, max(wide, least))
 
@@ -235,7 +217,7 @@ def transform(work, count, view):
         store(rows, X + k, x)
         store(rows, Y + k, y)
         store(rows, NUMBER + k, z)
-        behind |= any_lane((z < view[NEAR_PLANE]) & (steps < np.float32(count - k)))
+        behind |= any_lane((z < view[at.NEAR_PLANE]) & (steps < np.float32(count - k)))
     return behind
 
 
@@ -245,11 +227,11 @@ def clip(world, low, stride, k_begin, k_end, begin, end, view, work):
     is in front, and make the others behind it invisible."""
     for k in range(k_begin, k_end):
         x, y, z = work[X + k], work[Y + k], work[NUMBER + k]
-        if z < view[NEAR_PLANE]:
+        if z < view[at.NEAR_PLANE]:
             front, x, y = cross_near_plane(world, view, low + k * stride, stride, begin, end, x, y, z)
             work[X + k] = x
             work[Y + k] = y
-            work[NUMBER + k] = view[NEAR_PLANE] if front else -INF
+            work[NUMBER + k] = view[at.NEAR_PLANE] if front else -INF
 
 
 @device
@@ -257,19 +239,19 @@ def to_screen(work, count, view):
     """Project vertices from view coordinates to the screen. Vertices too far off the screen for single precision, and
     NaN, become invisible."""
     rows = half_width_pointer(work)
-    focal = view[FOCAL]
-    far = ONE / view[DEPTH_RANGE]
+    focal = view[at.FOCAL]
+    far = ONE / view[at.DEPTH_RANGE]
     for k in range(0, count, lane_count(rows)):
         x, y, z = load(rows, X + k), load(rows, Y + k), load(rows, NUMBER + k)
-        if view[PERSPECTIVE] > ZERO:
+        if view[at.PERSPECTIVE] > ZERO:
             q = ONE / z
-            x = view[AXIS_X] + focal * x * q
-            y = view[AXIS_Y] - focal * y * q
+            x = view[at.AXIS_X] + focal * x * q
+            y = view[at.AXIS_Y] - focal * y * q
         else:
-            q = max(ONE - (z - view[NEAR_PLANE]) * far, ZERO)
-            x = view[AXIS_X] + focal * x
-            y = view[AXIS_Y] - focal * y
-        seen = (z >= view[NEAR_PLANE]) & (abs(x) < OFF_SCREEN) & (abs(y) < OFF_SCREEN)
+            q = max(ONE - (z - view[at.NEAR_PLANE]) * far, ZERO)
+            x = view[at.AXIS_X] + focal * x
+            y = view[at.AXIS_Y] - focal * y
+        seen = (z >= view[at.NEAR_PLANE]) & (abs(x) < OFF_SCREEN) & (abs(y) < OFF_SCREEN)
         store(rows, X + k, where(seen, x, ZERO))
         store(rows, Y + k, where(seen, y, ZERO))
         store(rows, NUMBER + k, where(seen, q, ZERO))
@@ -279,7 +261,7 @@ def to_screen(work, count, view):
 def cross_near_plane(world, view, v, stride, begin, end, x, y, z):
     """Return whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it, and where the
     segment between them crosses the plane."""
-    near = view[NEAR_PLANE]
+    near = view[at.NEAR_PLANE]
     for w in (v - stride, v + stride):
         if begin <= w < end:
             x1, y1, z1 = to_view(world[w, 0], world[w, 1], world[w, 2], view)
