@@ -17,10 +17,10 @@ from strandcli.draw.common.kernels.light_columns import (
     MAP_LAYERS,
     PER_FALL,
 )
-from strandcli.draw.shadows.free_ways import NO_FREE_WAYS
+from strandcli.draw.lighting.lighting import NO_FREE_WAYS
 from strandcli.draw.shadows.kernels import strand_shadows
-from strandcli.draw.shadows.kernels.shadow_arrays import ShadowArrays
 from strandcli.draw.shadows.kernels.soft_shadows import soft_shadows
+from strandcli.draw.shadows.kernels.strand_shadows import ShadowArrays
 from strandcli.jit import function
 
 NOTHING = np.zeros(0, np.float32)

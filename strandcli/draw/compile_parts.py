@@ -10,7 +10,7 @@ from .common.kernels.keys import EMPTY
 from .film.kernels import film
 from .geometry.curves import Polylines
 from .geometry.extent import Thickness
-from .geometry.kernels.screen_lines import ScreenLines
+from .geometry.kernels.ribbon import ScreenLines
 from .lighting import occlusion
 from .lighting.lighting import Lighting, pack_lights
 from .renderer import Renderer

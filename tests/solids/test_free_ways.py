@@ -10,7 +10,7 @@ import mesh_kit
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
 from strandcli.draw.common.kernels.light_columns import COLUMNS, KIND, LIGHT_SIZE, PLACE_X
-from strandcli.draw.shadows.free_ways import NO_FREE_WAYS, free_ways
+from strandcli.draw.lighting.lighting import NO_FREE_WAYS, free_ways
 from strandcli.draw.shadows.kernels.free_ways import FreeWays
 from strandcli.draw.shadows.kernels.soft_shadows import soft_shadows
 from strandcli.scene.model import Emitter, SphereSolid

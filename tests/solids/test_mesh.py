@@ -16,7 +16,7 @@ from shadow_kit import soft_visibility
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
 from strandcli.draw.common.kernels.light_columns import LIGHT_SIZE
-from strandcli.draw.shadows.free_ways import NO_FREE_WAYS
+from strandcli.draw.lighting.lighting import NO_FREE_WAYS
 from strandcli.draw.shadows.kernels import penumbra
 from strandcli.draw.shadows.kernels.soft_shadows import soft_shadows
 from strandcli.draw.solids.kernels import rays

@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 
 from ...scene.model import DirectionalLight, Light
 from ...solids import Solids
-from ..common.kernels.light_columns import COLUMNS, LIGHT_SIZE, STRAND_WIDTH
+from ..common.kernels.light_columns import COLUMNS, KIND, LIGHT_SIZE, PLACE_X, STRAND_WIDTH
+from ..common.kernels.view_columns import SIZE
 from ..coverage.kernels.width_profiles import Profiles
 from ..geometry.curves import Polylines
-from ..shadows.free_ways import NO_FREE_WAYS, FreeWays, free_ways
+from ..shadows.kernels import free_ways as kernel
+from ..shadows.kernels.free_ways import SIDE, FreeWays
 from ..shadows.shadow import ShadowMaps, map_arrays
 from ..shadows.shadow_model import shades_vertices
 from ..solids.solids import NONE, coats_of, paint_of
-from ..view.camera import View, ball
+from ..view.camera import View, ball, parallel_view
 from .kernels import inputs, shade_strands, shade_surfaces, smooth_pixels
 from .kernels.lattice import DRAWN, SMOOTH
 from .kernels.mirror import DULL
@@ -30,6 +32,7 @@ from .palette import Palette
 if TYPE_CHECKING:
     from ...scene.model import Scene
 
+NO_FREE_WAYS = FreeWays(np.zeros((0, SIDE, SIDE), np.float32), np.zeros((0, SIZE), np.float32))
 NO_BOX = np.zeros(BOX_SIZE, np.float32)
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """Stands for pixels at their own positions."""
@@ -88,7 +91,7 @@ class Lighting:
     triangles: NDArray[np.int32] = field(default_factory=lambda: ANY_TRIANGLE)
     """(height * width,) or (0,): as in `kernels.inputs.Screen`."""
     free: FreeWays = NO_FREE_WAYS
-    """From `strandcli.draw.shadows.free_ways.free_ways`."""
+    """From `strandcli.draw.lighting.lighting.free_ways`."""
     like: Lighting | None = None
     """Lighting whose compiled kernels this one shares, if `sized` alone would tell them apart."""
 
@@ -232,3 +235,22 @@ def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
 def _size(light: Light) -> float:
     """Return the sine of a directional light's angular radius, or the radius of a point light in metres."""
     return math.sin(math.radians(light.size / 2)) if isinstance(light, DirectionalLight) else light.size / 2
+
+
+def free_ways(
+    lights: NDArray[np.float32], solids: Solids | None, skin: np.float32, bounds: NDArray[np.float64]
+) -> FreeWays:
+    """Return the tables over the box ``bounds`` (2, 3) of strands, metres; without rows where solids have no distances
+    of vectors, or a light is not directional, or none has a size.
+
+    lights (n, `light_columns.COLUMNS`); skin: as in `kernels.soft_shadows`."""
+    by_vectors = getattr(type(solids), "distances_in_own", None) is not None
+    if solids is None or not by_vectors or not lights[:, LIGHT_SIZE].any() or lights[:, KIND].any():
+        return NO_FREE_WAYS
+    assert lights.shape[1] == COLUMNS
+    views = np.stack([parallel_view(-row[PLACE_X : PLACE_X + 3], SIDE, bounds).pack() for row in lights])
+    depths = np.empty((len(lights), SIDE, SIDE), np.float32)
+    kernel.measure(lights, views, solids, skin, depths)
+    depths[:, :, :-1] = np.minimum(depths[:, :, :-1], depths[:, :, 1:])
+    depths[:, :-1] = np.minimum(depths[:, :-1], depths[:, 1:])
+    return FreeWays(depths, views)

@@ -26,7 +26,7 @@ from .fronts import allocate_extents, spread_extents, tables_of_cells
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps, splats
 from .kernels.map_parts import PartsInMap
-from .kernels.shadow_arrays import ShadowArrays
+from .kernels.strand_shadows import ShadowArrays
 from .shadow_model import casts_map, model_of
 from .shares import share_of, shares_of
 from .strands_in_map import NO_EXTENTS, Drawn, parts_in_map, project, simplified, view_numbers

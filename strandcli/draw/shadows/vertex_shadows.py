@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
-from .kernels.shadow_arrays import ShadowArrays
+from .kernels.strand_shadows import ShadowArrays
 
 
 class StrandsInLight(NamedTuple):

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...scene.model import Camera
 from ...scene.motion import camera_at
 from ..common.kernels import view_columns as columns
-from .kernels.depth_slope import DepthSlope
+from ..common.kernels.view_columns import DepthSlope
 
 CORNER_SIDES = np.array(np.meshgrid(*[[0, 1]] * 3)).reshape(3, -1)
 """(3, 8) of each axis and corner of a box: 0 at its lower side, 1 at its upper one."""

@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from ...errors import RefusedError
 from ..common.kernels.keys import FIRST
+from ..common.kernels.view_columns import FLAT, DepthSlope
 from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
-from ..geometry.kernels.screen_lines import ScreenLines
+from ..geometry.kernels.ribbon import ScreenLines
 from ..view.camera import View
 from ..view.kernels import project
-from ..view.kernels.depth_slope import FLAT, DepthSlope
 from .kernels import bands as lists
 from .kernels import raster as kernel
 from .kernels.bands import Bands

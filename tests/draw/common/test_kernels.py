@@ -12,25 +12,25 @@ from numba import typeof
 from strand_kit import scene_of, solver_of
 from strandcli.constants import W
 from strandcli.draw.common.kernels import surface_batch
+from strandcli.draw.common.kernels.view_columns import DepthSlope
 from strandcli.draw.coverage.kernels import cells, fragments
 from strandcli.draw.coverage.kernels import ribbon as coverage_ribbon
-from strandcli.draw.fibre.kernels import chiang, diffuse, dual, marschner
+from strandcli.draw.fibre.kernels import chiang, dual, dual_scattering, marschner
 from strandcli.draw.film.kernels import film
 from strandcli.draw.geometry.kernels import curves, piece_counts, ribbon, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.lighting.kernels.inputs import StrandColour
-from strandcli.draw.shadows.free_ways import NO_FREE_WAYS
+from strandcli.draw.lighting.lighting import NO_FREE_WAYS
 from strandcli.draw.shadows.kernels import (
     minmax,
     penumbra,
     percentage_closer,
-    shadow_arrays,
     soft_shadows,
     splats,
+    strand_shadows,
 )
 from strandcli.draw.solids.kernels import rays
 from strandcli.draw.view.kernels import project
-from strandcli.draw.view.kernels.depth_slope import DepthSlope
 from strandcli.draw.view.kernels.project import to_view
 from strandcli.draw.zbuffer.kernels import lines, raster
 from strandcli.jit import function
@@ -100,7 +100,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "percentage closer": (
         percentage_closer.transmittance,
         (LIT, 1, TABLE, 1, np.ones((4, 3), np.float32),
-         shadow_arrays.ShadowArrays(TABLE, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE, ROW, PLACES)),
+         strand_shadows.ShadowArrays(TABLE, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE, ROW, PLACES)),
     ),
     "splats in an opacity map": (
         splats.add,
@@ -133,7 +133,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (LIT, 1, TABLE, 0, chiang.ChiangArrays(ROW, *[np.ones((3, 3, k), np.float32) for k in (12, 4)])),
     ),
     "chiang's lobes": (chiang.longitudinal, (*3 * (3 * (ONE,),), ROW)),
-    "kajiya_diffuse": (diffuse.kajiya_diffuse, (ONE,) * 6),
+    "kajiya_diffuse": (dual_scattering.kajiya_diffuse, (ONE,) * 6),
 }  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.coverage.kernels import strand_extents
 from strandcli.draw.coverage.kernels.segments import WIDE
 from strandcli.draw.geometry.curves import Polylines
-from strandcli.draw.geometry.kernels.screen_lines import ScreenLines
+from strandcli.draw.geometry.kernels.ribbon import ScreenLines
 from strandcli.draw.solids.edges import none
 from strandcli.errors import RefusedError
 from tests.draw.coverage.test_coverage import bent, white

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from strandcli.draw.common.kernels.keys import EMPTY
+from strandcli.draw.common.kernels.view_columns import FLAT, DepthSlope
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.view.camera import View, axes
-from strandcli.draw.view.kernels.depth_slope import FLAT, DepthSlope
 from strandcli.draw.zbuffer import raster
 
 WIDTH, HEIGHT = 160, 120

@@ -18,7 +18,7 @@ from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting.lighting import given, pack_lights
 from strandcli.draw.shadows.kernels import opacity, percentage_closer
-from strandcli.draw.shadows.kernels.shadow_arrays import ShadowArrays
+from strandcli.draw.shadows.kernels.strand_shadows import ShadowArrays
 from strandcli.draw.shadows.shadow import map_arrays, plan_maps
 from strandcli.draw.view.camera import axes
 from strandcli.scene.model import DirectionalLight, Light, Material, PointLight, Shadow

@@ -42,11 +42,11 @@ class Strands(NamedTuple):
     first: NDArray[np.int64]
     screen: NDArray[np.float32]
     widths: NDArray[np.float32] | None
-    """These as in `strandcli.draw.geometry.kernels.screen_lines.ScreenLines`."""
+    """These as in `strandcli.draw.geometry.kernels.ribbon.ScreenLines`."""
     opacity: np.float32
     """Opacity of the material."""
     depth_slope: Any
-    """`strandcli.draw.view.kernels.depth_slope.DepthSlope`"""
+    """`strandcli.draw.common.kernels.view_columns.DepthSlope`"""
     stride: int
     """Every stride-th vertex is lit."""
 

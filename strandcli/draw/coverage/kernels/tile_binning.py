@@ -93,7 +93,7 @@ class Region(NamedTuple):
     far: np.float32
     """As in `segments.rounding`."""
     depth_slope: Any
-    """`strandcli.draw.view.kernels.depth_slope.DepthSlope`"""
+    """`strandcli.draw.common.kernels.view_columns.DepthSlope`"""
     windows: PictureWindows
 
 

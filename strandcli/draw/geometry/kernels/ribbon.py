@@ -6,9 +6,23 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device, inlined
 from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
+
+
+class ScreenLines(NamedTuple):
+    """Polylines on the screen: strand s owns the vertices first[s] … first[s + 1] − 1."""
+
+    first: NDArray[np.int64]
+    """(S + 1,)"""
+    screen: NDArray[np.float32]
+    """(V, 3) x to the right and y down, pixels, and the depth number, which grows toward the eye; 0 for a vertex that
+    is not seen (see `strandcli.draw.view.kernels.project.points`)."""
+    widths: NDArray[np.float32] | None
+    """(V,) pixels; None: every line is one pixel wide."""
+
 
 TINY = np.float32(1e-30)
 

@@ -28,8 +28,7 @@ from ...common.kernels.light_columns import (
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FORWARD_X, FORWARD_Y, FORWARD_Z, PERSPECTIVE
 from ...coverage.kernels import width_profiles
-from ...fibre.kernels.diffuse import diffuse_light
-from ...fibre.kernels.dual_scattering import dual_scattering
+from ...fibre.kernels.dual_scattering import diffuse_light, dual_scattering
 from ...fibre.kernels.highlights import highlights
 from ...fibre.kernels.lobes import ALL, mixed, mixed_pair, place_at
 from ...fibre.kernels.width_highlights import width_highlights
