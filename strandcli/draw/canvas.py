@@ -19,7 +19,7 @@ from .common.kernels.keys import EMPTY, FIRST
 from .common.scratch import Scratch
 from .coverage.coverage import Coverage, Layer
 from .coverage.kernels.composite import CLOSED
-from .coverage.width_profiles import add_to_zbuffer
+from .coverage.kernels.width_profiles import add_to_zbuffer
 from .film import haze
 from .film.aovs import Recorder
 from .film.kernels import film
@@ -161,7 +161,7 @@ class Canvas:
         colours = self._shade(batch, marks)
         film.colours(self.keys, self._base, screen, lines.per, lines.stride, colours, self.image)
         if batch.profiles is not None:
-            add_to_zbuffer(batch.profiles, self.keys, self._base, lines, self.image)
+            add_to_zbuffer(self.keys, self._base, lines.per, lines.stride, batch.profiles, self.image)
         if self.through is not None:
             self.through.batch(self.keys, self._base, batch, marks)
         self.drawing.lap("film")

@@ -212,11 +212,11 @@ class Renderer:
         if lines is not None:
             self.scratch.release(*POSITIONS)
             return maps.build(lines, workers, self.scratch)
-        for draw in (maps.add, maps.accumulate_layers) if maps.deep else (maps.add,):
+        for again in (False, True) if maps.deep else (False,):
             for polylines in batches.lines():
-                draw(polylines, workers, self.scratch)
+                maps.add(polylines, workers, self.scratch, again)
                 self._drawing.lap("shadow")
-            maps.divide(self.scratch) if draw == maps.add else maps.finish(self.scratch)
+            maps.finish(self.scratch) if again else maps.divide(self.scratch)
 
     def _draw_batches(self, canvas: Canvas, batches: StrandBatches, lines: Polylines | None) -> None:
         """Draw all strands; ``lines``: polylines of the only batch, if they exist already."""

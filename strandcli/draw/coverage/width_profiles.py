@@ -19,20 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.scratch import Scratch
-from ..geometry.curves import Polylines
 from .kernels import width_profiles as kernel
 from .kernels.width_profiles import Profiles
 
 START, FULL = 2.0, 4.0
 """Widths, pixels, from which profiles begin to count, and count fully."""
-
-
-def add_to_zbuffer(
-    profiles: Profiles, keys: NDArray[np.uint64], base: int, lines: Polylines, image: NDArray[np.float32]
-) -> None:
-    """Add departures from the average to the picture, where the z-buffer ``keys`` shows these polylines; base: number
-    of their first vertex in the keys."""
-    kernel.add_to_zbuffer(keys, base, lines.per, lines.stride, profiles, image)
 
 
 def profiles_of(

@@ -108,13 +108,16 @@ class ShadowMaps:
             opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
         self._find_fronts(scratch)
 
-    def add(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
-        """Draw a portion of the polylines into every map."""
+    def add(self, lines: Polylines, workers: int, scratch: Scratch, again: bool = False) -> None:
+        """Draw a portion of the polylines into every map; ``again``: into the layers of opacity maps, once `divide` has
+        made these."""
         simple = self.simplified(lines, scratch)
         for number, layers in enumerate(self.layers):
-            if layers:
+            if again and layers:
+                self._draw(number, self.parts(number, simple, workers, scratch))
+            elif layers:
                 self.parts(number, simple, workers, scratch, self.extents[number])
-            else:
+            elif not again:
                 self._fill(number, lines, workers, scratch)
 
     def divide(self, scratch: Scratch) -> None:
@@ -122,13 +125,6 @@ class ShadowMaps:
         for number, layers in enumerate(self.layers):
             if layers:
                 self._divide(number, scratch)
-
-    def accumulate_layers(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
-        """Draw a portion of the polylines into the layers of every opacity map."""
-        simple = self.simplified(lines, scratch)
-        for number, layers in enumerate(self.layers):
-            if layers:
-                self._draw(number, self.parts(number, simple, workers, scratch))
 
     def finish(self, scratch: Scratch) -> None:
         """Sum the layers of every opacity map. Call it after all portions have been drawn into them."""

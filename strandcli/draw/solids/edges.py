@@ -65,11 +65,6 @@ class Edges:
         kernel.composite(self.pixels, self.keys, self.counts, colours, self.light, image)
 
 
-def none(hides: NDArray[np.float32]) -> Edges:
-    """Return edges without any pixel that is covered in part."""
-    return _edges(hides, np.zeros(0, np.int64))
-
-
 def find_edges(keys: NDArray[np.uint64], packed: Solids, view: View, size: tuple[int, int], scratch: Scratch) -> Edges:
     """Return the edges in a z-buffer of solids, ``keys`` (height * width,); size: width and height in pixels."""
     width, height = size
@@ -81,14 +76,15 @@ def find_edges(keys: NDArray[np.uint64], packed: Solids, view: View, size: tuple
     edge_pixels.look_outside(width, height, view.pack(), packed, frames, beside)
     edge_pixels.find(keys, beside, width, height, ends, begin[1:])
     np.cumsum(begin, out=begin)
-    found = _edges(hides, np.zeros(int(begin[-1]), np.int64))
+    found = edges_at(hides, np.zeros(int(begin[-1]), np.int64))
     edge_pixels.collect(ends, width, begin, found.pixels)
     kernel.sample(found.pixels, width, view.pack(), packed, frames, found.keys, found.spots, found.counts)
     kernel.part(found.pixels, found.keys, found.counts, hides, found.depth, found.cover)
     return found
 
 
-def _edges(hides: NDArray[np.float32], pixels: NDArray[np.int64]) -> Edges:
+def edges_at(hides: NDArray[np.float32], pixels: NDArray[np.int64]) -> Edges:
+    """Return edges at these pixels, not yet filled."""
     count = len(pixels)
     return Edges(
         hides, pixels, np.zeros(count, np.float32), np.zeros(count, np.float32), np.zeros((count, 3), np.float32),

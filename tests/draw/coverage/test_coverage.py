@@ -11,7 +11,7 @@ from reference.bands import covered
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines
-from strandcli.draw.solids.edges import none
+from strandcli.draw.solids.edges import edges_at
 
 WIDTHS = [0.003, 0.2, 0.69, 0.71, 4.0]
 
@@ -35,7 +35,7 @@ def drawn(
     vertex = np.ones((len(screen), 3), np.float32) if colours is None else colours.astype(np.float32)
     image = np.full((size[1], size[0], 3), behind, np.float32)
     coverage = Coverage(size, opacity, room)
-    edges = None if hides is None else none(hides)
+    edges = None if hides is None else edges_at(hides, np.zeros(0, np.int64))
     for layer in coverage.layers(Polylines(first, screen), screen, wide, edges, workers, Scratch()):
         layer.blend(vertex, image)
     return image

@@ -13,7 +13,7 @@ from strandcli.draw.coverage.kernels import strand_extents
 from strandcli.draw.coverage.kernels.segments import WIDE
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.kernels.ribbon import ScreenLines
-from strandcli.draw.solids.edges import none
+from strandcli.draw.solids.edges import edges_at
 from strandcli.errors import RefusedError
 from tests.draw.coverage.test_coverage import bent, white
 
@@ -31,7 +31,7 @@ def test_behind_wide_opaque_strands_nothing_is_kept(hidden: bool) -> None:
     if hidden:  # by a solid in the left half
         hides = np.zeros((24, 40), np.float32)
         hides[:, :20] = 2
-        edges = none(hides.ravel())
+        edges = edges_at(hides.ravel(), np.zeros(0, np.int64))
     for faint in (0.0, 0.01):
         coverage = Coverage((40, 24), 1.0 - faint)
         image = np.zeros((24, 40, 3), np.float32)

@@ -150,8 +150,16 @@ def test_a_coat_shines_towards_the_mirrored_light_and_is_left_out_where_nothing_
 
 
 def noise(x: np.ndarray, grain: float = 0.5, pixel: float = 1e-3) -> np.ndarray:
+    """Of patches as in `surface_points.mottle`."""
     one = np.float32(0.3)
-    return np.array([kernel.patches(v, one, -one, np.float32(grain), np.float32(pixel)) for v in np.float32(x)])
+    found = np.zeros(len(x), np.float32)
+    for octave in range(kernel.OCTAVES):
+        size, weight = np.float32(grain * 0.5**octave), np.float32(0.5 * float(kernel.FAINTER) ** octave)
+        found = np.array([
+            kernel.add_octave(total, v, one, -one, size, np.float32(pixel), weight, np.uint32(octave))
+            for total, v in zip(found, np.float32(x), strict=True)
+        ])  # fmt: skip
+    return np.clip(found, -1, 1)
 
 
 def test_patches_are_even_handed_smooth_and_as_wide_as_they_are_said_to_be() -> None:

@@ -11,7 +11,7 @@ from . import cells, ribbon, segments
 from .composite import OPAQUE, composite
 from .crowds import ROUNDED, list_by_pixel
 from .fragments import Strands, find_fragments
-from .row_order import count_rows, list_rows
+from .row_order import CROWDED, list_rows, order_rows
 from .sorting import RUN, sort_pixels
 from .tiles import NUMBERS, PIXELS, TILE_WIDTH, tile_at
 from .windows import WINDOWS
@@ -39,7 +39,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, tasks, out, found, m
         fragments, listed = np.empty(room * NUMBERS, np.int32), np.empty(room * NUMBERS, np.int32)
         counts, ends = np.empty(PIXELS, np.int32), np.empty(PIXELS, np.int32)
         depths, ranks = np.empty(room + RUN, np.float32), np.empty(RUN, np.float32)
-        slots, unordered, row_depths = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32)
+        slots, ordered, row_depths = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32)
         occlusion, hidden = np.zeros(PIXELS, np.float32), np.empty(WINDOWS, np.float32)
         through, least, widest = np.empty(PIXELS, np.float32), np.empty(PIXELS, np.float32), np.empty(1, np.float32)
         strands = Strands(lines.first, lines.screen, lines.widths, opacity, depth_slope, out.stride)
@@ -51,12 +51,18 @@ def resolve(lines, opacity, depth_slope, solids, segments_, tasks, out, found, m
         end = o + share
         for number in range(task, out.begin.shape[0], tasks):
             tile = tile_at(number, out)
-            rows = count_rows(segments_, number)
+            rows = list_rows(segments_, number, slots)
             if slots.shape[0] < rows:
                 size = rows + rows // 4
-                slots, unordered = np.empty(size, np.int32), np.empty(size, np.int32)
-                row_depths = np.empty(size, np.float32)
-            list_rows(segments_, number, slots[:rows], unordered, row_depths, ends)
+                slots, ordered, row_depths = (
+                    np.empty(size, np.int32),
+                    np.empty(size, np.int32),
+                    np.empty(size, np.float32),
+                )
+                list_rows(segments_, number, slots)
+            if rows >= CROWDED:
+                order_rows(segments_.depths, ordered[:rows], slots, row_depths, ends)
+                slots, ordered = ordered, slots
             while True:  # one call of find_fragments, which is the greater part of what is compiled
                 target = cells.Target(
                     tile.top, tile.bottom, tile.left, tile.right, out.place_bits, occlusion, fragments, counts,

@@ -21,49 +21,29 @@ TINY = np.float32(1e-30)
 
 
 @device
-def count_rows(segments, tile):
-    """Return the number of rows in a tile; segments: `tile_binning.TileSegments`."""
-    total = np.int64(0)
-    for one in range(segments.heads.shape[0]):
-        block, stop = segments.heads[one, tile], segments.fills[one, tile]
-        while stop > 0:
-            if block == (stop - 1) // BLOCK:
-                total += stop - block * BLOCK
-                break
-            total += BLOCK
-            block = segments.links[block]
-    return total
-
-
-@device
-def list_rows(segments, tile, slots, listed, depths, begin):
-    """Write where the rows of a tile are in the pool to slots (n,) int32.
-
-    segments: `tile_binning.TileSegments`; listed (n,) int32, depths (n,) float32, begin (PIXELS,) int32: scratch.
-    """
-    n = slots.shape[0]
-    crowded = n >= CROWDED
-    i = np.int64(0)
+def list_rows(segments, tile, slots):
+    """Write where the rows of a tile are in the pool to slots (room,) int32, as many as there is room for; return how
+    many there are. segments: `tile_binning.TileSegments`."""
+    n = np.int64(0)
+    room = slots.shape[0]
     for one in range(segments.heads.shape[0]):
         block, stop = segments.heads[one, tile], segments.fills[one, tile]
         while stop > 0:
             final = block == (stop - 1) // BLOCK
-            for slot in range(block * BLOCK, stop if final else block * BLOCK + BLOCK):
-                if crowded:
-                    listed[i] = slot
-                else:
-                    slots[i] = slot
-                i += 1
+            begin, end = block * BLOCK, stop if final else block * BLOCK + BLOCK
+            for slot in range(begin, min(end, begin + max(room - n, 0))):
+                slots[n + slot - begin] = slot
+            n += end - begin
             if final:
                 break
             block = segments.links[block]
-    if crowded:
-        order_rows(segments.depths, slots, listed, depths, begin)
+    return n
 
 
 @device
 def order_rows(row_depths, slots, listed, depths, begin):
-    """Write listed rows to `slots`, nearest first; row_depths: of `TileSegments`; others as in `list_rows`."""
+    """Write listed rows (n,) to slots (n,), nearest first; row_depths: of `TileSegments`; depths (n or more,) float32,
+    begin (PIXELS,) int32: scratch."""
     n = slots.shape[0]
     low, high = np.float32(np.inf), np.float32(-np.inf)
     for i in range(n):

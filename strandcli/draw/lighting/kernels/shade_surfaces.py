@@ -24,7 +24,6 @@ from .reflection import deepest, gleam, reflect, reflect_from_below
 from .surface_light import arrive, as_computed, note, note_all, note_nothing, recall
 from .surface_points import cover, face, fade, light_around, look, patch, surroundings
 
-TINY = np.float32(1e-6)
 PIXELS = 4096
 """Pixels a task."""
 

@@ -26,7 +26,6 @@ SPAN = 4 * W
 """Columns that a batch extends over at the most."""
 SUMS = SPAN // 2 + 2
 """Columns of the lattice that it takes light from at the most."""
-NEXT = np.uint64(1)
 
 
 @parallel

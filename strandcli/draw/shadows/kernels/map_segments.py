@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device, inlined
+from ....jit import device
 from ....simd import floor, lane_count, load, load_quadruples, pointer, sqrt, store, where
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from .map_parts import TINY
@@ -65,63 +65,46 @@ def leave_out(work, held, segments):
     return held - segments
 
 
-@inlined
-def segments_at(rows, first, count, window, view):
-    """Return, of a vector of the segments of a run, vectors of what the rows above have, from `LOW` to `STEEP`, but
-    which of them are steep as a mask.
+@device
+def find_segments(work, begin, count, window, view):
+    """Write the rows of up to `SEGMENTS` segments of a run, which has so many, from number `begin` on; return how many.
 
-    Texels cut segments; those that lead away from the light are cut into more pieces. rows: `pointer` to the rows;
-    first: number of the segment of the first lane; count: of segments."""
+    Texels cut segments; those that lead away from the light are cut into more pieces."""
+    rows = pointer(work)
     top, bottom, size = np.float32(window.top), np.float32(window.bottom), np.float32(window.width)
     lane = load(rows, NUMBERS)
-    at = VERTICES + 4 * first
-    x0, y0, d0, _ = load_quadruples(rows, at)
-    x1, y1, d1, wide = load_quadruples(rows, at + 4)
     none = ZERO * lane
-    dx, dy, rise = x1 - x0, y1 - y0, d1 - d0
-    steep = abs(dy) >= abs(dx)
-    near, far = where(steep, y0, x0), where(steep, y1, x1)
-    low, high = min(near, far), max(near, far)
-    length = high - low
-    # flat segments add to the rows of cells next to theirs, and a light may be so near that a segment is longer
-    # than its map
-    there = (wide >= ZERO) & (lane < np.float32(count - first)) & (length >= TINY) & (length <= size * np.float32(4.0))
-    there = there & (max(y0, y1) >= top - ONE) & (min(y0, y1) <= bottom + ONE)
-    away = abs(rise) * (PER_TEXEL * view.focal)
-    if not view.far > ZERO:
-        away *= HALF * (ONE / d0 + ONE / d1)
-    parts = where(away > length, floor(min(away / length, FINEST)) + ONE, ONE + none)
-    begin = parts * where(steep, top + none, none)
-    end = parts * where(steep, bottom + none, size + none)
-    begin = max(floor(parts * low), begin)
-    end = min(floor(parts * high) + ONE, end)
-    slope = ONE / (far - near)
-    across, step = where(steep, x0, y0), where(steep, dx, dy) * slope
-    area = wide * sqrt(dx * dx + dy * dy) / length
-    pieces = where(there, max(end - begin, ZERO), none)
-    return low, high, near, across, d0, step, rise * slope, area, begin, pieces, ONE / parts, steep
-
-
-@device
-def find_segments(work, first, count, window, view):
-    """Write the rows of up to `SEGMENTS` segments of a run from one on, cut by texels; return how many.
-
-    first: number of that one; count: of segments of the run."""
-    rows = pointer(work)
     for k in range(0, SEGMENTS, lane_count(rows)):
-        low, high, near, across, depth, step, rise, area, begin, pieces, length, steep = segments_at(
-            rows, first + k, count, window, view
-        )
+        at = VERTICES + 4 * (begin + k)
+        x0, y0, d0, _ = load_quadruples(rows, at)
+        x1, y1, d1, wide = load_quadruples(rows, at + 4)
+        dx, dy, rise = x1 - x0, y1 - y0, d1 - d0
+        steep = abs(dy) >= abs(dx)
+        near, far = where(steep, y0, x0), where(steep, y1, x1)
+        low, high = min(near, far), max(near, far)
+        length = high - low
+        # flat segments add to the rows of cells next to theirs, and a light may be so near that a segment is longer
+        # than its map
+        there = (wide >= ZERO) & (lane < np.float32(count - begin - k))
+        there = there & (length >= TINY) & (length <= size * np.float32(4.0))
+        there = there & (max(y0, y1) >= top - ONE) & (min(y0, y1) <= bottom + ONE)
+        away = abs(rise) * (PER_TEXEL * view.focal)
+        if not view.far > ZERO:
+            away *= HALF * (ONE / d0 + ONE / d1)
+        parts = where(away > length, floor(min(away / length, FINEST)) + ONE, ONE + none)
+        first = max(floor(parts * low), parts * where(steep, top + none, none))
+        end = min(floor(parts * high) + ONE, parts * where(steep, bottom + none, size + none))
+        slope = ONE / (far - near)
         store(rows, LOW + k, low)
         store(rows, HIGH + k, high)
         store(rows, NEAR + k, near)
-        store(rows, ACROSS + k, across)
-        store(rows, DEPTH + k, depth)
-        store(rows, STEP + k, step)
-        store(rows, RISE + k, rise)
-        store(rows, AREA + k, area)
-        store(rows, BEGIN + k, begin)
-        store(rows, PIECES + k, pieces)
-        store(rows, LENGTH + k, length)
-        store(rows, STEEP + k, where(steep, ONE + low * ZERO, low * ZERO))
-    return min(count - first, SEGMENTS)
+        store(rows, ACROSS + k, where(steep, x0, y0))
+        store(rows, DEPTH + k, d0)
+        store(rows, STEP + k, where(steep, dx, dy) * slope)
+        store(rows, RISE + k, rise * slope)
+        store(rows, AREA + k, wide * sqrt(dx * dx + dy * dy) / length)
+        store(rows, BEGIN + k, first)
+        store(rows, PIECES + k, where(there, max(end - first, ZERO), none))
+        store(rows, LENGTH + k, ONE / parts)
+        store(rows, STEEP + k, where(steep, ONE + none, none))
+    return min(count - begin, SEGMENTS)

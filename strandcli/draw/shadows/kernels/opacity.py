@@ -64,20 +64,6 @@ def numbers_of(cells: int, rows: int, layers: int) -> int:
 
 
 @inlined
-def cell_of(row, column, start, size, layers, stacks):
-    """Return the index in `stacks` of the row of a texel's cell; start: first index of the map, uint64."""
-    half = size >> 1
-    number = np.uint64(np.int32(stacks[head_at(row, column, start, size) + np.uint64(ROW)]))
-    return start + np.uint64(HEAD * half * half) + number * np.uint64(TEXELS * (layers + 1))
-
-
-@inlined
-def head_at(row, column, start, size):
-    """Return the index in `stacks` of the head of a texel's cell; start: first index of the map, uint64."""
-    return start + np.uint64(HEAD * ((row >> 1) * (size >> 1) + (column >> 1)))
-
-
-@inlined
 def head_of(rows, start, half, up, left):
     """Return the heads of the cells in rows `up` and columns `left` of a map, `half` cells along a side. Vectors; rows:
     `pointer` to the maps; start: first index of the map."""

@@ -20,7 +20,6 @@ import numpy as np
 from ....jit import device, inlined
 from ....solids.shapes import box as box_columns
 from ...common.kernels.approximations import asin
-from ...common.kernels.golden_section import search
 from ...common.kernels.numbers import HALF, INV_PI, ONE, ZERO
 
 TINY = np.float32(1e-20)
@@ -29,6 +28,8 @@ SHARP = np.float32(1e-6)
 CLEAR = np.float32(2.0)
 """Stands for no occlusion; greater than any sine."""
 SURELY = np.float32(1.0001)
+CLOSER = np.float32((math.sqrt(5.0) - 1.0) / 2.0)
+"""Share of the interval that a step of a golden-section search leaves."""
 STEPS = np.int64(32)
 """Steps of a search along the ray to the light."""
 ALONG = np.int64(16)
@@ -159,7 +160,7 @@ def box(p, m, ray, skin, radius):
     high = min(around - (ox * dx + oy * dy + oz * dz), reach)
     if high <= ZERO:
         return CLEAR
-    return lowest_on_ray((ox, oy, oz, dx, dy, dz, hx, hy, hz), high * SHARP, high, STEPS)
+    return lowest_on_ray((ox, oy, oz, dx, dy, dz, hx, hy, hz), high)
 
 
 @device
@@ -181,4 +182,23 @@ def on_ray(t, at):
     return box_distance(ox + t * dx, oy + t * dy, oz + t * dz, hx, hy, hz) / t
 
 
-lowest_on_ray = search(on_ray)
+@device
+def lowest_on_ray(at, high):
+    """Return the least `on_ray` up to a distance t, by golden-section search: there is a single minimum."""
+    low = high * SHARP
+    near, far = high - CLOSER * (high - low), low + CLOSER * (high - low)
+    at_near, at_far = on_ray(near, at), on_ray(far, at)
+    for _ in range(STEPS):
+        if at_near < at_far:
+            high = far
+            far = near
+            at_far = at_near
+            near = high - CLOSER * (high - low)
+            at_near = on_ray(near, at)
+        else:
+            low = near
+            near = far
+            at_near = at_far
+            far = low + CLOSER * (high - low)
+            at_far = on_ray(far, at)
+    return min(at_near, at_far)

@@ -16,7 +16,6 @@ from ....solids.kernels import other
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.shapes import capsule, plane, sphere
 from ...common.kernels import batch as row
-from ...common.kernels.golden_section import CLOSER
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from . import penumbra
@@ -224,8 +223,8 @@ def search(work, count, r, bx, by, bz):
     for j in range(count):
         work[row.LOW + j] = ZERO
         work[row.HIGH + j] = ONE
-        work[row.NEAR + j] = ONE - CLOSER * (ONE - ZERO)
-        work[row.FAR + j] = ZERO + CLOSER * (ONE - ZERO)
+        work[row.NEAR + j] = ONE - penumbra.CLOSER * (ONE - ZERO)
+        work[row.FAR + j] = ZERO + penumbra.CLOSER * (ONE - ZERO)
     for j in range(count):
         work[row.AT_NEAR + j] = on_axis(work, j, r, bx, by, bz, work[row.NEAR + j])
         work[row.AT_FAR + j] = on_axis(work, j, r, bx, by, bz, work[row.FAR + j])
@@ -236,7 +235,7 @@ def search(work, count, r, bx, by, bz):
             nearer = at_near < at_far
             low = low if nearer else near
             high = far if nearer else high
-            step = CLOSER * (high - low)
+            step = penumbra.CLOSER * (high - low)
             s = high - step if nearer else low + step
             found = on_axis(work, j, r, bx, by, bz, s)
             work[row.LOW + j] = low

@@ -17,7 +17,7 @@ from ....simd import floor, lane_count, load, movemask, reduce_max, where
 from ...common.kernels.numbers import HALF
 
 FAR = np.float32(1e6)
-ONE_BIT, NO_BITS, ALL_BITS = np.uint64(1), np.uint64(0), np.uint64(0xFFFFFFFFFFFFFFFF)
+NO_BITS, ALL_BITS = np.uint64(0), np.uint64(0xFFFFFFFFFFFFFFFF)
 MOST = 64
 """Squares beside each other that are looked at, one bit each; where windows lie farther apart, all count as shaded."""
 

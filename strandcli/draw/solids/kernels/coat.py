@@ -89,19 +89,6 @@ def facets_over(square, disc, cosine):
     return density * INV_PI / (cosine * cosine)
 
 
-@function
-def patches(x, y, z, grain, pixel):
-    """Return noise in [−1, 1] at a point; grain: width of the largest patches, pixel: that of a pixel there, metres."""
-    total = ZERO
-    size = grain
-    weight = HALF
-    for octave in range(OCTAVES):
-        total = add_octave(total, x, y, z, size, pixel, weight, np.uint32(octave))
-        size *= HALF
-        weight *= FAINTER
-    return min(max(total, -ONE), ONE)
-
-
 @inlined
 def add_octave(total, x, y, z, size, pixel, weight, seed):
     """Return the noise so far with an octave added, whose patches are of this size, metres. Without branches."""
