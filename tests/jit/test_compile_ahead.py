@@ -29,7 +29,7 @@ solids: [{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 
 KERNELS = {
     "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.resolve, resolve.blend, film.develop),
     "coverage": (
-        edges.depths, edge_pixels.look_outside, edge_pixels.find, edge_pixels.collect, edges.sample, edges.part,
+        edges.depths, edge_pixels.look_outside, edge_pixels.find, edges.sample, edges.part,
         edges.composite, strand_extents.find_extents, tile_binning.bin_segments, resolve.resolve,
     ),
 }  # fmt: skip

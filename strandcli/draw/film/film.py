@@ -10,14 +10,6 @@ from numpy.typing import NDArray
 
 from .kernels import film as kernel
 
-
-@functools.cache
-def srgb_curve() -> NDArray[np.uint8]:
-    """Return a table (65536,) uint8 from linear light in [0, 1], in even steps, to 8-bit sRGB (IEC 61966-2-1). A step
-    is at most 0.05 levels, at black where the slope is 12.92, so the table's error is that of rounding."""
-    return _levels(np.arange(65536) / 65535)
-
-
 GREY = 0.18
 CONTRAST = 1.3
 WHITE = 254.5
@@ -34,16 +26,16 @@ def filmic(light: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @functools.cache
-def filmic_curve() -> NDArray[np.uint8]:
-    """Return a table (65536,) uint8 from x / (1 + x) of light x, in even steps over [0, 1], to 8 bits by `filmic` and
-    sRGB. Near black x / (1 + x) ≈ x, so its steps are as fine as those of `srgb_curve`."""
-    rolled = np.arange(65536) / 65536
-    return _levels(filmic(rolled / (1 - rolled)))
-
-
 def curve_of(tone: str) -> tuple[NDArray[np.uint8], np.float32]:
-    """Return the table of a tone curve for `kernels.film.develop`, and 1 if its argument is x / (1 + x), else 0."""
-    return (filmic_curve(), np.float32(1)) if tone == "filmic" else (srgb_curve(), np.float32(0))
+    """Return the table (65536,) of a tone curve to 8-bit sRGB (IEC 61966-2-1) for `kernels.film.develop`, and 1 if its
+    argument is x / (1 + x) of light x, else 0.
+
+    Of light in [0, 1], in even steps, a step is at most 0.05 levels, at black where the slope is 12.92, so the table's
+    error is that of rounding. Near black x / (1 + x) ≈ x, so the steps of `filmic` are as fine."""
+    if tone != "filmic":
+        return _levels(np.arange(65536) / 65535), np.float32(0)
+    rolled = np.arange(65536) / 65536
+    return _levels(filmic(rolled / (1 - rolled))), np.float32(1)
 
 
 def dithered(

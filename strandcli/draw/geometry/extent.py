@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,20 +71,16 @@ def bounds_of(
     if fade is None:
         low, high = np.split((boxes_of(positions, strands) if boxes is None else boxes)[:, -1], 2, 1)
         return np.stack([low.min(0), high.max(0)]).astype(np.float64)
-    low, high = extents_of(positions) if extents is None else extents
-    lanes = np.full((len(positions), W), -1, np.float32)
+    low, high = (side.reshape(-1, 3, W) for side in (extents_of(positions) if extents is None else extents))
+    lanes = np.full((len(positions), 1, W), -1, np.float32)
     lanes.reshape(-1)[:strands] = fade
-    box, beyond = np.empty((2, 3 * W), np.float32), np.empty((2, 3 * W))
-    bounds.hold_whole(low, high, lanes, fade.max(), box)
-    inner = _over_lanes(box).astype(np.float64)
-    bounds.extend(low, high, lanes, fade.max(), inner, beyond)
-    return np.asarray(inner + _over_lanes(beyond))
-
-
-def _over_lanes(box: NDArray[Any]) -> NDArray[Any]:
-    """Return the box (2, 3) around those of all lanes, (2, 3 W)."""
-    low, high = box.reshape(2, 3, W)
-    return np.stack([low.min(1), high.max(1)])
+    whole, shares = lanes == fade.max(), np.maximum(lanes, 0)
+    least = np.where(whole, low, np.float32(np.inf)).min((0, 2)).astype(np.float64)
+    most = np.where(whole, high, np.float32(-np.inf)).max((0, 2)).astype(np.float64)
+    shares[whole] = 0
+    below = np.minimum((low - least[:, None]) * shares, 0).min((0, 2))
+    above = np.maximum((high - most[:, None]) * shares, 0).max((0, 2))
+    return np.stack([least + below, most + above])
 
 
 def thickness_of(

@@ -65,8 +65,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "to_view": (to_view, (ONE, ONE, ONE, ROW)),
     "bezier": (curves.bezier, (ONE,) * 5),
-    "second coefficient": (curves.second_coefficient, (ONE, ONE, ONE)),
-    "third coefficient": (curves.third_coefficient, (ONE, ONE, ONE)),
     "cross_near_plane": (project.cross_near_plane, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
     "to_screen": (project.to_screen, (WORK, 8, ROW)),
     "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, ONE, None)),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from strandcli.draw.common.kernels.keys import EMPTY
-from strandcli.draw.film.film import curve_of, filmic, gradient, srgb_curve
+from strandcli.draw.film.film import curve_of, filmic, gradient
 from strandcli.draw.film.kernels import film
 
 
@@ -27,7 +27,7 @@ def test_pixels_are_srgb_to_the_nearest_level() -> None:
     linear = np.concatenate([np.linspace(0, 1, 3000), np.logspace(-6, 0, 999), [1.0]]).reshape(40, 100, 1)
     found = developed(np.repeat(linear, 3, 2))
     assert np.abs(found - encoded(linear)).max() < 0.56
-    curve = srgb_curve().astype(int)
+    curve = curve_of("srgb")[0].astype(int)
     assert (curve[0], curve[-1]) == (0, 255)
     assert set(np.diff(curve)) == {0, 1}  # every level is reached, in order
 

@@ -120,19 +120,16 @@ class Work(NamedTuple):
 
 
 @inlined
-def add_fragment(target, m, depth, alpha, vertex, place, pixel):
-    """Append a fragment to the m found so far; return m + 1.
+def write_fragment(found, o, depth, alpha, vertex, place, pixel):
+    """Write a fragment behind the first o of `Target.found`; beyond the capacity the last one is overwritten.
 
-    target: `Target`; depth: depth number; alpha: opacity; vertex, place: of its segment, as in `tiles`; pixel: within
-    the tile. Beyond the capacity the last fragment is overwritten.
+    depth: depth number; alpha: opacity; vertex, place: of its segment, as in `tiles`; pixel: within the tile.
     """
-    o = np.uint64(min(m, np.int64(target.found.shape[0] // NUMBERS - 1)) * NUMBERS)
-    target.found[o + AT_DEPTH] = np.float32(depth).view(np.int32)
-    target.found[o + AT_OPACITY] = np.float32(alpha).view(np.int32)
-    target.found[o + AT_VERTEX] = vertex
-    target.found[o + AT_PLACE] = place << PIXEL_BITS | pixel
-    target.counts[pixel] += 1
-    return m + 1
+    at = min(np.uint64(o), np.uint64(found.shape[0] // NUMBERS - 1)) * np.uint64(NUMBERS)
+    found[at + AT_DEPTH] = np.float32(depth).view(np.int32)
+    found[at + AT_OPACITY] = np.float32(alpha).view(np.int32)
+    found[at + AT_VERTEX] = vertex
+    found[at + AT_PLACE] = place << PIXEL_BITS | pixel
 
 
 @device
@@ -146,19 +143,15 @@ def cover_cells(work, n, target, m):
     found = target.found
     cover(cells, n)
     locate(cells, numbers, n, target)
-    room = np.uint64(found.shape[0] // NUMBERS - 1)
     o = np.uint64(m)
     for i in range(np.uint64(list_covered(cells, n))):
         which = np.uint64(np.int64(cells[np.uint64(CHOSEN) + i]))
         k = which & IN_CELLS
         pixel = numbers[np.uint64(PIXEL) + which]
-        depth = cells[np.uint64(DEPTH) + k]
-        at = min(o, room) * np.uint64(NUMBERS)
-        found[at + AT_DEPTH] = np.float32(depth).view(np.int32)
-        found[at + AT_OPACITY] = np.float32(cells[np.uint64(COVERED) + which]).view(np.int32)
-        found[at + AT_VERTEX] = numbers[np.uint64(VERTEX) + k]
-        found[at + AT_PLACE] = numbers[np.uint64(PLACE) + k] << PIXEL_BITS | pixel
-        visible = count_visible(target, np.uint64(pixel), depth, cells[np.uint64(COVERED) + which])
+        depth, alpha = cells[np.uint64(DEPTH) + k], cells[np.uint64(COVERED) + which]
+        vertex, place = numbers[np.uint64(VERTEX) + k], numbers[np.uint64(PLACE) + k]
+        write_fragment(found, o, depth, alpha, vertex, place, pixel)
+        visible = count_visible(target, np.uint64(pixel), depth, alpha)
         o += np.uint64(visible)
     return np.int64(o)
 

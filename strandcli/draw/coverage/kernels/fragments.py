@@ -13,7 +13,7 @@ from ....simd import half_width_pointer, load, pointer, prefetch, store
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from . import cells
 from . import segments as seg
-from .cells import CELLS, LANES, add_fragment, cover_cells
+from .cells import CELLS, LANES, cover_cells, write_fragment
 from .joined import measure_joints
 from .ribbon import cover_ribbon
 from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, from_axis, keep_last, load_vertices, measure_segments
@@ -138,7 +138,9 @@ def add_solids(solids, base, width, target):
         x = pixels[e] % width
         if target.left <= x < target.right and solids.cover[e] > ZERO:
             pixel = (pixels[e] // width - target.top) << ROW_BITS | (x - target.left)
-            m = add_fragment(target, m, solids.depth[e], solids.cover[e], base + e, 0, pixel)
+            write_fragment(target.found, m, solids.depth[e], solids.cover[e], base + e, 0, pixel)
+            target.counts[pixel] += 1
+            m += 1
     return m
 
 

@@ -18,6 +18,7 @@ from ....simd import half_width_pointer, lane_count, load, pointer, sqrt, store,
 from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
 from ...geometry.kernels.ribbon import cross_section, make_ribbon
 from . import joined, tiles
+from .cells import write_fragment
 from .crowds import count_visible
 
 FLAT = np.float32(1 / 16)
@@ -205,18 +206,12 @@ def add_listed(work, n, vertex, past_lit, target, m):
     the pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before. Each
     fragment is written, and the end of the list advances only past visible ones, as in `cells.cover_cells`.
     """
-    found = target.found
-    room = np.uint64(found.shape[0] // tiles.NUMBERS - 1)
     o = np.uint64(m)
     for k in range(np.uint64(n)):
         pixel = np.int64(work[np.uint64(PIXEL) + k])
         depth, alpha = work[np.uint64(DEPTH) + k], work[np.uint64(ALPHA) + k]
         place = tiles.fixed_point(work[np.uint64(ALONG) + k], past_lit, target.place_bits)
-        at = min(o, room) * np.uint64(tiles.NUMBERS)
-        found[at + tiles.AT_DEPTH] = np.float32(depth).view(np.int32)
-        found[at + tiles.AT_OPACITY] = np.float32(alpha).view(np.int32)
-        found[at + tiles.AT_VERTEX] = vertex
-        found[at + tiles.AT_PLACE] = place << tiles.PIXEL_BITS | pixel
+        write_fragment(target.found, o, depth, alpha, vertex, place, pixel)
         visible = count_visible(target, np.uint64(pixel), depth, alpha)
         if visible & (alpha > OPAQUE):
             target.occlusion_depth[np.uint64(pixel)] = depth

@@ -63,13 +63,7 @@ class TileSegments(NamedTuple):
 class Chains(NamedTuple):
     """The chains that one worker writes."""
 
-    pool: NDArray[np.int64]
-    depths: NDArray[np.float32]
-    links: NDArray[np.int64]
-    heads: NDArray[np.int64]
-    fills: NDArray[np.int64]
-    used: NDArray[np.int64]
-    """These as in `TileSegments`."""
+    segments: TileSegments
     worker: int
     begin: int
     last: int
@@ -122,10 +116,7 @@ def bin_segments(lines, extents, top, bottom, width, workers, segments, windows,
         task = np.int64(one)  # the index is unsigned; sums of it and signed integers would be floats
         opened = np.empty(segments.heads.shape[1], np.int64)
         across = np.int64((width + TILE_WIDTH - 1) // TILE_WIDTH)
-        chains = Chains(
-            segments.pool, segments.depths, segments.links, segments.heads, segments.fills, segments.used, task,
-            task * share, (task + 1) * share - 1, opened, across, lines.screen,
-        )  # fmt: skip
+        chains = Chains(segments, task, task * share, (task + 1) * share - 1, opened, across, lines.screen)
         wide, above, below = np.float32(width), np.float32(top), np.float32(bottom)
         region = Region(
             above, wide, below - above, seg.from_axis(ZERO, wide, above, below, depth_slope), depth_slope, windows
@@ -235,13 +226,13 @@ def close_rows(old, new, end, chains):
             if (x >= new.left) & (x < new.right) & (y >= new.up) & (y < new.down):
                 continue
             tile = y * chains.across + x
-            slot = chains.fills[task, tile]
+            slot = chains.segments.fills[task, tile]
             if slot & IN_BLOCK == 0:
                 slot = add_block(slot, tile, chains)
-            chains.fills[task, tile] = slot + 1
-            chains.pool[slot, START_AND_FIRST] = chains.opened[tile]
-            chains.pool[slot, STRAND_AND_LAST] = end
-            chains.depths[slot] = chains.screen[(chains.opened[tile] & LOW) - 1, 2]
+            chains.segments.fills[task, tile] = slot + 1
+            chains.segments.pool[slot, START_AND_FIRST] = chains.opened[tile]
+            chains.segments.pool[slot, STRAND_AND_LAST] = end
+            chains.segments.depths[slot] = chains.screen[(chains.opened[tile] & LOW) - 1, 2]
 
 
 @inlined
@@ -259,10 +250,10 @@ def add_block(slot, tile, chains):
     """Return the first index in the pool of a new block for a tile's chain; slot: end of the chain, whose last block is
     full."""
     task = chains.worker
-    block = min(chains.begin + chains.used[task], chains.last)
-    chains.used[task] += 1
+    block = min(chains.begin + chains.segments.used[task], chains.last)
+    chains.segments.used[task] += 1
     if slot == 0:
-        chains.heads[task, tile] = block
+        chains.segments.heads[task, tile] = block
     else:
-        chains.links[(slot - 1) >> BLOCK_BITS] = block
+        chains.segments.links[(slot - 1) >> BLOCK_BITS] = block
     return block << BLOCK_BITS

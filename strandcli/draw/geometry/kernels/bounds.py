@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import device, function, parallel, prange
-from ...common.kernels.numbers import INF, ZERO
+from ....jit import device, parallel, prange
+from ...common.kernels.numbers import ZERO
 
 FARTHEST = np.float32(1e6)
 """Metres that a box moves where nothing ends its way."""
@@ -31,38 +31,6 @@ def bound(rows, low, high):
         for k in range(3 * W):
             low[k] = min(low[k], rows[j, k])
             high[k] = max(high[k], rows[j, k])
-
-
-@function
-def hold_whole(low, high, fade, whole, box):
-    """Write to box (2, 3 W) the least and greatest coordinates of the strands of each lane whose `fade` is `whole`; inf
-    and −inf if there are none.
-
-    low, high (blocks, 3 W): from `find`; fade (blocks, W): −1 for lanes that are no strands.
-    """
-    box[0] = INF
-    box[1] = -INF
-    for block in range(fade.shape[0]):
-        for axis in range(3):
-            for lane in range(W):
-                k = axis * W + lane
-                there = fade[block, lane] == whole
-                box[0, k] = min(box[0, k], low[block, k] if there else INF)
-                box[1, k] = max(box[1, k], high[block, k] if there else -INF)
-
-
-@function
-def extend(low, high, fade, whole, inner, beyond):
-    """Write to beyond (2, 3 W) by how much strands of each lane that fade extend the box inner (2, 3), at most 0 and at
-    least 0; arguments as in `hold_whole`."""
-    beyond[:] = 0.0
-    for block in range(fade.shape[0]):
-        for axis in range(3):
-            for lane in range(W):
-                k = axis * W + lane
-                share = fade[block, lane] if (fade[block, lane] > ZERO) & (fade[block, lane] != whole) else ZERO
-                beyond[0, k] = min(beyond[0, k], (low[block, k] - inner[0, axis]) * share)
-                beyond[1, k] = max(beyond[1, k], (high[block, k] - inner[1, axis]) * share)
 
 
 @parallel

@@ -101,7 +101,7 @@ def write_vertex(world, v, x, y, z):
 @inlined
 def bezier(t, a, e, g, h):
     """Return a coordinate at t, 0 to 1, of the Bézier curve with the control points a, a + g, a + e − h and a + e."""
-    return a + t * (THREE * g + t * (second_coefficient(e, g, h) + t * third_coefficient(e, g, h)))
+    return a + t * (THREE * g + t * (THREE * (e - TWO * g - h) + t * (THREE * (g + h) - TWO * e)))
 
 
 @device
@@ -124,15 +124,3 @@ def longest_segment(positions):
                 most = max(most, norm(x, y, z))
         found[block] = most
     return found.max()
-
-
-@device
-def second_coefficient(e, g, h):
-    """Return the coefficient of t² of a Bézier curve; arguments as in `bezier`."""
-    return THREE * (e - TWO * g - h)
-
-
-@device
-def third_coefficient(e, g, h):
-    """Return the coefficient of t³ of a Bézier curve; arguments as in `bezier`."""
-    return THREE * (g + h) - TWO * e

@@ -137,13 +137,6 @@ def draw(strands, view, share, sketch):
     return deep / max(every, 1e-30)
 
 
-@function
-def mark(chances, share, marks):
-    """Set the marks (S,) of strands with these chances that belong to a share of them that is sketched."""
-    for s in range(chances.shape[0]):
-        marks[s] |= is_sketched(chances[s], share)
-
-
 @device
 def is_sketched(chance, share):
     """Return whether a strand belongs to a share of them that has nothing to do with how great their chances are: were

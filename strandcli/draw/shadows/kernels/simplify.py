@@ -7,13 +7,12 @@ where both of its neighbours are and the line between those two before and two b
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ....jit import device, inlined, parallel, prange
 from ....simd import deinterleave, half_width_pointer, lane_count, load3, movemask, pointer
 from ...common.kernels.numbers import ZERO
+from ...geometry.kernels.detail import distance
 
 TINY = np.float32(1e-30)
 FLAT = np.float32(0.1**2)
@@ -110,13 +109,6 @@ def off_line(world, lost, v, reach):
     before, after = distance(world, v - reach, v), distance(world, v, v + reach)
     t = before / max(before + after, TINY)
     return abs(lost[v] - (lost[v - reach] + t * (lost[v + reach] - lost[v - reach])))
-
-
-@device
-def distance(world, u, v):
-    """Return the distance between two vertices, metres."""
-    x, y, z = world[v, 0] - world[u, 0], world[v, 1] - world[u, 1], world[v, 2] - world[u, 2]
-    return np.float32(math.sqrt(x * x + y * y + z * z))
 
 
 @inlined

@@ -51,11 +51,10 @@ def outside(number, width, height):
 
 
 @parallel
-def find(keys, beside, width, height, ends, counts):
+def find(keys, beside, width, height, ends):
     """Mark the pixels that may contain an edge: those whose solid differs from that of one of the four neighbours.
 
-    beside: from `look_outside`; ends (height * width,) uint8 out: non-zero for marked pixels; counts (height,) int64
-    out: marked pixels of each row.
+    beside: from `look_outside`; ends (height * width,) uint8 out: 1 for marked pixels, else 0.
     """
     for row in prange(height):
         y = np.int64(row)  # the index is unsigned, for which `compare` would be compiled a second time
@@ -65,7 +64,6 @@ def find(keys, beside, width, height, ends, counts):
                 ends[y * width + x] = differs(keys, beside, x, y, width, height)
         ends[y * width] = differs(keys, beside, np.int64(0), y, width, height)
         ends[(y + 1) * width - 1] = differs(keys, beside, np.int64(width - 1), y, width, height)
-        counts[y] = total(ends, y * width, width)
 
 
 @device
@@ -91,27 +89,3 @@ def compare(keys, own, above, below, width, ends):
         other = (keys[at - np.uint64(1)] ^ key) | (keys[at + np.uint64(1)] ^ key)
         other |= (keys[np.uint64(above) + x] ^ key) | (keys[np.uint64(below) + x] ^ key)
         ends[at] = np.uint8((other & LOW) != EVEN)
-
-
-@device
-def total(ends, begin, count):
-    """Return the sum of `count` marks from index `begin` on."""
-    n = np.int64(0)
-    for i in range(np.uint64(begin), np.uint64(begin + count)):
-        n += np.int64(ends[i])
-    return n
-
-
-@parallel
-def collect(ends, width, begin, pixels):
-    """List the marked pixels row by row in pixels (E,) int64; ends: from `find`; begin (height + 1,) int64: index of
-    each row's first pixel, and E."""
-    for row in prange(begin.shape[0] - 1):
-        y = np.int64(row)
-        n = begin[y]
-        p = y * width
-        while n < begin[y + 1]:
-            if ends[p] != 0:
-                pixels[n] = p
-                n += 1
-            p += 1
