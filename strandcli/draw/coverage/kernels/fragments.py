@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ....jit import device, inlined
 from ....jit.search import first_not_below
 from ....simd import half_width_pointer, load, pointer, prefetch, store
-from ...common.kernels.numbers import HALF, ONE, ZERO
+from ...common.kernels.numbers import HALF, ONE, STEPS, ZERO
 from . import cells
 from . import segments as seg
 from .cells import CELLS, LANES, cover_cells, write_fragment
@@ -31,7 +31,6 @@ EVERY = np.int64(4096)
 """Fragments after which the windows of a tile are found anew."""
 A_ROW = np.int64(8)
 """Fragments that a row of segments counts for there, in addition to its own."""
-STEPS = np.arange(LANES, dtype=np.float32)
 NEAREST = np.float32(np.inf)
 """Depth number in front of which nothing is."""
 

@@ -6,11 +6,10 @@ import numpy as np
 
 from ....jit import inlined
 from ....simd import deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
-from ...common.kernels.numbers import HALF, ONE, ZERO
+from ...common.kernels.numbers import HALF, ONE, STEPS, ZERO
 from .segments import JOINED, ROW, WIDTH
 
 TINY = np.float32(1e-30)
-STEPS = np.arange(ROW, dtype=np.float32)
 # Rows of the vertices from the one before those loaded on: position on the screen and depth number; then those of
 # segments, as in `segments`: unit direction, one over the length on the screen, and the normals of the joints at both
 # ends.

@@ -15,7 +15,7 @@ import numpy as np
 from ....constants import VECTOR
 from ....jit import inlined
 from ....simd import half_width_pointer, lane_count, load, pointer, sqrt, store, where
-from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
+from ...common.kernels.numbers import HALF, ONE, STEPS, TWO, ZERO
 from ...geometry.kernels.ribbon import cross_section, make_ribbon
 from . import joined, tiles
 from .cells import write_fragment
@@ -42,7 +42,6 @@ LANES = VECTOR // 2 // 4
 ROW = LISTED + LANES
 COLUMN, LINE, ALONG, DEPTH, ALPHA, PIXEL = (i * ROW for i in range(6))
 ROWS = 6
-STEPS = np.arange(LANES, dtype=np.float32)
 
 
 class Band(NamedTuple):
@@ -189,7 +188,8 @@ def cover_listed(work, n, ribbon, band, strands, target):
         # middle of the part of the width that the pixel shows
         off = HALF * (min(max(-rest, -h), h) + min(max(ONE - rest, -h), h))
         t = min(max(past * band.per + band.lean * off, ZERO), ONE)
-        depth = round_depth(ribbon, t, off * (ONE / max(h, TINY)), forward, tilt)
+        aside = off * (ONE / max(h, TINY))
+        depth = ribbon.q0 + ribbon.rise * t + tilt * aside + forward * sqrt(max(ONE - aside * aside, ZERO))
         store(rows, ALONG + k, t)
         store(rows, DEPTH + k, where(cover > FAINT, depth, UNSEEN))
         store(rows, ALPHA + k, min(cover, ONE) * strands.opacity)
@@ -236,12 +236,6 @@ def offsets_across(ribbon, t, width, a, b, depth_slope):
     forward, tilt = scale * sqrt(slant * slant + g * g * (ONE + w * w)), scale * w * slant
     turn = ONE if (dx if ribbon.flat else -dy) > ZERO else -ONE  # whether b grows toward (−dy, dx)
     return where(per > ZERO, forward, ZERO), where(per > ZERO, tilt * turn, ZERO)
-
-
-@inlined
-def round_depth(ribbon, t, h, forward, tilt):
-    """Return `geometry.kernels.ribbon.round_depth` of vectors."""
-    return ribbon.q0 + ribbon.rise * t + tilt * h + forward * sqrt(max(ONE - h * h, ZERO))
 
 
 @inlined

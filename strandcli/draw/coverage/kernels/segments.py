@@ -129,13 +129,6 @@ def rounding(near, rise, wide, per, far, depth_slope):
 
 
 @inlined
-def in_front(q, wide, depth_slope):
-    """Return how far the round side of segments is in front of their axis, depth numbers, in the middle of their width
-    and as if they were parallel to the picture; q: depth number. Vectors."""
-    return HALF * wide * max(depth_slope.per_depth * q + depth_slope.constant, ZERO)
-
-
-@inlined
 def nearest_of(q0, q1, wide, per, far, depth_slope):
     """Return bounds on the depth numbers of all that segments show; q0, q1: at their ends; wide, per, far, depth_slope:
     as in `rounding`. Vectors."""
@@ -187,7 +180,9 @@ def measure_segments(work, widths, count, opacity, left, top, far, depth_slope, 
         store(rows, HEIGHT + k, where(wide > WIDE, HALF * stretch * w0, max(HALF * stretch * wide, THIN)))
         store(rows, GROWTH + k, where(wide > WIDE, HALF * stretch * (w1 - w0), ZERO))
         store(rows, STRETCH + k, stretch * opacity)
-        store(rows, BEGIN_DEPTH + k, q0 + where(wide > WIDE, in_front(q0, HALF * (w0 + w1), depth_slope), ZERO))
+        # the middle of its round side, as if it were parallel to the picture
+        ahead = HALF * (HALF * (w0 + w1)) * max(depth_slope.per_depth * q0 + depth_slope.constant, ZERO)
+        store(rows, BEGIN_DEPTH + k, q0 + where(wide > WIDE, ahead, ZERO))
         store(rows, DEPTH_RISE + k, q1 - q0)
         store(rows, NEAREST + k, nearest_of(q0, q1, wide, per, far, depth_slope))
         store(rows, BEGIN_WIDTH + k, w0)

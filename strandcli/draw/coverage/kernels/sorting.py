@@ -7,7 +7,7 @@ import numpy as np
 from ....constants import VECTOR
 from ....jit import device, inlined
 from ....simd import broadcast, count_true, half_width_pointer, lane_count, load, pointer, store, where
-from ...common.kernels.numbers import ONE, ZERO
+from ...common.kernels.numbers import ONE, STEPS, ZERO
 from .crowds import SLICES, farthest_visible, keep_visible
 from .tiles import AT_DEPTH, AT_VERTEX, NUMBERS
 
@@ -19,7 +19,6 @@ NARROW_LANES = VECTOR // 2 // 4
 """Lanes of a vector of a `half_width_pointer`; most lists are no longer."""
 WIDE_LANES = VECTOR // 4
 """Lanes of a vector of a `pointer`."""
-STEPS = np.arange(WIDE_LANES, dtype=np.float32)
 ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 ONE_BIT, FOUR = np.uint64(1), np.uint64(NUMBERS)
 

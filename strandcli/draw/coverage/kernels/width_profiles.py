@@ -75,8 +75,8 @@ class VisiblePart(NamedTuple):
 
 @device
 def clear(profile, slot):
-    """Set a profile to 0."""
-    for i in range(COLUMNS + 1):
+    """Set a profile to 0; slot: −1 for none."""
+    for i in range(COLUMNS + 1 if slot >= 0 else 0):
         for c in range(3):
             profile[slot, i, c] = ZERO
 

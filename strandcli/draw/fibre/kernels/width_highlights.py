@@ -17,18 +17,12 @@ CHANNELS = 8
 
 
 @device
-def width_highlights(work, n, which, lights, one, tables, profiles):
+def width_highlights(work, n, which, lights, one, tables, profiles, columns):
     """Add the lobes across the strand to the profiles of wide vertices, from what `highlights` left in the batch.
 
-    which (W,): vertices of the batch; tables: of the fibre model, with nodes and paths; profiles: `WidthProfiles`,
-    whose columns have the same ranges as nodes.
+    which (W,): vertices of the batch; tables: of the fibre model, with nodes and paths; profiles: `WidthProfiles`;
+    columns: theirs, which have the same ranges as nodes, or None where the model has no tables over the width.
     """
-    add_columns(work, n, which, lights, one, tables, profiles, profiles.columns)
-
-
-@device
-def add_columns(work, n, which, lights, one, tables, profiles, columns):
-    """`width_highlights` where the model has tables over the width."""
     if columns is None:
         return
     per_x = np.float32(columns.shape[0] - 1) / np.float32(tables.nodes.shape[0] - 1)

@@ -75,7 +75,9 @@ def veil_strands(air, backdrop, screen, marks, words, colours, slots, profile):
         for k in range(n if slots.shape[0] > 0 else 0):
             slot = slots[places[k] // THREE]
             if slot >= 0:
-                fade(profile, slot, shares[k])
+                for j in range(profile.shape[1]):
+                    for c in range(3):
+                        profile[slot, j, c] *= shares[k]
 
 
 @device
@@ -128,14 +130,6 @@ def blend(background, behind, light, places, shares, n):
         for c in range(THREE):
             far = background[at + c]
             light[v + c] = far + shares[k] * (old[v + c] - far)
-
-
-@device
-def fade(profile, slot, share):
-    """Scale a width profile (profiles, columns, 3)."""
-    for j in range(profile.shape[1]):
-        for c in range(3):
-            profile[slot, j, c] *= share
 
 
 @parallel

@@ -162,17 +162,11 @@ def write(positions, rows, first, world, along, ways):
     strands = first.shape[0] - 1
     for task in prange((strands + TOGETHER - 1) // TOGETHER):
         for s in range(np.int64(task) * TOGETHER, min((np.int64(task) + 1) * TOGETHER, strands)):
-            write_strand(positions[s // W], s % W, rows[s], per, first[s], first[s + 1], world, along, ways)
-
-
-@device
-def write_strand(block, lane, rows, per, begin, end, world, along, ways):
-    """`write` of the strand in a lane of a block (n + 1, 3 W), whose vertices are begin … end − 1."""
-    for v in range(begin, end):
-        i = np.int64(rows[v - begin])
-        before = max(i, 1)
-        after = min(i + 2, block.shape[0] - 1)
-        for c in range(3):
-            world[v, c] = block[i + 1, c * W + lane]
-            ways[v, c] = block[after, c * W + lane] - block[before, c * W + lane]
-        along[v] = np.float32(i) * per
+            block, lane = positions[s // W], s % W
+            for v in range(first[s], first[s + 1]):
+                i = np.int64(rows[s, v - first[s]])
+                before, after = max(i, 1), min(i + 2, n)
+                for c in range(3):
+                    world[v, c] = block[i + 1, c * W + lane]
+                    ways[v, c] = block[after, c * W + lane] - block[before, c * W + lane]
+                along[v] = np.float32(i) * per

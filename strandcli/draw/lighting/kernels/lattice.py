@@ -11,11 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....constants import VECTOR
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, lane_count, load, pointer, where
 from ...common.kernels.keys import EMPTY, FIRST, LOW
-from ...common.kernels.numbers import HALF
+from ...common.kernels.numbers import HALF, STEPS
 from ...solids.kernels.appearance import folds
 from ...solids.kernels.surface_pixels import FOLD, bend, depth_at, folded, pixel_width
 
@@ -35,7 +34,6 @@ ALL = np.int64(2)
 """Their number."""
 CLOSELY = np.float32(1.0 / 32.0)
 """The same for pixels four apart, between which light may be missed."""
-LANES = np.arange(VECTOR // 4, dtype=np.float32)
 DRAWN, HIDDEN, BETWEEN, SMOOTH = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(4)
 """What becomes of a pixel: light is computed there; it is left as it is; it has the lattice's shares of each light; it
 has the lattice's light, and only its own colour."""
@@ -158,7 +156,7 @@ def smooth_blocks(keys, solids, asked, values, frame, hidden):
         if y < 0 or y + TWO >= height:
             continue
         solid, parts = np.int64(-1), False
-        lanes = load(pointer(LANES), 0)
+        lanes = load(pointer(STEPS), 0)
         for x in range(TWO - right, width - TWO, 2):
             at = y * width + x
             key = keys[np.uint64(at)]

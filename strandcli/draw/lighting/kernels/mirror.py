@@ -21,7 +21,7 @@ from ....solids.kernels import built_in
 from ....solids.kernels import other as other_solids
 from ...common.kernels.batch import EX, RADIANCE, X, set_vector, vector_at
 from ...common.kernels.light_columns import POWER_R
-from ...common.kernels.numbers import HALF, INF, INV_PI, ONE, THREE, TWO, ZERO
+from ...common.kernels.numbers import HALF, INF, INV_PI, ONE, STEPS, THREE, TWO, ZERO
 from ...common.kernels.surface_batch import BEFORE, NX, PIXEL
 from ...solids.kernels import coat, rays
 from . import occlusion
@@ -32,9 +32,8 @@ DULL = np.float32(0.4)
 """Roughness from which on a coat mirrors ambient light alone."""
 SHARP = np.float32(0.2)
 """Roughness up to which a coat mirrors solids and strands in full."""
-STEPS = 16
+TESTED = 16
 """Places along a ray at which strands are looked for: whole vectors."""
-PLACES = np.arange(STEPS, dtype=np.float32)
 OPEN, SHUT = np.float32(0.42), np.float32(0.2)
 """Share of the whole sky that is left where there are no strands, and where a ray does not get through."""
 FREE = np.int64(-1)
@@ -165,9 +164,9 @@ def strands_along(surround, place, ray, far):
         long += side * side
     long = min(math.sqrt(long), far)
     least = ONE
-    steps = pointer(PLACES)
-    for step in range(0, STEPS, lane_count(steps)):
-        t = long * (load(steps, step) + HALF) / np.float32(STEPS)
+    steps = pointer(STEPS)
+    for step in range(0, TESTED, lane_count(steps)):
+        t = long * (load(steps, step) + HALF) / np.float32(TESTED)
         sky = occlusion.whole_sky_visibilities(
             surround.volume, box, (place[0] + t * ray[0], place[1] + t * ray[1], place[2] + t * ray[2])
         )

@@ -11,7 +11,7 @@ from ....jit import device
 from ...common.kernels.batch import ARRIVES, EX, LX, RADIANCE, REACH, X, set_vector, vector_at
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE, POWER_R
 from ...common.kernels.numbers import INV_PI, ONE, ZERO
-from ...common.kernels.surface_batch import ARRIVED, COAT, COSINE, LEFT, LIFT, NX, PX, SHINE, TRUE_X
+from ...common.kernels.surface_batch import ARRIVED, COAT, COSINE, LEFT, NX, PX, SHINE, TRUE_X
 from ...solids.kernels import coat
 from ...solids.kernels.coat import SUBSURFACE, scattered
 
@@ -35,13 +35,6 @@ def rise(work, n, skin, depth):
 
 
 @device
-def lift(work, n):
-    """Move points, which `rise` has moved, on to where shadow rays begin."""
-    for k in range(3 * W):
-        work[X + k] += work[LIFT + k]
-
-
-@device
 def deepest(coats, which):
     """Return the greatest width of subsurface scattering of solid number `which`; 0 for an opaque one."""
     if coats.shape[0] == 0:
@@ -53,7 +46,7 @@ def deepest(coats, which):
 @device
 def bend(work, n, lights, i):
     """Raise the directions to light number i until all of it stands above the surface's tangent plane, for shadow rays
-    of light that enters a surface beside the point and leaves it here; `unbend` puts them back."""
+    of light that enters a surface beside the point and leaves it here."""
     for k in range(n):
         x, y, z = vector_at(work, LX, k)
         nx, ny, nz = vector_at(work, NX, k)
@@ -62,13 +55,6 @@ def bend(work, n, lights, i):
         x, y, z = x + more * nx, y + more * ny, z + more * nz
         per = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
         set_vector(work, LX, k, (x * per, y * per, z * per))
-
-
-@device
-def unbend(work, n):
-    """Store the directions to the light again that `bend` has changed."""
-    for k in range(3 * W):
-        work[LX + k] = work[TRUE_X + k]
 
 
 @device

@@ -75,7 +75,7 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
                 v = np.uint64(marked[at])
                 load_vertex(vertices, s, v, begin, end, per, work, np.uint64(n))
                 if wide is not None:
-                    start_profile(wide, v)
+                    width_profiles.clear(wide.profile, wide.slots[v])
                 which[np.uint64(n)] = v
                 n += 1
                 if n == W:
@@ -138,13 +138,6 @@ def place_in(tint, along, tone):
     return place_at(i, j, a - i, b - j)
 
 
-@inlined
-def start_profile(wide, v):
-    """Clear the profile of vertex v if it has one."""
-    if wide.slots[v] >= 0:
-        width_profiles.clear(wide.profile, wide.slots[v])
-
-
 @device
 def store_radiance(work, which, n, out):
     """Store the radiance of the first n items of a batch at their vertices `which` in out (V, 3)."""
@@ -189,7 +182,7 @@ def add_light(work, n, which, i, diffuse, tables, dual, lights, shadows, wide):
     if tables is not None:
         highlights(work, n, rows, i, tables)
         if wide is not None:
-            width_highlights(work, n, which, rows, i, tables, wide)
+            width_highlights(work, n, which, rows, i, tables, wide, wide.columns)
 
 
 @device

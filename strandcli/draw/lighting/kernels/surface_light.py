@@ -7,17 +7,17 @@ import numpy as np
 from ....constants import W
 from ....jit import device, inlined
 from ....solids.kernels import other
-from ...common.kernels.batch import ARRIVES, RADIANCE, X, vector_at
+from ...common.kernels.batch import ARRIVES, LX, RADIANCE, X, vector_at
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, MAP_COUNT, MAP_LAYERS
 from ...common.kernels.numbers import HALF, ONE, ZERO
-from ...common.kernels.surface_batch import COAT, LEFT, PX, SHARE, SX, SY, UNDER
+from ...common.kernels.surface_batch import COAT, LEFT, LIFT, PX, SHARE, SX, SY, TRUE_X, UNDER
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.free_ways import FreeWays
 from ...shadows.kernels.strand_shadows import shade_by_minmax
 from .inputs import COMPUTED, Lights
 from .lattice import COATED, LIT, UNKNOWN
 from .light import toward
-from .reflection import bend, lift, rise, unbend
+from .reflection import bend, rise
 from .shade_strands import aim, past_solids
 
 
@@ -38,14 +38,16 @@ def arrive(work, n, i, lights, shadows, solids, loss, depth):
     aim(work, n, rows, i)
     rise(work, n, lights.skin, depth)
     if other.has_look(solids):
-        lift(work, n)
+        for k in range(3 * W):  # on to where shadow rays begin
+            work[X + k] += work[LIFT + k]
     if depth > ZERO:
         bend(work, n, rows, i)
     past_solids(work, n, rows, i, solids, lights.skin, lights.sized, FreeWays(lights.free, lights.free_views))
     for k in range(3 * W):
         work[X + k] = work[PX + k]
     if depth > ZERO:
-        unbend(work, n)
+        for k in range(3 * W):  # and straight to the light again
+            work[LX + k] = work[TRUE_X + k]
     past_strands(work, n, rows, i, shadows, loss)
 
 

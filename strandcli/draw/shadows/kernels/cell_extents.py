@@ -10,7 +10,7 @@ import numpy as np
 
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, floor, gather2, lane_count, load, load_quadruples, pointer, store, where
-from ...common.kernels.numbers import HALF, INF, ONE, ZERO
+from ...common.kernels.numbers import HALF, INF, ONE, STEPS, ZERO
 from .minmax import FARTHEST, NEAREST
 
 START = np.float32(NEAREST)
@@ -22,9 +22,9 @@ WIDE = 3
 """Column of `PartsInMap.kept`."""
 LANES = 16
 """Lanes of a vector, at most."""
-# Rows of a vector of places: the number of a lane; the number of a cell, and the depth there twice, metres.
-NUMBERS, CELL, NEAR_DEPTH, FAR_DEPTH = (row * LANES for row in range(4))
-ROOM = 4 * LANES
+# Rows of a vector of places: the number of a cell, and the depth there twice, metres.
+CELL, NEAR_DEPTH, FAR_DEPTH = (row * LANES for row in range(3))
+ROOM = 3 * LANES
 """Numbers of these."""
 PAIRS = 2
 """Numbers of a cell."""
@@ -32,21 +32,14 @@ NEXT = np.uint64(1)
 
 
 @device
-def start(work):
-    """Write the row `NUMBERS`."""
-    for k in range(LANES):
-        work[NUMBERS + k] = np.float32(k)
-
-
-@device
 def widen(work, kept, begin, count, longest, window, extents):
     """Widen the extents of cells by the vertices of a part, so many from number `begin` of `PartsInMap.kept` on.
 
     longest: none of its segments is longer along an axis, texels."""
-    rows, points, heads = pointer(work), pointer(kept), pointer(extents)
-    lane = load(rows, NUMBERS)
+    points, heads = pointer(kept), pointer(extents)
+    lane = load(pointer(STEPS), 0)
     count -= np.int64(kept[begin + count - 1, WIDE] < ZERO)  # the last vertex, if no segment ends there
-    for k in range(0, count, lane_count(rows)):
+    for k in range(0, count, lane_count(points)):
         x, y, d, _ = load_quadruples(points, 4 * (begin + k))
         widen_at(work, heads, extents, lane < np.float32(count - k), x, y, d, window)
         if longest > APART:
@@ -56,12 +49,12 @@ def widen(work, kept, begin, count, longest, window, extents):
 @inlined
 def widen_between(work, points, heads, extents, first, count, window):
     """Widen the extents of cells by places of so many segments, the first from vertex number `first` on."""
-    rows, size = pointer(work), np.float32(window.width)
+    size, lane = np.float32(window.width), load(pointer(STEPS), 0)
     x, y, d, _ = load_quadruples(points, 4 * first)
     x1, y1, d1, wide = load_quadruples(points, 4 * first + 4)
     dx, dy = x1 - x, y1 - y
     longer = max(abs(dx), abs(dy))
-    there = (wide >= ZERO) & (load(rows, NUMBERS) < np.float32(count)) & (longer > APART) & (longer <= LONGEST * size)
+    there = (wide >= ZERO) & (lane < np.float32(count)) & (longer > APART) & (longer <= LONGEST * size)
     if any_lane(there):
         places = floor(longer * (ONE / APART)) + ONE
         per, place = ONE / places, ZERO * x + ONE

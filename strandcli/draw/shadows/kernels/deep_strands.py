@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, function, inlined
+from ....jit import device, function
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from .map_parts import depth_of, width_of
 
@@ -81,13 +81,6 @@ NONE = np.zeros(0, np.float32)
 
 NO_SKETCH = Sketch(NONE, NONE, NONE, NONE.reshape(0, 2), WEIGHTS, 0, np.float32(0))
 """Of maps into which all strands are drawn. Empty arrays, because None would compile another variant."""
-
-
-@inlined
-def level_of(behind, over):
-    """Return how many layers have ended ``behind`` metres behind the nearest strand; over: 1 / h, 1/m."""
-    far = behind * over
-    return np.float32(LEVELS) * (far / (far + ONE))
 
 
 @device
@@ -198,5 +191,6 @@ def add_strand(strands, s, view, share, sketch):
         dx, dy = screen[v, 0] - screen[v - 1, 0], screen[v, 1] - screen[v - 1, 1]
         scale = view.focal if view.far > ZERO else view.focal * q
         behind = max(depth_of(q, view.near, view.far) - sketch.nearest[cell], ZERO)
-        layer = min(np.int64(level_of(behind, sketch.over)), LEVELS - 1)
+        far = behind * sketch.over
+        layer = min(np.int64(np.float32(LEVELS) * (far / (far + ONE))), LEVELS - 1)
         sketch.before[cell * (LEVELS + 1) + layer + 1] += each * scale * np.float32(math.sqrt(dx * dx + dy * dy))

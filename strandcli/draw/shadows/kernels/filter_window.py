@@ -105,7 +105,9 @@ def row_of(windows, number):
 @inlined
 def weights(windows, place, middle, first, last):
     """Return the weights of texels at an even place along an axis, and of those after them: 0 where not read."""
-    one = (ONE - windows.fade * odd(place * (HALF / windows.stride))) * bell(windows, place, middle, first, last)
+    half = place * (HALF / windows.stride)
+    odd = TWO * (half - floor(half))  # 1 for every other texel, else 0
+    one = (ONE - windows.fade * odd) * bell(windows, place, middle, first, last)
     two = (ONE - windows.fade) * bell(windows, place + ONE, middle, first, last)
     return one, where(windows.stride > ONE, ZERO, two)
 
@@ -116,9 +118,3 @@ def bell(windows, place, middle, first, last):
     aside = (place - middle) * windows.per
     aside = ONE - aside * aside
     return where((place >= first) & (place <= last), aside * aside, ZERO)
-
-
-@inlined
-def odd(half):
-    """Return 1 where twice `half` is odd, 0 where it is even."""
-    return TWO * (half - floor(half))

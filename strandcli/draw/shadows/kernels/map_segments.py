@@ -14,7 +14,7 @@ import numpy as np
 
 from ....jit import device
 from ....simd import floor, lane_count, load, load_quadruples, pointer, sqrt, store, where
-from ...common.kernels.numbers import HALF, ONE, ZERO
+from ...common.kernels.numbers import HALF, ONE, STEPS, ZERO
 from .map_parts import TINY
 
 FINEST = np.float32(64.0)
@@ -32,19 +32,10 @@ BATCH = 256
 # the first vertex; there, place along the other axis, texels, and depth, metres; how much these change a texel; area a
 # texel, texels; number of the first piece, how many there are, and how long each is, texels; 1 where it is steep.
 LOW, HIGH, NEAR, ACROSS, DEPTH, STEP, RISE, AREA, BEGIN, PIECES, LENGTH, STEEP = (k * SEGMENTS for k in range(12))
-NUMBERS = 12 * SEGMENTS
-"""The numbers from 0 on."""
-VERTICES = 13 * SEGMENTS
+VERTICES = 12 * SEGMENTS
 """The vertices of a run, as in `PartsInMap.kept`."""
 OUT = VERTICES + 4 * (2 * RUN + SEGMENTS)
 """Where the rows of a batch begin."""
-
-
-@device
-def start(work):
-    """Write the row `NUMBERS`."""
-    for k in range(SEGMENTS):
-        work[NUMBERS + k] = np.float32(k)
 
 
 @device
@@ -72,7 +63,7 @@ def find_segments(work, begin, count, window, view):
     Texels cut segments; those that lead away from the light are cut into more pieces."""
     rows = pointer(work)
     top, bottom, size = np.float32(window.top), np.float32(window.bottom), np.float32(window.width)
-    lane = load(rows, NUMBERS)
+    lane = load(pointer(STEPS), 0)
     none = ZERO * lane
     for k in range(0, SEGMENTS, lane_count(rows)):
         at = VERTICES + 4 * (begin + k)

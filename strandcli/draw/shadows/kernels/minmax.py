@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ....jit import device, function, parallel, prange
 from ....simd import pointer
 from ...common.kernels.numbers import HALF, ONE, ZERO
-from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, NEAR_PLANE, PERSPECTIVE
+from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...view.kernels.project import to_view_number
 from ...zbuffer.kernels.lines import FIXED, PART, POINT
 
@@ -132,13 +132,6 @@ def texel_of(point, views, one):
     sx, sy, d = to_view_number(point[0], point[1], point[2], views, one)
     scale = views[one, FOCAL] / d if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
     return views[one, AXIS_X] + scale * sx - HALF, views[one, AXIS_Y] - scale * sy - HALF, d
-
-
-@device
-def in_map(u, v, d, views, one, edge):
-    """Return whether a point lies between four texels of a map. The outermost texels are empty, so points beyond them
-    are lit. edge: texels along a side − 1."""
-    return (d >= views[one, NEAR_PLANE]) & (u >= ZERO) & (v >= ZERO) & (u < edge) & (v < edge)
 
 
 @device

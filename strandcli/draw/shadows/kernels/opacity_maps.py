@@ -27,7 +27,6 @@ def measure(parts, size, extents):
     parts: `PartsInMap`; size: texels along a side, even."""
     for task in prange(parts.borders.shape[0] - 1):
         work = np.empty(cell_extents.ROOM, np.float32)
-        cell_extents.start(work)
         window = Window(parts.borders[task], parts.borders[task + 1], size)
         for k in range(parts.order.shape[0]):
             ahead = min(k + AHEAD, parts.order.shape[0] - 1)
@@ -44,7 +43,6 @@ def draw(parts, size, view, opacity_map):
     opacity_map: `OpacityMap`."""
     for task in prange(parts.borders.shape[0] - 1):
         work = np.empty(splats.ROOM, np.float32)
-        map_segments.start(work)
         window = Window(parts.borders[task], parts.borders[task + 1], size)
         n = held = np.int64(0)
         for k in range(parts.order.shape[0]):

@@ -54,7 +54,6 @@ def thin(strands, sketch, view, size, kept, found, places, costs, extents):
                     longest = max(longest, length)
                     places[part] = map_parts.place_of(strands, s, number, size)
         if extents.shape[0] > 0 and at > low:  # of all parts at once: vectors wait for what was just written
-            cell_extents.start(work)
             cell_extents.widen(work, kept, low, at - low, longest, window, extents)
 
 
@@ -155,7 +154,10 @@ def thin_part(strands, s, number, sketch, view, size, out, along):
                 w = width - thin * (HALF * np.float32(u + v - a - a))
             else:
                 w = width * (ONE - strands.taper * HALF * (along[u] + along[v]))
-            w *= weight * scale * widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, view)
+            wider = ONE
+            if not far > ZERO:
+                wider = perspective_widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
+            w *= weight * scale * wider
             if way > ZERO:
                 w *= (way + distance(screen, v - 1, v)) / max(distance(screen, u, v), map_parts.TINY)
             low, high = min(low, min(y0, y1)), max(high, max(y0, y1))
@@ -193,9 +195,3 @@ def distance(screen, u, v):
     """Return how far vertex v is from vertex u on the map, texels."""
     dx, dy = screen[v, 0] - screen[u, 0], screen[v, 1] - screen[u, 1]
     return np.float32(math.sqrt(dx * dx + dy * dy))
-
-
-@inlined
-def widening(x, y, dx, dy, view):
-    """Return by how much perspective widens a segment away from the axis; x, y: from the middle, texels."""
-    return ONE if view.far > ZERO else perspective_widening(x, y, dx, dy, view.focal)

@@ -43,21 +43,14 @@ def soft_shadows(work, n, lights, i, solids, skin, free):
         work[row.LEAST + k] = radius if work[row.ARRIVES + k] > ZERO else -radius
     past_built_in(solids, work, n, skin)
     if other.count(solids) > 0:
-        if other.takes_vectors(solids):
-            past_distances(work, n, i, solids, skin, free)
+        if other.takes_vectors(solids) and free.depths.shape[0] > 0:
+            by_distances_of_some(work, n, i, solids, skin, free)
+        elif other.takes_vectors(solids):
+            by_distances(work, n, solids, skin, skin)
         else:
             by_distance(work, n, solids, skin)
     for k in range(n):
         work[row.ARRIVES + k] *= penumbra.share(work[row.LEAST + k], work[row.RADIUS + k])
-
-
-@device
-def past_distances(work, n, i, solids, skin, free):
-    """Reduce the rows `LEAST` to the sines of the angles to solids that have distances of vectors."""
-    if free.depths.shape[0] == 0:
-        by_distances(work, n, solids, skin, skin)
-    else:
-        by_distances_of_some(work, n, i, solids, skin, free)
 
 
 @device_if_built_in(lambda solids, work, n, skin: None)

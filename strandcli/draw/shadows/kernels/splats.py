@@ -29,7 +29,7 @@ from ....simd import (
     store,
     where,
 )
-from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
+from ...common.kernels.numbers import HALF, ONE, STEPS, TWO, ZERO
 from . import map_segments as seg
 from .opacity import HEAD, TEXELS
 
@@ -84,7 +84,7 @@ def collect_some(work, n, segments, s, past):
     s, past: where to begin; else as in `collect`."""
     rows = half_width_pointer(work)  # a segment has few pieces
     lanes = lane_count(rows)
-    numbers = load(rows, seg.NUMBERS)
+    numbers = load(half_width_pointer(STEPS), 0)
     while s < segments:
         pieces = np.int64(work[seg.PIECES + s])
         low, high, near, length = work[seg.LOW + s], work[seg.HIGH + s], work[seg.NEAR + s], work[seg.LENGTH + s]

@@ -20,7 +20,7 @@ from ....simd import (
     store,
     where,
 )
-from ...common.kernels.numbers import HALF, ONE, ZERO
+from ...common.kernels.numbers import HALF, ONE, STEPS, ZERO
 from .deep_strands import weight_at
 from .map_parts import DEPTH, GROUP, SHORT, WIDE, X, Y
 
@@ -29,8 +29,8 @@ MOST = 64
 """Segments of a part that is written here, at most: whole vectors."""
 FEWEST = 5
 """At least: fewer are written sooner one by one."""
-# Rows of numbers: those of lanes; 1 at all segments of a group but the last; what may not be written as it is.
-NUMBERS, INNER, TAIL = 0, LANES, 2 * LANES
+# Rows of numbers: 1 at all segments of a group but the last; what may not be written as it is.
+INNER, TAIL = 0, LANES
 ROOM = TAIL + 4 * LANES
 """Numbers of these."""
 COLUMNS = 4
@@ -39,9 +39,8 @@ COLUMNS = 4
 
 @device
 def start(work):
-    """Write the rows `NUMBERS` and `INNER`."""
+    """Write the row `INNER`."""
     for k in range(LANES):
-        work[NUMBERS + k] = np.float32(k)
         work[INNER + k] = np.float32((k + 1) % GROUP > 0)
 
 
@@ -65,7 +64,7 @@ def write(work, strands, sketch, view, strand, kept, at, limit):
     s, root, begin, last, width, thin, size = strand
     segments = last - begin
     rows, points, screen = pointer(work), pointer(strands.screen), strands.screen
-    lane = load(rows, NUMBERS)
+    lane = load(pointer(STEPS), 0)
     kept[at, X], kept[at, Y], kept[at, WIDE] = screen[begin, 0], screen[begin, 1], -ONE
     kept[at, DEPTH] = depth_at(screen[begin, 2], view) if screen[begin, 2] > ZERO else ONE
     longest = ZERO * lane

@@ -13,9 +13,9 @@ from ....simd import broadcast, load, pointer, store, store3
 from ....simd import lane_count as lanes
 from ...common.kernels.batch import ARRIVES, DEPTH, INSIDE, LEFT, PASSED, TEXELS, U, V, X, vector_at
 from ...common.kernels.numbers import ONE, ZERO
-from ...common.kernels.view_columns import FOCAL, PERSPECTIVE
+from ...common.kernels.view_columns import FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import opacity
-from .minmax import FARTHEST, NEAREST, bilinear, falloff, in_map, texel_of
+from .minmax import FARTHEST, NEAREST, bilinear, falloff, texel_of
 
 
 class ShadowArrays(NamedTuple):
@@ -89,7 +89,9 @@ def locate(work, n, views, one, size, bias):
     edge = np.float32(size - 1)
     for k in range(n):
         u, v, d = texel_of(vector_at(work, X, k), views, one)
-        fresh = in_map(u, v, d, views, one, edge) & (work[INSIDE + k] == ZERO)
+        # between four texels; the outermost ones are empty, so points beyond them are lit
+        inside = (d >= views[one, NEAR_PLANE]) & (u >= ZERO) & (v >= ZERO) & (u < edge) & (v < edge)
+        fresh = inside & (work[INSIDE + k] == ZERO)
         work[U + k] = u if fresh else ZERO
         work[V + k] = v if fresh else ZERO
         work[DEPTH + k] = d - bias if fresh else -ONE

@@ -63,7 +63,7 @@ def sample(pixels, width, view, solids, frames, keys, spots, counts):
                 best[j] = EMPTY
         for m in range(frames.shape[0]):
             for e in range(begin, end):
-                if inside(pixels, width, e, frames, m):
+                if within(pixels[e] % width, pixels[e] // width, frames, m):
                     meet_pixel(work, (e - begin) * WHOLE, solids, m)
                     identity = FIRST + np.uint64(m)
                     for i in range(np.uint64(WHOLE)):
@@ -80,12 +80,6 @@ def spot(x, y, i):
     """Return the screen position of sample number i of the pixel of column x and row y."""
     across, down = np.uint64(i) & IN_ROW, np.uint64(i) >> ROW_BITS
     return x + (np.float32(across) + HALF) * PER, y + (np.float32(down) + HALF) * PER
-
-
-@device
-def inside(pixels, width, e, frames, m):
-    """Return whether a pixel can show solid number m."""
-    return within(pixels[e] % width, pixels[e] // width, frames, m)
 
 
 @device

@@ -6,13 +6,11 @@ import math
 
 import numpy as np
 
-from ....constants import VECTOR
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
 from ...common.kernels import view_columns as at
-from ...common.kernels.numbers import INF, ONE, ZERO
+from ...common.kernels.numbers import INF, ONE, STEPS, ZERO
 
-STEPS = np.arange(VECTOR // 2 // 4, dtype=np.float32)
 OFF_SCREEN = np.float32(1e8)
 """Pixels. Points this far off the screen are invisible, because single precision cannot place them."""
 TINY = np.float32(1e-12)
