@@ -52,11 +52,6 @@ def _divisor(b: float) -> float:
     return 5.969 - 0.215 * b + 2.532 * b**2 - 10.73 * b**3 + 5.574 * b**4 + 0.245 * b**5
 
 
-def melanin(eumelanin: float, pheomelanin: float) -> NDArray[np.float64]:
-    """(3,) σ_a of these concentrations."""
-    return eumelanin * EUMELANIN + pheomelanin * PHEOMELANIN
-
-
 def has_melanin(material: Material) -> bool:
     """Whether a material's colour comes from melanin and not from ``material.colour``."""
     return material.pigment != "rgb" or material.eumelanin is not None or material.pheomelanin is not None
@@ -67,10 +62,11 @@ def absorption_of(material: Material, roughness: float) -> NDArray[np.float64]:
     if not has_melanin(material):
         return absorption(material.colour, roughness)
     eumelanin, pheomelanin = CONCENTRATIONS.get(material.pigment, (0.0, 0.0))
-    return melanin(
-        eumelanin if material.eumelanin is None else material.eumelanin,
-        pheomelanin if material.pheomelanin is None else material.pheomelanin,
-    )
+    if material.eumelanin is not None:
+        eumelanin = material.eumelanin
+    if material.pheomelanin is not None:
+        pheomelanin = material.pheomelanin
+    return eumelanin * EUMELANIN + pheomelanin * PHEOMELANIN
 
 
 def colour_of(material: Material, roughness: float) -> NDArray[np.float64]:

@@ -82,16 +82,9 @@ def clear(profile, slot):
 
 
 @device
-def save_radiance(work):
-    """Copy the radiance of a batch to the rows `BEFORE`, before a light contribution is added."""
-    for k in range(3 * W):
-        work[BEFORE + k] = work[RADIANCE + k]
-
-
-@device
 def add_cosine_lobe(work, n, which, slots, profile):
-    """Distribute the light added since `save_radiance` across wide strands as a cosine lobe around the side that faces
-    the light: factor 1 + cos (γ − φ) − mean, where h = sin γ, which is never negative.
+    """Distribute the light that `RADIANCE` has more than `BEFORE` across wide strands as a cosine lobe around the side
+    that faces the light: factor 1 + cos (γ − φ) − mean, where h = sin γ, which is never negative.
 
     which (W,): vertices of the batch; slots, profile: of `Profiles`."""
     for k in range(n):

@@ -29,15 +29,6 @@ ROWS = 4
 """Rows of numbers, one a direction: unit vector to the light, three rows, and transmitted light."""
 
 
-class Grid(NamedTuple):
-    """Size of the grid."""
-
-    counts: NDArray[np.int64]
-    """(3,) cells along each axis."""
-    sides: NDArray[np.float32]
-    """(3,) sides of a cell, metres."""
-
-
 class Listed(NamedTuple):
     """Memory of `hide`."""
 
@@ -54,7 +45,7 @@ class Listed(NamedTuple):
 
 
 @device
-def hide(cells, grid, box, ways, listed, solids, i):
+def hide(cells, counts, sides, box, ways, listed, solids, i):
     """Set what `occlusion_sweep.sweep` has left to 0 where a solid hides the sky from a cell of slab i; arguments as
     there; listed: `Listed`.
 
@@ -63,7 +54,6 @@ def hide(cells, grid, box, ways, listed, solids, i):
     on together (`by_distances`): as soft shadows do, of a light without a size. That takes a tenth of the time of rays
     that meet triangles, and is as exact as light that varies from cell to cell needs.
     """
-    counts, sides = grid
     wide = math.sqrt(sides[0] * sides[0] + sides[1] * sides[1] + sides[2] * sides[2])
     skin = np.float32(1e-3) * wide
     fan, places = listed.fan, listed.near

@@ -35,7 +35,7 @@ from .occlusion import (
     ZZ,
 )
 from .occlusion_solids import ROWS as FAN
-from .occlusion_solids import Grid, Listed, hide
+from .occlusion_solids import Listed, hide
 
 NEXT = np.uint64(1)
 LEVELS = np.float32(255.0)
@@ -73,7 +73,7 @@ def sweep(cells, counts, sides, ways, left):
         measure(cells, counts, ways, d, axis, one, two, thick)
         for side in range(2):
             planes = Planes(np.ones(size, np.float32), np.ones(size, np.float32), thick)
-            sweep_direction(Grid(counts, sides), ways, d + side * half, axis, one, two, planes, left)
+            sweep_direction(counts, sides, ways, d + side * half, axis, one, two, planes, left)
 
 
 @device
@@ -102,9 +102,8 @@ def stride_of(counts, axis):
 
 
 @device
-def sweep_direction(grid, ways, d, axis, one, two, planes, left):
+def sweep_direction(counts, sides, ways, d, axis, one, two, planes, left):
     """Run `sweep` for direction d, slab by slab along `axis`, on which it crosses most cells; one, two: other axes."""
-    counts, sides = grid.counts, grid.sides
     before, after, thick = planes.before, planes.after, planes.thick
     down, along, beside = stride_of(counts, axis), stride_of(counts, one), stride_of(counts, two)
     steep = abs(ways[d, axis])
@@ -160,7 +159,7 @@ def combine(cells, counts, sides, box, ways, left, solids, volume):
                 np.zeros(FAN * W, np.float32), np.zeros(batch.ROWS * W, np.float32), np.empty(W, np.int64),
                 left.reshape(-1), np.empty((size, 4), np.float32),
             )  # fmt: skip
-            hide(cells, Grid(counts, sides), box, ways, listed, solids, i)
+            hide(cells, counts, sides, box, ways, listed, solids, i)
         work = np.empty(4 * W, np.float32)
         for low in range(0, size, W):
             fit(ways, left, i * size + low, min(size - low, W), work, volume)

@@ -172,7 +172,8 @@ def add_light(work, n, which, i, diffuse, tables, dual, lights, shadows, wide):
         for k in range(n):
             work[row.ARRIVES + k] *= lights.clear[np.int64(rows[i, CLEAR_ROW]) - 1, which[k]]
     if wide is not None:
-        width_profiles.save_radiance(work)
+        for k in range(3 * W):
+            work[row.BEFORE + k] = work[row.RADIANCE + k]
     if dual is not None and rows[i, MAP_LAYERS] > ZERO:
         dual_scattering(work, n, rows, i, dual)
     elif diffuse > ZERO:

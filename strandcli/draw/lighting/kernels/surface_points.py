@@ -64,7 +64,7 @@ def face(work, n, solids, which):
             set_vector(work, surface.NX, k, (x * size, y * size, z * size))
     elif appearance.looks(solids, which):
         appearance.face(work, n, solids, which)
-    elif is_plane(solids, which):
+    elif 0 <= which - solids.spheres.shape[0] - solids.capsules.shape[0] < solids.planes.shape[0]:  # is a plane
         normal = rays.normal(solids, which, work[X], work[X + W], work[X + 2 * W])
         for k in range(n):
             set_vector(work, surface.NX, k, normal)
@@ -72,13 +72,6 @@ def face(work, n, solids, which):
         for k in range(n):
             x, y, z = vector_at(work, X, k)
             set_vector(work, surface.NX, k, rays.normal(solids, which, x, y, z))
-
-
-@device
-def is_plane(solids, which):
-    """Return whether solid number `which` is a plane, whose normal is the same everywhere."""
-    first = solids.spheres.shape[0] + solids.capsules.shape[0]
-    return first <= which and which < first + solids.planes.shape[0]
 
 
 @device

@@ -104,6 +104,14 @@ def weight_at(sketch, x, y, depth, chance):
     return min(max((sketch.steps[step, 0] - chance) * sketch.steps[step, 1], ZERO), sketch.steps[step, 2])
 
 
+@device
+def weight_of_vertex(sketch, screen, v, view, chance):
+    """Return the weight of a strand with that chance at one of its vertices; 1 where that is behind a light."""
+    if not screen[v, 2] > ZERO:
+        return ONE
+    return weight_at(sketch, screen[v, 0], screen[v, 1], depth_of(screen[v, 2], view.near, view.far), chance)
+
+
 @function
 def draw(strands, view, share, sketch):
     """Draw a ``share`` of the strands into a sketch. Return which part of what all strands cover lies

@@ -17,7 +17,7 @@ from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.lines import Window
 from . import cell_extents, map_parts, straight_parts
-from .deep_strands import weight_at
+from .deep_strands import weight_of_vertex
 
 STRANDS = 64
 """Strands a task."""
@@ -138,14 +138,14 @@ def thin_part(strands, s, number, sketch, view, size, out, along):
     for v in range(begin + 1, last + 1):
         if v > ends:
             ends = min(v + map_parts.GROUP - 1, last)
-            weight = weight_of_vertex(sketch, screen, min(v + map_parts.GROUP // 2 - 1, last), view, s)
+            weight = weight_of_vertex(sketch, screen, min(v + map_parts.GROUP // 2 - 1, last), view, sketch.chances[s])
         if weight == ZERO and v < ends:
             continue
         x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
         d1 = map_parts.depth_of(q1, near, far) if q1 > ZERO else ONE
         there = q0 > ZERO and q1 > ZERO and weight > ZERO
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
-        if v < ends and there and too_short((x0, y0, d0), (x1, y1, d1), scale):
+        if v < ends and there and max(max(abs(x1 - x0), abs(y1 - y0)), abs(d1 - d0) * scale) < map_parts.SHORT:
             way += distance(screen, v - 1, v)
             continue
         w = -ONE
@@ -171,23 +171,6 @@ def thin_part(strands, s, number, sketch, view, size, out, along):
     last_ends = np.int32(kept[n, map_parts.WIDE] >= ZERO)  # at the last vertex a segment may not end
     note_rows(low, high, cost, n - at + last_ends, size, found, part, costs)
     return longest
-
-
-@device
-def weight_of_vertex(sketch, screen, v, view, s):
-    """Return the weight of strand s at a vertex; 1 where that is behind a light."""
-    if not screen[v, 2] > ZERO:
-        return ONE
-    depth = map_parts.depth_of(screen[v, 2], view.near, view.far)
-    return weight_at(sketch, screen[v, 0], screen[v, 1], depth, sketch.chances[s])
-
-
-@inlined
-def too_short(begin, end, scale):
-    """Return whether a segment is less than `SHORT` along all axes. begin, end: x and y, texels, and depth, metres;
-    scale: texels a metre."""
-    dx, dy, rise = end[0] - begin[0], end[1] - begin[1], end[2] - begin[2]
-    return max(max(abs(dx), abs(dy)), abs(rise) * scale) < map_parts.SHORT
 
 
 @inlined

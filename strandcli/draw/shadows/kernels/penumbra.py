@@ -51,17 +51,6 @@ class LightRay(NamedTuple):
     """Distance to the light's centre, metres."""
 
 
-class Axis(NamedTuple):
-    """A capsule's axis; numbers are float32."""
-
-    x: Any
-    """The vector (x, y, z) from its first end to its second, metres."""
-    y: Any
-    z: Any
-    square: Any
-    """The vector's squared length, metres²."""
-
-
 @inlined
 def seen_from(size, point, reach):
     """Return the sine of a light's angular radius, seen from the distance `reach`."""
@@ -117,7 +106,8 @@ def nearest(r, wx, wy, wz, axis, lx, ly, lz, radius):
     """Return whether a capsule certainly leaves the whole light visible, and the position in [0, 1] on its axis nearest
     to the ray to the light.
 
-    r: metres; w: from the point to the first end of the `Axis`; radius: sine of the light's angular radius.
+    r: metres; w: from the point to the axis' first end; axis: the vector from there to the second, metres, and its
+    squared length; radius: sine of the light's angular radius.
     """
     bx, by, bz, bb = axis
     bw = -(bx * wx + by * wy + bz * wz)

@@ -179,7 +179,7 @@ def by_capsule(work, n, capsules, m, skin):
     for j in range(count):
         wx, wy, wz = row.vector_at(work, row.WX, j)
         lx, ly, lz = row.vector_at(work, row.DX, j)
-        free, s = penumbra.nearest(r, wx, wy, wz, penumbra.Axis(bx, by, bz, bb), lx, ly, lz, work[row.NEAR + j])
+        free, s = penumbra.nearest(r, wx, wy, wz, (bx, by, bz, bb), lx, ly, lz, work[row.NEAR + j])
         least = on_axis(work, j, r, bx, by, bz, s)
         work[row.FAR + j] = penumbra.CLEAR if free else least
         work[row.ASKED + j] = ZERO if free | (least <= -work[row.NEAR + j]) else ONE

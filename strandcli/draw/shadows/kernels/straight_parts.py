@@ -21,7 +21,7 @@ from ....simd import (
     where,
 )
 from ...common.kernels.numbers import HALF, ONE, STEPS, ZERO
-from .deep_strands import weight_at
+from .deep_strands import weight_of_vertex
 from .map_parts import DEPTH, GROUP, SHORT, WIDE, X, Y
 
 LANES = VECTOR // 4
@@ -156,13 +156,9 @@ def weights_at(screen, begin, last, view, sketch, chance, lane):
 @inlined
 def weight_of_group(screen, begin, last, view, sketch, chance):
     """Return the weight of the segments of a group, the first of which begins at vertex number `begin`."""
-    v = begin + GROUP // 2
     if begin >= last:
         return ONE
-    v = min(v, last)
-    if not screen[v, 2] > ZERO:
-        return ONE
-    return weight_at(sketch, screen[v, 0], screen[v, 1], depth_at(screen[v, 2], view), chance)
+    return weight_of_vertex(sketch, screen, min(begin + GROUP // 2, last), view, chance)
 
 
 @device
