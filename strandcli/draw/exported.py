@@ -12,7 +12,7 @@ from ..scene.model import Curves, Material, Scene
 from .common.scratch import Scratch
 from .geometry.curves import Polylines, flatten
 from .geometry.extent import bounds_of
-from .geometry.kernels import vertex_shares
+from .geometry.kernels.curves import find_shares
 from .strand_batches import Strands
 from .view.camera import camera_view
 
@@ -42,7 +42,7 @@ def widths_along(material: Material, strands: Strands, lines: Polylines) -> NDAr
     own = np.float32(material.width) * (np.ones(1, np.float32) if strands.level is None else strands.level.scale)
     shares = np.empty((strands.count, lines.per), np.float32)
     if strands.shares is not None:
-        vertex_shares.find(lines.first, lines.along, strands.shares, shares.reshape(-1))
+        find_shares(lines.first, lines.along, strands.shares, shares.reshape(-1))
     else:
         shares[:] = 1 - np.float32(material.drawn_taper) * np.linspace(0, 1, lines.per, dtype=np.float32)
     return np.multiply(shares, own[:, None], out=shares)

@@ -15,8 +15,9 @@ from ..common.scratch import Scratch
 from ..view.camera import View
 from ..view.kernels import project
 from .curves import Polylines
-from .kernels import bounds, vertex_shares
+from .kernels import bounds
 from .kernels import boxes as block_boxes
+from .kernels.curves import find_shares
 
 
 @dataclass(frozen=True)
@@ -125,5 +126,5 @@ def widths_of(
 def lost_of(lines: Polylines, shares: NDArray[np.float32], scratch: Scratch) -> NDArray[np.float32]:
     """Return `Polylines.lost` of strands that have ``shares`` (strands, n) of their widths at their points."""
     out = scratch.borrow("lost", len(lines.world), np.float32)
-    vertex_shares.find(lines.first, lines.along, shares, out)
+    find_shares(lines.first, lines.along, shares, out)
     return np.subtract(np.float32(1.0), out, out=out)

@@ -7,8 +7,8 @@ import pytest
 from numba import njit
 
 from strand_kit import frames_of, scene_of
-from strandcli.draw.common.kernels import dither
 from strandcli.draw.film import film
+from strandcli.draw.solids.kernels import surface_pixels
 from strandcli.simd import lane_count, load, pointer, store
 
 FLOOR = """
@@ -54,11 +54,11 @@ def test_noise_is_that_of_the_position_in_the_full_picture() -> None:
 
 @njit
 def dithered(light: np.float32, share: np.float32, levels: np.ndarray, frame: np.ndarray) -> np.float32:
-    """`dither.dithered` of one number."""
+    """`surface_pixels.dithered` of one number."""
     row = np.full(64, light, np.float32)
     rows = pointer(row)
     for k in range(0, 64, lane_count(rows)):
-        store(rows, k, dither.dithered(load(rows, k), share, pointer(levels), levels.shape[0], frame))
+        store(rows, k, surface_pixels.dithered(load(rows, k), share, pointer(levels), levels.shape[0], frame))
     return row[0]
 
 

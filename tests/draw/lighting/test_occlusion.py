@@ -15,7 +15,7 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting import occlusion
-from strandcli.draw.lighting.kernels import ambient
+from strandcli.draw.lighting.kernels import light
 from strandcli.draw.lighting.kernels.inputs import Surround
 from strandcli.groom.blocks import pack
 from strandcli.jit import function
@@ -112,7 +112,7 @@ def test_against_rays_that_meet_cylinders(count: int, width: float, mean: float)
 
 @function
 def ambient_light(work: Any, around: Any) -> None:
-    ambient.ambient_light(work, np.int64(1), around)
+    light.ambient_light(work, np.int64(1), around)
 
 
 def lit(share: float, colour: float) -> float:
@@ -129,7 +129,7 @@ def lit(share: float, colour: float) -> float:
 
 def test_a_mass_keeps_its_colour_and_white_strands_lose_no_light() -> None:
     for colour in (0.03, 0.3, 0.8):
-        assert lit(float(ambient.FACE), colour) == pytest.approx(colour, rel=1e-5)
+        assert lit(float(light.FACE), colour) == pytest.approx(colour, rel=1e-5)
         assert lit(0.02, colour) < colour < lit(0.6, colour) < 1
     assert lit(0.3, 1.0) == pytest.approx(1.0)
     assert lit(0.0, 1.0) == 0

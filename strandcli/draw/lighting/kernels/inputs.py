@@ -108,7 +108,7 @@ class Screen(NamedTuple):
     levels: NDArray[np.float32]
     """(n,) `strandcli.draw.film.film.level_sizes`; no rows: solids are not dithered."""
     frame: NDArray[np.float32]
-    """(5,) columns of `strandcli.draw.common.kernels.dither`."""
+    """(5,) columns of `strandcli.draw.solids.kernels.surface_pixels`."""
     hidden: NDArray[np.uint8]
     """(height * width,) what becomes of each pixel; no rows: all are shaded."""
     wanted: Any

@@ -1,4 +1,4 @@
-"""Directions and radiance of lights at a point."""
+"""Directions and radiance of lights at a point, and ambient light on a batch of vertices."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ import math
 
 import numpy as np
 
+from ....constants import W
 from ....jit import device, function
 from ....jit.indices import FIRST, SECOND
+from ....simd import lane_count, load, load3, pointer, store
+from ...common.kernels.batch import COLOUR, RADIANCE, TX, TY, TZ, X
 from ...common.kernels.light_columns import KIND, PLACE_X, PLACE_Y, PLACE_Z
 from ...common.kernels.numbers import ONE, THREE, ZERO
+from .occlusion import whole_sky_visibilities
 
 TINY = np.float32(1e-30)
 FAR = np.float32(1e30)
@@ -37,3 +41,39 @@ def around(sky, which, c, x, y, z):
     even = sky[which, 0, c] + sky[which, 4, c] * x * y + sky[which, 5, c] * y * z
     even += sky[which, 6, c] * (THREE * z * z - ONE) + sky[which, 7, c] * x * z + sky[which, 8, c] * (x * x - y * y)
     return max(even + sky[which, 1, c] * x + sky[which, 2, c] * y + sky[which, 3, c] * z, ZERO)
+
+
+LEAST_SHARE = np.float32(1e-12)
+FACE = np.float32((1.0 - math.log(2.0)) / 2.0)
+"""Ā: mean sky visibility of the strands seen at the surface of a mass."""
+
+
+@device
+def ambient_light(work, n, surround):
+    """Set the rows `RADIANCE` of the first n vertices of a batch to that in ambient light; surround: `inputs.Surround`.
+
+    The colour C of a strand is that of a mass of strands, including multiple scattering between them. Where the share A
+    of the sky is visible and equal strands occlude the rest, a strand of albedo a receives J = A + (1 − A) a J (the
+    interreflection of Jimenez et al. 2016, "Practical Realtime Strategies for Accurate Indirect Occlusion") and
+    reflects a J. At the surface of a half-space of strands, the mean of A over what the eye sees is Ā = ∫ e^-τ E₂(τ) /
+    2 dτ, and the reflected colour is C. That determines a, and a J = C A / (C A + Ā (1 − C)). So a mass keeps its
+    colour; its outermost strands are brighter and the inner ones darker, the more so the darker the colour.
+    """
+    ambient, sky = surround.ambient, surround.sky
+    for c in range(3):
+        for k in range(n):
+            work[RADIANCE + c * W + k] = ambient[c] * work[COLOUR + c * W + k]
+    if sky.shape[0] > 0:
+        for c in range(3):
+            for k in range(n):
+                whole = around(sky, STRAND, c, work[TX + k], work[TY + k], work[TZ + k])
+                work[RADIANCE + c * W + k] += whole * work[COLOUR + c * W + k]
+    if surround.volume.shape[0] > 0:
+        rows = pointer(work)
+        for k in range(0, n, lane_count(rows)):
+            share = whole_sky_visibilities(surround.volume, surround.box, load3(rows, X + k, W))
+            for c in range(3):
+                colour = min(load(rows, COLOUR + c * W + k), ONE)
+                light = load(rows, RADIANCE + c * W + k)
+                light = light * (share / max(colour * share + FACE * (ONE - colour), LEAST_SHARE))
+                store(rows, RADIANCE + c * W + k, light)

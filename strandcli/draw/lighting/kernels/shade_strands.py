@@ -36,8 +36,7 @@ from ...shadows.kernels.free_ways import FreeWays
 from ...shadows.kernels.hard_shadows import hard_shadows
 from ...shadows.kernels.soft_shadows import soft_shadows
 from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shade_by_minmax
-from .ambient import ambient_light
-from .light import toward
+from .light import ambient_light, toward
 from .lit_vertices import find_marked, lit_first, longest
 
 TINY = np.float32(1e-30)

@@ -5,17 +5,23 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import device, inlined
-from ....simd import lane_count, load, pointer, store
+from ....jit import device, function, inlined
+from ....simd import floor, gather, lane_count, load, pointer, store, where
 from ....simd.local import local_float64
 from ....solids.kernels.pixel_rays import put_ray
 from ...common.kernels.batch import RADIANCE
-from ...common.kernels.dither import dithered, noise_at
 from ...common.kernels.keys import FIRST, LOW, SHIFT
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...common.kernels.surface_batch import BEFORE, DISTANCE, NOISE, RAYS, SHARE, SX, SY, THERE
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from . import appearance, rays
+
+BRIGHTEST = np.float32(1e6)
+BITS = np.float32(2.0**-24)
+SAMPLES, CORNER_X, CORNER_Y, EXPOSURE, PER_EXPOSURE = range(5)
+"""Columns of a frame: samples along a side of a pixel; position in the full picture, pixels; scale of light, and its
+inverse."""
+
 
 FOLD = np.float32(4.0)
 """Second difference of depth between neighbouring pixels, in pixel widths, beyond which a surface is taken to have an
@@ -24,6 +30,37 @@ UNKNOWN, MOST = np.int64(-1), np.int64(1 << 24)
 """Where no triangle is known; whole numbers up to which single precision has all."""
 FINE = 4
 """Rays along each side of a pixel with such an edge."""
+
+
+@function
+def noise(x, y):
+    """Return noise in [−½, ½) of a pixel of the full picture, by its position alone (Wellons's `lowbias32` hash)."""
+    bits = np.uint32(np.uint32(x) + np.uint32(0x9E3779B9) * np.uint32(y))
+    bits = np.uint32((bits ^ (bits >> np.uint32(16))) * np.uint32(0x7FEB352D))
+    bits = np.uint32((bits ^ (bits >> np.uint32(15))) * np.uint32(0x846CA68B))
+    bits = np.uint32(bits ^ (bits >> np.uint32(16)))
+    return np.float32(bits >> np.uint32(8)) * BITS - HALF
+
+
+@device
+def noise_at(column, row, frame):
+    """Return the noise of the pixel that holds a sample; frame: its columns."""
+    x, y = np.uint32(column), np.uint32(row)
+    samples = np.uint32(frame[SAMPLES])
+    if samples > np.uint32(1):
+        x, y = x // samples, y // samples
+    return noise(x + np.uint32(frame[CORNER_X]), y + np.uint32(frame[CORNER_Y]))
+
+
+@inlined
+def dithered(light, share, levels, count, frame):
+    """Return light with `share` of an 8-bit level more, which hides the steps of these levels as in the light of the
+    backdrop (`film.dithered`). Vectors; levels: pointer to the `count` of `film.level_sizes`; frame: its columns."""
+    exposed = light * frame[EXPOSURE]
+    some = (exposed > ZERO) & (exposed < BRIGHTEST)
+    exposed = where(some, exposed, ZERO)
+    step = gather(levels, 0, floor(exposed / (ONE + exposed) * np.float32(count)), np.int64(1), ZERO)
+    return where(some, max(light + share * step * frame[PER_EXPOSURE], ZERO), light)
 
 
 @device
