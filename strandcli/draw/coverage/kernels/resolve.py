@@ -47,8 +47,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, tasks, out, found, m
             np.empty(segments.ROWS * segments.ROW, np.float32), np.empty(cells.ROWS * cells.CELLS, np.float32),
             np.empty(cells.INTEGERS * cells.CELLS, np.int32), np.empty(ribbon.ROWS * ribbon.ROW, np.float32),
         )  # fmt: skip
-        o = task * share
-        end = o + share
+        o, end = task * share, (task + 1) * share
         for number in range(task, out.begin.shape[0], tasks):
             tile = tile_at(number, out)
             rows = list_rows(segments_, number, slots)
