@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..common.rotations import of_quaternion, quaternion_of
 from ..errors import UsageError, one_line
 from ..files.inputs import content
 from .pinhole import Floats, Pinhole, in_order, picture_size, refuse_distortion, square_focal
@@ -107,25 +108,7 @@ def matrix_of(quaternion: Floats) -> Floats:
     size = np.linalg.norm(quaternion)
     if quaternion.shape != (4,) or not np.isfinite(size) or size < 1e-6:
         raise ValueError("no quaternion")
-    w, x, y, z = quaternion / size
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ])  # fmt: skip
-
-
-def quaternion_of(rotation: Floats) -> Floats:
-    """(4,) w, x, y, z of a rotation (3, 3), w ≥ 0: the eigenvector of Bar-Itzhack's matrix (2000)."""
-    m = rotation
-    k = np.array([
-        [m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
-        [m[2, 1] - m[1, 2], m[0, 0] - m[1, 1] - m[2, 2], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]],
-        [m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], m[1, 1] - m[0, 0] - m[2, 2], m[1, 2] + m[2, 1]],
-        [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], m[2, 2] - m[0, 0] - m[1, 1]],
-    ])  # fmt: skip
-    found = np.linalg.eigh(k)[1][:, -1]
-    return np.asarray(found if found[0] >= 0 else -found)
+    return of_quaternion(quaternion / size)
 
 
 def written(views: Sequence[Pinhole], points: Floats, suffix: str = ".png") -> dict[str, bytes]:

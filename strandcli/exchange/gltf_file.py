@@ -19,6 +19,7 @@ from urllib.parse import unquote_to_bytes
 import numpy as np
 import numpy.typing as npt
 
+from ..common.rotations import of_quaternion
 from ..errors import UsageError, one_line
 from .beside import Beside, whole
 
@@ -279,12 +280,7 @@ def _matrix(file: Gltf, node: dict[str, Any], where: str) -> npt.NDArray[np.floa
         return columns.reshape(4, 4).T
     turn, shift, scale = (file.reals(node, *one, where) for one in (("rotation", 4), ("translation", 3), ("scale", 3)))
     if turn is not None and (size := float(np.linalg.norm(turn))) > 0:
-        x, y, z, w = turn / size
-        found[:3, :3] = (
-            (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
-            (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
-            (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
-        )
+        found[:3, :3] = of_quaternion(np.roll(turn, 1) / size)
     if scale is not None:
         found[:3, :3] *= scale
     if shift is not None:

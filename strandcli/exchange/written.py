@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from ..errors import UsageError
 from .bounded import SLICE
-from .strands import Attribute, Strands, spans
+from .strands import CHUNK, Attribute, Strands, TimeSample, spans
 
 
 def raw(values: npt.NDArray[Any], dtype: str) -> Any:
@@ -67,3 +69,30 @@ def edges_of(strands: Strands) -> Iterator[Any]:
         tips = strands.first[rows.start + 1 : rows.stop + 1] - 1
         low = np.delete(low, tips[tips < points.stop] - points.start)
         yield raw(np.stack([low, low + 1], axis=1), "<i4")
+
+
+def checked(path: Path, strands: Strands, samples: Iterable[TimeSample] | None, format: str) -> Iterator[TimeSample]:
+    """The samples, or the strands' own points where there are none. Raises `UsageError` where they do not fit the
+    strands, or their times do not rise."""
+    last = None
+    for one in [TimeSample(0.0, strands.points)] if samples is None else samples:
+        if one.points.shape != strands.points.shape:
+            raise UsageError(
+                f"{path}: {one.points.shape[0]:,} points at {one.seconds:g} s, the strands have "
+                f"{strands.points.shape[0]:,}; {format} is written of strands that stay the same in number"
+            )
+        if last is not None and not one.seconds > last:
+            raise UsageError(f"{path}: {one.seconds:g} s comes after {last:g} s; times must rise")
+        last = one.seconds
+        yield one
+    if last is None:
+        raise UsageError(f"{path}: there is no moment to be written")
+
+
+def box_of(points: npt.NDArray[Any], most: float) -> npt.NDArray[np.float64]:
+    """Low and high corner (2, 3) of points, of those that are finite; ``most`` and less than nothing of none."""
+    low, high = np.full(3, most), np.full(3, -most)
+    for begin in range(0, points.shape[0], CHUNK):
+        part = points[begin : begin + CHUNK]
+        low, high = np.fmin(low, part.min(axis=0)), np.fmax(high, part.max(axis=0))
+    return np.stack([low, high])

@@ -117,10 +117,10 @@ def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where
     seed: int = scene.seed
     parents, weights = parents_of(where, groom)
     lots = stream(seed, RANDOM, count)
-    levels = _Levels(emitter, settings.clumps, where, seed)
+    middles = _middles(emitter, settings.clumps, where, seed)
     pulls = [
         clump.strength
-        * (1.0 - clump.variation * stream(seed, RANDOM + 10 + number, count)[levels.middles[number]])
+        * (1.0 - clump.variation * stream(seed, RANDOM + 10 + number, count)[middles[number]])
         * np.where(lots < clump.stray, STRAY_PULL, 1.0)
         for number, clump in enumerate(settings.clumps)
     ]
@@ -129,7 +129,7 @@ def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where
     if settings.fringe is not None:
         shares *= fringe.lengths(settings.fringe, seed, count, groom.strands)
     # strands of a clump share their waves
-    clump_of = levels.middles[0] if settings.clumps else np.zeros(count, np.int32)
+    clump_of = middles[0] if settings.clumps else np.zeros(count, np.int32)
     radii, phases, turns = [], [], []
     for number, wave in enumerate(waves):
         each = stream(seed, RANDOM + 40 + 2 * number, count)[clump_of]
@@ -140,7 +140,7 @@ def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where
         turns.append(2 * np.pi / (wave.length * (1.0 + WAVE_SPREAD * longer)))
     tones = every.tones
     if settings.clumps and every.colours is None:
-        tones = (1 - SHARED) * tones + SHARED * tones[levels.middles].mean(0)
+        tones = (1 - SHARED) * tones + SHARED * tones[middles].mean(0)
     axes = every.directions.astype(np.float64)
     across = frame(axes[clump_of])[0]
     emitted = Family(
@@ -150,7 +150,7 @@ def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where
         parents,
         weights,
         np.maximum(shares, 1e-3).astype(np.float32),
-        levels.middles,
+        middles,
         np.array(pulls, np.float32).reshape(-1, count),
         np.array(radii, np.float32).reshape(-1, count),
         np.array(phases, np.float32).reshape(-1, count),
@@ -163,16 +163,8 @@ def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where
 def parents_of(where: NDArray[np.float32], groom: Groom) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
     """Return the guides of each child, (A, P), and their weights."""
     guides = groom.strands
-    found, squares = nearest_of(where, where[:guides], min(PARENTS + 1, guides))
-    used = min(PARENTS, guides)
-    d = np.sqrt(squares.astype(np.float64))
-    reach = d[:, -1:] if found.shape[1] > used else np.full((len(d), 1), np.inf)
-    d = np.maximum(d[:, :used], 1e-30)
-    weights = np.maximum(1.0 / d - 1.0 / np.maximum(reach, 1e-30), 0.0) ** 2
-    weights[weights.sum(1) == 0, 0] = 1.0
-    weights /= weights.sum(1, keepdims=True)
+    parents, weights = shepard(where, where[:guides], PARENTS)
     weights[:guides] = 0.0
-    parents = np.ascontiguousarray(found[:, :used])
     parents[:guides, 0] = np.arange(guides)
     weights[:guides, 0] = 1.0
     # a guide of weight 0 must not matter, not even if it is NaN
@@ -180,23 +172,21 @@ def parents_of(where: NDArray[np.float32], groom: Groom) -> tuple[NDArray[np.int
     return groom.emitted(np.arange(guides, dtype=np.int32))[parents], weights.astype(np.float32)
 
 
-class _Levels:
-    """Nested levels of clumps."""
-
-    def __init__(self, emitter: Emitter, clumps: tuple[Any, ...], where: NDArray[np.float32], seed: int) -> None:
-        count = len(where)
-        self.middles = np.zeros((len(clumps), count), np.int32)
-        """(C, A) number of the child at the centre of each child's clump."""
-        inner = np.arange(count)
-        for number in range(len(clumps) - 1, -1, -1):
-            size = clumps[number].size
-            clump_count = min(max(round(_area(emitter) / size**2), 1), count)
-            moved = where[:clump_count].copy()
-            for c in range(3):
-                lots = stream(seed, RANDOM + 60 + 3 * number + c, clump_count)
-                moved[:, c] += (size * 0.9 * (lots - 0.5)).astype(np.float32)
-            self.middles[number] = nearest_of(where, moved, 1)[0][:, 0][inner]
-            inner = self.middles[number]
+def _middles(emitter: Emitter, clumps: tuple[Any, ...], where: NDArray[np.float32], seed: int) -> NDArray[np.int32]:
+    """Return the number (C, A) of the child at the centre of each child's clump, of nested levels of clumps."""
+    count = len(where)
+    middles = np.zeros((len(clumps), count), np.int32)
+    inner = np.arange(count)
+    for number in range(len(clumps) - 1, -1, -1):
+        size = clumps[number].size
+        clump_count = min(max(round(_area(emitter) / size**2), 1), count)
+        moved = where[:clump_count].copy()
+        for c in range(3):
+            lots = stream(seed, RANDOM + 60 + 3 * number + c, clump_count)
+            moved[:, c] += (size * 0.9 * (lots - 0.5)).astype(np.float32)
+        middles[number] = nearest_of(where, moved, 1)[0][:, 0][inner]
+        inner = middles[number]
+    return middles
 
 
 def places_of(emitter: Emitter, every: Groom) -> NDArray[np.float32]:
@@ -231,17 +221,33 @@ def _area(emitter: Emitter) -> float:
 
 A_CELL = 2.0
 """Points a cell of the grid in which they are looked for, on average over its area."""
-CODE = (__name__, f"{__package__}.kernels.nearest", f"{__package__}.kernels.alike")
+CODE = (__name__, f"{__package__}.kernels.nearest")
 """Modules that neighbours follow from."""
 ROUNDING = 1e-6
 """Of the grid's extent and distance from the origin; positions have single precision."""
+
+
+def shepard(
+    points: NDArray[np.float32], others: NDArray[np.float32], most: int
+) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+    """Return the numbers (N, P) of the nearest P <= ``most`` of others (G, D) to each of points (N, D), and Shepard's
+    weights of them within the distance of the next one (Franke and Nielson 1980), whose sum is 1."""
+    found, squares = nearest_of(points, others, min(most + 1, len(others)))
+    used = min(most, len(others))
+    d = np.sqrt(squares.astype(np.float64))
+    reach = d[:, -1:] if found.shape[1] > used else np.full((len(d), 1), np.inf)
+    weights = np.maximum(1.0 / np.maximum(d[:, :used], 1e-30) - 1.0 / np.maximum(reach, 1e-30), 0.0) ** 2
+    weights[weights.sum(1) == 0, 0] = 1.0
+    weights /= weights.sum(1, keepdims=True)
+    return np.ascontiguousarray(found[:, :used]), weights
 
 
 def nearest_of(
     points: NDArray[np.float32], others: NDArray[np.float32], many: int
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
     """Return the numbers (N, many) int32 of the nearest of others (G, D) to each of points (N, D), nearest first, and
-    their squared distances, float32; many <= G, D >= 3. The first three coordinates are of a place; all count."""
+    their squared distances, float32; many <= G, D >= 3. All coordinates count; the
+    search is by the first three."""
     from .kernels.nearest import nearest
 
     found = np.empty((len(points), many), np.int32)

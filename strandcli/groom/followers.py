@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import solids
+from ..common.rotations import quaternion_of
 from ..constants import W
 from ..errors import SimulationError
 from ..scene.motion import Pose, emitter_pose
@@ -145,10 +146,10 @@ class Followers:
         now, count = self._now(at), self.following.guides.strands
         outer, start = np.array(now.rotation), np.array(self._pose.rotation).T
         if self._guides is not None:
-            return np.array([quaternion(outer @ turn @ start) for turn in self._guides.turns(at)])
+            return np.array([quaternion_of(outer @ turn @ start) for turn in self._guides.turns(at)])
         if now.rotation == self._pose.rotation:
             return np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
-        return np.tile(quaternion(outer @ start), (count, 1))
+        return np.tile(quaternion_of(outer @ start), (count, 1))
 
     @cached_property
     def _whole(self) -> Any:
@@ -174,19 +175,3 @@ class Followers:
         for begin in range(0, len(points), W):
             out[begin : begin + W, :, :3] = points[begin : begin + W, :, :3].astype(np.float64) @ turn.T + shift
         return out
-
-
-def quaternion(turn: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(4,) the unit quaternion, its real part first, of a rotation matrix (Bar-Itzhack 2000): the eigenvector of the
-    greatest eigenvalue of a symmetric matrix, without a singular case."""
-    a, b, c = turn
-    k = np.array(
-        [
-            [a[0] + b[1] + c[2], c[1] - b[2], a[2] - c[0], b[0] - a[1]],
-            [c[1] - b[2], a[0] - b[1] - c[2], a[1] + b[0], a[2] + c[0]],
-            [a[2] - c[0], a[1] + b[0], b[1] - a[0] - c[2], b[2] + c[1]],
-            [b[0] - a[1], a[2] + c[0], b[2] + c[1], c[2] - a[0] - b[1]],
-        ]
-    )
-    found = np.linalg.eigh(k)[1][:, -1]
-    return np.asarray(found if found[0] >= 0 else -found)

@@ -15,7 +15,7 @@ from ..exchange.kernels.along import resample
 from ..exchange.strands import even_offsets
 from ..groom.blocks import unpack
 from ..groom.emit import stream
-from ..groom.kernels.alike import most_alike
+from ..groom.family import shepard
 from ..groom.record import Groom
 from ..scene.checks import CLOSEST_PARTICLES
 from .kernels.chain import chains
@@ -128,24 +128,10 @@ def chained(groom: Groom, own: NDArray[np.int64], particles: int) -> tuple[Groom
 
 
 def parents_of(features: Features, guides: Features) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """(strands, P) the guides that strands follow, and how much: by Shepard's weights within the distance of the next
-    one (Franke and Nielson 1980), so that a guide follows itself alone."""
-    many = min(PARENTS + 1, len(guides))
-    found = np.empty((len(features), many), np.int32)
-    squares = np.empty((len(features), many), np.float32)
+    """(strands, P) the guides that strands follow, and how much; a guide follows itself alone."""
     longest = int(np.argmax(np.ptp(guides, axis=0)))
     turn = [longest, *(c for c in range(guides.shape[1]) if c != longest)]
-    order = np.argsort(guides[:, longest], kind="stable").astype(np.int32)
-    most_alike(
-        np.ascontiguousarray(features[:, turn]), np.ascontiguousarray(guides[order][:, turn]), order, found, squares
-    )
-    d = np.sqrt(squares.astype(np.float64))
-    used = min(PARENTS, len(guides))
-    reach = d[:, -1:] if many > used else np.full((len(d), 1), np.inf)
-    weights = np.maximum(1.0 / np.maximum(d[:, :used], 1e-30) - 1.0 / np.maximum(reach, 1e-30), 0.0) ** 2
-    weights[weights.sum(1) == 0, 0] = 1.0
-    weights /= weights.sum(1, keepdims=True)
+    parents, weights = shepard(np.ascontiguousarray(features[:, turn]), np.ascontiguousarray(guides[:, turn]), PARENTS)
     narrow = weights.astype(np.float32)
-    parents = np.ascontiguousarray(found[:, :used])
     # a guide without weight has no say at all, not even where it is no number
     return np.where(narrow > 0, parents, parents[:, :1]), narrow

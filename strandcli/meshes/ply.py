@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..exchange.beside import Beside
-from ..exchange.bounded import SLICE, Bounded, Growing, opened
-from ..exchange.ply_header import Element, read_header
+from ..exchange.bounded import Bounded, Growing, opened
+from ..exchange.ply_file import Element, NumbersOfText, read_header, whole_numbers
 from .kernels.lists import gather, walk, walk_text
 from .make import RawMesh
 from .mesh import fans_of_lists, linear
@@ -127,7 +126,7 @@ def _text(file: Bounded, elements: dict[str, Element]) -> dict[str, Rows]:
     """The elements of a text."""
     for one in elements.values():
         file.need(f"element {one.name}", one.count, 2 * len(one.columns), one.at)
-    numbers = _Numbers(file)
+    numbers = NumbersOfText(file)
     found: dict[str, Rows] = {}
     for one in elements.values():
         if one.columns:
@@ -137,31 +136,7 @@ def _text(file: Bounded, elements: dict[str, Element]) -> dict[str, Rows]:
     return found
 
 
-class _Numbers:
-    """The numbers of a text, some at once: those that are waiting to be taken."""
-
-    def __init__(self, file: Bounded) -> None:
-        self.file, self.waiting, self._rest = file, np.zeros(0), b""
-
-    def more(self) -> bool:
-        """Whether there are others, which wait then, too. Raises `UsageError` for what is no number."""
-        if not self.file.left:
-            return False
-        begin = self.file.position - len(self._rest)
-        text = self._rest + self.file.take("content", min(SLICE, self.file.left))
-        end = max(text.rfind(b"\n"), text.rfind(b" ")) + 1 if self.file.left else len(text)
-        text, self._rest = text[:end], text[end:]
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            try:
-                found = np.fromstring(text, np.float64, sep=" ") if text.strip() else np.zeros(0)
-            except (ValueError, DeprecationWarning):
-                raise self.file.damaged("has more than numbers, unlike its header", begin) from None
-        self.waiting = np.concatenate([self.waiting, found])
-        return True
-
-
-def _text_rows(file: Bounded, element: Element, numbers: _Numbers) -> Rows:
+def _text_rows(file: Bounded, element: Element, numbers: NumbersOfText) -> Rows:
     """The rows of an element, some at once."""
     layout, width, done = _layout(element), len(element.columns), 0
     items = [Growing(np.float64 if kind[0] == "f" else kind) for _, kind, _ in element.columns]
@@ -174,25 +149,18 @@ def _text_rows(file: Bounded, element: Element, numbers: _Numbers) -> Rows:
         for k, (name, kind, length) in enumerate(element.columns):
             values = np.empty(int(lengths[:rows, k].sum()))
             gather(numbers.waiting, begins[:rows, k], lengths[:rows, k], 1, values)
-            if kind[0] != "f" and not np.isfinite(values).all():
-                raise file.damaged(f"element {element.name}: {name} is not a number everywhere", element.at)
-            items[k].add(values if kind[0] == "f" else _whole(values, kind))
+            numbers.check(element, name, kind, values)
+            items[k].add(values if kind[0] == "f" else whole_numbers(values, kind))
             if length:
                 counts[k].add(lengths[:rows, k])
         if rows:
             numbers.waiting = numbers.waiting[int(begins[rows - 1, -1] + lengths[rows - 1, -1]) :]
         done += rows
         if done < element.count and not numbers.more():
-            raise file.damaged(f"element {element.name}: row {done:,} goes beyond the end of the file", element.at)
+            raise numbers.ended(element, done)
         file.room("numbers", sum(one.size for one in items), OF_NUMBER)
     lists = {name: counts[k].taken() for k, (name, _, length) in enumerate(element.columns) if length}
     return Rows(element.count, {name: items[k].taken() for k, (name, _, _) in enumerate(element.columns)}, lists)
-
-
-def _whole(values: Numbers, kind: str) -> Numbers:
-    """Finite numbers as whole ones of a type."""
-    most = np.iinfo(kind)
-    return np.clip(values, most.min, most.max).astype(kind)
 
 
 def _mesh(vertex: Rows, face: Rows, texture: npt.NDArray[np.uint8] | None) -> RawMesh:

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ...errors import UsageError
 from ...output.files import atomic
 from ..objects import SHAPE, Pieces, pieces, renamed
-from ..strands import CHUNK, Attribute, Domain, Strands, TimeSample
+from ..strands import Attribute, Domain, Strands, TimeSample
+from ..written import box_of, checked
 from . import layout
 from .writer import Kind, Member, Sample, Writer, sampling
 
@@ -85,20 +85,11 @@ def _moments(
     points: list[list[Sample]] = [[] for _ in there.names]
     boxes: list[list[Sample]] = [[] for _ in there.names]
     times: list[float] = []
-    for one in [TimeSample(0.0, strands.points)] if samples is None else samples:
-        if one.points.shape != strands.points.shape:
-            raise UsageError(
-                f"{path}: {one.points.shape[0]:,} points at {one.seconds:g} s, the strands have "
-                f"{strands.points.shape[0]:,}; .abc is written of strands that stay the same in number"
-            )
-        if times and not one.seconds > times[-1]:
-            raise UsageError(f"{path}: {one.seconds:g} s comes after {times[-1]:g} s; times must rise")
+    for one in checked(path, strands, samples, ".abc"):
         for place, own in enumerate(there.of(one.points)):
             points[place].append(writer.sample(own.astype("<f4", copy=False)))
-            boxes[place].append(writer.sample(_box(own)))
+            boxes[place].append(writer.sample(box_of(own, np.finfo(np.float64).max).reshape(1, 6)))
         times.append(one.seconds)
-    if not times:
-        raise UsageError(f"{path}: there is no moment to be written")
     return [(_once(own), _once(box)) for own, box in zip(points, boxes, strict=True)], times
 
 
@@ -114,16 +105,6 @@ def _cycle(times: list[float]) -> tuple[float, Sequence[float]]:
     cycle = (times[-1] - times[0]) / (len(times) - 1)
     even = np.abs(times[0] + cycle * np.arange(len(times)) - times).max() <= min(EVEN, cycle / 100)
     return (cycle, times[:1]) if even else (float(layout.ACYCLIC), times)
-
-
-def _box(points: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    """The box (1, 6) of points; of none, the empty one."""
-    largest = np.finfo(np.float64).max
-    low, high = np.full(3, largest), np.full(3, -largest)
-    for begin in range(0, points.shape[0], CHUNK):
-        part = points[begin : begin + CHUNK]
-        low, high = np.fmin(low, part.min(axis=0)), np.fmax(high, part.max(axis=0))
-    return np.concatenate([low, high]).reshape(1, 6)
 
 
 def _geometry(

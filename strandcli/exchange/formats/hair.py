@@ -28,7 +28,7 @@ HEADER = struct.Struct("<4s4I5f88s")
 SEGMENTS, POINTS, THICKNESS, TRANSPARENCY, COLOUR = (1 << bit for bit in range(5))
 ARRAYS = (("width", THICKNESS, 1), ("transparency", TRANSPARENCY, 1), ("colour", COLOUR, 3))
 """Arrays after the points: our name, flag, numbers a point."""
-AT_STRANDS, AT_POINTS, AT_FLAGS, AT_DEFAULT = 4, 8, 12, 16
+AT_STRANDS, AT_POINTS, AT_FLAGS = 4, 8, 12
 """Bytes of the header's counts."""
 MOST_SEGMENTS = 65_535
 UNTOLD = 1.0

@@ -8,7 +8,6 @@ objects that the property ``object`` of strands numbers.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable
 from itertools import chain
 from pathlib import Path
@@ -19,11 +18,11 @@ import numpy.typing as npt
 
 from ...errors import UsageError
 from ...output.files import write_pieces
-from ..bounded import SLICE, Bounded, opened
+from ..bounded import Bounded, opened
 from ..files import ReadOptions
 from ..objects import renamed, written_names
-from ..ply_header import Element, object_comment, object_names, read_header
-from ..ply_header import is_mesh as is_mesh
+from ..ply_file import Element, NumbersOfText, object_comment, object_names, read_header, whole_numbers
+from ..ply_file import is_mesh as is_mesh
 from ..strands import (
     CHUNK,
     OBJECT,
@@ -100,6 +99,9 @@ def _objects(
 def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[str, Columns]:
     """Columns of vertices, strands and edges; other elements are passed over."""
     found: dict[str, Columns] = {}
+    numbers = NumbersOfText(file)
+    for one in () if order else elements.values():
+        file.need(f"element {one.name}", one.count, 2 * len(one.columns), one.at)
     for one in elements.values():
         if one.lists and one.count:
             if {"vertex", "strand", "edge"} - found.keys() & elements.keys():
@@ -109,9 +111,8 @@ def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[s
         wanted: dict[str, Any] = {}
         if not one.properties:
             continue
-        # numbers of which there is no byte yet are not made room for
-        least = one.record("<").itemsize if order else 2 * len(one.properties)
-        file.need(f"element {one.name}", one.count, least, one.at)
+        if order:  # numbers of which there is no byte yet are not made room for
+            file.need(f"element {one.name}", one.count, one.record(order).itemsize, one.at)
         if one.name == "vertex":
             columns["xyz"] = np.empty((one.count, 3), np.float32)
             wanted |= {name: columns["xyz"][:, axis] for axis, name in enumerate(XYZ)}
@@ -132,51 +133,17 @@ def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[s
                 with np.errstate(over="ignore", invalid="ignore"):
                     file.columns(f"element {one.name}", one.record(order), one.count, wanted)
         else:
-            _text(file, one, wanted)
+            row, places = 0, {name: place for place, name in enumerate(one.properties)}
+            for rows in numbers.rows(one):
+                for name, values in wanted.items():
+                    own, kind = rows[:, places[name]], one.properties[name]
+                    with np.errstate(over="ignore"):
+                        values[row : row + len(rows)] = own if kind[0] == "f" else whole_numbers(own, kind)
+                row += len(rows)
         found[one.name] = columns
+    numbers.end()
     file.end()
     return found
-
-
-def _text(file: Bounded, element: Element, wanted: dict[str, Any]) -> None:
-    """Read an element of a file of text, a line each."""
-    width, row = len(element.properties), 0
-    while row < element.count:
-        at = file.position
-        ended = file.damaged(f"element {element.name}: {element.count:,} declared, the file has {row:,}", element.at)
-        data = file.take(f"element {element.name}", min(SLICE, file.left))
-        if not data:
-            raise ended
-        lines = data.count(b"\n")
-        if lines > element.count - row:  # what follows is of the next element
-            ends = np.flatnonzero(np.frombuffer(data, np.uint8) == 10)
-            data = data[: int(ends[element.count - row - 1]) + 1]
-        elif file.left:
-            data = data[: data.rfind(b"\n") + 1]
-        if not data:
-            raise file.damaged(f"element {element.name}: no end of line within {SLICE:,} bytes", at)
-        file.seek(element.name, at + len(data))
-        values = _numbers(data)
-        if values is None or values.size % width or values.size > width * (element.count - row):
-            raise file.damaged(f"element {element.name}: lines from {row:,} on are not {width} numbers each", at)
-        values = values.reshape(-1, width)
-        for place, name in enumerate(element.properties):
-            if name in wanted:
-                with np.errstate(over="ignore", invalid="ignore"):
-                    wanted[name][row : row + values.shape[0]] = values[:, place]
-        if values.shape[0] == 0 and not file.left:
-            raise ended
-        row += values.shape[0]
-
-
-def _numbers(text: bytes) -> npt.NDArray[np.float64] | None:
-    """Numbers of a text; None where there is anything else."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        try:
-            return np.fromstring(text.decode("ascii"), np.float64, sep=" ") if text.strip() else np.zeros(0)
-        except (ValueError, DeprecationWarning):
-            return None
 
 
 def _first(

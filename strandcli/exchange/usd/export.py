@@ -13,7 +13,8 @@ from ...errors import UsageError
 from ...output.files import placed
 from ..objects import Pieces, pieces, renamed
 from ..splines import CATMULL_ROM, CUBIC, LINEAR
-from ..strands import CHUNK, Attribute, Domain, Layer, Points, Strands, TimeSample
+from ..strands import Attribute, Domain, Layer, Points, Strands, TimeSample
+from ..written import box_of, checked
 from .curves import NAMES
 from .messages import Message
 from .process import ask
@@ -71,7 +72,7 @@ def _messages(
     ``more``: other prims, and the basis."""
     beside, basis = more
     there, attributes = objects
-    moments = _moments(path, strands, samples)
+    moments = checked(path, strands, samples, ".usd")
     first = next(moments)
     second = next(moments, None)
     rate = None if samples is None else RATE if second is None else _rate(second.seconds - first.seconds)
@@ -101,23 +102,6 @@ def _messages(
     yield {"all": True}, []
 
 
-def _moments(path: Path, strands: Strands, samples: Iterable[TimeSample] | None) -> Iterator[TimeSample]:
-    """The samples, checked; the strands' own points where there are none."""
-    last = None
-    for one in [TimeSample(0.0, strands.points)] if samples is None else samples:
-        if one.points.shape != strands.points.shape:
-            raise UsageError(
-                f"{path}: {one.points.shape[0]:,} points at {one.seconds:g} s, the strands have "
-                f"{strands.points.shape[0]:,}; .usd is written of strands that stay the same in number"
-            )
-        if last is not None and not one.seconds > last:
-            raise UsageError(f"{path}: {one.seconds:g} s comes after {last:g} s; times must rise")
-        last = one.seconds
-        yield one
-    if last is None:
-        raise UsageError(f"{path}: there is no moment to be written")
-
-
 def _rate(seconds: float) -> float:
     """Time codes a second of moments that are so far apart: a whole number where one is meant."""
     found = 1 / seconds
@@ -139,12 +123,9 @@ def _points(there: Pieces, one: TimeSample, rate: float | None, widest: list[flo
 
 def _extent(points: Points, widest: float) -> list[list[float]]:
     """Corners of the box about strands of points (P, 3)."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for begin in range(0, points.shape[0], CHUNK):
-        part = points[begin : begin + CHUNK]
-        low, high = np.fmin(low, part.min(axis=0)), np.fmax(high, part.max(axis=0))
     largest = float(np.finfo(np.float32).max)
-    corners = np.nan_to_num(np.stack([low - widest / 2, high + widest / 2]), nan=0.0, posinf=largest, neginf=-largest)
+    corners = box_of(points, np.inf) + np.array([[-widest / 2], [widest / 2]])
+    corners = np.nan_to_num(corners, nan=0.0, posinf=largest, neginf=-largest)
     return np.asarray(np.clip(corners, -largest, largest)).tolist() if points.shape[0] else [[0.0] * 3] * 2
 
 

@@ -21,8 +21,6 @@ OWN = ("widths", "normals")
 UNREAD = ("velocities", "accelerations")
 CLOSE = 1e-6
 """Time codes by which times may differ that mean the same."""
-MOST_FINDINGS = 5
-"""Places that are told by name."""
 
 
 def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:

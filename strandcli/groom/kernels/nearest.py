@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...jit import device, parallel, prange
-from .alike import insert
 
 
 class Cells(NamedTuple):
@@ -96,3 +95,22 @@ def visit(point, cells, cell, stop, names, squares):
     the last of them."""
     for at in range(cells.begins[cell], cells.begins[stop]):
         insert(cells.points, at, point, cells.names[at], names, squares)
+
+
+@device
+def insert(others, at, point, name, names, found):
+    """Put one of the others in its place among those found, where it is nearer than the last of them."""
+    square = np.float32(0.0)
+    last = names.shape[0] - 1
+    for c in range(point.shape[0]):
+        d = point[c] - others[at, c]
+        square += d * d
+        if not square < found[last]:
+            return
+    k = last
+    while k > 0 and square < found[k - 1]:
+        found[k] = found[k - 1]
+        names[k] = names[k - 1]
+        k -= 1
+    found[k] = square
+    names[k] = name

@@ -117,18 +117,6 @@ def nearest(bvh, x, y, z, limit):
     return (best if hit >= 0 else np.inf), hit, best_u, best_v, row
 
 
-@device
-def unit_normal(corners, i):
-    """Unit normal of triangle i; 0 of one without area."""
-    ax, ay, az = corners[i, 0, 0], corners[i, 0, 1], corners[i, 0, 2]
-    ux, uy, uz = corners[i, 1, 0] - ax, corners[i, 1, 1] - ay, corners[i, 1, 2] - az
-    vx, vy, vz = corners[i, 2, 0] - ax, corners[i, 2, 1] - ay, corners[i, 2, 2] - az
-    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-    long = math.sqrt(nx * nx + ny * ny + nz * nz)
-    scale = 1.0 / long if long > 0.0 else 0.0
-    return nx * scale, ny * scale, nz * scale
-
-
 @parallel
 def closest(bvh, points, near, triangles, shares, distances):
     """Write of points (P, 3) the nearest ones of a mesh, near (P, 3), their triangles (P,), barycentric coordinates

@@ -1,16 +1,20 @@
-"""The header of a PLY file: which elements it has, how many of each, and their properties."""
+"""PLY files: the header, which tells how many there are of each element, and its properties; and numbers of a text."""
 
 from __future__ import annotations
 
 import json
+import warnings
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from .bounded import Bounded, opened
+from ..errors import UsageError
+from .bounded import SLICE, Bounded, opened
 from .strands import OBJECT
 
 TYPES = {
@@ -103,3 +107,61 @@ def is_mesh(path: Path) -> bool:
     with opened(path, ".ply file") as file:
         _, elements, _ = read_header(file)
     return "face" in elements and elements["face"].count > 0
+
+
+class NumbersOfText:
+    """The numbers of a text, some at once: those that are waiting to be taken."""
+
+    def __init__(self, file: Bounded) -> None:
+        self.file, self.waiting, self._rest = file, np.zeros(0), b""
+
+    def more(self) -> bool:
+        """Whether there are others, which wait then, too. Raises `UsageError` for what is no number."""
+        if not self.file.left:
+            return False
+        begin = self.file.position - len(self._rest)
+        text = self._rest + self.file.take("content", min(SLICE, self.file.left))
+        end = max(text.rfind(b"\n"), text.rfind(b" ")) + 1 if self.file.left else len(text)
+        text, self._rest = text[:end], text[end:]
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            try:
+                found = np.fromstring(text, np.float64, sep=" ") if text.strip() else np.zeros(0)
+            except (ValueError, DeprecationWarning):
+                raise self.file.damaged("has more than numbers, unlike its header", begin) from None
+        self.waiting = np.concatenate([self.waiting, found])
+        return True
+
+    def rows(self, element: Element) -> Iterator[npt.NDArray[np.float64]]:
+        """The rows (k, properties) of an element without lists, some at once. Raises `UsageError` where there are
+        fewer, or a whole number is none."""
+        width, done = len(element.columns), 0
+        while done < element.count:
+            count = min(element.count - done, self.waiting.size // width)
+            found, self.waiting = self.waiting[: count * width].reshape(count, width), self.waiting[count * width :]
+            for (name, kind, _), values in zip(element.columns, found.T, strict=True):
+                self.check(element, name, kind, values)
+            done += count
+            yield found
+            if done < element.count and not self.more():
+                raise self.ended(element, done)
+
+    def check(self, element: Element, name: str, kind: str, values: npt.NDArray[np.float64]) -> None:
+        """Raise `UsageError` where numbers that are to be whole ones are not finite."""
+        if kind[0] != "f" and not np.isfinite(values).all():
+            raise self.file.damaged(f"element {element.name}: {name} is not a number everywhere", element.at)
+
+    def ended(self, element: Element, row: int) -> UsageError:
+        """The error of a text that ends before a row."""
+        return self.file.damaged(f"element {element.name}: row {row:,} goes beyond the end of the file", element.at)
+
+    def end(self) -> None:
+        """Raise `UsageError` where something follows."""
+        if self.waiting.size:
+            raise self.file.damaged("more numbers than the header declares")
+
+
+def whole_numbers(values: npt.NDArray[Any], kind: str) -> npt.NDArray[Any]:
+    """Finite numbers as whole ones of a type."""
+    most = np.iinfo(kind)
+    return np.clip(values, most.min, most.max).astype(kind)
