@@ -24,10 +24,9 @@ from ..errors import SimulationError
 from ..scene.motion import emitter_pose
 from ..scene.touched import touched
 from . import fringe
-from .deforming import Deforming, deforming
+from .deforming import Deforming, FileRoots, deforming
 from .emit import emit
 from .family import Family, family_of
-from .file_roots import FileRoots
 from .record import Groom
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError, about
-from ..exchange.kernels.simplify import simplify
+from ..exchange.kernels.along import simplify
 from ..exchange.moments import USUAL
 from ..exchange.strands import even_offsets
 from ..files.inputs import cached

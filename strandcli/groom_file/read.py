@@ -22,8 +22,8 @@ from ..exchange.moments import Moments, read_first
 from ..exchange.strands import CHUNK, Attribute, Offsets, Points, Strands, even_offsets
 from ..files.inputs import cached
 from ..groom.blocks import spatial_order
+from ..groom.deforming import units
 from ..groom.emit import stream
-from ..groom.file_roots import units
 from ..groom.record import Groom
 from .colours import colours_of, widths_of
 from .film import Edits, Film

@@ -102,24 +102,11 @@ def points_at(points: Points, places: NDArray[np.float64] | None) -> Points:
 def rows_in(first: Offsets, points: Points, most: int) -> Rows | None:
     """(P,) the rows that points of strands get where all have ``most``; None where all do. After point j of n the share
     of its arc length of the rows that are added has been placed, rounded."""
-    counts = np.diff(first)
-    if (counts == most).all():
+    if (np.diff(first) == most).all():
         return None
     found: Rows = np.empty(points.shape[0], np.int16 if most <= np.iinfo(np.int16).max else np.int32)
-    for count in np.unique(counts):
-        n = int(count)
-        begins = first[:-1][counts == n]
-        some = max(1, CHUNK // n)
-        for begin in range(0, begins.shape[0], some):
-            at = begins[begin : begin + some, None] + np.arange(n)
-            found[at] = _rows(points[at], most)
+    kernel.place(first, points, most, 1.0, found)
     return found
-
-
-def _rows(points: Points, most: int) -> NDArray[np.int32]:
-    """(k, n): `rows_in` of strands (k, n, 3)."""
-    n = points.shape[1]
-    return np.asarray(np.arange(n) + np.rint(_shares(points) * (most - n)), np.int32)
 
 
 def packed(
@@ -130,16 +117,7 @@ def packed(
     strands = order.shape[0]
     blocks = -(-strands // W)
     out = aligned((blocks, most + 1, 3 * W))
-    if rows is None:
-        kernel.pack(first, points, order, out)
-        return out
-    for block in range(blocks):
-        some = order[block * W : (block + 1) * W]
-        here = filled(first, points, rows, some, most)
-        wide = out[block].reshape(most + 1, 3, W)
-        wide[1:, :, : some.shape[0]] = here.transpose(1, 2, 0)
-        wide[1:, :, some.shape[0] :] = here[-1, :, :, None]
-        wide[0] = 2 * wide[1] - wide[2]
+    kernel.pack(first, points, rows, order, out)
     return out
 
 
@@ -160,56 +138,12 @@ def values_in(
     if rows is None:
         return values.reshape(-1, most)[order].astype(np.float32, copy=False)
     out = np.empty((order.shape[0], most), np.float32)
-    for begin in range(0, order.shape[0], W):
-        out[begin : begin + W] = filled(first, values[:, None], rows, order[begin : begin + W], most)[..., 0]
+    kernel.spread(first, values[:, None], rows, order, out)
     return out
-
-
-def filled(
-    first: Offsets, values: NDArray[np.float32], rows: Rows, some: NDArray[np.int32], most: int
-) -> NDArray[np.float32]:
-    """(k, most, c): values (P, c) of the points of the strands ``some`` (k,), linear between their rows (P,)."""
-    counts = first[some + 1] - first[some]
-    out = np.empty((some.shape[0], most, values.shape[1]), np.float32)
-    for count in np.unique(counts):
-        here = np.flatnonzero(counts == count)
-        at = first[some[here]][:, None] + np.arange(count)
-        out[here] = _between(values[at], rows[at], most)
-    return out
-
-
-def _between(values: NDArray[np.float32], own: Rows, most: int) -> NDArray[np.float32]:
-    """(k, most, c): values (k, n, c) at their ``own`` rows (k, n), in every bit, and linear ones between."""
-    strands, n, _ = values.shape
-    if n == most:
-        return values
-    each = np.arange(strands)[:, None]
-    begins = np.zeros((strands, most), np.int64)
-    begins[each, own[:, :-1]] = 1
-    segment = np.cumsum(begins, axis=1) - 1
-    low, high = own[each, segment], own[each, segment + 1]
-    t = ((np.arange(most) - low) / (high - low))[..., None]
-    a, b = values[each, segment].astype(np.float64), values[each, segment + 1].astype(np.float64)
-    out = (a + t * (b - a)).astype(np.float32)
-    out[each, own] = values
-    return out
-
-
-def _shares(points: Points) -> NDArray[np.float64]:
-    """(k, n): the share of its strand's length before each point of strands (k, n, 3); by number where they have no
-    length."""
-    n = points.shape[1]
-    steps = np.linalg.norm(np.diff(points.astype(np.float64), axis=1), axis=2)
-    along = np.concatenate([np.zeros((points.shape[0], 1)), np.cumsum(steps, axis=1)], axis=1)
-    whole = along[:, -1:]
-    return np.asarray(np.where(whole > 0, along / np.where(whole > 0, whole, 1.0), np.arange(n) / (n - 1)))
 
 
 def places_of(first: Offsets, points: Points, most: int) -> NDArray[np.float64]:
     """(P,) in [0, 1]: of each point of strands the share of the ``most`` points that all get which are before it."""
-    counts, found = np.diff(first), np.empty(points.shape[0])
-    for count in np.unique(counts):
-        n = int(count)
-        rows = first[:-1][counts == count][:, None] + np.arange(n)
-        found[rows] = _shares(points[rows]) if n > most else _rows(points[rows], most) / (most - 1)
+    found = np.empty(points.shape[0])
+    kernel.place(first, points, most, most - 1.0, found)
     return found

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..groom.blocks import lanes, pack
-from ..groom.deforming import Deforming, deforming
-from ..groom.file_roots import FileRoots
+from ..groom.deforming import Deforming, FileRoots, deforming
 from ..groom.record import Groom
 from ..scene.motion import Pose, emitter_pose
 from .solver import Solver

@@ -14,7 +14,6 @@ import numpy.typing as npt
 from ...common.counted import counted
 from ..faults import GOLDEN, mixed
 from ..kernels import along
-from ..kernels import simplify as thinning
 from ..strands import CHUNK, Attribute, Mask, Offsets, Strands, even_offsets, spans
 from .moving import Change
 
@@ -82,7 +81,7 @@ def simplified(strands: Strands, tolerance: float) -> tuple[Strands, Change]:
     for rows, first, points in _some(strands, 1):
         deviation = np.zeros(first.size - 1)
         own = None if widths is None else widths[points]
-        thinning.simplify(first, strands.points[points], own, tolerance, keep[points], deviation)
+        along.simplify(first, strands.points[points], own, tolerance, keep[points], deviation)
         worst.add(rows, deviation)
     changed = strands.thinned(keep)
     return changed, _change("simplify", f"simplified to {tolerance:g}", strands, changed, worst)

@@ -14,8 +14,7 @@ from ...meshes.kernels.nearest import apart, nearest, on_triangle
 from ...meshes.kernels.ray_packet import first_hits
 from ...meshes.kernels.rays import first_hit
 from ...simd import array_at
-from .arrays import PAST, grid_of, spacing_of, surface_of, tree_of
-from .colour import colour_at
+from .arrays import PAST, colour_at, grid_of, spacing_of, surface_of, tree_of
 
 CLOSE = 1e-3
 """Cells of the grid within which the point of the surface that is drawn is looked for first."""
