@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..errors import UsageError
+from ..meshes import SUFFIXES
 from . import options, strand_files
 from .say import say
 from .talk import print_json
@@ -87,7 +88,7 @@ def _draw(file: Path, how: ReadOptions, picture: Path) -> None:
 
 def _mesh(file: Path) -> bool:
     """Whether a file is one of a mesh; meshes take Numba."""
-    if file.suffix.lower() not in options.MESHES:
+    if file.suffix.lower() not in SUFFIXES:
         return False
     from ..exchange.moments import files_of
     from ..meshes.facts import is_mesh

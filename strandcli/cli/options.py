@@ -13,6 +13,7 @@ import click
 
 from ..common.counted import counted
 from ..errors import UsageError
+from ..meshes import SUFFIXES
 from . import complete
 from .frame_range import FrameRange
 from .main import set_debug
@@ -204,7 +205,7 @@ def load_scene(
     if is_groom(preset):
         settings["emitter.groom.file"] = preset
         preset = GROOM
-    elif Path(preset).suffix.lower() in MESHES:
+    elif Path(preset).suffix.lower() in SUFFIXES:
         from ..exchange.polylines import IS_MESH
 
         raise UsageError(f"{preset}: {IS_MESH}")
@@ -213,8 +214,6 @@ def load_scene(
 
 GROOM = "groom"
 """The preset that files of strands are drawn with."""
-MESHES = (".obj", ".ply", ".stl", ".glb", ".gltf")
-"""Ends of names of files that hold meshes, or strands as lines but for .stl."""
 
 
 def is_groom(given: str) -> bool:

@@ -18,7 +18,7 @@ from ..meshes.bvh import Bvh, make_bvh, moved
 from ..meshes.distance_grid import DistanceGrid, make_distance_grid
 from ..meshes.mesh import TriangleMesh, Vectors, unit
 from .maps import Pyramid, picture, pyramid
-from .read import KEPT, Moment, Placing, deformed, moment, placed, placing
+from .read import KEPT, Moment, Placing, between, deformed, moment, placed, placing
 
 GREY = (0.18, 0.18, 0.18)
 """The default of a solid's `colour`."""
@@ -102,7 +102,7 @@ def prepared(key: Key) -> Prepared:
     """The mesh of a key for kernels."""
     mesh, bvh = placed(key.file, key.placing), _bvh(key.file, key.placing)
     if key.moment is not None:
-        mesh = mesh.with_vertices(_vertices_at(key, mesh))
+        mesh = mesh.with_vertices(between(key.file, key.placing, key.moment))
         bvh = moved(bvh, mesh.vertices, mesh.triangles)
     order = bvh.triangle
     none = np.zeros((0, 3, 3), np.float32)
@@ -124,16 +124,8 @@ def prepared(key: Key) -> Prepared:
 def corners_at(key: Key) -> Vectors:
     """(T, 3, 3) the corners of triangles in the tree's order, as those of `prepared`."""
     mesh, bvh = placed(key.file, key.placing), _bvh(key.file, key.placing)
-    return _vertices_at(key, mesh)[mesh.triangles[bvh.triangle]]
-
-
-def _vertices_at(key: Key, mesh: TriangleMesh) -> Vectors:
-    """The vertices of a placed mesh at the moment of a key."""
-    if key.moment is None:
-        return mesh.vertices
-    first, second = (deformed(key.file, key.placing, one) for one in key.moment[:2])
-    found: Vectors = first + key.moment.share * (second - first)
-    return found
+    vertices = mesh.vertices if key.moment is None else between(key.file, key.placing, key.moment)
+    return vertices[mesh.triangles[bvh.triangle]]
 
 
 @cached(KEPT)

@@ -159,9 +159,13 @@ def vertices_at(settings: Any, time: float) -> Vectors:
     file, how = settings.file, placing(settings)
     if not settings.deform:
         return placed(file, how).vertices
-    now = moment(settings.deform, time)
-    first, second = deformed(file, how, now.before), deformed(file, how, now.after)
-    found: Vectors = first + now.share * (second - first)
+    return between(file, how, moment(settings.deform, time))
+
+
+def between(file: str, how: Placing, at: Moment) -> Vectors:
+    """The vertices of a placed mesh at a moment."""
+    first, second = deformed(file, how, at.before), deformed(file, how, at.after)
+    found: Vectors = first + at.share * (second - first)
     return found
 
 

@@ -23,3 +23,6 @@ In kernels, with `bvh` (`kernels.tree.Bvh`) and `grid` (`kernels.distance.Distan
     distance.distance(grid, x, y, z)             negative inside
     d, gx, gy, gz = distance.distance_and_gradient(grid, x, y, z)
 """
+
+SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf")
+"""Ends of names of files that hold meshes, or strands as lines but for .stl."""

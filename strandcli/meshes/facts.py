@@ -11,9 +11,10 @@ import numpy.typing as npt
 
 from ..errors import StrandError
 from ..exchange.files import drivers
+from . import SUFFIXES
 from .make import sentences
 from .mesh import FileNormals, TriangleMesh, Vectors, face_vectors, slices
-from .read import SUFFIXES, read_mesh
+from .read import read_mesh
 
 GLTF = (".glb", ".gltf")
 """Formats that tell their unit, the metre, and up axis, y."""

@@ -15,6 +15,7 @@ import numpy as np
 from ..errors import StrandError, UsageError, about, one_line
 from ..exchange.beside import Beside
 from ..files.inputs import reading
+from . import SUFFIXES
 from .gltf import read_gltf
 from .make import RawMesh, mesh_of
 from .mesh import TriangleMesh
@@ -22,7 +23,8 @@ from .obj import read_obj
 from .ply import read_ply
 from .stl import read_stl
 
-SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf")
+READERS: tuple[Callable[[Path, Beside], list[RawMesh]], ...] = (read_obj, read_ply, read_stl, read_gltf, read_gltf)
+"""Of files whose names end in `SUFFIXES`."""
 MENDS = "write it anew, as .obj, .ply, .stl or .glb with triangles"
 
 
@@ -58,15 +60,12 @@ def _moved(raw: RawMesh, like: TriangleMesh, path: Path) -> TriangleMesh:
 def _raw(path: Path) -> RawMesh:
     """What a file holds, whatever its format."""
     suffix = path.suffix.lower()
-    readers: dict[str, Callable[[Path, Beside], list[RawMesh]]] = {
-        ".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".glb": read_gltf, ".gltf": read_gltf,
-    }  # fmt: skip
-    if suffix not in readers:
+    if suffix not in SUFFIXES:
         raise UsageError(f"{path}: is no mesh that can be read; read are {', '.join(SUFFIXES)}")
     beside = Beside(path)
     try:
         with np.errstate(all="ignore"):  # what is not finite is told afterwards
-            found = joined(readers[suffix](path, beside))
+            found = joined(READERS[SUFFIXES.index(suffix)](path, beside))
     except (StrandError, MemoryError):
         raise
     except Exception as error:  # whatever else a damaged file makes happen

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from ...output.files import atomic
 from ..objects import SHAPE, Pieces, pieces, renamed
 from ..strands import Attribute, Domain, Strands, TimeSample
-from ..written import box_of, checked
+from ..written import box_of, checked, left_out
 from . import layout
 from .writer import Kind, Member, Sample, Writer, sampling
 
@@ -34,7 +34,7 @@ def legal(name: str) -> str:
     return "".join(letter if letter.isprintable() and letter != "/" else "_" for letter in name)
 
 
-def write_curves(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
+def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
     """Write each object of strands as one of linear curves; ``samples``: all points at several times, rising. Returns
     lines for what is left out."""
     there = pieces(strands, legal)
@@ -44,14 +44,14 @@ def write_curves(path: Path, strands: Strands, samples: Iterable[TimeSample] | N
         stored, times = _moments(path, writer, strands, there, samples)
         writes = _Properties(writer, len(times), moving)
         holders: list[Member] = []
-        lost: dict[str, None] = {}
+        lost: set[str] = set()
         for name, piece, (points, boxes) in zip(there.names, there.strands, stored, strict=True):
             geometry, left = _geometry(writes, piece, points, boxes)
             geom = writer.compound(".geom", {"schema": layout.CURVES, "schemaBaseType": layout.BASE}, geometry)
             shape = writer.object(f"{name}{SHAPE}", layout.CURVES, [geom], [], layout.BASE)
             place = writer.compound(".xform", {"schema": layout.XFORM}, [])
             holders.append(writer.object(name, layout.XFORM, [place], [shape]))
-            lost |= dict.fromkeys(left)
+            lost |= set(left)
         top = writer.objects([], holders)
         cycle, when = _cycle(times)
         samplings = sampling(0 if moving else 1, 1.0, [0.0])
@@ -61,8 +61,7 @@ def write_curves(path: Path, strands: Strands, samples: Iterable[TimeSample] | N
         if moving and len(when) == 1 and cycle != 1.0:
             told["_ai_DCC_FPS"] = f"{1 / cycle:.6g}"
         writer.close(top, told, samplings)
-    left_out = [f".abc cannot store {', '.join(lost)}: left out"] if lost else []
-    return left_out + renamed(strands, legal, ".abc")
+    return left_out(strands, ".abc", strands.attributes.keys() - lost) + renamed(strands, legal, ".abc")
 
 
 class _Properties:

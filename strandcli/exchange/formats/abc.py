@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from ..alembic import layout
 from ..alembic.archive import Archive
 from ..alembic.curves import Clock, all_curves, at_times, attributes_of, control_of, part_of
-from ..alembic.export import write_curves
+from ..alembic.export import write as write
 from ..bounded import opened
 from ..control import Fitter
 from ..files import ReadOptions
@@ -75,8 +75,3 @@ def moments(path: Path, options: ReadOptions) -> Iterator[TimeSample]:
         for seconds, points in at_times(archive, curves, fitted, clock.times):
             all_points = points[0] if len(points) == 1 else np.concatenate(points)
             yield TimeSample(seconds, all_points if keep.all() else all_points[keep])
-
-
-def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
-    """Write a file: one object of linear curves, its attributes, and the points at several times."""
-    return write_curves(path, strands, samples)

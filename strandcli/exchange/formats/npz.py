@@ -22,7 +22,7 @@ from ..bounded import Bounded, opened
 from ..files import ReadOptions
 from ..objects import renamed, written_names
 from ..strands import OBJECT, Attribute, Domain, Source, Strands, TimeSample, even_offsets, without_short
-from ..written import with_width_each
+from ..written import left_out, with_width_each
 
 name = ".npz"
 suffixes = (".npz",)
@@ -143,10 +143,10 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
         arrays[FIRST] = strands.first
     if strands.objects:
         arrays[OBJECT_NAMES] = np.array(written_names(strands.objects, str))
-    lost = []
+    lost = set()
     for attribute, one in strands.attributes.items():
         if one.domain == "groom" or attribute in (POSITIONS, POINTS, FIRST, OBJECT_NAMES):
-            lost.append(attribute)
+            lost.add(attribute)
         else:
             shape = each if one.domain == "point" else (strands.count,)
             arrays[attribute] = one.values.reshape(*shape, *one.values.shape[1:])
@@ -155,5 +155,4 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
             entry = zipfile.ZipInfo(f"{array}.npy")  # of no date: the same strands make the same bytes
             with archive.open(entry, "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, np.ascontiguousarray(values), allow_pickle=False)
-    left_out = [f"{name} cannot store {', '.join(lost)}: left out"] if lost else []
-    return left_out + renamed(strands, str, name)
+    return left_out(strands, name, strands.attributes.keys() - lost) + renamed(strands, str, name)

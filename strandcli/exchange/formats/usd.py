@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +10,9 @@ from ..bounded import opened
 from ..files import ReadOptions
 from ..parts import joined
 from ..splines import CATMULL_ROM, LINEAR
-from ..strands import Layer, Source, Strands, TimeSample, without_short
+from ..strands import Source, Strands, TimeSample, without_short
 from ..usd.curves import Reader
-from ..usd.export import write_stage
+from ..usd.export import write as write
 
 name = ".usd"
 suffixes = (".usd", ".usda", ".usdc")
@@ -73,13 +73,3 @@ def moments(path: Path, options: ReadOptions) -> Iterator[TimeSample]:
     go with time."""
     reader = Reader(path, options.lenient, _encoding(path) == "text")
     yield from reader.moments(reader.stage().curves)
-
-
-def write(
-    path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None, beside: Layer | None = None,
-    basis: str = LINEAR,
-) -> list[str]:  # fmt: skip
-    """Write a file, text where its name ends in `.usda`: a stage of one prim of curves, its attributes, and the points
-    at several times; with the prims of another layer ``beside`` them. Of the `bases` Catmull-Rom splines go through
-    all points."""
-    return write_stage(path, strands, samples, beside, basis)

@@ -14,7 +14,7 @@ from ...output.files import placed
 from ..objects import Pieces, pieces, renamed
 from ..splines import CATMULL_ROM, CUBIC, LINEAR
 from ..strands import Attribute, Domain, Layer, Points, Strands, TimeSample
-from ..written import box_of, checked
+from ..written import box_of, checked, left_out
 from .curves import NAMES
 from .messages import Message
 from .process import ask
@@ -36,7 +36,7 @@ NEAR = 1e-6
 """Time codes by which a moment may be off a whole one that is meant."""
 
 
-def write_stage(
+def write(
     path: Path, strands: Strands, samples: Iterable[TimeSample] | None, beside: Layer | None = None,
     basis: str = LINEAR,
 ) -> list[str]:  # fmt: skip
@@ -44,7 +44,7 @@ def write_stage(
     Returns lines for what is left out. Raises `RefusedError` where it cannot be written."""
     there = pieces(strands, legal)
     attributes = [_attributes(one) for one in there.strands]
-    lost = list({name: None for _, left in attributes for name in left})
+    lost = {name for _, left in attributes for name in left}
     kind = "usda" if path.suffix.lower() == ".usda" else "usdc"
     with placed(path, ".usd") as temporary:
         temporary.write_bytes(b"")
@@ -54,8 +54,7 @@ def write_stage(
             path, request, _messages(path, strands, (there, [held for held, _ in attributes]), samples, (beside, basis))
         ):
             pass
-    left_out = [f".usd cannot store {', '.join(lost)}: left out"] if lost else []
-    return left_out + renamed(strands, legal, ".usd")
+    return left_out(strands, ".usd", strands.attributes.keys() - lost) + renamed(strands, legal, ".usd")
 
 
 def legal(name: str) -> str:
