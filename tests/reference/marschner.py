@@ -1,9 +1,7 @@
 """The Marschner hair model in float64 without tables: what the renderer's tables and kernel are measured against.
 
-Two independent ways to the azimuthal function N_p(θ_d, φ) stand here. `azimuthal` integrates over the offset h against
-the wrapped Gaussian, as the tables mean to. `azimuthal_roots` is the paper's own form for a smooth fibre (Marschner et
-al. 2003), N_p = ½ Σ_r A_p(h_r) |dφ/dh|⁻¹ over the roots of Φ_p(h_r) = φ: the limit of no azimuthal roughness, infinite
-at caustics. Nothing here is shared with `strandcli.draw`.
+`azimuthal` integrates N_p(θ_d, φ) over the offset h against the wrapped Gaussian, as the tables mean to; a traced ray
+confirms its exit angles and chords. Nothing here is shared with `strandcli.draw`.
 
 Angles are in radians and as in `strandcli/draw/fibre/kernels/marschner.py`; lobes are 0 (R), 1 (TT), 2 (TRT).
 Absorption σ_a is one number in 1/radius: call once a channel.

@@ -1,4 +1,4 @@
-"""The float64 hair reference against closed forms, traced rays, and its own second derivation."""
+"""The float64 hair reference against closed forms and traced rays."""
 
 from __future__ import annotations
 

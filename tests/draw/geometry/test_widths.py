@@ -13,13 +13,12 @@ from strandcli.draw.common.kernels.keys import EMPTY
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines
-from strandcli.draw.geometry.extent import widths_of
-from strandcli.draw.shadows.kernels import cell_extents, opacity, opacity_maps, splats
-from strandcli.draw.shadows.kernels.map_parts import StrandsInMap
-from strandcli.draw.shadows.strands_in_map import parts_of, view_numbers
+from strandcli.draw.geometry.extent import Thickness, widths_of
+from strandcli.draw.shadows.kernels import opacity
+from strandcli.draw.shadows.shadow import plan_maps
 from strandcli.draw.view.camera import View
 from strandcli.draw.zbuffer.raster import draw, to_screen
-from strandcli.scene.model import Material
+from strandcli.scene.model import Material, PointLight, Shadow
 
 SIZE = (160, 120)
 ALONG = 40
@@ -177,24 +176,15 @@ def test_strands_of_any_length_are_as_wide_as_in_double_precision(perspective: b
 
 def test_a_lamps_map_counts_strands_as_wide_as_the_lamp_sees_them() -> None:
     """In the corners of a cube of maps a strand across covers up to √3 times as much."""
-    size, layers, radius = 64, 4, 0.01
-    view = View(np.zeros(3), *(np.eye(3) * [1, 1, -1]), True, size / 2, 0.01, 10.0, size, size)
-    first, world = np.array([0, ALONG + 1]), line(np.array([0.55, 0.98, -1.0]), np.array([0.98, 0.55, -1.0])).world
-    screen = to_screen(Polylines(first, world), view, Scratch())
-    extents = np.tile(np.array([np.inf, -np.inf], np.float32), (size * size // 4, 1))
-    rows = np.empty(size * size // 4, np.float32)
-    strands = StrandsInMap(first, screen, np.float32(2 * radius), np.float32(0), None)
-    seen = view_numbers(view)
-    parts = parts_of(strands, seen, size, 1, Scratch(), extents=extents)
-    cell_extents.spread(extents, size // 2, np.float32(0), np.empty(cell_extents.room_of(size // 2), np.float32))
-    count = opacity_maps.number_cells(extents, rows)
-    stacks = np.empty(opacity.numbers_of(len(rows), count, layers), np.float32)
-    heads = np.empty((len(rows), splats.HEAD_NUMBERS), np.float32)
-    opacity_maps.divide(extents, layers, np.float32(1e-3), np.float32(1), rows, stacks, heads)
-    opacity_maps.draw(parts, size, seen, splats.OpacityMap(heads, np.float32(1), layers, stacks))
-    texels = stacks[opacity.HEAD * len(rows) :].astype(np.float64)
-    area = texels.sum() / (size / 2) ** 2  # on a plane a metre away
-    length = float(np.linalg.norm(world[-1] - world[0]))
-    wide = width_by_rays(view, Polylines(first, world), radius, ALONG // 2) / view.focal
+    radius, size = 0.01, 64
+    lamp = PointLight(position=(0.0, 0.0, 0.0), shadow=Shadow(model="opacity", size=size, layers=4, texel=1e-6))
+    lines = line(np.array([0.55, 0.98, -1.0]), np.array([0.98, 0.55, -1.0]))
+    maps = plan_maps((lamp,), np.array([[-1.0] * 3, [1.0] * 3]), Scratch(), Thickness(2 * radius))
+    maps.build(lines, 1, Scratch())
+    rows = maps.stacks[opacity.HEAD * len(maps.views) * size**2 // 4 :].reshape(-1, opacity.stride_for(4))
+    view = max(maps.views, key=lambda one: -one.forward[2])  # the one that looks along −z
+    area = rows[:, -4:].sum(dtype=np.float64) / view.focal**2  # on a plane a metre away
+    length = float(np.linalg.norm(lines.world[-1] - lines.world[0]))
+    wide = width_by_rays(view, lines, radius, ALONG // 2) / view.focal
     assert wide > 1.4 * 2 * radius
     assert area == pytest.approx(length * wide, rel=0.01)
