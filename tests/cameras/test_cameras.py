@@ -190,13 +190,6 @@ def test_damaged_colmap_files_are_refused_in_one_line(cameras: str, images: str,
     assert words in str(error.value)
 
 
-def test_names_of_thousands_of_digits_are_names(tmp_path: Path) -> None:
-    frames = [{"file_path": name, "transform_matrix": np.eye(4).tolist()} for name in ("9" * 5000, "10", "9")]
-    path = tmp_path / "transforms.json"
-    path.write_text(_json(frames=frames))
-    assert [len(view.name) for view in views_of(path).views] == [5000, 1, 2]
-
-
 @pytest.mark.parametrize(
     "changes",
     [

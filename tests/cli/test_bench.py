@@ -10,13 +10,6 @@ import pytest
 from cli_runs import TINY, Runner
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 def test_a_presets_stages_stand_beside_what_they_work_on(run: Runner) -> None:
     data = json.loads(run("bench", "tiny.yaml", "--size", "64x48", "--frames", "2", "--threads", "1", "--json").out)
     assert (data["preset"], data["size"], data["frames"], data["threads"]) == ("tiny.yaml", [64, 48], 2, 1)

@@ -99,22 +99,6 @@ def test_bash_completes_a_key_and_its_value(folder: Path) -> None:
     assert done.stdout.splitlines() == ["image.resolver=", "sorted", "render"], done.stderr
 
 
-def test_fish_and_zsh_take_their_scripts(folder: Path) -> None:
-    path = {"PATH": f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}", "HOME": str(folder), "TERM": "dumb"}
-    scripts = {
-        "fish": "strandcli completion fish | source; complete -C 'strandcli render hair --set image.reso'",
-        "zsh": 'autoload -U compinit; compinit -D; eval "$(strandcli completion zsh)"; print ${_comps[strandcli]}',
-    }
-    wanted = {"fish": "image.resolver=", "zsh": "_strandcli_completion"}
-    for name, script in scripts.items():
-        shell = shutil.which(name)
-        if shell is not None:
-            options = ["-f"] if name == "zsh" else ["--no-config"]
-            done = subprocess.run([shell, *options, "-c", script], cwd=folder, env={**environment(), **path},
-                                  capture_output=True, text=True)  # fmt: skip
-            assert done.stdout.strip().split("\t")[0] == wanted[name], (name, done.stderr)
-
-
 def test_a_shell_that_is_not_known_is_told(folder: Path) -> None:
     done = subprocess.run([sys.executable, "-m", "strandcli", "completion"], cwd=folder, capture_output=True, text=True,
                           env={**environment(), "SHELL": "/bin/tcsh"})  # fmt: skip

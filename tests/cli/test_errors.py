@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from cli_runs import TINY, Runner, environment
-from strandcli.cli.main import report
 
 
 @pytest.fixture
@@ -52,11 +51,6 @@ def test_faults_of_a_preset_are_listed_with_their_places(run: Runner) -> None:
     assert [fault["path"] for fault in found["faults"]] == ["image.size", "emitter.strandz"]
     assert {"file": "bad.yaml", "line": 4, "column": 3}.items() <= found["faults"][1].items()
     assert "did you mean 'strands'?" in found["faults"][1]["message"]
-
-
-def test_an_interruption_is_no_error(capsys: pytest.CaptureFixture[str]) -> None:
-    assert report(KeyboardInterrupt(), False, as_json=True) == 130
-    assert capsys.readouterr().err == ""
 
 
 def test_warnings_of_libraries_are_shown_only_where_they_are_asked_for(tmp_path: Path) -> None:

@@ -92,13 +92,6 @@ def test_faults_of_a_preset_are_printed_plainly_each_on_its_line(run: Runner) ->
     assert "strength" in result.error()
 
 
-def test_a_preset_that_is_not_there_is_exit_code_2(run: Runner) -> None:
-    for name in ("nonesuch", "nonesuch.yaml"):
-        result = run("render", name)
-        assert result.code == 2
-        assert "nonesuch" in result.error()
-
-
 @pytest.mark.parametrize(
     ("error", "code"),
     [

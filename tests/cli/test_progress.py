@@ -160,15 +160,6 @@ def test_a_long_step_is_told_while_it_goes_on(monkeypatch: pytest.MonkeyPatch) -
     assert set(lines[1:]) == {"study layer: at work on run 2 of 6"}
 
 
-def test_verbose_writes_lines_instead(monkeypatch: pytest.MonkeyPatch) -> None:
-    stream = io.StringIO()
-    monkeypatch.setattr("sys.stderr", stream)
-    with Progress(1, "hair", verbose=True) as progress:
-        progress.note("compiling step")
-        progress.step("frame 1: 3 ms")
-    assert stream.getvalue() == "compiling step\nframe 1: 3 ms\n"
-
-
 def test_long_runs_are_heard_of_without_a_terminal_too(monkeypatch: pytest.MonkeyPatch, clock: list[float]) -> None:
     stream = io.StringIO()
     monkeypatch.setattr("sys.stderr", stream)

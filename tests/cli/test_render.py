@@ -197,14 +197,6 @@ def test_runs_at_once_report_each_others_frames(run: Runner) -> None:
     assert names("a") == [*(frames.frame_file(n) for n in range(1, 13)), "report.html", "report.json"]
 
 
-def test_nothing_is_computed_when_all_is_there(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    run("render", "tiny.yaml", "-o", "a", "-f", "1-2")
-    monkeypatch.setattr(pipeline, "render", lambda *arguments, **options: pytest.fail("rendered"))
-    result = run("render", "tiny.yaml", "-o", "a", "-f", "1-2", "--resume", "--json")
-    assert result.code == 0
-    assert json.loads(result.out)["totals"]["frames_per_second"] is None
-
-
 def test_positions_are_kept_and_drawn_again_to_the_same_pixels(run: Runner) -> None:
     assert run("simulate", "tiny.yaml", "-o", "p", "-f", "1-4").code == 0
     assert names("p") == ["manifest.json", *(f"positions_000{frame}.npz" for frame in (1, 2, 3, 4))]

@@ -62,16 +62,6 @@ def test_an_output_that_is_a_file_is_refused_before_anything_runs(run: Runner, m
     assert Path("a").read_text() == "mine"
 
 
-def test_what_is_too_big_for_memory_is_refused_before_anything_runs(
-    run: Runner, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(pipeline, "render", lambda *arguments, **options: pytest.fail("rendered"))
-    result = run("render", "tiny.yaml", "--strands", "100000000", "--particles", "1000", "-f", "1", "-o", "a")
-    assert result.code == 4
-    assert "GB" in result.error()
-    assert not Path("a").exists()
-
-
 @pytest.mark.parametrize(
     ("error", "code", "status"),
     [
@@ -98,22 +88,6 @@ def test_whatever_ends_a_run_there_is_a_report_of_what_is_finished(
     assert data["status"] == status
     assert [entry["frame"] for entry in data["frames"]] == [1, 2]
     assert data["machine"]["threads"] >= 1
-
-
-def test_a_full_disk_ends_in_exit_code_4_with_the_finished_frames(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    begin_pieces = frames.begin_pieces
-
-    def full(path: Path, pieces: list[bytes]) -> Callable[[], None]:
-        if path.name == "frame_0003.png":
-            raise RefusedError(f"{path}: cannot be written: the disk is full")
-        return begin_pieces(path, pieces)
-
-    monkeypatch.setattr(frames, "begin_pieces", full)
-    result = run("render", "tiny.yaml", "-o", "a")
-    assert result.code == 4
-    assert "the disk is full; 2 finished frames are whole" in result.error()
-    assert names("a") == ["frame_0001.png", "frame_0002.png", "report.html", "report.json"]
-    assert report("a")["status"] == "failed"
 
 
 def test_a_report_that_cannot_be_written_does_not_hide_what_ended_the_run(

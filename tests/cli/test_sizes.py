@@ -11,13 +11,6 @@ from cli_runs import TINY, Runner
 from strandcli.output.files import megabytes
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 def test_sizes_of_what_is_written_are_told_before_and_after(run: Runner) -> None:
     aovs = ["--set", "image.aovs=[depth, tangent]"]
     told = json.loads(run("plan", "tiny.yaml", "-f", "1-2", *aovs, "--json").out)

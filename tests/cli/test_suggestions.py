@@ -9,13 +9,6 @@ import pytest
 from cli_runs import TINY, Runner
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 @pytest.mark.parametrize(
     ("option", "meant"),
     [

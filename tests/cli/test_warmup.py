@@ -18,13 +18,6 @@ from strandcli.run import pipeline
 from strandcli.scene import Scene, list_presets
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
 def test_after_warmup_a_run_compiles_nothing(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn: list[tuple[str, tuple[int, ...], tuple[int, int]]] = []
     render = pipeline.render

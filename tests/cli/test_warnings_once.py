@@ -9,7 +9,6 @@ import pytest
 
 from cli_runs import TINY, Runner
 from strandcli.cli.progress import Progress, warner
-from strandcli.plan.warnings import labelled
 
 
 @pytest.fixture
@@ -43,8 +42,3 @@ def test_a_warning_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
             warn(words)
     assert capsys.readouterr().err == "warning: a\nwarning: b\n"
     assert recorded == ["a", "b"]
-
-
-def test_labels_stand_before_what_they_share() -> None:
-    assert labelled([("", ["x", "y"])]) == ["x", "y"]
-    assert labelled([("one", ["x", "y"]), ("", ["z"]), ("two", ["y"])]) == ["one: x", "one, two: y", "z"]

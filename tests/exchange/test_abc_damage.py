@@ -90,10 +90,6 @@ def test_bad_archives_are_refused_by_field_and_byte(content: bytes, message: str
     assert "\n" not in str(error.value)
 
 
-def test_points_that_are_not_finite_are_let_in_where_that_is_asked_for() -> None:
-    assert np.isnan(read_bytes(curves(NOT_FINITE, COUNTS), lenient=True).points[1, 2])
-
-
 def test_strands_that_come_and_go_are_refused_over_time(tmp_path: Path) -> None:
     made = Builder()
     points = made.array("P", POINTS, POINTS)

@@ -15,7 +15,6 @@ import usd_kit
 from abc_kit import Builder
 from strandcli.errors import UsageError
 from strandcli.exchange.control import note_of
-from strandcli.exchange.facts import facts
 from strandcli.exchange.files import ReadOptions, moments_of, read, write
 from strandcli.exchange.strands import Strands
 from tests.exchange.test_abc import read_bytes
@@ -170,17 +169,6 @@ def test_what_is_not_read_is_told_in_a_line(told: tuple[int, int, int], arrays: 
         archive([helix(9)], told, **arrays)
     assert words in str(error.value)
     assert "\n" not in str(error.value)
-
-
-def test_curves_of_other_bases_are_not_the_same() -> None:
-    """Though their control points are, which are two objects'."""
-    made = Builder()
-    both = [curves(made, [helix(10)], (CUBIC, 0, basis), name=f"a{basis}") for basis in (BEZIER, BSPLINE)]
-    found = read_bytes(made.finish(*both))
-    assert found.source.facts["basis"] == ["cubic bezier", "cubic bspline"]
-    assert "repeated" not in [one.fault for one in facts(found).faults]
-    twice = read_bytes(made.finish(both[0], curves(made, [helix(10)], (CUBIC, 0, BEZIER), name="again")))
-    assert "repeated" in [one.fault for one in facts(twice).faults]
 
 
 def test_curves_that_move_are_evaluated_at_each_time_and_written() -> None:

@@ -58,14 +58,6 @@ def test_resampled_points_are_at_equal_distances_along(strands: list[kit.Strand]
     assert deviation(old, new) <= change.facts["deviation_max"] + 1e-6 * size
 
 
-def test_resampling_tells_the_deviation_of_a_corner_that_is_cut() -> None:
-    """Of a right angle with sides of 1, two points leave the corner √½ away."""
-    corner = np.array([[1, 0, 0], [0, 0, 0], [0, 1, 0]], np.float32)
-    new, change = resample.resampled(kit.of([corner]), 2)
-    assert new.points.tolist() == [[1, 0, 0], [0, 1, 0]]
-    assert change.facts["deviation_max"] == pytest.approx(0.5**0.5)
-
-
 def test_attributes_of_points_are_resampled_with_them() -> None:
     strands = kit.of([np.array([[0, 0, 0], [1, 0, 0], [3, 0, 0]], np.float32)])
     attributes = {

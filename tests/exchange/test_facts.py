@@ -12,7 +12,7 @@ import pytest
 
 import exchange_kit as kit
 from exchange.test_edits import head
-from strandcli.exchange.edit import fix, transform
+from strandcli.exchange.edit import fix
 from strandcli.exchange.facts import curvature, facts, facts_of_file
 from strandcli.exchange.files import ReadOptions
 from strandcli.exchange.strands import Strands
@@ -48,27 +48,6 @@ def test_a_groom_of_metres_with_y_up_has_no_faults() -> None:
     assert (guess["root"], guess["up"]["axis"], guess["head"]["unit"]) == ("first", "y", "metres")
 
 
-@pytest.mark.parametrize(("scale", "unit", "mend"), [
-    (1.0, "centimetres", "--scale 0.01"), (10.0, "millimetres", "--scale 0.001"),
-])  # fmt: skip
-def test_units_are_told_by_the_head(scale: float, unit: str, mend: str) -> None:
-    strands = kit.of(list(head() * np.float32(scale)))
-    assert facts(strands).data["guess"]["head"]["unit"] == unit
-    assert faults(strands) == {"unit": (200, mend)}
-
-
-def test_a_head_of_no_usual_size_tells_no_unit() -> None:
-    strands = kit.of(list(head() * np.float32(0.3)))
-    assert facts(strands).data["guess"]["head"] is None
-    assert faults(strands) == {}
-
-
-@pytest.mark.parametrize("up", transform.AXES)
-def test_the_up_axis_is_told_by_what_hangs(up: str) -> None:
-    strands = transform.turned(kit.of(list(head() * np.float32(0.01))), "y", up)[0]
-    assert faults(strands) == ({} if up == "y" else {"up": (200, f"--up {up}")})
-
-
 def test_tips_that_come_first_are_told() -> None:
     groom = head() * np.float32(0.01)
     assert faults(kit.of(list(groom[:, ::-1]))) == {"tips_first": (200, "--reverse")}
@@ -86,11 +65,6 @@ def test_a_strand_far_from_all_others_changes_no_guess(far: float) -> None:
     guess = found.data["guess"]
     assert (guess["root"], guess["up"]["axis"], guess["head"]["unit"]) == ("first", "y", "metres")
     assert [one.fault for one in found.faults] == []
-
-
-def test_nothing_is_guessed_of_scattered_points() -> None:
-    strands = kit.of(list(np.random.default_rng(2).uniform(size=(500, 10, 3)).astype(np.float32)))
-    assert facts(strands).data["guess"] == {"root": None, "up": None, "head": None}
 
 
 def test_single_strands_at_fault_are_told_with_what_mends_them() -> None:

@@ -95,11 +95,6 @@ def test_objects_go_from_format_to_format(suffix: str, tmp_path: Path) -> None:
     assert [widths[y] for y in both.points[:, 1].tolist()] == both.attributes["width"].values.tolist()
 
 
-def test_formats_without_names_say_what_is_lost(tmp_path: Path) -> None:
-    assert write(tmp_path / "a.hair", hair()) == [".hair cannot store object: left out"]
-    assert read(tmp_path / "a.hair").objects == ()
-
-
 @pytest.mark.parametrize("suffix", [".abc", ".usdc"])
 def test_objects_that_move_keep_their_points(suffix: str, tmp_path: Path) -> None:
     held, path = hair(), tmp_path / f"a{suffix}"

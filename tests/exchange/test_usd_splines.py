@@ -51,22 +51,6 @@ def bernstein(points: Any, t: Any) -> Any:
     return points[0]
 
 
-def test_bezier_pieces_are_the_polynomials_that_they_mean() -> None:
-    generator = np.random.default_rng(3)
-    curve = generator.normal(size=(7, 3)).astype(np.float32)
-    found = read_text(usd_kit.text([curve], basis="bezier"))
-    each = found.source.facts["points_a_piece"][0]
-    assert found.count == 1
-    assert found.points.shape[0] == 2 * each + 1
-    for place, point in enumerate(found.points):
-        piece = min(place // each, 1)
-        want = bernstein(curve[3 * piece : 3 * piece + 4], (place - piece * each) / each)
-        np.testing.assert_allclose(point, want, rtol=1e-6, atol=1e-6)
-    assert found.points[0].tobytes() == curve[0].tobytes()
-    assert found.points[each].tobytes() == curve[3].tobytes()
-    assert found.points[-1].tobytes() == curve[6].tobytes()
-
-
 def cardinal(t: float) -> float:
     """The cubic B-spline of knots -2 … 2, by de Boor's recursion from the unit step."""
 

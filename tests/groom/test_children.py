@@ -100,30 +100,6 @@ def test_children_do_not_depend_on_how_many_there_are() -> None:
     np.testing.assert_array_equal(grown(family(count=20, **settings)[1], guides, rest, 1000)[0], many[:1000])
 
 
-def test_locks_draw_tips_together_and_are_about_as_wide_as_asked() -> None:
-    clump = Clump(size=0.04, strength=0.9, variation=0, stray=0)
-    scene, _ = family(clumps=(clump,))
-    # where strands spread or bend far, they keep their lengths and cannot meet
-    scene = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, jitter=5.0))
-    groom = emit(scene.emitter, scene.seed)
-    guides, rest = bent(scene, 0.3)
-    plain = dataclasses.replace(scene, children=dataclasses.replace(scene.children, clumps=()))
-    loose, _ = grown(Children(plain, groom), guides, rest)
-    children = Children(scene, groom)
-    tight, _ = grown(children, guides, rest)
-    middles = emitted(children).middles[0]
-    assert len(np.unique(middles)) == round(np.pi * 0.1**2 / 0.04**2)
-
-    def spread(strands: np.ndarray, j: int) -> float:
-        """Mean distance of particle j from that of the lock's middle, as it is without locks."""
-        return float(np.linalg.norm(strands[:, j] - loose[middles, j], axis=1).mean())
-
-    assert spread(tight, -1) < 0.2 * spread(loose, -1)
-    assert 0.25 * 0.04 < spread(tight, 0) < 0.04
-    # half way there is about half of it: the share grows in proportion
-    assert spread(tight, 4) == pytest.approx(0.55 * spread(loose, 4), rel=0.1)
-
-
 def test_a_lock_lies_in_the_wider_lock_of_its_middle_and_strays_are_as_many_as_asked() -> None:
     _, children = family(count=40, clumps=(LOCKS[0], dataclasses.replace(LOCKS[1], stray=0.2, variation=0)))
     wide, narrow = emitted(children).middles
@@ -172,19 +148,6 @@ def test_an_undercoat_is_short() -> None:
     _, children = family(undercoat=0.3, undercoat_length=0.5, count=40)
     assert (emitted(children).shares == 0.5).mean() == pytest.approx(0.3, abs=0.01)
     assert (emitted(children).shares == 1.0).mean() == pytest.approx(0.7, abs=0.01)
-
-
-def test_children_turn_with_the_emitter() -> None:
-    scene, children = family(clumps=LOCKS, waves=WAVES)
-    guides, rest = bent(scene)
-    drawn, _ = grown(children, guides, rest)
-    other = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, rotation=(0.0, 0.0, 0.0)))
-    upright, _ = grown(Children(other, emit(other.emitter, other.seed)), *bent(other))
-    from strandcli.scene.motion import emitter_pose
-
-    turn, shift = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))
-    plain = np.array(emitter_pose(other.emitter, 0.0)[1])
-    np.testing.assert_allclose(drawn, (upright - plain) @ turn.T + shift, atol=2e-5)
 
 
 def test_a_parting_parts_parents() -> None:

@@ -70,13 +70,6 @@ def test_shades_are_as_frequent_and_do_not_depend_on_the_place(tmp_path: Path) -
     assert abs(np.corrcoef(shades, groom.roots[:, 0])[0, 1]) < 0.05
 
 
-def test_without_colours_strands_are_as_the_material_says(tmp_path: Path) -> None:
-    file = ball(tmp_path / "ball.ply")
-    plain = grown(file, colours="none")
-    assert plain.colours is None
-    np.testing.assert_array_equal(plain.tones, grown(file).phases)
-
-
 def test_a_mesh_without_colours_is_told(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="neither vertex colours nor a texture"):
         grown(ball(tmp_path / "plain.ply", colours=False))

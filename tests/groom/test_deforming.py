@@ -75,19 +75,6 @@ def test_directions_turn_with_the_triangles(tmp_path: Path, solver: str) -> None
     np.testing.assert_allclose(way, groom.directions @ TURN.T, atol=1e-4)
 
 
-def test_rods_feel_the_motion_of_their_roots(tmp_path: Path) -> None:
-    """A shift by deforming is a shift of the emitter: strands end in the same places."""
-    shifted = scene_of(tmp_path, np.eye(3), solver="rod")
-    keys = "[{time: 0, position: [0, 0, 0], ease: linear}, {time: 1, position: [0.05, 0.1, -0.2]}]"
-    carried = loaded(tmp_path, f"shape: {{kind: mesh, file: {tmp_path / 'a.obj'}}}, keys: {keys}", "solver: rod\n")
-    found = []
-    for scene in (shifted, carried):
-        moved = solver_of(scene)(scene, at_start(scene, arranged(emit(scene.emitter, scene.seed))))
-        moved.advance(9)
-        found.append(moved.particles())
-    np.testing.assert_allclose(found[0], found[1], atol=2e-5)
-
-
 def test_roots_of_children_follow(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, MATRIX, "children: {count: 3}\n")
     guides = arranged(emit(scene.emitter, scene.seed))

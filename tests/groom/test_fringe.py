@@ -82,13 +82,6 @@ def test_along_the_parting_it_grows_on_both_sides() -> None:
     assert (np.abs(sides(children.scene.emitter, children.every.roots[moved])) > 0.1).mean() > 0.99
 
 
-def test_children_do_not_depend_on_how_many_there_are() -> None:
-    few, many = family(count=8), family(count=80)
-    np.testing.assert_array_equal(few.every.roots, many.every.roots[: few.count])
-    shares = (one.family.shares[np.argsort(one.family.ids)] for one in (few, many))
-    np.testing.assert_array_equal(next(shares), next(shares)[: few.count])
-
-
 def test_lengths_are_even_down_to_the_shortest() -> None:
     shares = family().family.shares
     own = shares[shares < 1]

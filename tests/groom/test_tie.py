@@ -17,7 +17,6 @@ from strandcli.groom.combed import Combed
 from strandcli.groom.emit import emit
 from strandcli.groom.tie import chart_of
 from strandcli.scene.model import Emitter, PlaneShape, Scene, SphereShape, Tie
-from strandcli.scene.model.emitter import TIED
 from strandcli.scene.motion import emitter_pose
 
 SPHERE = SphereShape(radius=0.1, cap=110)
@@ -59,41 +58,6 @@ def test_a_bundle_is_as_wide_as_asked_and_evenly_full_along_each_direction(emitt
     for begin in np.linspace(-np.pi, np.pi, 9)[:-1]:
         here = away[(around >= begin) & (around < begin + np.pi / 4)]
         assert (here < 0.5).mean() == pytest.approx(0.25, abs=0.025)
-
-
-def test_hair_keeps_its_volume_and_lies_on_what_is_rooted_nearer() -> None:
-    """All round, at any distance from the tie, strands are from the surface up to the thickness that what crosses there
-    has in the bundle: height · arc over all directions is the bundle's area times the share rooted farther."""
-    emitter = emitter_of(strands=20_000, shape=SphereShape(radius=0.1, cap=110), tie=Tie(position=(0, 1, 0), lift=0.01))
-    tie = emitter.tie
-    assert tie is not None
-    groom, points = emit(emitter, 0), combed(emitter)[:, 1:]
-    assert groom.grown is not None
-    own = np.arccos(groom.grown[:, 1] / 0.1)
-    for at in (0.6, 1.0, 1.4):
-        angle = np.arccos(points[..., 1] / np.linalg.norm(points, axis=2))
-        height = np.linalg.norm(points, axis=2) - 0.1
-        crossing = own > at
-        there = np.array([np.interp(-at, -a, h) for a, h in zip(angle[crossing], height[crossing], strict=True)])
-        order = np.argsort(own[crossing])
-        assert (np.diff(there[order]) > -2e-5).all()
-        share = crossing.mean()
-        ring = 2 * np.pi * 0.1 * np.sin(at)
-        assert there.max() * ring == pytest.approx(np.pi * tie.radius**2 * share, rel=0.02)
-        assert there.min() == pytest.approx(0, abs=2e-5)
-
-
-def test_strands_leave_the_tie_along_its_direction_and_fan_out() -> None:
-    leaning = (0.0, 0.5, -1.0)
-    groom = emit(emitter_of(tie=dataclasses.replace(TIE, direction=leaning, spread=20.0)), 0)
-    axis = np.array(leaning) / np.linalg.norm(leaning)
-    off = np.degrees(np.arccos(np.clip(groom.directions @ axis, -1, 1)))
-    middle = groom.roots.astype(float).mean(0)
-    away = np.linalg.norm(groom.roots - chart_of(emitter_of()).foot - 0.012 * axis, axis=1)
-    np.testing.assert_allclose(off, 20.0 * away / TIE.radius, atol=0.02)
-    outer = away > 0.5 * TIE.radius
-    assert (((groom.roots - middle) * groom.directions).sum(1)[outer] > 0).all()
-    assert combed(emitter_of(tie=dataclasses.replace(TIE, direction=leaning)))[:, 1:].shape == (4000, TIED, 3)
 
 
 SOLIDS = """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -61,10 +60,3 @@ def test_strands_lie_on_the_mesh(tmp_path: Path, stretch: np.ndarray) -> None:
     assert far.min() > 0.998, "none is in it"
     assert far[:, 0].max() < 1.02, "roots are on it"
     assert np.linalg.norm(combed(one)[:, -1] - chart_of(one).foot, axis=1).max() < 3 * TIE.lift, "and end at the tie"
-
-
-def test_a_strand_does_not_depend_on_how_many_there_are(tmp_path: Path) -> None:
-
-    one = emitter(tmp_path, STRETCH)
-    few = dataclasses.replace(one, strands=100)
-    np.testing.assert_array_equal(combed(few), combed(one)[:100])

@@ -9,8 +9,6 @@ import pytest
 
 import exchange_kit as kit
 from groom_file_kit import hanging, scene, write
-from strandcli.exchange import files
-from strandcli.exchange.strands import TimeSample
 from strandcli.groom_file import from_file
 from strandcli.scene.motion import emitter_pose
 
@@ -78,14 +76,3 @@ def test_moments_that_cannot_be_read_do_not_hold_up_frames_that_show_others(tmp_
     whole = tmp_path / "whole"
     whole.mkdir()
     assert found.camera == scene(moving(whole, (0.0, 3.0)), camera__position=(0.0, 0.0, 5.0)).camera
-
-
-def test_strands_that_are_not_finite_later_are_left_out(tmp_path: Path) -> None:
-    held = kit.of(hanging([6] * 50))
-    gone = held.points.copy()
-    gone[:6] = np.nan
-    gone[6:] += np.float32([0, 4, 0])
-    files.write(tmp_path / "a.abc", held, [TimeSample(0.0, held.points), TimeSample(1.0, gone)])
-    given = scene(tmp_path / "a.abc", camera__kind="orthographic", camera__position=(0.0, 0.0, 5.0), camera__fit=1.0)
-    tall = np.concatenate([held.points, gone[6:]])[:, 1]
-    assert given.camera.height == pytest.approx(np.ptp(tall), rel=1e-4)

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import numpy.typing as npt
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from groom_file_kit import scene, write
 from strandcli.exchange.strands import offsets
-from strandcli.groom_file.following import guided
 from strandcli.groom_file.kernels.chain import chains
 
 Floats = npt.NDArray[np.float64]
@@ -63,21 +58,3 @@ def test_chains_are_as_long_as_their_strands_and_end_at_their_tips(points: Point
     assert (joints[0] == wide[0]).all()
     assert (joints[-1] == wide[-1]).all()
     assert deviation <= 2 * whole / (particles - 1) + 1e-9 * scale
-
-
-@pytest.mark.parametrize("points", [2, 3, 60])
-def test_straight_strands_of_a_file_have_straight_guides(points: int, tmp_path: Path) -> None:
-    rng = np.random.default_rng(7)
-    t = np.linspace(0, 1, points)[:, None]
-    made = [(rng.normal(size=3) + t * rng.normal(size=3)).astype(np.float32) for _ in range(150)]
-    own = {"emitter.groom.guides": 150, "emitter.groom.root": "first", "emitter.particles": 12}
-    found = guided(scene(write(tmp_path / "a.data", made), rules=[{"gravity": {}}], solver="rod", **own))
-    guides = found.guides
-    assert guides.ways is not None
-    each = guides.lengths.astype(np.float64)[:, None] / guides.ways.shape[1]
-    tips = guides.roots + (guides.ways * each[:, None]).sum(1)
-    wanted = np.stack(made).astype(np.float64)
-    order = [int(np.argmin(np.linalg.norm(wanted[:, 0] - root, axis=1))) for root in guides.roots]
-    assert np.linalg.norm(tips - wanted[order, -1], axis=1).max() < 1e-5
-    assert guides.lengths == pytest.approx(np.linalg.norm(wanted[:, -1] - wanted[:, 0], axis=1)[order], rel=1e-6)
-    assert found.deviation < 1e-5

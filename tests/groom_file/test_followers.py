@@ -113,20 +113,6 @@ def test_where_guides_move_rigidly_so_do_all_strands(tmp_path: Path) -> None:
         assert np.abs(found - wanted).max() < 2e-6
 
 
-def test_one_strand_is_its_own_guide(tmp_path: Path) -> None:
-    t = np.linspace(0, 1, 12)
-    bow = np.stack([np.sin(1.2 * t), -np.cos(1.2 * t), 0 * t], 1).astype(np.float32)  # of equal segments already
-    given = moving(write(tmp_path / "a.data", [bow]), emitter__groom__guides=1, emitter__particles=12)
-    stage, children = stage_of(given)
-    for frame in (1, 5, 10):
-        moved = stage.begin(frame)
-        guide = unpack(moved.positions, 1)[0, 1:]
-        found = follow(children, moved.positions, (frame - 1) / given.time.fps)[0]
-        assert np.abs(found - guide).max() < 1e-3 * lengths(found[None])[0] * (frame > 1) + 1e-7
-    assert given.emitter.followers is not None
-    assert given.emitter.followers.deviation < 1e-6
-
-
 def test_lengths_are_kept_and_roots_go_with_the_emitter(tmp_path: Path) -> None:
     key = {"time": 0.0, "position": (0.0, 0.0, 0.0)}
     there = {"time": 0.4, "position": (0.1, 0.05, 0.0), "rotation": (0.0, 60.0, 25.0)}

@@ -17,7 +17,6 @@ from strandcli.constants import W
 from strandcli.errors import UsageError
 from strandcli.groom_file import from_file, rows
 from strandcli.run import pipeline
-from strandcli.scene import SceneError
 
 UNEQUAL = [2, 3, 17, 9, 9, 5, 17, 2] * 20
 
@@ -204,21 +203,6 @@ def test_strands_asked_for_are_those_of_the_file_and_in_the_text_of_a_preset_ref
         strandcli.load(str(preset))
 
 
-def test_a_file_is_drawn_without_a_preset(tmp_path: Path, run: Runner) -> None:
-    path = write(tmp_path / "locks.data", hanging(UNEQUAL))
-    out = tmp_path / "out"
-    small = ["--size", "64x48", "--set", "ambient_occlusion=null", "--set", "lights=[]"]
-    assert run("render", str(path), "-o", str(out), *small).code == 0
-    assert (out / "frame_0001.png").is_file()
-    told = run("plan", str(path), "--strands", "7")
-    assert "7 strands" in told.out
-    damaged = tmp_path / "cut.data"
-    damaged.write_bytes(path.read_bytes()[:-5])
-    told = run("render", str(damaged))
-    assert told.code == 2
-    assert "byte" in told.error()
-
-
 def test_info_draws_a_picture(tmp_path: Path, run: Runner) -> None:
     path = write(tmp_path / "locks.data", hanging(UNEQUAL))
     assert run("info", path, "--picture", tmp_path / "locks.png").code == 0
@@ -243,14 +227,3 @@ def test_one_long_strand_does_not_make_all_of_them_long(tmp_path: Path, monkeypa
     told = float(words.split("at most ")[1].split(" m off")[0])
     assert off(strands[-1], lines[-1]) <= 1.01 * told + 1e-6
     assert all(off(own, line) < 1e-5 for own, line in zip(strands[:50], lines, strict=False))
-
-
-def test_a_number_of_strands_is_one_of_the_file_in_every_preset_that_has_one(tmp_path: Path) -> None:
-    """A text that names the key of strands that grow is still refused."""
-    write(tmp_path / "a.data", hanging([5] * 40))
-    preset = tmp_path / "own.yaml"
-    preset.write_text("extends: groom\nemitter: {groom: {file: a.data}}\n")
-    assert strandcli.load(str(preset), settings={"emitter.strands": 7}).emitter.strands == 7
-    assert strandcli.load("groom", settings={"emitter.strands": 9}, roughly=True).emitter.strands == 9
-    with pytest.raises(SceneError, match=r"--strands, or emitter\.groom\.strands, draws fewer"):
-        strandcli.load(str(preset), overrides=["emitter.strands=7"])

@@ -7,10 +7,8 @@ from pathlib import Path
 
 import pytest
 
-import groom_file_kit as groom_kit
 from cli_runs import Runner
 from strandcli.files import inputs
-from strandcli.run.fingerprint import fingerprint
 from tests.groom_file.test_moving_files import FPS, file_of, turned
 
 
@@ -56,19 +54,6 @@ def test_kept_positions_are_those_of_each_moment(tmp_path: Path, capsys: pytest.
     for number in (1, 3):
         name = f"frame_{number:04d}.png"
         assert run("compare", f"{first}/{name}", f"{second}/{name}").code == 0
-
-
-def test_frames_are_known_by_all_moments(tmp_path: Path) -> None:
-    """Another content of any numbered file, or another file, changes the fingerprint by which `--resume` goes."""
-    path = file_of(tmp_path, "ply", turned, [i / FPS for i in range(4)])
-    found = [fingerprint(groom_kit.scene(path))]
-    third = tmp_path / "moving.0009.ply"
-    (tmp_path / "moving.0011.ply").write_bytes(third.read_bytes())
-    found.append(fingerprint(groom_kit.scene(path)))
-    third.write_bytes((tmp_path / "moving.0008.ply").read_bytes())
-    found.append(fingerprint(groom_kit.scene(path)))
-    assert len(set(found)) == 3
-    assert fingerprint(groom_kit.scene(path)) == found[2]
 
 
 def test_numbered_files_that_come_in_a_gap_are_seen(tmp_path: Path) -> None:

@@ -40,11 +40,6 @@ def shifted(points: Floats, time: float) -> Floats:
     return points + time * np.array([0.4, -0.1, 0.2])
 
 
-def stretched(points: Floats, time: float) -> Floats:
-    """Lower parts grow far more than upper ones."""
-    return points * (1 + time * 400 * points[:, 1:2] ** 2)
-
-
 def grown(points: Floats, time: float) -> Floats:
     """Growth of whole strands from the first point of each file, (1 + t) times as long."""
     first = np.repeat(points[np.cumsum([0, *COUNTS[:-1]])], COUNTS, axis=0)
@@ -116,16 +111,6 @@ def test_between_moments_points_move_in_straight_lines(tmp_path: Path, form: str
         assert max(map(off, strands, wanted)) < 1e-6
 
 
-@pytest.mark.parametrize("form", ["abc", "ply"])
-def test_frames_do_not_depend_on_those_drawn_before(tmp_path: Path, form: str) -> None:
-    path = file_of(tmp_path, form, turned, [i / FPS for i in range(6)])
-    given = groom_kit.scene(path)
-    whole = shown(given, range(1, 7))
-    for some in ((4,), (2, 5), (1, 3, 6)):
-        for number, strands in zip(some, shown(given, some), strict=True):
-            assert all((a == b).all() for a, b in zip(strands, whole[number - 1], strict=True))
-
-
 def test_a_moment_in_the_middle_may_be_the_first(tmp_path: Path) -> None:
     """`start` is a number of numbered files, and seconds of others."""
     for form, start in (("abc", 2.0 + 2 / FPS), ("ply", 9)):
@@ -146,12 +131,6 @@ def test_a_start_that_the_file_does_not_have_is_told(tmp_path: Path) -> None:
         groom_kit.scene(numbered, emitter__groom__start=9.0)
     still = groom_kit.scene(tmp_path / "moving.0007.ply", emitter__groom__start=1.0)
     assert any("does not move" in line for line in from_file(still.emitter.groom, still.seed).notes)
-
-
-def test_the_ends_hold(tmp_path: Path) -> None:
-    given = groom_kit.scene(file_of(tmp_path, "abc", turned, [0.0, 1 / FPS]), time__frames=9)
-    (last,) = shown(given, (9,))
-    assert max(map(off, last, at(turned, 1 / FPS))) < 1e-6
 
 
 def test_a_missing_numbered_file_is_named(tmp_path: Path) -> None:
@@ -217,17 +196,6 @@ def test_edits_are_those_of_the_first_moment(tmp_path: Path, change: str) -> Non
     assert len(fourth) == len(wanted)
     for strand, other in zip(fourth, wanted, strict=True):
         np.testing.assert_allclose(strand, other, atol=1e-6)
-
-
-def test_points_that_are_added_stay_between_the_same_ones(tmp_path: Path) -> None:
-    """Widths and colours of what is drawn, and its motion, are those of the same points at all moments."""
-    path = file_of(tmp_path, "abc", stretched, [i / FPS for i in range(4)])
-    first, *later = shown(groom_kit.scene(path), (1, 2, 4))
-    own = [[int(np.linalg.norm(strand - point, axis=1).argmin()) for point in points]
-           for strand, points in zip(first, at(stretched, 0.0), strict=True)]  # fmt: skip
-    for found, time in zip(later, (1 / FPS, 3 / FPS), strict=True):
-        for strand, points, rows in zip(found, at(stretched, time), own, strict=True):
-            np.testing.assert_allclose(strand[rows], points, atol=1e-5)
 
 
 def test_numbers_that_are_not_finite_at_a_later_moment_end_the_run(tmp_path: Path) -> None:

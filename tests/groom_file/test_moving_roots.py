@@ -47,18 +47,6 @@ def test_roots_are_where_the_file_has_them_at_every_frame(tmp_path: Path, solver
         np.testing.assert_allclose(found[:, 0], affine(matrix, (frame - 1) / 10)[::9], atol=2e-6)
 
 
-def test_a_shift_by_the_file_is_one_of_the_emitter(tmp_path: Path) -> None:
-    """Rods that are curled at rest, and all that follow them, move as with an emitter whose keys shift it."""
-    keys = [{"time": 0, "ease": "linear"}, {"time": 1, "position": SHIFT.tolist()}]
-    rod = {"solver": "rod", "rod.rest": "sag_free", "time.frames": 11, "time.fps": 10}
-    found = []
-    for last, matter in ((11, {}), (1, {"emitter.keys": keys})):
-        given = moving(tmp_path, np.eye(3), ["emitter_motion", {"gravity": {}}], last, **rod, **matter)
-        stage, children = stage_of(given)
-        found.append(follow(children, stage.begin(9).positions, 8 / given.time.fps))
-    np.testing.assert_allclose(found[0], found[1], atol=2e-5)
-
-
 def test_rods_turn_with_their_roots(tmp_path: Path) -> None:
     """After a turn and time to settle, curled rods without weight are the turned ones, with their twist; but one that
     is folded at a joint, by 151 degrees: iterations do not end there."""

@@ -90,35 +90,3 @@ def test_roots_of_simulated_strands_are_on_the_mesh_at_every_frame(tmp_path: Pat
         start = found[:, 0].astype(np.float64) if start is None else start
         wanted = start + share * (start @ (MATRIX - np.eye(3)).T + SHIFT)
         np.testing.assert_allclose(found[:, 0], wanted, atol=2e-6)
-
-
-def test_a_shift_of_the_mesh_is_one_of_the_emitter(tmp_path: Path) -> None:
-    """Rods that are curled at rest, and all that follow them, move as with an emitter whose keys shift it."""
-    keys = [{"time": 0, "ease": "linear"}, {"time": 1, "position": SHIFT.tolist()}]
-    rod = {"solver": "rod", "rod.rest": "sag_free", "emitter.groom.guides": 12, "emitter.particles": 8}
-    found = []
-    for matter in ({}, {"emitter.keys": keys, "solids.0.deform": []}):
-        given = on_head(tmp_path, np.eye(3), SHIFT, ["emitter_motion", {"gravity": {}}], **rod, **matter)
-        stage, children = stage_of(given)
-        moved = stage.begin(9)
-        found.append(follow(children, moved.positions, 8 / given.time.fps))
-    np.testing.assert_allclose(found[0], found[1], atol=2e-5)
-
-
-def test_rods_turn_with_their_triangles(tmp_path: Path) -> None:
-    """After a turn of the mesh and time to settle, curled rods without weight are the turned ones, with their twist."""
-    rod = {
-        "solver": "rod",
-        "rod.rest": "shape",
-        "rod.density": 7850.0,
-        "rod.radius": 2.5e-4,
-        "rod.young": 2.0e11,
-        "rod.damping": 0.05,
-        "emitter.groom.guides": 60,
-        "emitter.particles": 8,
-    }
-    given = on_head(tmp_path, QUARTER, SHIFT, ["emitter_motion"], **rod, **{"time.frames": 60})
-    stage, _ = stage_of(given)
-    before = stage.solver.particles()
-    stage.begin(60)
-    np.testing.assert_allclose(stage.solver.particles(), before @ QUARTER.T + SHIFT, atol=1e-6)

@@ -81,18 +81,6 @@ def test_a_width_of_all_is_that_of_every_point(tmp_path: Path) -> None:
     assert (bare.material.drawn_taper, scene(path).material.taper) == (0.7, 0.0)
 
 
-def test_widths_of_knots_are_linear_between_them(tmp_path: Path) -> None:
-    """Varying widths of a cubic curve, of which there is one for each knot."""
-    path, knots = tmp_path / "a.usda", waves([5] * 30).reshape(30, 5)
-    told = f'    float[] widths = {usd_kit.tuples(knots.reshape(-1))} (\n        interpolation = "varying"\n    )\n'
-    head = usd_kit.HEAD.replace("0.01", "1").replace('"Z"', '"Y"')
-    path.write_text(head + usd_kit.prim(hanging([7] * 30), basis="bspline", more=told))
-    found = own_width(scene(path)).reshape(30, -1)
-    places = np.linspace(0, 4, found.shape[1])
-    want = np.stack([np.interp(places, np.arange(5), own) for own in knots])
-    np.testing.assert_allclose(found, want, rtol=1e-5)
-
-
 def test_widths_that_some_curves_of_a_file_lack_are_told(tmp_path: Path) -> None:
     path, widths = tmp_path / "a.usda", '    float[] widths = [0.01] (\n        interpolation = "constant"\n    )\n'
     prims = usd_kit.prim(hanging([7] * 30), more=widths) + usd_kit.prim(hanging([7] * 5, seed=2), name="bare")
@@ -189,11 +177,6 @@ def test_the_mask_is_the_area_of_a_strand(tmp_path: Path, resolver: str, width: 
     (frame,) = pipeline.render(given, [1])
     want = float(np.hypot(0.3, 1) * metre * metre * np.trapezoid(widths.astype(float), t))
     assert frame.aovs["mask"].sum(dtype=float) == pytest.approx(want, rel=0.003)
-
-
-def test_a_few_fine_strands_keep_their_widths(tmp_path: Path) -> None:
-    files.write(tmp_path / "a.npz", with_widths(hanging([8] * 4), np.full(32, 1e-4, np.float32)))
-    np.testing.assert_allclose(own_width(scene(tmp_path / "a.npz")), 1e-4, rtol=1e-6)
 
 
 @pytest.mark.parametrize(("count", "width"), [(60, 1e3), (60, 0.0)])

@@ -156,15 +156,8 @@ def test_a_small_animation_is_kept_and_what_cannot_be_read_is_left_out(tmp_path:
         assert np.abs(np.asarray(image).astype(int) - GREY).max() <= 2
 
 
-@pytest.fixture
-def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
-def test_each_run_ends_in_a_page(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert command("render", "tiny.yaml", "-f", "1-3", "-o", "out", "--animate", "gif", "-q").code == 0
+def test_each_run_ends_in_a_page(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("render", "tiny.yaml", "-f", "1-3", "-o", "out", "--animate", "gif", "-q").code == 0
     read = Read(Path("out/report.html").read_bytes())
     own(read)
     assert len(read.sources) == 4
@@ -173,7 +166,7 @@ def test_each_run_ends_in_a_page(command: Runner, monkeypatch: pytest.MonkeyPatc
     for word in ("complete", "3 frames, 1 to 3", "title: a few strands for tests", data["machine"]["numba"],
                  *(one["stage"] for one in data["plan"]["left_out"])):  # fmt: skip
         assert word in words
-    assert command("render", "tiny.yaml", "-f", "4", "-o", "none", "--no-html", "-q").code == 0
+    assert run("render", "tiny.yaml", "-f", "4", "-o", "none", "--no-html", "-q").code == 0
     assert not Path("none/report.html").exists()
 
     def stops(*given: Any, **options: Any) -> Any:
@@ -181,14 +174,14 @@ def test_each_run_ends_in_a_page(command: Runner, monkeypatch: pytest.MonkeyPatc
         yield
 
     monkeypatch.setattr(pipeline, "render", stops)
-    assert command("render", "tiny.yaml", "-f", "5", "-o", "out", "-q").code == 130
+    assert run("render", "tiny.yaml", "-f", "5", "-o", "out", "-q").code == 130
     assert "interrupted" in Read(Path("out/report.html").read_bytes()).words
 
 
-def test_somebody_elses_page_stays(command: Runner) -> None:
+def test_somebody_elses_page_stays(run: Runner) -> None:
     Path("out").mkdir()
     Path("out/report.html").write_text("<html>mine")
-    refused = command("render", "tiny.yaml", "-f", "1", "-o", "out")
+    refused = run("render", "tiny.yaml", "-f", "1", "-o", "out")
     assert refused.code == 2
     assert "was not written by strandcli" in refused.error()
     assert Path("out/report.html").read_text() == "<html>mine"
@@ -197,17 +190,17 @@ def test_somebody_elses_page_stays(command: Runner) -> None:
         page.require_own(Path("out"))
 
 
-def test_studies_and_the_stability_matrix_have_pages(command: Runner) -> None:
+def test_studies_and_the_stability_matrix_have_pages(run: Runner) -> None:
     solvers = "--solver", "rod", "--solver", "thesis", "--substeps", "1"
-    assert command("study", "--reference", "catenary", *solvers, "-o", "s", "-q").code == 0
+    assert run("study", "--reference", "catenary", *solvers, "-o", "s", "-q").code == 0
     read = Read(Path("s/catenary.html").read_bytes())
     own(read)
     assert "thesis: not represented: a strand held at both ends" in "".join(read.words)
     assert "svg" in read.tags
     case = "rod"
-    assert command("stress", "--case", case, "--html", "p/stress.html", "-q").code == 0
+    assert run("stress", "--case", case, "--html", "p/stress.html", "-q").code == 0
     read = Read(Path("p/stress.html").read_bytes())
     own(read)
     assert "passed" in read.words
     assert re.search(r"1 pass\b", " ".join(read.words))
-    assert command("stress", "--case", case, "--html", "p/stress.html").code == 2
+    assert run("stress", "--case", case, "--html", "p/stress.html").code == 2

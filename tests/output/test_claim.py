@@ -58,16 +58,6 @@ def test_what_another_process_writes_is_refused_and_all_else_is_not(tmp_path: Pa
     assert os.listdir(tmp_path) == []
 
 
-def test_a_file_that_a_killed_run_left_claims_nothing(tmp_path: Path) -> None:
-    with another(tmp_path, "frames", [1]) as process:
-        process.kill()
-        process.wait()
-        assert os.listdir(tmp_path) == [".frames.lock"]
-        claim = Claim(tmp_path, "frames", [1])
-        claim.release()
-    assert os.listdir(tmp_path) == []
-
-
 def test_an_owner_that_leaves_takes_nobody_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Who has locked a file that is no longer there holds nothing: the next one makes a file of its own."""
     hold, path = module._hold, tmp_path / ".frames.lock"

@@ -101,14 +101,6 @@ def test_strays_of_dead_processes_go_and_those_of_living_ones_stay(tmp_path: Pat
     assert set(tmp_path.iterdir()) == {mine, elsewhere, foreign}
 
 
-def test_a_folder_that_is_a_file_or_lies_in_one_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("here")
-    with pytest.raises(RefusedError, match="is a file, not a folder"):
-        files.prepare_folder(tmp_path / "file", 0)
-    with pytest.raises(RefusedError, match="file, not a folder"):
-        files.prepare_folder(tmp_path / "file" / "inner", 0)
-
-
 def test_a_folder_without_room_is_refused_with_the_estimate(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "disk_usage", lambda path: shutil._ntuple_diskusage(10**9, 10**9, 5_000_000))
     with pytest.raises(RefusedError, match="about 12 MB are needed and 5 MB are free"):
@@ -124,17 +116,3 @@ def test_a_folder_that_takes_no_files_is_refused(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(Path, "write_bytes", fail)
     with pytest.raises(RefusedError, match="no permission to write there"):
         files.prepare_folder(tmp_path, 0)
-
-
-@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write everywhere")
-def test_a_read_only_folder_is_refused(tmp_path: Path) -> None:
-    tmp_path.chmod(0o555)
-    with pytest.raises(RefusedError, match="no permission"):
-        files.prepare_folder(tmp_path, 0)
-    tmp_path.chmod(0o755)
-
-
-def test_json_holds_bytes_that_are_no_text(tmp_path: Path) -> None:
-    path = tmp_path / "a.json"
-    files.write_json(path, {"path": "p\udcff"})
-    assert json.loads(path.read_text(encoding="utf-8")) == {"path": "p\udcff"}

@@ -15,7 +15,7 @@ from hypothesis.extra import numpy as hnp
 from cli_runs import Runner
 from strandcli.output import flip as module
 from strandcli.output.compare import write_image
-from strandcli.output.flip import flip, mean_flip
+from strandcli.output.flip import flip
 
 pairs = st.tuples(st.integers(1, 12), st.integers(1, 12)).flatmap(
     lambda size: st.tuples(*[hnp.arrays(np.uint8, (*size, 3))] * 2)
@@ -52,19 +52,6 @@ def test_even_greys_differ_by_their_lightness() -> None:
         apart = abs(lightness(a) - lightness(b)) ** 0.7
         expected = 0.95 * apart / knee if apart < knee else 0.95 + 0.05 * (apart - knee) / (41.2761 - knee)
         np.testing.assert_allclose(flip(even(a, a, a), even(b, b, b)), expected, atol=2e-5)
-
-
-def test_black_against_white_is_about_one() -> None:
-    assert 0.95 < mean_flip(even(0, 0, 0), even(255, 255, 255)) <= 1
-    assert mean_flip(even(0, 255, 0), even(0, 0, 255)) == pytest.approx(1.0)
-
-
-def test_what_is_too_fine_to_be_seen_counts_for_less_than_what_is_coarse() -> None:
-    y, x = np.mgrid[:64, :64]
-    grey = even(128, 128, 128, size=(64, 64))
-    fine, coarse = (np.where(((x // step) + (y // step)) % 2, 150, 106)[..., None] for step in (1, 16))
-    one, other = (mean_flip(grey, np.broadcast_to(check, grey.shape).astype(np.uint8)) for check in (fine, coarse))
-    assert 2 * one < other
 
 
 def test_filters_are_those_of_two_dimensions() -> None:

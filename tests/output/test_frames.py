@@ -7,7 +7,6 @@ import os
 import shutil
 import threading
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -32,17 +31,6 @@ def write(directory: Path, numbers: list[int], **options: object) -> FrameWriter
         for frame in writer.wanted:
             writer.submit(frame, picture(frame))
     return writer
-
-
-def test_every_frame_is_written_and_hashed(tmp_path: Path) -> None:
-    writer = write(tmp_path / "a" / "b", [1, 2, 10_000])
-    assert sorted(os.listdir(tmp_path / "a" / "b")) == ["frame_0001.png", "frame_0002.png", "frame_10000.png"]
-    for frame, done in writer.written.items():
-        image = png.read(tmp_path / "a" / "b" / done.file)
-        np.testing.assert_array_equal(image, picture(frame))
-        assert done.pixels_sha256 == png.pixels_sha256(picture(frame))
-        assert done.seconds is not None
-        assert done.seconds > 0
 
 
 def test_a_picture_may_be_reused_as_soon_as_it_is_handed_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -81,20 +69,6 @@ def test_other_files_of_the_run_are_protected_too(tmp_path: Path) -> None:
     assert FrameWriter(tmp_path, [1], SIZE, also=["animation.gif"], overwrite=True).wanted == (1,)
 
 
-def test_resume_keeps_whole_frames_of_the_right_size_only(tmp_path: Path) -> None:
-    write(tmp_path, [1, 2, 3])
-    whole = (tmp_path / frame_file(2)).read_bytes()
-    (tmp_path / frame_file(2)).write_bytes(whole[:-40])
-    Image.new("RGB", (5, 5)).save(tmp_path / frame_file(3))
-    (tmp_path / frame_file(4)).write_bytes(b"")
-    writer = write(tmp_path, [1, 2, 3, 4, 5], resume=True)
-    assert writer.wanted == (2, 3, 4, 5)
-    assert writer.written[1].seconds is None
-    assert writer.written[1].pixels_sha256 == png.pixels_sha256(picture(1))
-    for frame in range(1, 6):
-        np.testing.assert_array_equal(png.read(tmp_path / frame_file(frame)), picture(frame))
-
-
 def test_resume_keeps_frames_of_more_pixels_than_pillow_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(tmp_path, [1, 2, 3], scene="one")
     Image.new("RGB", (50, 50)).save(tmp_path / frame_file(2))
@@ -106,54 +80,6 @@ def test_resume_keeps_frames_of_more_pixels_than_pillow_opens(tmp_path: Path, mo
     assert writer.wanted == (2, 3)
     assert writer.written[1].pixels_sha256 == png.pixels_sha256(picture(1))
     assert png.keyword(tmp_path / frame_file(1), png.SCENE) == "one"
-
-
-def test_resume_does_not_mix_two_scenes(tmp_path: Path) -> None:
-    write(tmp_path, [1], scene="one")
-    assert FrameWriter(tmp_path, [1], SIZE, resume=True, scene="one").wanted == ()
-    with pytest.raises(UsageError, match=r"frame_0001.png: was made from another scene"):
-        FrameWriter(tmp_path, [1], SIZE, resume=True, scene="two")
-
-
-@pytest.mark.parametrize("blow", [KeyboardInterrupt, ValueError])
-def test_whatever_ends_the_run_finished_frames_are_whole(tmp_path: Path, blow: type[BaseException]) -> None:
-    def run() -> None:
-        with FrameWriter(tmp_path, range(1, 9), SIZE) as writer:
-            for frame in writer.wanted:
-                if frame == 4:
-                    raise blow
-                writer.submit(frame, picture(frame))
-
-    with pytest.raises(blow):
-        run()
-    assert sorted(os.listdir(tmp_path)) == [frame_file(frame) for frame in (1, 2, 3)]
-    np.testing.assert_array_equal(png.read(tmp_path / frame_file(3)), picture(3))
-
-
-def test_a_disk_that_fills_up_keeps_what_was_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    begin_pieces = module.begin_pieces
-
-    def fill(path: Path, pieces: list[bytes]) -> Callable[[], None]:
-        def until_full() -> Iterator[bytes]:
-            yield pieces[0]
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-        return begin_pieces(path, until_full() if path.name == frame_file(3) else pieces)
-
-    monkeypatch.setattr(module, "begin_pieces", fill)
-    monkeypatch.setattr(FrameWriter, "_help", lambda _: False)  # so that the order is known
-    monkeypatch.setattr("os.fsync", lambda file: time.sleep(0.05))
-    words = "frame_0003.png: .*disk is full.*; 2 finished frames are whole, --resume skips them"
-
-    def run() -> None:
-        with FrameWriter(tmp_path, range(1, 20), SIZE) as writer:
-            for frame in range(1, 20):  # handed in while the disk still has those before the failure to take
-                writer.submit(frame, picture(frame))
-                time.sleep(0.01)
-
-    with pytest.raises(RefusedError, match=words):
-        run()
-    assert sorted(os.listdir(tmp_path)) == [frame_file(1), frame_file(2)]
 
 
 def test_a_disk_that_fails_after_other_frames_have_been_written_loses_that_one_alone(

@@ -22,7 +22,7 @@ from strandcli.output.compare import compare_files
 from strandcli.output.files import read_json
 from strandcli.output.layers import is_of, read_layer
 from strandcli.output.positions import PositionsWriter, read_positions
-from strandcli.output.report import of_another_film, of_others, read_report
+from strandcli.output.report import read_report
 from strandcli.study.advice import read_motion
 
 
@@ -34,13 +34,6 @@ def test_a_pipe_or_a_device_as_report_is_none(tmp_path: Path) -> None:
     assert read_report(tmp_path) is None
     with pytest.raises(ValueError, match="pipe or a device"):
         read_json(tmp_path / "report.json")
-
-
-def test_a_report_without_frames_has_none(tmp_path: Path) -> None:
-    (tmp_path / "report.json").write_text('{"strandcli": "0", "scene": "s"}')
-    report = read_report(tmp_path)
-    assert of_others(tmp_path, "s", report) == {}
-    assert of_another_film(tmp_path, "t", report, [1]) == []
 
 
 def test_a_pipe_as_picture_is_refused(tmp_path: Path) -> None:

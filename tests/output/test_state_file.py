@@ -24,13 +24,6 @@ def path(tmp_path: Path) -> Path:
     return found
 
 
-def test_what_is_written_is_read(path: Path) -> None:
-    found = read_state(path, KEY, {name: np.zeros_like(one) for name, one in ARRAYS.items()})
-    for name, one in ARRAYS.items():
-        np.testing.assert_array_equal(found[name], one)
-    assert [one.name for one in path.parent.iterdir()] == [path.name]
-
-
 def test_free_arrays_are_as_long_as_the_file_says_and_no_longer_than_it_is(tmp_path: Path) -> None:
     path = tmp_path / "free"
     kept = {"free pressure": np.arange(5, dtype=np.float32), "clock": np.array([1.0])}

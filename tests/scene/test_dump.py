@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
-import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -17,12 +16,6 @@ from strandcli.scene.fields import settings_of
 slow = settings(
     max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much]
 )
-
-
-@slow
-@given(single_scenes())
-def test_a_dumped_scene_loads_to_an_equal_one(made: Scene) -> None:
-    assert scene(dump(made)) == made
 
 
 @slow
@@ -51,18 +44,6 @@ def test_every_setting_is_written_out() -> None:
     assert list(data["camera"]) == [*view, *lens, "keys", "file", "name"]
     shadow = {"model": "minmax", "size": None, "layers": 31, "texel": None, "bias": 0.0, "parameters": None}
     assert data["lights"][0]["shadow"] == shadow
-
-
-def test_what_is_dumped_is_plain_yaml_for_other_readers_too() -> None:
-    made = scene("rules: [wind: {strength: 1e3}, wind]\nsolids: [{kind: box}]".replace("1e3", "100"))
-    text = dump(made)
-    assert yaml.safe_load(text) == to_dict(made)
-    assert "&" not in text
-    assert "!!" not in text
-
-
-def test_vectors_stay_on_one_line() -> None:
-    assert "  position: [0.0, 0.0, 5.0]\n" in dump(Scene())
 
 
 def test_a_panel_is_written_by_what_differs() -> None:

@@ -52,11 +52,6 @@ def test_all_faults_are_told_at_once_in_file_order() -> None:
     ]
 
 
-def test_a_line_reads_as_the_manual_says() -> None:
-    text = "rules:\n  - gravity\n  - wind:\n      strenght: 3\n"
-    assert complaint(text) == "p.yaml:4:7: wind.strenght: unknown key; did you mean 'strength'?"
-
-
 def test_a_scene_error_is_a_line_a_fault_and_survives_pickling() -> None:
     error = SceneError([Fault("a.yaml", 1, 2, "b", "is bad"), Fault("--set c=3", 0, 0, "c", "is worse")])
     assert str(error) == "a.yaml:1:2: b: is bad\n--set c=3: is worse"
@@ -81,17 +76,6 @@ def test_what_a_fault_makes_uncertain_is_not_complained_about_as_well() -> None:
     assert complaint("camera: {position: [a, 0, 0], target: [0, 0, 5]}").startswith("p.yaml:1:21: camera.position.0")
     # the second solid may have had the name
     assert len(complaints("solids: [{kind: sfere, name: head}]\nrules: [collision: {with: head}]")) == 1
-
-
-def test_rules_are_checked_although_something_else_is_wrong() -> None:
-    lines = complaints("rules: [collision: {with: hed}]\nsolids: [{kind: sphere, name: head, radius: 0}]\n")
-    assert [line.split(": ")[1] for line in lines] == ["collision.with.0", "solids.0.radius"]
-
-
-def test_solids_need_different_names_but_may_have_none() -> None:
-    assert len(scene("solids: [{kind: box}, {kind: box}, {kind: box, name: a}, {kind: plane, name: b}]").solids) == 4
-    text = "solids:\n- {kind: box, name: a}\n- {kind: plane, name: b}\n- {kind: sphere, name: a}\n"
-    assert complaint(text) == "p.yaml:4:24: solids.2.name: solids.0 has the name 'a' too; names must differ"
 
 
 @pytest.mark.parametrize("thing", ["emitter: {keys: %s}", "camera: {keys: %s}", "solids: [{kind: sphere, keys: %s}]"])

@@ -15,12 +15,6 @@ def imported_by(code: str) -> set[str]:
     return set(run.stdout.split())
 
 
-def test_reading_a_preset_imports_yaml_alone() -> None:
-    modules = imported_by("from strandcli.scene import loads, dump, motion, schema\ndump(loads('seed: 1', rules={}))")
-    assert "yaml" in modules
-    assert modules.isdisjoint(HEAVY)
-
-
 def test_a_solid_with_a_file_of_its_own_is_read_when_it_is_asked_for_and_imports_nothing_heavy() -> None:
     modules = imported_by("""
 from strandcli.scene import loads

@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 from unittest.mock import patch
 
-import pytest
-
 from scene_kit import complaints, scene
 from strandcli.scene import dump
 from strandcli.scene import look as looks
@@ -55,8 +53,3 @@ def test_what_is_not_written_gets_the_looks_value() -> None:
         assert [path for path, _ in clashes] == ["lights.1.shadow.model"]
         assert settled.lights[0].shadow.model == "off"
         assert settle(dataclasses.replace(made, look="free"), ())[0].image.resolver == "zbuffer"
-
-
-@pytest.mark.parametrize("word", ["sources", "thesis", ""])
-def test_unknown_looks_are_refused(word: str) -> None:
-    assert "look" in complaints(f"look: '{word}'")[0]

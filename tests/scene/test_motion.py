@@ -12,20 +12,15 @@ from hypothesis import strategies as st
 from strandcli.scene.model import BoxSolid, Camera, CameraKey, Emitter, PoseKey, SphereSolid
 from strandcli.scene.motion import (
     Pose,
-    apply,
     camera_at,
-    compose,
     emitter_pose,
     multiply,
     rotate,
     rotation_matrix,
-    sine_cosine,
     solid_pose,
 )
 
 angles = st.floats(-3600, 3600)
-lengths = st.floats(-100, 100)
-triples = st.tuples(lengths, lengths, lengths)
 turns = st.tuples(angles, angles, angles)
 
 
@@ -63,20 +58,6 @@ def test_a_rotation_is_rz_ry_rx(turn: tuple[float, float, float]) -> None:
     assert close(rotation_matrix(turn), multiply(z, multiply(y, x)), 1e-11)
 
 
-@given(st.floats(-1e9, 1e9))
-def test_sine_and_cosine(degrees: float) -> None:
-    within = math.remainder(degrees, 360.0)
-    sine, cosine = sine_cosine(degrees)
-    assert sine == pytest.approx(math.sin(math.radians(within)), abs=2e-15)
-    assert cosine == pytest.approx(math.cos(math.radians(within)), abs=2e-15)
-
-
-@given(turns, triples, turns, triples, triples)
-def test_composition_is_one_pose_after_the_other(turn, move, turn2, move2, point) -> None:  # type: ignore[no-untyped-def]
-    outer, inner = Pose(rotation_matrix(turn), move), Pose(rotation_matrix(turn2), move2)
-    assert close(apply(compose(outer, inner), point), apply(outer, apply(inner, point)), 1e-11)
-
-
 KEYS = (
     PoseKey(time=1.0, position=(0.0, 0.0, 0.0), ease="linear"),
     PoseKey(time=3.0, position=(4.0, 0.0, -2.0), rotation=(0.0, 0.0, 720.0), ease="smooth"),
@@ -99,12 +80,6 @@ KEYS = (
 )
 def test_keys_are_eased_by_the_one_that_is_left(time: float, position: tuple[float, float, float]) -> None:
     assert emitter_pose(Emitter(position=(9.0, 9.0, 9.0), keys=KEYS), time).translation == position
-
-
-def test_720_degrees_are_two_turns_and_not_none() -> None:
-    # a quarter of the way to 720 degrees is half a turn
-    assert emitter_pose(Emitter(keys=KEYS), 1.5).rotation == rotation_matrix((0.0, 0.0, 180.0))
-    assert rotate(emitter_pose(Emitter(keys=KEYS), 1.25).rotation, (1.0, 0.0, 0.0)) == (0.0, 1.0, 0.0)
 
 
 def test_a_solid_stands_in_the_world_or_follows_the_emitter() -> None:

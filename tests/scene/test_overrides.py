@@ -8,7 +8,7 @@ import pytest
 
 from scene_files import changed, make_library, refused
 from strandcli.scene import SceneError
-from strandcli.scene.model import Detail, DirectionalLight, DiscShape, PointLight
+from strandcli.scene.model import Detail, DiscShape, PointLight
 
 
 @pytest.fixture(autouse=True)
@@ -86,12 +86,6 @@ def test_an_entry_of_another_kind_takes_the_place_and_the_name() -> None:
     assert (solid.kind, solid.name, solid.position) == ("box", "head", (1.0, 2.0, 3.0))
     message = refused(base, "solids.head=null")
     assert "'head'" in message
-
-
-def test_an_override_reaches_into_defaults() -> None:
-    got = changed("seed: 1", "lights.0.intensity=5", "camera.position.2=9")
-    assert got.lights == (DirectionalLight(intensity=5.0),)
-    assert got.camera.position == (0.0, 0.0, 9.0)
 
 
 @pytest.mark.parametrize("rules", ["[gravity, {wind: {strength: 3}}]", "{gravity: {}, wind: {strength: 3}}"])

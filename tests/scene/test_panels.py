@@ -45,11 +45,6 @@ def test_a_panel_changes_lists_of_rules() -> None:
     assert scene(text % "[]").panels[0].rules == ()
 
 
-@pytest.mark.parametrize("none", ["panels: []", "panels: null", "seed: 1"])
-def test_no_panels(none: str) -> None:
-    assert scene(none).panels == ()
-
-
 @pytest.mark.parametrize(
     ("panels", "says"),
     [
@@ -65,11 +60,6 @@ def test_no_panels(none: str) -> None:
 )
 def test_faults_of_panels_stand_at_the_panel(panels: str, says: str) -> None:
     assert says in complaint(f"rules: [wind]\npanels: {panels}\n")
-
-
-def test_what_only_the_panel_makes_wrong_stands_at_the_panel() -> None:
-    text = "solids: [{kind: box, name: a}]\nrules: [collision: {with: a}]\npanels:\n- label: no\n  set: {solids: []}\n"
-    assert complaint(text) == "p.yaml:4:3: panels.0.set.collision.with.0: no solid has the name 'a'"
 
 
 def test_faults_of_the_scene_are_not_told_again_for_each_panel() -> None:

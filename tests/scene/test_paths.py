@@ -10,7 +10,6 @@ import pytest
 from scene_files import fails, make_library, write
 from scene_kit import RULES
 from strandcli.scene import load
-from strandcli.scene.chain import hidden_by_shipped
 
 
 @pytest.fixture(autouse=True)
@@ -40,15 +39,6 @@ def test_a_bare_name_is_a_file_here_too() -> None:
     write("base.yaml", "extends: hair\n")
     write("hair.yaml", "title: mine\n")
     assert load("base", rules=RULES).title == "shipped hair"
-
-
-def test_a_file_that_a_shipped_name_hides_is_found() -> None:
-    assert hidden_by_shipped("hair") is None
-    write("hair.yaml", "title: mine\n")
-    write("bob.yaml", "title: bob\n")
-    assert hidden_by_shipped("hair") == Path("hair.yaml")
-    assert hidden_by_shipped("hair.yaml") is None
-    assert hidden_by_shipped("bob") is None
 
 
 def test_a_preset_that_is_not_there() -> None:

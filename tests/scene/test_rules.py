@@ -12,10 +12,6 @@ def names(text: str) -> list[str]:
     return [use.name for use in scene(text).rules]
 
 
-def test_a_list_keeps_its_order() -> None:
-    assert names("rules: [collision, gravity, elasticity, wind]") == ["collision", "gravity", "elasticity", "wind"]
-
-
 def test_a_mapping_takes_the_default_order() -> None:
     text = "rules:\n  elasticity:\n  collision: {}\n  wind: {strength: 2}\n  gravity:\n"
     assert names(text) == ["gravity", "wind", "collision", "elasticity"]
@@ -24,10 +20,6 @@ def test_a_mapping_takes_the_default_order() -> None:
 def test_null_leaves_a_rule_of_a_mapping_out_and_means_nothing_in_a_list() -> None:
     assert names("rules: {gravity: null, wind: {}}") == ["wind"]
     assert names("rules: [gravity: null]") == ["gravity"]
-
-
-def test_no_rules() -> None:
-    assert names("rules: []") == names("rules: {}") == names("rules:") == names("seed: 1") == []
 
 
 def test_parameters_are_read_with_their_defaults() -> None:
