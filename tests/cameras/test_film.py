@@ -28,8 +28,7 @@ def groom(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return groom_file_kit.write(tmp_path_factory.mktemp("groom") / "some.data", strands)
 
 
-def test_a_film_has_the_views_of_a_data_set(groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run = Runner(tmp_path, capsys)
+def test_a_film_has_the_views_of_a_data_set(groom: Path, tmp_path: Path, run: Runner) -> None:
     made = tmp_path / "set"
     result = run(
         "dataset", groom, "--layout", "nerfstudio", "--views", 3, "--light", "scene", "--colour", "scene", "--size",
@@ -49,17 +48,13 @@ def test_a_film_has_the_views_of_a_data_set(groom: Path, tmp_path: Path, capsys:
     assert not (tmp_path / "film" / "frame_0004.png").exists()
 
 
-def test_cameras_of_others_see_strands_where_their_file_has_them(
-    groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_cameras_of_others_see_strands_where_their_file_has_them(groom: Path, tmp_path: Path, run: Runner) -> None:
     look = np.array([[1.0, 0, 0], [0, -1, 0], [0, 0, -1]])  # from +z, y down
     view = Pinhole("a", 48, 48, 40.0, (24.0, 24.0), look, np.array([7.0, 0.0, 9.0]))
     for name, data in colmap.written([view], np.zeros((1, 3))).items():
         (tmp_path / name).write_bytes(data.replace(b"(strandcli)", b""))
     assert not views_of(tmp_path).own
-    result = Runner(tmp_path, capsys)(
-        "render", groom, "--cameras", tmp_path, "-o", tmp_path / "o", "--aov", "mask", *SMALL
-    )
+    result = run("render", groom, "--cameras", tmp_path, "-o", tmp_path / "o", "--aov", "mask", *SMALL)
     assert result.code == 0, result.err
     mask = np.load(tmp_path / "o" / "mask_0001.npz")["mask"]
     strands = groom_file_kit.hanging([12] * 40)
@@ -111,9 +106,7 @@ def test_sizes_that_disagree_are_refused(groom: Path, tmp_path: Path, capsys: py
     assert "of several sizes" in result.error()
 
 
-def test_light_comes_from_above_whatever_is_up_in_the_cameras_world(
-    groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_light_comes_from_above_whatever_is_up_in_the_cameras_world(groom: Path, tmp_path: Path, run: Runner) -> None:
     """Strands and cameras that are turned together have the same pictures."""
     up = (0.6, 0.64, 0.48)
     turn = upright(up)
@@ -134,7 +127,6 @@ def test_light_comes_from_above_whatever_is_up_in_the_cameras_world(
         for file, data in colmap.written(moved, np.zeros((1, 3))).items():
             (folder / file).write_bytes(data.replace(b"(strandcli)", b""))
         assert above(views_of(folder).views) == pytest.approx(how @ UP)
-        run = Runner(tmp_path, capsys)
         result = run("render", path, "--cameras", folder, "-o", folder / "film", *SMALL)
         assert result.code == 0, result.err
         more = ("--light", "set", "--colour", "scene", "--layout", "neuralhaircut")

@@ -20,14 +20,13 @@ from tests.cameras.test_usd_cameras import camera, seen_by_pixar, stage, write
 SMALL = ("--set", "lights.0.shadow.size=64", "--set", "ambient_occlusion=null", "--no-progress")
 
 
-def test_an_exported_preset_has_its_camera(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_exported_preset_has_its_camera(tmp_path: Path, run: Runner) -> None:
     text = (
         "time: {frames: 3, fps: 25}\nemitter: {strands: 20, particles: 3, length: 1}\nrules: []\nlights: []\n"
         "image: {size: 40x30}\ncamera: {axis_x: 0.4, near: 0.25, keys: [{time: 0, position: [0, 0, 7], fov: 30}, "
         "{time: 0.08, position: [1, 2, 6], fov: 20}]}\n"
     )
     (tmp_path / "one.yaml").write_text(text)
-    run = Runner(tmp_path, capsys)
     for name in ("out.usda", "out.usdc"):
         result = run("export", tmp_path / "one.yaml", tmp_path / name, "--no-progress")
         assert result.code == 0, result.err
@@ -44,9 +43,9 @@ def test_an_exported_preset_has_its_camera(tmp_path: Path, capsys: pytest.Captur
     assert "--camera: names" in run("render", "hair", "--camera", "a").err
 
 
-def test_a_data_set_has_cameras_of_usd(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_data_set_has_cameras_of_usd(tmp_path: Path, run: Runner) -> None:
     groom = groom_file_kit.write(tmp_path / "some.data", groom_file_kit.hanging([12] * 40))
-    run, made = Runner(tmp_path, capsys), tmp_path / "set"
+    made = tmp_path / "set"
     for layout, size in (("nerfstudio", ("--size", "40x32")), ("hairstep", ("--size", "32x32"))):
         result = run("dataset", groom, "--layout", layout, "--views", 2, *size, "-o", made / layout, *SMALL)
         assert result.code == 0, result.err
@@ -67,9 +66,7 @@ def test_a_data_set_has_cameras_of_usd(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 @pytest.mark.parametrize("suffix", [".data", ".usda"])
-def test_strands_and_cameras_of_a_stage_stand_as_there(
-    suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_strands_and_cameras_of_a_stage_stand_as_there(suffix: str, tmp_path: Path, run: Runner) -> None:
     """A stage in centimetres with z up: strands of the same coordinates are seen where the stage's camera sees them."""
     strands = [100 * one[:, [0, 2, 1]] * np.float32([1, -1, 1]) for one in groom_file_kit.hanging([12] * 40)]
     if suffix == ".usda":
@@ -85,9 +82,7 @@ def test_strands_and_cameras_of_a_stage_stand_as_there(
     body += f"double3 xformOp:translate = {tuple(eye.tolist())}\nfloat xformOp:rotateX = 90\n"
     body += 'uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateX"]'
     path = write(tmp_path / "c.usda", stage(camera(body=body), 'metersPerUnit = 0.01\nupAxis = "Z"'))
-    result = Runner(tmp_path, capsys)(
-        "render", groom, "--cameras", path, "--size", "64x64", "-o", tmp_path / "o", "--aov", "mask", *SMALL
-    )
+    result = run("render", groom, "--cameras", path, "--size", "64x64", "-o", tmp_path / "o", "--aov", "mask", *SMALL)
     assert result.code == 0, result.err
     mask = np.load(tmp_path / "o" / "mask_0001.npz")["mask"]
     rows, columns = np.nonzero(mask > 0.02)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pytest
 
-from cli_runs import TINY, Runner
+from cli_runs import Runner
 
 
 def test_a_presets_stages_stand_beside_what_they_work_on(run: Runner) -> None:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import pytest
-
-from cli_runs import TINY, Runner
+from cli_runs import Runner
 from strandcli.output.files import megabytes
 
 

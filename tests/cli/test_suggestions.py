@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
-from cli_runs import TINY, Runner
+from cli_runs import Runner
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from cli_runs import TINY, Runner
+from cli_runs import Runner
 from strandcli.compiling import costs, runtime
 from strandcli.compiling.packs import Pack
 from strandcli.jit import function

@@ -190,8 +190,7 @@ def _views(folder: Path, groom: Path) -> Path:
     return folder / "transforms.json"
 
 
-def test_the_command(groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run = Runner(tmp_path, capsys)
+def test_the_command(groom: Path, tmp_path: Path, run: Runner) -> None:
     small = ("--set", "lights.0.shadow.size=64", "--set", "ambient_occlusion=null", "--size", "32x32")
     other = groom.with_name("other.data")
     other.write_bytes(groom.read_bytes())
@@ -228,11 +227,9 @@ def test_the_command(groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[
         (["--layout", "nerfstudio", "--frame", "7"], "the preset has 1 frames"),
     ],
 )
-def test_what_is_refused(
-    arguments: list[str], words: str, groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_refused(arguments: list[str], words: str, groom: Path, tmp_path: Path, run: Runner) -> None:
     given = [str(_views(tmp_path / "v", groom)) if one == "CAMERAS" else one for one in arguments]
-    result = Runner(tmp_path, capsys)("dataset", groom, "-o", tmp_path / "out", *given)
+    result = run("dataset", groom, "-o", tmp_path / "out", *given)
     assert result.code == 2
     assert words in result.error()
     assert not (tmp_path / "out").exists()

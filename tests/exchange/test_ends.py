@@ -74,8 +74,7 @@ def test_what_turns_all_strands_says_why_and_how_to_have_them_otherwise(tmp_path
         assert all("emitter.groom.root: first has none turned" in one for one in notes)
 
 
-def test_info_says_what_is_not_guessed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run = Runner(tmp_path, capsys)
+def test_info_says_what_is_not_guessed(tmp_path: Path, run: Runner) -> None:
     groom_file_kit.write(tmp_path / "grass.data", list(ends_kit.made("grass", 4).strands.points.reshape(-1, 2, 3)))
     (tmp_path / "hair.data").write_bytes(kit.data(list(head() * np.float32(0.01))))
     (tmp_path / "none.data").write_bytes(kit.data([]))

@@ -137,8 +137,7 @@ def archive(path: Path, *names: str) -> Path:
     return path
 
 
-def test_info_lists_objects_and_convert_takes_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run = Runner(tmp_path, capsys)
+def test_info_lists_objects_and_convert_takes_one(tmp_path: Path, run: Runner) -> None:
     path = archive(tmp_path / "a.abc", "brows", "lashes", "‮\x1b[31m")
     told = run("info", str(path))
     assert "  object     brows: 1 strand, 3 points\n  object     lashes: 2 strands, 6 points" in told.out
@@ -157,8 +156,7 @@ def test_info_lists_objects_and_convert_takes_one(tmp_path: Path, capsys: pytest
     assert not (tmp_path / "c.npz").exists()
 
 
-def test_commands_that_draw_take_objects(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run = Runner(tmp_path, capsys)
+def test_commands_that_draw_take_objects(tmp_path: Path, run: Runner) -> None:
     whole = archive(tmp_path / "whole.abc", "brows", "lashes")
     write(tmp_path / "lashes.abc", read(whole, ReadOptions(objects=("lashes",))))
     assert "3 strands" in run("plan", whole).out

@@ -85,13 +85,13 @@ def test_roots_of_children_follow(tmp_path: Path) -> None:
     np.testing.assert_allclose(end, start @ MATRIX.T + SHIFT, atol=1e-7)
 
 
-def test_other_topology_and_keys_out_of_order_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_other_topology_and_keys_out_of_order_are_refused(tmp_path: Path, run: Runner) -> None:
     scene = scene_of(tmp_path, MATRIX)
     vertices, triangles = sphere(1)
     written(tmp_path / "b.obj", vertices, triangles)
     with pytest.raises(UsageError, match=r"b\.obj: has 18 vertices, the mesh that it moves has 258"):
         at_start(scene, emit(scene.emitter, scene.seed))
-    planned = Runner(tmp_path, capsys)("plan", tmp_path / "p.yaml")
+    planned = run("plan", tmp_path / "p.yaml")
     assert planned.code == 2
     assert "emitter.shape.deform.1.file" in planned.error()
     shape = f"kind: mesh, file: {tmp_path / 'a.obj'}, deform: "

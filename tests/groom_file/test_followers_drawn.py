@@ -69,7 +69,7 @@ def test_the_picture_is_the_same_on_any_number_of_threads(tmp_path: Path) -> Non
     assert hashes == hashes[:1] * 3
 
 
-def test_a_cache_holds_guides_and_draws_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_cache_holds_guides_and_draws_the_same(tmp_path: Path, run: Runner) -> None:
     path = write(tmp_path / "a.data", hanging([14] * 200))
     given = moving(path, emitter__groom__guides=25)
     frames = list(pipeline.render(given, [1, 3], keep_positions=True))
@@ -82,7 +82,6 @@ def test_a_cache_holds_guides_and_draws_the_same(tmp_path: Path, capsys: pytest.
         assert other.image is not None
         assert (one.image == other.image).all()
     plain = ["--set", "solver=rod", "--set", f"rules={[FALL]!r}".replace("'", '"'), "--set", "emitter.groom.guides=25"]
-    run = Runner(tmp_path, capsys)
     assert run("simulate", path, "-o", tmp_path / "c", "-f", "1-1", "--particles", 9, *plain).code == 0
     assert np.load(tmp_path / "c" / "positions_0001.npz")["positions"].shape == (25, 9, 3)
     told = run("plan", path, *plain)

@@ -12,9 +12,8 @@ from strandcli.files import inputs
 from tests.groom_file.test_moving_files import FPS, file_of, turned
 
 
-def test_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_commands(tmp_path: Path, run: Runner) -> None:
     """`render` and `dataset` draw moments; `info` tells which there are."""
-    run = Runner(tmp_path, capsys)
     path = file_of(tmp_path, "ply", turned, [i / FPS for i in range(3)])
     told = json.loads(run("info", str(path), "--json").out)["moments"]
     assert (told["count"], told["first"], told["last"], told["unit"]) == (3, 7, 9, "file")
@@ -36,15 +35,15 @@ def test_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert not list((tmp_path / "gap").glob("frame_*"))
 
 
-def test_info_tells_the_seconds_of_one_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path, run = file_of(tmp_path, "abc", turned, [i / FPS for i in range(3)]), Runner(tmp_path, capsys)
+def test_info_tells_the_seconds_of_one_file(tmp_path: Path, run: Runner) -> None:
+    path = file_of(tmp_path, "abc", turned, [i / FPS for i in range(3)])
     told = json.loads(run("info", path, "--json").out)["moments"]
     assert (told["count"], told["first"], told["last"], told["unit"]) == (3, 2.0, pytest.approx(2 + 2 / FPS), "s")
     assert "3 of the same strands, 2 to 2.083 s, 24 a second" in run("info", path).out
 
 
-def test_kept_positions_are_those_of_each_moment(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path, run = file_of(tmp_path, "abc", turned, [i / FPS for i in range(3)]), Runner(tmp_path, capsys)
+def test_kept_positions_are_those_of_each_moment(tmp_path: Path, run: Runner) -> None:
+    path = file_of(tmp_path, "abc", turned, [i / FPS for i in range(3)])
     cache, first, second = (str(tmp_path / name) for name in ("cache", "a", "b"))
     small = ["--size", "48x36", "--set", "ambient_occlusion=null"]
     done = run("simulate", path, "-o", cache)

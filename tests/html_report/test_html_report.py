@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from cli_runs import TINY, Runner
+from cli_runs import Runner
 from strandcli.errors import UsageError
 from strandcli.html_report import page, pictures, run, svg
 from strandcli.output.animation import write_animation

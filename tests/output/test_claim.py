@@ -87,12 +87,10 @@ def test_where_there_are_no_locks_runs_go_on(tmp_path: Path, monkeypatch: pytest
     ("command", "what"), [(["render", "-f", "1-3", "--overwrite"], "frames"), (["simulate", "-f", "2"], "positions")]
 )
 def test_a_second_run_is_refused_in_one_line_before_anything_is_computed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: list[str], what: str
+    tmp_path: Path, run: Runner, command: list[str], what: str
 ) -> None:
     (tmp_path / "tiny.yaml").write_text(TINY)
     (tmp_path / "out").mkdir()
-    monkeypatch.chdir(tmp_path)
-    run = Runner(tmp_path, capsys)
     name, *options = command
     with another(tmp_path / "out", what, [2]):
         refused = run(name, "tiny.yaml", "-o", "out", *options)

@@ -68,8 +68,7 @@ def test_filters_are_those_of_two_dimensions() -> None:
         assert found[channel] == pytest.approx((part[..., channel] * kernel).sum() / kernel.sum(), rel=1e-12)
 
 
-def test_compare_tells_it_where_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run = Runner(tmp_path, capsys)
+def test_compare_tells_it_where_asked(tmp_path: Path, run: Runner) -> None:
     one, two = tmp_path / "a.png", tmp_path / "b.png"
     write_image(one, even(0, 0, 0))
     write_image(two, even(255, 255, 255))
