@@ -9,7 +9,7 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz guesses reading dense mesh-distances test test-long test-oldest lint types check docs figures figures-of-docs gallery changelog claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz guesses mesh-distances test test-long test-oldest lint types check docs figures figures-of-docs gallery changelog claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -40,8 +40,6 @@ help:
 	@echo "make fuzz       read damaged files of all that strandcli reads, 100,000 of each format and kind; hours"
 	@echo "make mesh-distances  time, memory and error of grids of signed distances"
 	@echo "make guesses    how often guesses of roots, up axis and unit are right, on a thousand made grooms both ways round"
-	@echo "make reading    time and memory of reading 50,000 strands in each format"
-	@echo "make dense      time and memory of a picture and of labels of 100,000 strands of 256 points"
 	@echo "make golden     compare small pictures of all presets with tests/golden"
 
 demo: $(READY)
@@ -178,14 +176,8 @@ bench: $(READY)
 stress: $(READY)
 	$(RUN) stress
 
-reading: $(READY)
-	$(BIN)/python tests/reading.py
-
 guesses: $(READY)
 	$(BIN)/python tests/guesses.py
-
-dense: $(READY)
-	$(BIN)/python tests/dense_groom.py
 
 mesh-distances: $(READY)
 	$(BIN)/python tests/mesh_distances.py

@@ -1,4 +1,5 @@
-"""Errors for programs, and nothing of libraries before the one line of an error."""
+"""Errors for programs and for people: nothing of libraries before the one line of an error, and what is meant by an
+unknown option."""
 
 from __future__ import annotations
 
@@ -8,9 +9,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import pytest
 
 from cli_runs import TINY, Runner, environment
+from strandcli.cli import main as module
 
 
 @pytest.fixture
@@ -70,3 +73,43 @@ def test_warnings_of_libraries_are_shown_only_where_they_are_asked_for(tmp_path:
     assert len(lines[""]) == 1
     assert any("overflow encountered" in line for line in lines["default"])
     assert os.listdir(tmp_path) == []
+
+
+def test_a_kernel_that_cannot_run_without_the_compiler_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fault = NotImplementedError("<intrinsic typed> is not usable in pure-python")
+    assert module.report(fault, False) == 1
+    assert "unexpected NotImplementedError" in capsys.readouterr().err
+    monkeypatch.setattr(numba.config, "DISABLE_JIT", 1)
+    assert module.report(fault, False) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("strandcli: error: NUMBA_DISABLE_JIT is set")
+    assert len(told.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("option", "meant"),
+    [
+        ("--transparent", "'--transparent'; did you mean --set image.background=none? (see"),
+        ("--resolution", "'--resolution'; did you mean --size? (see"),
+        ("--motion-blur", "'--motion-blur'; did you mean --set camera.shutter=0.5? (see"),
+        ("--fov", "'--fov'; did you mean --set camera.fov=…? (see"),
+        ("--strnds", "'--strands'"),
+    ],
+)
+def test_an_unknown_option_names_the_setting_that_is_meant(run: Runner, option: str, meant: str) -> None:
+    done = run("render", "tiny.yaml", option)
+    assert done.code == 2
+    assert meant in done.error()
+
+
+def test_commands_without_settings_suggest_none(run: Runner) -> None:
+    assert "--set" not in run("compare", "--resolution", "a", "b").error()
+
+
+def test_suggested_settings_are_taken(run: Runner) -> None:
+    from strandcli.scene.absent import ELSEWHERE
+
+    for setting in ELSEWHERE.values():
+        assert run("plan", "tiny.yaml", "--set", setting).code == 0

@@ -1,4 +1,4 @@
-"""Emitters: where strands grow, which way, how long, and that none of it depends on how many there are."""
+"""Emitters: where strands grow, which way, how they bend, how long, and that nothing depends on how many there are."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from strandcli.groom.blocks import arranged
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.scene.model import DiscShape, Emitter, PlaneShape, SphereShape
@@ -192,3 +193,30 @@ def test_a_parting_combs_away_from_itself_in_front_and_not_at_all_behind() -> No
     behind = z < -0.3
     tangential = groom.directions - (groom.directions * groom.roots).sum(1)[:, None] * groom.roots
     assert np.abs(tangential[behind]).max() < 1e-5
+
+
+ON_A_BALL = {"shape": SphereShape(radius=0.5), "strands": 300, "comb": (0.3, -1.0, 0.2), "lift": 40.0}
+
+
+def angles(bend: float, onset: float) -> tuple[np.ndarray, np.ndarray]:
+    """Degrees by which edges (20,) of strands turn to their inward side, and by how much they leave that plane."""
+    groom = arranged(emit(Emitter(**ON_A_BALL, bend=bend, bend_onset=onset), 1))
+    axes = groom.directions.astype(float)
+    normals = groom.roots / 0.5
+    side = np.cross(axes, normals)
+    side /= np.linalg.norm(side, axis=1)[:, None]
+    inward = np.cross(axes, side)
+    assert ((inward * normals).sum(1) < 0).all()
+    edges = np.array([groom.edge(j, 20) for j in range(20)])
+    turned = np.degrees(np.arctan2((edges * inward).sum(2), (edges * axes).sum(2)))
+    np.testing.assert_allclose(np.linalg.norm(edges, axis=2), 1, atol=1e-6)
+    return turned, np.abs((edges * side).sum(2))
+
+
+def test_strands_turn_evenly_from_the_onset_on() -> None:
+    turned, aside = angles(80.0, 0.5)
+    middles = (np.arange(20) + 0.5) / 20
+    np.testing.assert_allclose(
+        turned, np.broadcast_to(160 * np.maximum(middles - 0.5, 0)[:, None], (20, 300)), atol=1e-3
+    )
+    assert aside.max() < 1e-6

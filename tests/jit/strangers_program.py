@@ -18,11 +18,8 @@ from pathlib import Path
 
 import numba
 import numpy as np
-from numba import float64, guvectorize, njit, prange, stencil, typed, types, vectorize
+from numba import njit, prange
 from numba.core import event
-from numba.core.errors import TypingError
-from numba.experimental import jitclass
-from numba.extending import overload
 
 WATCHED = {
     "numba.core.codegen": ["CPUCodeLibrary", "JITCPUCodegen", "CodeLibrary"],
@@ -97,18 +94,13 @@ def render(draw: bool) -> None:
             print(f"changed: {name}: {before.get(name)} -> {after.get(name)}", file=sys.stderr)
 
 
-def loops_generators_closures() -> None:
+def loops_closures_recursion() -> None:
     @njit(parallel=True)
     def total(x):
         s = 0.0
         for i in prange(x.shape[0]):
             s += x[i]
         return s
-
-    @njit
-    def counted(n):
-        for i in range(n):
-            yield i * i
 
     def scaled(by):
         @njit
@@ -123,113 +115,7 @@ def loops_generators_closures() -> None:
             return n
         return fibonacci(n - 1) + fibonacci(n - 2)
 
-    @stencil
-    def mean(a):
-        return (a[-1] + a[0] + a[1]) / 3
-
-    @njit(parallel=True)
-    def smooth(a):
-        return mean(a)
-
-    print(total(np.arange(1000.0)), list(counted(5)), scaled(3)(4), scaled(2.5)(4), fibonacci(12))
-    print(smooth(np.arange(6.0)))
-
-
-def containers() -> None:
-    @njit
-    def build(n):
-        numbers = typed.List()
-        for i in range(n):
-            numbers.append(i)
-        return numbers
-
-    @njit
-    def wrong(d):
-        return d["there is none"].nothing
-
-    @njit
-    def look(d, key):
-        return d[key]
-
-    d = typed.Dict.empty(types.unicode_type, types.int64)
-    d["a"] = 7
-    for call in (lambda: wrong(d), lambda: look(d, "b"), lambda: d["b"]):
-        try:
-            call()
-        except (KeyError, TypingError) as error:
-            print(type(error).__name__)
-    print(list(build(4)), look(d, "a"))
-
-
-@vectorize
-def over_two(a):
-    return a > 2
-
-
-@vectorize
-def twice(a):
-    return a + a
-
-
-@guvectorize(["void(float64[:], float64, float64[:])"], "(n),()->(n)")
-def times(x, y, out):
-    for i in range(len(x)):
-        out[i] = x[i] * y
-
-
-def ufuncs() -> None:
-    @njit(no_cpython_wrapper=True, no_cfunc_wrapper=True)
-    def part(x):
-        return twice(x)
-
-    @njit
-    def whole(x):
-        return part(x)
-
-    @njit
-    def filtered(xs):
-        s = 0.0
-        for y in filter(over_two, xs):
-            s += y
-        return s
-
-    print(whole(2.0), twice(np.arange(3.0)), filtered(np.arange(5.0)), over_two(np.arange(5.0)))
-    print(times(np.arange(3.0), 2))
-
-
-def made_while_compiling(x):
-    """Replaced below."""
-
-
-@overload(made_while_compiling)
-def _made(x):
-    @vectorize(["float64(float64)"])
-    def more(a):
-        return a + 1
-
-    n = more(np.arange(3.0)).sum()
-    return lambda x: x + n
-
-
-@jitclass([("x", float64)])
-class Point:
-    def __init__(self, x):
-        self.x = x
-
-    def doubled(self):
-        return self.x * 2
-
-
-def classes_and_made_functions() -> None:
-    names: dict[str, object] = {}
-    exec("def inner(x):\n    return x + 1\n", names)
-    inner = njit(names["inner"])
-
-    @njit
-    def outer(x):
-        return inner(x) + made_while_compiling(x)
-
-    print(outer(1.0), Point(2.0).doubled())
+    print(total(np.arange(1000.0)), scaled(3)(4), scaled(2.5)(4), fibonacci(12))
 
 
 CACHED = """
@@ -257,9 +143,6 @@ def cached() -> None:
 if __name__ == "__main__":
     if sys.argv[1] != "plain":
         render(draw=sys.argv[1] == "rendered")
-    loops_generators_closures()
+    loops_closures_recursion()
     if sys.argv[1] != "simulated":
-        containers()
-        ufuncs()
-        classes_and_made_functions()
         cached()

@@ -4,8 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from numba import TypingError, njit
+from numba import TypingError, float64, njit
 
+from strandcli.jit import device, inlined
 from strandcli.jit.pruned import device_where
 
 
@@ -53,3 +54,24 @@ def test_what_is_not_needed_is_not_even_typed() -> None:
     assert call_broken(Bare(NUMBERS)) == 0.0
     with pytest.raises(TypingError, match="no_such_field"):
         call_broken(Whole(NUMBERS))
+
+
+def leaf(x: Any) -> Any:
+    return 2.0 * x + 1.0
+
+
+@pytest.mark.parametrize(("how", "forced"), [(device, False), (inlined, True)], ids=["device", "inlined"])
+def test_a_function_does_not_inherit_forced_inlining_from_its_caller(how: Any, forced: bool) -> None:
+    callee = how(leaf)
+
+    @inlined
+    def middle(x: Any) -> Any:
+        return callee(x)
+
+    @njit
+    def outer(x: Any) -> Any:
+        return middle(x)
+
+    assert outer(3.0) == 7.0
+    assert callee.overloads[(float64,)].signature.args == (float64,)
+    assert ("alwaysinline" in callee.inspect_llvm((float64,))) is forced

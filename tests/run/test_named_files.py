@@ -13,7 +13,6 @@ import strandcli
 from strandcli.errors import UsageError
 from strandcli.meshes.make import RawMesh, mesh_of
 from strandcli.plan import make_plan
-from strandcli.scene.named_files import naming_files
 
 ROD = "solver: rod\nrules: [gravity]"
 HEAD = "{kind: sphere, radius: 0.1}, {kind: mesh, size: 0.2, file: "
@@ -86,15 +85,6 @@ def test_a_file_that_is_gone_when_it_is_drawn_has_its_key(key: str, text: str, f
         path.unlink()
     with pytest.raises(UsageError, match=rf"^{key}: {folder}/gone\.\w+: no such file"):
         next(strandcli.render(scene, [1]))
-
-
-def test_messages_that_name_a_key_stay() -> None:
-    scene = strandcli.load("fox")
-    path = scene.emitter.shape.file
-    for text in (f"{path}: emitter.shape.density: is 0", "other.ply: is damaged"):
-        with pytest.raises(UsageError) as told, naming_files(scene):
-            raise UsageError(text)
-        assert str(told.value) == text
 
 
 @pytest.mark.parametrize("bad", ["mesh", "strands", "picture"])

@@ -64,14 +64,6 @@ def test_a_strand_does_not_depend_on_the_others(everything: Scene) -> None:
         np.testing.assert_array_equal(moved(changed(everything, strands=count), 3, plain=False), many[:count])
 
 
-def test_seeds_change_everything_that_is_random(everything: Scene, frames: list[Frame]) -> None:
-    other = frames_of(dataclasses.replace(everything, seed=5), 1)[0]
-    assert other.positions is not None
-    assert frames[0].positions is not None
-    both = min(len(other.positions), len(frames[0].positions))  # how many are near enough to be drawn depends on it too
-    assert (other.positions[:both] != frames[0].positions[:both]).mean() > 0.99
-
-
 def test_portions_of_a_large_groom_give_the_same_picture(
     everything: Scene, frames: list[Frame], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -124,32 +116,6 @@ def test_where_threads_cannot_run_kernels_at_once_frames_are_drawn_one_by_one_an
     told.clear()
     assert len(list(render(scene, [1, 2], threads=2, notify=told.append))) == 2
     assert ONE_BY_ONE not in told
-
-
-def test_frames_hold_what_was_asked_for(everything: Scene) -> None:
-    (frame,) = render(everything, [1])
-    assert frame.positions is None
-    assert frame.image is not None
-    (frame,) = render(everything, [2], draw=False, keep_positions=True)
-    assert frame.image is None
-    assert frame.positions is not None
-    assert frame.positions.shape == (700, 5, 3)
-    assert frame.positions.dtype == np.float32
-    assert set(frame.report["seconds"]) == {"simulate"}
-    assert frame.report["error"]["penetration_max"] >= 0
-
-
-def test_reports_tell_stages_counts_and_errors(frames: list[Frame]) -> None:
-    report = frames[1].report
-    assert report["frame"] == 4
-    assert set(report["seconds"]) == {"simulate", "curves", "shadow", "raster", "shade", "film"}
-    assert all(seconds >= 0 for seconds in report["seconds"].values())
-    counts = report["counts"]
-    assert counts["particles"] == 5 * counts["strands"]
-    assert counts["segments"] >= 4 * counts["strands"]
-    assert 0 < counts["fragments"] < 200 * 260
-    assert report["error"]["nonfinite"] == 0
-    assert 0 < report["error"]["curve_px_max"] < 2
 
 
 def test_positions_that_were_simulated_before_give_the_same_pictures() -> None:

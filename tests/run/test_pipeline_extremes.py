@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from strand_kit import frames_of
-from strandcli.constants import W
 from strandcli.draw.film.kernels import film
 from strandcli.scene import Scene, loads
 from strandcli.simulate.rules import registry
@@ -51,9 +50,7 @@ CHANGES: dict[str, dict[str, Any]] = {
         "emitter.jitter": 0,
         "rules": [],
     },
-    "a strand over a block": {"emitter.strands": W + 1},
     "lengths down to nothing": {"emitter.length_variation": 1, "emitter.strands": 500},
-    "jitter all round": {"emitter.jitter": 180},
     "a cap without area": {"emitter.shape.cap": 1e-9},
     "roots in one place": {"emitter.shape": {"kind": "plane", "width": 1e-9, "depth": 1e-9}},
     "far from the origin": {
@@ -61,37 +58,24 @@ CHANGES: dict[str, dict[str, Any]] = {
         "camera": {"position": [1e6, 2e6, -1e6 + 4], "target": [1e6, 2e6, -1e6]},
     },
     "camera inside the hair": {"camera.position": [0, 0, 0.8]},
-    "camera inside a solid": {"camera.position": [0.1, 0, 0.1], "camera.target": [3, 0, 0]},
-    "camera at a root": {"camera.position": [0, 0.5, 0], "camera.target": [0, 0.5, 1]},
     "camera that sees nothing": {"camera.target": [0, 0.5, 8]},
     "near plane behind everything": {"camera.near": 1e9},
     "hardly any field of view": {"camera.fov": 1e-9},
-    "nearly half of all directions": {"camera.fov": 179.999},
-    "orthographic": {"camera.kind": "orthographic"},
     "orthographic inside the hair": {"camera.kind": "orthographic", "camera.position": [0, 0, 0.3]},
     "orthographic of no height": {"camera.kind": "orthographic", "camera.height": 1e-9},
     "one pixel": {"image.size": [1, 1]},
-    "one row": {"image.size": [64, 1]},
-    "one column": {"image.size": [1, 70]},
-    "many samples": {"image.size": [3, 2], "image.supersample": 8},
     "no light from the lights": {"lights.0.intensity": 0, "lights.1.colour": [0, 0, 0]},
-    "light in the middle of the hair": {"lights.1.position": [0, 0.6, 0.3]},
     "light at a root": {"lights.1.position": [0, 0.5, 0]},
-    "light inside a solid": {"lights.1.position": [0, 0.1, 0]},
     "light very far away": {"lights.1.position": [1e8, 1e9, 1e7], "lights.1.intensity": 1e9},
     "glaring light": {"lights.0.intensity": 1e9, "image.exposure": 20},
-    "hardly any exposure": {"image.exposure": -20},
     "maps of one texel": {"lights.0.shadow.size": 1, "lights.1.shadow.size": 1},
-    "maps of two texels": {"lights.0.shadow.size": 2, "lights.1.shadow.size": 2},
     "a bias beyond everything": {"lights.0.shadow.bias": 1e9},
     "hair of no width": {"material.width": 1e-9},
     "hair as wide as the world": {"material.width": 1e9, "image.size": [8, 6]},
-    "wide and tapering to nothing": {"material.width": 0.05, "material.taper": 1},
     "black": {"material.colour": [0, 0, 0], "material.tip_colour": [0, 0, 0], "ambient": [0, 0, 0]},
     "whiter than white": {"material.colour": [1e9, 1, 0], "ambient": [1e9, 1, 0]},
     "sharpest highlights": {"material.beta": 0.1, "material.azimuthal": 1, "material.specular": 10},
     "finest curves": {"curves.level": 8, "curves.tolerance": 1e-9, "emitter.strands": 5},
-    "fixed curves": {"curves.mode": "fixed", "curves.level": 8, "emitter.strands": 5},
     "tiny solids": {
         "solids.0.radius": 1e-9,
         "solids.1.radius": 1e-9,
@@ -100,10 +84,6 @@ CHANGES: dict[str, dict[str, Any]] = {
     },
     "huge solids": {"solids.0.radius": 1e9, "solids.1.radius": 1e9, "solids.3.size": [1e9] * 3},
     "a storm": {"wind.strength": 1e6, "gravity.acceleration": [0, -1e6, 0]},
-    "many substeps": {"time.substeps": 50},
-    "hardly any time": {"time.fps": 100_000},
-    "a second a frame": {"time.fps": 1},
-    "preroll": {"time.preroll": 1},
     "level of detail": {"detail": {"near": 1e-9, "fraction": 1e-9}},
 }
 for _scale in (1e-5, 1e-3, 1e3, 1e6):
@@ -177,17 +157,14 @@ FINE: dict[str, Any] = {
 """Everything that the source has not."""
 FINE_CHANGES: dict[str, dict[str, Any]] = {
     "smooth as glass": {"material.beta_m": 0.001, "material.beta_n": 0.001},
-    "matt": {"material.beta_m": 1, "material.beta_n": 1},
     "without pigment": {"material.pigment": "white"},
     "blacker than black": {"material.eumelanin": 50, "material.pheomelanin": 50},
     "without any opacity": {"material.opacity": 0},
-    "tips of no width": {"material.taper": 1},
     "maps of one layer and of many": {"lights.0.shadow.layers": 1, "lights.1.shadow.layers": 61},
     "texels of no size": {"lights.0.shadow.texel": 1e-9, "lights.1.shadow.texel": 1e9},
     "hardly a strand left": {"detail": {"pixels": 100}},
     "an open lens and shutter": {"camera.aperture": 0.1, "camera.shutter": 0.5, "camera.samples": 3},
     "locks of a strand each": {"children.clumps": [{"size": 1e-6, "strength": 1}]},
-    "one lock": {"children.clumps": [{"size": 1e9, "strength": 1}]},
     "waves beyond all bounds": {"children.waves": [{"radius": 1e6, "length": 1e-6, "round": 1}]},
     "strands cut to nothing": {"children.cut": 0.999, "children.undercoat": 1, "children.undercoat_length": 0.001},
 }
@@ -217,27 +194,3 @@ def test_the_same_scene_at_another_scale_is_the_same_picture(scale: float) -> No
     assert other is not None
     assert len(np.unique(usual)) > 50
     assert np.abs(usual.astype(int) - other).mean() < 1.0
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"lights": []},
-        {"lights": [], "ambient": [0, 0, 0]},
-        {"lights": [{"kind": "point", "intensity": 0}]},
-        {"lights": [{"kind": "directional", "shadow": {"model": "off"}}]},
-        {"rules": []},
-        {"curves.mode": "off", "emitter.particles": 2},
-        {"image.horizon": [0.5, 0.4, 0.3]},
-    ],
-)
-def test_scenes_that_leave_stages_out(changes: dict[str, Any], linear: list[np.ndarray]) -> None:
-    changes = {"lights": [{"kind": "directional", "shadow": {"model": "off"}}]} | changes
-    (frame,) = frames_of(scene_of(UNLIT, changes), 2, threads=1)
-    assert frame.image is not None
-    assert frame.image.shape == (16, 20, 3)
-    assert np.isfinite(linear[0]).all()
-    dark = changes["lights"] in ([], [{"kind": "point", "intensity": 0}])
-    assert frame.report["counts"]["fragments"] > 20
-    if dark and changes.get("ambient"):  # hair that nothing shines on is black
-        assert (linear[0] == 0).any()

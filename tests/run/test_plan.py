@@ -16,7 +16,6 @@ from strandcli.draw.shadows.shadow import plan_maps
 from strandcli.plan import Plan, make_plan, needs_shadow_maps
 from strandcli.scene import Scene, load
 from strandcli.simulate.rules import registry
-from strandcli.simulate.thesis import compose
 from tests.run.test_pipeline_extremes import EVERYTHING, UNLIT
 
 BOUNDS = np.array([[-1.0, -1, -1], [1, 1, 1]])
@@ -88,33 +87,6 @@ def test_a_frame_has_no_more_segments_than_planned() -> None:
         (frame,) = frames_of(scene, 1)
         assert 0 < frame.report["counts"]["segments"] <= make_plan(scene, [1]).segments_max
     assert frames_of(scene_of(UNLIT + "curves: {mode: fixed}\n"), 1)[0].report["counts"]["segments"] == 20 * 2 * 4
-
-
-@pytest.mark.parametrize(
-    "rules",
-    [
-        "",
-        "gravity, elasticity",
-        "emitter_motion, gravity: {acceleration: [0, 0, 0]}, wind: {strength: 0}, stiffness: {strength: 0}, elasticity",
-        "emitter_motion, gravity, wind, stiffness, collision, elasticity",
-    ],
-)
-@pytest.mark.parametrize("text", [EVERYTHING, UNLIT])
-def test_rules_that_are_planned_are_those_that_are_composed(rules: str, text: str) -> None:
-    head, _, tail = text.partition("rules:")
-    rest = tail[tail.index("camera:" if "camera:" in tail else "emitter:") :]
-    scene = scene_of(f"{head}{rest}rules: [{rules}]\n")
-    used, left = stages(make_plan(scene, [1]))
-    composed = compose.source(solver_of(scene, plain=True).passes)
-    for name in ("emitter_motion", "gravity", "wind", "stiffness", "collision", "elasticity"):
-        assert (f"rule {name}" in used) != (f"rule {name}" in left)
-        room = "solids.kernels." if name == "collision" else f"rules.{name}"
-        assert (f"rule {name}" in used) == (room in composed)
-    if "gravity:" in rules:
-        assert left["rule gravity"] == "its acceleration is zero"
-    if not rules:
-        assert left["rule wind"] == "the preset does not list it"
-        assert ("emitter keys" in left) == (len(scene.emitter.keys) > 1)
 
 
 def shadowless(text: str) -> Scene:

@@ -14,14 +14,17 @@ import pytest
 from plan_figures import measured
 from strand_kit import scene_of
 from strandcli.errors import RefusedError
+from strandcli.groom.blocks import arranged
 from strandcli.groom.emit import emit
 from strandcli.plan import available_memory, checked_plan, libraries, limits, make_plan
 from strandcli.plan import make as making
 from strandcli.plan import require as planning
+from strandcli.plan.grid import grid_bytes
 from strandcli.plan.memory import motion_bytes
 from strandcli.simulate.rod.precision import needs_double, shortest_segment
 from strandcli.simulate.rod.solver import RodSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
+from tests.simulate.test_grid import BALL, solver_of
 
 
 def bytes_of(strands: int = 80, particles: int = 5, size: int = 40, draw: bool = True) -> int:
@@ -176,3 +179,22 @@ def test_memory_is_what_a_run_takes(tmp_path: Path) -> None:
         pytest.skip("measured by wait4")
     found = measured(("minimal", "--size", "320x240", "-f", "1"), tmp_path, timed=False)
     assert found.within(), f"{found.planned / 1e6:.0f} MB planned, {found.peak / 1e6:.0f} MB measured"
+
+
+TEXT = f"emitter: {{{BALL}, strands: 900}}\nrules: [gravity, interaction: {{density: 3000, cell: %s}}]"
+
+
+def test_fine_cells_are_counted_as_the_solver_takes_them() -> None:
+    """All but what arrays have in reserve, a fifth; parts of a ball reach other shares of its box
+    than those of a head, by which bytes a cell were measured."""
+    scene = solver_of(TEXT % 0.005).scene
+    solver = RodSolver(scene, arranged(emit(scene.emitter, scene.seed)))  # as runs have them
+    assert solver.grid is not None
+    solver.advance(2)
+    taken = (solver.grid._cells.nbytes + solver.grid.memory.nbytes) / 1.2
+    assert grid_bytes(solver.scene, 900) == pytest.approx(taken, rel=0.25)
+
+
+def test_usual_cells_and_scenes_without_the_rule_are_not_counted() -> None:
+    assert grid_bytes(solver_of(TEXT % 0.05).scene, 900) == 0
+    assert grid_bytes(solver_of(f"emitter: {{{BALL}, strands: 900}}\nrules: [gravity]").scene, 900) == 0

@@ -51,10 +51,6 @@ def test_the_distance_of_strands_is_that_which_maps_are_made_for(kind: str, stra
     assert some.seen.radius == pytest.approx(found.seen.radius, rel=0.2)
 
 
-def test_a_single_strand_has_no_neighbour(tmp_path: Path) -> None:
-    assert from_file(GroomFile(groom(tmp_path / "a.npz", "brush", 1)), 0).seen.spacing == 0
-
-
 @pytest.mark.parametrize("strands", [300, 3000])
 @pytest.mark.parametrize("kind", KINDS)
 def test_opacity_maps_of_a_file_are_planned(

@@ -1,4 +1,4 @@
-"""Names and paths of presets: what is found, what is hidden, and what is no preset."""
+"""Names and paths of presets: what is found, what is hidden, what is no preset, and how presets are described."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from scene_files import fails, make_library, write
 from scene_kit import RULES
-from strandcli.scene import load
+from strandcli.scene import describe_preset, load
 
 
 @pytest.fixture(autouse=True)
@@ -83,3 +83,26 @@ def test_the_size_is_capped_before_all_is_read() -> None:
     with Path("big.yaml").open("wb") as file:
         file.truncate(1 << 40)  # a sparse terabyte
     assert fails("big.yaml") == "big.yaml:1:1: is larger than 1048576 bytes; is it a preset?"
+
+
+@pytest.mark.parametrize(
+    ("text", "shows"),
+    [
+        ("# A comment\ntitle: Long hair\n", "Long hair"),
+        ("emitter:\n  title: no\n", ""),
+        ("# Faulty\ntitle: [\n", "Faulty"),
+        ("", ""),
+        ("\ufefftitle: marked\n", "marked"),
+    ],
+)
+def test_a_preset_is_described_by_its_title_or_first_comment(tmp_path: Path, text: str, shows: str) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text(text, "utf-8")
+    assert describe_preset(path) == shows
+
+
+def test_what_cannot_be_read_has_no_description(tmp_path: Path) -> None:
+    assert describe_preset(tmp_path / "none.yaml") == ""
+    binary = tmp_path / "b.yaml"
+    binary.write_bytes(bytes(range(256)))
+    assert describe_preset(binary).isprintable()

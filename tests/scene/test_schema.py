@@ -1,4 +1,5 @@
-"""The JSON Schema agrees with the validator: what loads fits it, and it refuses what the validator refuses."""
+"""The JSON Schema agrees with the validator: what loads fits it, and it refuses what the validator refuses; the
+reference of presets has every key of it."""
 
 from __future__ import annotations
 
@@ -14,10 +15,12 @@ from hypothesis import strategies as st
 
 from scene_kit import RULES, error_of, scene
 from scene_strategies import single_scenes
-from strandcli.scene import Scene, dump, json_schema, loads, to_dict
+from strandcli.scene import dump, json_schema, loads, to_dict
 from strandcli.scene.fields import settings_of
-from strandcli.scene.model import LIGHTS, SOLIDS
+from strandcli.scene.model import LIGHTS, SOLIDS, Scene
+from strandcli.scene.reference import markdown, sections
 from strandcli.scene.specs import Spec
+from strandcli.simulate.rules import registry
 
 SCHEMA = json_schema(RULES)
 
@@ -226,3 +229,30 @@ def test_rules_with_parameter_classes_of_one_name_do_not_mix() -> None:
     schema = json_schema({"a": rule("a", "left"), "b": rule("b", "right")})
     keys = [part["properties"] for name, part in schema["$defs"].items() if name.startswith("Key")]
     assert [list(properties) for properties in keys] == [["left"], ["right"]]
+
+
+TEXT = markdown(registry())
+
+
+def rows(title: str) -> dict[str, list[str]]:
+    """The table under a heading: the cells of each row by its key."""
+    part = TEXT.split(f"\n## {title}\n")[1].split("\n## ")[0]
+    cells = [line.strip("| ").split(" | ") for line in part.splitlines() if line.startswith("| `")]
+    return {row[0].strip("`"): row for row in cells}
+
+
+def test_each_key_of_the_schema_stands_in_a_table() -> None:
+    """What most kinds of an entry share stands once, in the table before theirs."""
+    keys = set(settings_of(Scene))
+    for section in sections():
+        if not section.shared:
+            own = set(rows(section.title))
+            shared = set(rows(section.title.split(" of kind ")[0])) if section.kinds else set()
+            assert own | shared == set(settings_of(section.model))
+            keys |= own | shared
+    for rule in registry().values():
+        keys |= set(rows(f"rules: `{rule.name}`"))
+    definitions = json_schema(registry())["$defs"].values()
+    assert keys == {*settings_of(Scene), *(key for one in definitions for key in one["properties"])}
+    titles = [section.title for section in sections()]
+    assert len(titles) == len(set(titles))

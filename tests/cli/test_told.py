@@ -1,4 +1,4 @@
-"""Warnings are said once a run, whatever number of panels, frames or grooms they are of."""
+"""What is told of a run as a whole: warnings once, whatever they are of, and bytes on disk before and after."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 
 from cli_runs import TINY, Runner
 from strandcli.cli.progress import Progress, warner
+from strandcli.output.files import megabytes
 
 
 @pytest.fixture
@@ -42,3 +43,19 @@ def test_a_warning_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
             warn(words)
     assert capsys.readouterr().err == "warning: a\nwarning: b\n"
     assert recorded == ["a", "b"]
+
+
+def test_sizes_of_what_is_written_are_told_before_and_after(run: Runner) -> None:
+    aovs = ["--set", "image.aovs=[depth, tangent]"]
+    told = json.loads(run("plan", "tiny.yaml", "-f", "1-2", *aovs, "--json").out)
+    assert told["frame_bytes"] == round((1.5 + 6 * 4) * 64 * 48)
+    plain = run("plan", "tiny.yaml", "-f", "1-2", *aovs)
+    assert "  at most about 78 kB of files a frame, 157 kB for 2 frames\n" in plain.out
+    done = run("render", "tiny.yaml", "-f", "1-2", "-o", "a", "--animate", "gif", *aovs)
+    files = [path for path in Path("a").iterdir() if not path.name.startswith("report.")]
+    assert len(files) == 2 + 2 * 2 * 2 + 1
+    assert done.error().endswith(f"; {megabytes(sum(path.stat().st_size for path in files))}")
+    frames = [path for path in files if path.suffix != ".gif"]
+    assert sum(path.stat().st_size for path in frames) <= 2 * told["frame_bytes"]
+    again = run("render", "tiny.yaml", "-f", "1-2", "-o", "a", "--resume", *aovs)
+    assert again.error().endswith(f"; 2 kept; {megabytes(sum(path.stat().st_size for path in frames))}")
