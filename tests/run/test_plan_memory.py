@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from plan_figures import measured
+from rod_kit import rod_of
 from strand_kit import scene_of
 from strandcli.errors import RefusedError
 from strandcli.groom.blocks import arranged
@@ -24,7 +25,7 @@ from strandcli.plan.memory import motion_bytes
 from strandcli.simulate.rod.precision import needs_double, shortest_segment
 from strandcli.simulate.rod.solver import RodSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
-from tests.simulate.test_grid import BALL, solver_of
+from tests.simulate.test_grid import BALL
 
 
 def bytes_of(strands: int = 80, particles: int = 5, size: int = 40, draw: bool = True) -> int:
@@ -187,7 +188,7 @@ TEXT = f"emitter: {{{BALL}, strands: 900}}\nrules: [gravity, interaction: {{dens
 def test_fine_cells_are_counted_as_the_solver_takes_them() -> None:
     """All but what arrays have in reserve, a fifth; parts of a ball reach other shares of its box
     than those of a head, by which bytes a cell were measured."""
-    scene = solver_of(TEXT % 0.005).scene
+    scene = rod_of(TEXT % 0.005).scene
     solver = RodSolver(scene, arranged(emit(scene.emitter, scene.seed)))  # as runs have them
     assert solver.grid is not None
     solver.advance(2)
@@ -196,5 +197,5 @@ def test_fine_cells_are_counted_as_the_solver_takes_them() -> None:
 
 
 def test_usual_cells_and_scenes_without_the_rule_are_not_counted() -> None:
-    assert grid_bytes(solver_of(TEXT % 0.05).scene, 900) == 0
-    assert grid_bytes(solver_of(f"emitter: {{{BALL}, strands: 900}}\nrules: [gravity]").scene, 900) == 0
+    assert grid_bytes(rod_of(TEXT % 0.05).scene, 900) == 0
+    assert grid_bytes(rod_of(f"emitter: {{{BALL}, strands: 900}}\nrules: [gravity]").scene, 900) == 0
