@@ -12,17 +12,11 @@ from strandcli.cli.progress import Progress, warner
 from strandcli.output.files import megabytes
 
 
-@pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
+def test_panels_share_their_warnings(run: Runner) -> None:
     panels = "panels: [{label: one, set: {seed: 1}}, {label: two, set: {seed: 2}}]\n"
     text = TINY.replace("frames: 12", "frames: 12, loop: true")
     text = text.replace("length: 0.6", "length: 0.6, keys: [{time: 0}, {time: 0.4, position: [1, 0, 0]}]")
-    (tmp_path / "two.yaml").write_text(text + "material: {width: 0.0003}\n" + panels)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
-def test_panels_share_their_warnings(run: Runner) -> None:
+    Path("two.yaml").write_text(text + "material: {width: 0.0003}\n" + panels)
     loop, thin = run("plan", "two.yaml").err.splitlines()
     assert loop.startswith("warning: one, two: emitter: time.loop repeats")
     assert thin.startswith("warning: one, two: strands 0.3 mm wide")
