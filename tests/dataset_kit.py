@@ -1,4 +1,4 @@
-"""Small data sets of made-up strands, and a bank of Gabor filters of its own."""
+"""Small data sets of made-up strands."""
 
 from __future__ import annotations
 
@@ -60,34 +60,6 @@ def picture(path: Path) -> npt.NDArray[np.uint8]:
 def manifest(folder: Path) -> dict[str, Any]:
     """What dataset.json holds."""
     return dict(json.loads((folder / "dataset.json").read_text()))
-
-
-def gabor(image: npt.NDArray[np.uint8], step: int = 1) -> tuple[Floats, Floats]:
-    """Angle in degrees and variance in radians² of every pixel, (height, width), by filters every ``step`` degrees.
-
-    Filters are waves of .23 a pixel under a bell of deviations 1.8 across the wave and 2.4 along its crests, after a
-    difference of bells of deviations .4 and 10; by Fourier transforms, so that borders wrap.
-    """
-    grey = image @ np.array([0.2989, 0.5870, 0.1140])
-    height, width = grey.shape
-    v, u = np.meshgrid(2 * np.pi * np.fft.fftfreq(height), 2 * np.pi * np.fft.fftfreq(width), indexing="ij")
-    square = u * u + v * v
-    bells = np.exp(-0.5 * 0.4**2 * square) - np.exp(-0.5 * 10**2 * square)
-    spectrum = np.fft.fft2(grey) * bells
-    angles = np.radians(np.arange(0, 180, step))
-    answers = []
-    for angle in angles:
-        # crests run along (sin, cos), right and down; the wave goes across them
-        across = u * math.cos(angle) - v * math.sin(angle)
-        along = u * math.sin(angle) + v * math.cos(angle)
-        wave = 2 * np.pi * 0.23
-        bell = sum(np.exp(-0.5 * (1.8 * (across - sign * wave)) ** 2 - 0.5 * (2.4 * along) ** 2) for sign in (-1, 1))
-        answers.append(np.abs(np.fft.ifft2(spectrum * bell).real))
-    every = np.stack(answers)
-    best = angles[every.argmax(0)]
-    apart = np.abs(best - angles[:, None, None])
-    apart = np.minimum(apart, np.pi - apart)
-    return np.degrees(best), (apart**2 * every).sum(0) / every.sum(0)
 
 
 def apart(a: npt.ArrayLike, b: npt.ArrayLike) -> Floats:

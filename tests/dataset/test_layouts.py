@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 import dataset_kit as kit
-from strandcli.cameras.pinhole import from_dict
+from strandcli.cameras.pinhole import Pinhole, from_dict
 from strandcli.dataset import orientation
+from strandcli.dataset.labels import directions
 from strandcli.dataset.studio import Studio
 
 WIDE = {"material.width": 0.12, "material.taper": 0}
@@ -174,3 +175,24 @@ def test_files_of_all_views_together(tmp_path: Path) -> None:
             assert (tmp_path / "nerfstudio" / frame[key]).is_file()
         up = np.array(frame["transform_matrix"])[:3, 1]
         assert up[2] > 0.5  # the camera's up is that of a world whose z is up
+
+
+@pytest.mark.parametrize("perspective", [True, False])
+def test_directions_are_those_of_steps_along_the_strand(perspective: bool) -> None:
+    rng = np.random.default_rng(3)
+    axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    rotation = axes * np.sign(np.linalg.det(axes))
+    view = Pinhole("a", 64, 48, 30.0, (20.0, 30.0), rotation, rng.normal(size=3), perspective)
+    rows, columns = rng.integers(0, 48, 300), rng.integers(0, 64, 300)
+    tangents = rng.normal(size=(300, 3))
+    tangents /= np.linalg.norm(tangents, axis=1)[:, None]
+    flat = (np.stack([columns, rows], 1) + 0.5 - view.centre) / view.focal
+    here = np.column_stack([2 * flat if perspective else flat, np.full(300, 2.0)]) @ rotation + view.eye
+    assert np.abs(view.project(here) - np.stack([columns, rows], 1) - 0.5).max() < 1e-9
+    step = view.project(here + 1e-6 * tangents) - view.project(here - 1e-6 * tangents)
+    step /= np.linalg.norm(step, axis=1)[:, None]
+    found = directions(tangents.astype(np.float32), rows, columns, view)
+    assert np.median(np.abs(found - step).max(1)) < 1e-5
+    assert np.abs(found - step).max() < 1e-2  # where strands are seen all but end on
+    end_on = directions(rotation[2:].astype(np.float32), np.array([29]), np.array([19]), view)
+    assert np.isfinite(end_on).all()

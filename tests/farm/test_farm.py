@@ -152,17 +152,6 @@ def test_a_scene_without_motion_is_not_simulated(run: Runner) -> None:
     assert "add --overwrite" in again.error()
 
 
-@pytest.mark.skipif(shutil.which("sh") is None, reason="no POSIX shell")
-def test_a_job_that_meets_motion_of_another_film_says_what_to_do_with_it(run: Runner) -> None:
-    farm = [*FARM, "--target", "slurm", "-o", "job", "--overwrite"]
-    found = []
-    for change in ("seed=1", "seed=2"):
-        assert run(*farm, "--set", change).code == 0
-        found.append(shell(Path("job"), ["sh", "job.sh", "simulate"], "sbatch", SBATCH))
-    assert [one.returncode for one in found] == [0, 2]
-    assert "mix two motions; empty positions, add --overwrite" in found[1].stderr
-
-
 @given(st.text(max_size=30))
 @example("0" * 13)
 def test_no_name_gets_out_of_its_comment_or_its_quotes(name: str) -> None:

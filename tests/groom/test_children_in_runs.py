@@ -17,7 +17,7 @@ from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
 from strandcli.meshes.make import make_mesh
 from strandcli.scene.model import Camera
-from tests.groom.test_children import LOCKS, SCENE, WAVES, bent, emitted, family, grown, steps
+from tests.groom.test_children import LOCKS, SCENE, WAVES, bent, family, grown, steps
 
 
 def test_children_go_along_from_frame_to_frame() -> None:
@@ -78,21 +78,6 @@ def test_children_slide_along_a_mesh_with_their_lengths(tmp_path: Path) -> None:
     before = np.minimum.accumulate(away(free), 1) > 0.02  # up to where they come near it
     assert before.sum() > 500
     np.testing.assert_array_equal(kept[:, 2:][before], free[:, 2:][before])
-
-
-def test_children_of_a_guide_that_is_lost_are_left_out_and_no_others() -> None:
-    scene, children = family(clumps=LOCKS)
-    guides, rest = bent(scene)
-    whole, _ = grown(children, guides, rest)
-    guides[5, 3] = np.nan
-    tones, ids = children.select(pack(guides))
-    assert ids is not None
-    assert 5 not in ids
-    assert 0.3 * children.count < len(ids) < children.count
-    left, _ = grown(children, guides, rest, len(ids))
-    assert np.isfinite(children.grow(pack(guides), lanes(rest[:, None]), 0.0, ids, Scratch())[0]).all()
-    np.testing.assert_array_equal(left, whole[np.sort(ids)])
-    np.testing.assert_array_equal(tones, emitted(children).tones[ids])
 
 
 def test_a_run_goes_on_with_the_children_that_are_left() -> None:

@@ -10,6 +10,7 @@ from PIL import Image
 
 from mesh_kit import sphere
 from scene_kit import scene
+from strand_kit import frames_of
 from strandcli.compiling import runtime
 from strandcli.errors import UsageError
 from strandcli.groom.blocks import arranged
@@ -209,6 +210,10 @@ def test_another_unit_is_told(ball: str) -> None:
     assert said(1.0) == []
     for scale in (100.0, 0.001):
         assert "another unit" in said(scale)[0]
+    told: list[str] = []
+    large = scene(f"emitter: {{shape: {{kind: mesh, file: {ball}, scale: 100}}, strands: 9, length: 0.1}}\nrules: []\n")
+    frames_of(large, 1, draw=False, warn=told.append)
+    assert any("another unit" in words for words in told)
 
 
 def test_what_cannot_be_used_is_refused(ball: str, tmp_path: Path) -> None:

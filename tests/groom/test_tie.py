@@ -7,7 +7,6 @@ import dataclasses
 from typing import Any
 from unittest.mock import patch
 
-import numba
 import numpy as np
 import pytest
 
@@ -110,17 +109,3 @@ def test_the_combed_parts_of_many_are_those_of_each() -> None:
     np.testing.assert_array_equal(Combed(scene, near).points, points[near.places])
     with patch("strandcli.groom.combed.BATCH", 77):
         np.testing.assert_array_equal(Combed(scene, groom).points, points)
-
-
-def test_a_strand_does_not_depend_on_how_many_there_are_nor_on_threads() -> None:
-    tie = dataclasses.replace(TIE, slack=0.01)
-    many = combed(emitter_of(tie=tie))
-    np.testing.assert_array_equal(combed(emitter_of(tie=tie, strands=100)), many[:100])
-    scene = scene_of(SCENE.replace("lift: 0.012", "lift: 0.012, over: [skull, face, bump]") + SOLIDS)
-    before = numba.get_num_threads()
-    all_threads = combed(scene.emitter, scene)
-    try:
-        numba.set_num_threads(1)
-        np.testing.assert_array_equal(combed(scene.emitter, scene), all_threads)
-    finally:
-        numba.set_num_threads(before)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import numpy as np
@@ -98,25 +97,6 @@ def test_they_are_drawn_in_place_of_what_is_tied_and_move_with_the_emitter() -> 
     np.testing.assert_allclose((now[short] - shift) @ rotation, first[short], atol=1e-7)
     assert now.shape[1] == 1 + TIED + 6
     assert np.linalg.norm(np.diff(first[short, 1:], axis=1), axis=2).sum(1).max() < 1.3 * scene.emitter.tie.wisp_length
-
-
-def test_each_is_itself_whichever_others_are_drawn_and_wherever_it_stands() -> None:
-    scene = scene_of(SCENE % 0.7)
-    groom = emit(scene.emitter, scene.seed)
-    short = Combed(scene, groom).short
-    whole = joined(scene, groom, 0.5)
-    some = np.array([short[3], 299, short[0], 7, short[-1]], np.int32)
-    np.testing.assert_array_equal(joined(scene, groom, 0.5, some), whole[some])
-    order = np.random.default_rng(3).permutation(300).astype(np.int32)
-    assert groom.grown is not None
-    other = dataclasses.replace(
-        groom, roots=groom.roots[order], directions=groom.directions[order], lengths=groom.lengths[order],
-        tones=groom.tones[order], grown=groom.grown[order], places=order,
-    )  # fmt: skip
-    np.testing.assert_array_equal(np.sort(order[Combed(scene, other).short]), short)
-    moved = joined(scene, other, 0.5)
-    names = np.flatnonzero(np.isin(order, short))
-    np.testing.assert_allclose(moved[names], whole[order[names]], atol=1e-9)
 
 
 @pytest.mark.parametrize("text", ["wisps: 1.5", "wisp_length: 0"])

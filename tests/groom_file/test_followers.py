@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -128,23 +127,6 @@ def test_lengths_are_kept_and_roots_go_with_the_emitter(tmp_path: Path) -> None:
         pose = emitter_pose(given.emitter, (frame - 1) / given.time.fps)
         roots = first[:, 0].astype(float) @ np.array(pose.rotation).T + pose.translation
         assert np.abs(found[:, 0] - roots).max() < 1e-6
-
-
-def test_short_strands_among_long_ones_move_as_the_part_near_the_root_does(tmp_path: Path) -> None:
-    long = curls(400)
-    short = [one[:9] for one in curls(30, seed=8)]  # a fifth as long
-    given = moving(write(tmp_path / "a.data", [*long, *short]), emitter__groom__guides=12, rod__rest="shape")
-    found, first = drawn(given, 12), drawn(given, 1)
-    moved = np.linalg.norm(found - first, axis=2)
-    assert moved[:400, -1].mean() > 4 * moved[400:, -1].mean() > 0
-    stage, children = stage_of(given)
-    positions = stage.begin(12).positions
-    by_share = dataclasses.replace(children.following, reaches=np.ones_like(children.following.reaches))
-    worst = []
-    for following in (children.following, by_share):
-        twin = Followers(given, following, children.rest)
-        worst.append(float(twin.grow(positions, positions, 11 / 24, twin.select(positions)[1], Scratch())[1].max()))
-    assert worst[0] < 0.5 * worst[1]
 
 
 def test_a_parting_is_not_blended(tmp_path: Path) -> None:

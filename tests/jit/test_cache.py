@@ -11,14 +11,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from numba import config
 
 from strandcli.compiling import folder
 from strandcli.compiling.clock import clock
 from strandcli.compiling.service import service
-from strandcli.jit import function, parallel, prange, sources
+from strandcli.jit import function, sources
 from strandcli.jit.dispatcher import KernelDispatcher
 
 pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
@@ -32,12 +31,6 @@ def plus_one(x):
 @function
 def plus_two(x):
     return x + 2
-
-
-@parallel
-def doubled(values, out):
-    for i in prange(values.shape[0]):
-        out[i] = 2 * values[i]
 
 
 def fresh(kernel: Any) -> KernelDispatcher:
@@ -166,16 +159,6 @@ def test_a_full_disk_is_told_once_and_stops_nothing(place: Path, monkeypatch: py
         "point STRANDCLI_CACHE_DIR at a folder that can be written"
     ]
     assert not list(place.glob("*.part"))
-
-
-def test_a_loaded_kernel_with_a_parallel_loop_computes_what_the_compiled_one_does(place: Path) -> None:
-    values = np.linspace(0, 1, 1000)
-    out = np.zeros((2, 1000))
-    first, second = fresh(doubled), fresh(doubled)
-    first(values, out[0])
-    second(values, out[1])
-    assert (hits(first), hits(second)) == (0, 1)
-    np.testing.assert_array_equal(out, [2 * values, 2 * values])
 
 
 def test_an_entry_follows_the_text_of_all_modules_that_a_kernel_is_made_of(

@@ -19,7 +19,7 @@ from strandcli.compiling import folder, packs, processor
 from strandcli.compiling.service import service
 from strandcli.doctor import kernels
 from strandcli.errors import UsageError
-from strandcli.jit import cache, function, sources
+from strandcli.jit import cache, function
 from strandcli.jit.dispatcher import KernelDispatcher
 from strandcli.jit.kept import kept
 
@@ -260,9 +260,3 @@ def test_only_processors_that_this_machine_has_are_compiled_for(monkeypatch: pyt
         processor.choose("x86-64-v3")
     assert "NUMBA_CPU_NAME" not in os.environ
     assert processor.lacking("+avx2,-sse4a,+amx-tile,+avx512f") == ["amx-tile", "avx512f"]
-
-
-def test_a_pack_names_the_sources_of_its_kernels(pack: Path) -> None:
-    made = json.loads(parts(pack.read_bytes())[packs.MANIFEST])
-    assert made["sources"] == {__name__: sources.digest(__name__)}
-    assert set(made) == {"with", "processor", "sources"}

@@ -1,5 +1,10 @@
-"""What a type of argument does not need is not compiled."""
+"""What a type of argument does not need is not compiled; kernels from the cache need no dispatcher."""
 
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -75,3 +80,33 @@ def test_a_function_does_not_inherit_forced_inlining_from_its_caller(how: Any, f
     assert outer(3.0) == 7.0
     assert callee.overloads[(float64,)].signature.args == (float64,)
     assert ("alwaysinline" in callee.inspect_llvm((float64,))) is forced
+
+
+def test_a_draw_from_the_cache_makes_none_and_does_not_import_what_the_compiler_needs(tmp_path: Path) -> None:
+    program = (
+        "import sys\n"
+        "from strandcli.cli.main import main\n"
+        "assert main(sys.argv[1:]) == 0\n"
+        "from strandcli.jit.deferred import Deferred\n"
+        "there = [one for name, module in list(sys.modules.items()) if name.startswith('strandcli.')\n"
+        "         for one in vars(module).values() if isinstance(one, Deferred)]\n"
+        "print(len(there), sum(one._made is not None for one in there), 'numba.np.arrayobj' in sys.modules)\n"
+    )
+    arguments = [
+        "render",
+        "minimal",
+        "-f",
+        "1",
+        "--size",
+        "32x24",
+        "--quiet",
+        "--overwrite",
+        "-o",
+        str(tmp_path / "out"),
+    ]
+    for _ in range(2):  # the first may compile
+        command = [sys.executable, "-c", program, *arguments]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+    count, made, imported = done.stdout.split()
+    assert int(count) > 300
+    assert (made, imported) == ("0", "False")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +12,6 @@ import pytest
 from numba.np.ufunc import parallel
 
 from cli_runs import TINY, Runner, environment
-from strandcli import __version__
 from strandcli.compiling import runtime
 from strandcli.doctor import software
 from strandcli.doctor.finding import BROKEN
@@ -52,39 +50,6 @@ def run(cache: Path) -> list[str]:
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     return done.stdout.split("\n")
-
-
-@pytest.fixture(scope="module")
-def warm(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
-    """A cache that holds the kernels of the small simulation, and what the first run said."""
-    cache = tmp_path_factory.mktemp("cache")
-    return cache, run(cache)
-
-
-def test_kernels_are_compiled_once_and_then_loaded(warm: tuple[Path, list[str]]) -> None:
-    cache, (positions, compiled, folder, complaint, warnings, _) = warm
-    assert warnings == "[]"
-    assert complaint == "[]"
-    assert int(compiled) > 0
-    assert Path(folder) == cache / f"kernels-{__version__}"
-    assert stat.S_IMODE(Path(folder).stat().st_mode) == 0o700
-    assert list(Path(folder).glob("*.kernel"))
-    again = run(cache)
-    assert again[0] == positions
-    assert again[1] == "0"
-
-
-def test_a_folder_that_cannot_be_written_stops_nothing(warm: tuple[Path, list[str]], tmp_path: Path) -> None:
-    """Here because a file stands in its place; the kernels then live in a temporary folder as long as the process."""
-    (tmp_path / "file").write_text("not a folder", encoding="utf-8")
-    positions, compiled, folder, _, warnings, _ = run(tmp_path / "file" / "cache")
-    assert positions == warm[1][0]
-    assert int(compiled) > 0
-    assert tmp_path not in Path(folder).parents
-    assert not Path(folder).exists()
-    assert f"{tmp_path / 'file' / 'cache'}" in warnings
-    assert "every run will compile anew; point STRANDCLI_CACHE_DIR at" in warnings
-    assert (tmp_path / "file").read_text(encoding="utf-8") == "not a folder"
 
 
 @pytest.mark.parametrize(

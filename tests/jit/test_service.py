@@ -19,7 +19,6 @@ from strandcli.compiling.written import module_of
 from strandcli.draw.common.kernels import approximations
 from strandcli.draw.film.film import curve_of
 from strandcli.draw.film.kernels import film
-from strandcli.jit import function
 from strandcli.jit.dispatcher import KernelDispatcher
 
 pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
@@ -89,15 +88,6 @@ def test_a_worker_lives_that_imports_all_at_once(place: Path, preload: bool) -> 
     assert kernel(np.float32(0)) == 0
     assert hits(kernel) == 1
     mine().stop()
-
-
-def test_what_only_this_process_has_is_compiled_here(place: Path) -> None:
-    @function
-    def local(x):
-        return x + 1
-
-    assert local(1) == 2
-    assert mine()._first is None
 
 
 PAIR = "from typing import NamedTuple\n\nclass Pair(NamedTuple):\n    a: float\n    b: float\n"

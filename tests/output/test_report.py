@@ -49,6 +49,8 @@ def test_the_keys_are_those_of_the_design_page() -> None:
     assert set(data["totals"]) == {"seconds", "frames_per_second", "peak_rss_bytes"}
     assert data["totals"]["peak_rss_bytes"] > 10_000_000
     json.dumps(data, allow_nan=False)
+    empty = RunReport("hair", None, None).as_dict("failed", {}, None, None)
+    assert (empty["plan"], empty["machine"], empty["frames"]) == (None, None, [])
 
 
 def test_it_is_written_whole_and_read_again(tmp_path: Path) -> None:

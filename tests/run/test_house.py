@@ -1,13 +1,10 @@
-"""Rules of the code that no linter knows: how long files and functions are, and what may import what.
-
-`KNOWN` lists what still breaks a rule. It only gets shorter: an entry that nothing needs any more fails too.
-"""
+"""Rules of the code that no linter knows: how long files and functions are, and what may import what."""
 
 from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -36,14 +33,6 @@ FOR_KERNELS = (
     "strandcli.constants", "strandcli.jit", "strandcli.simd", "strandcli.draw.common.rows", "strandcli.solids",
 )  # fmt: skip
 """What modules in a folder `kernels` import beside kernels."""
-
-KNOWN: dict[str, set[str]] = {
-    "files": set(),
-    "functions": set(),
-    "arguments": set(),
-    "packages": set(),
-    "kernels": set(),
-}
 
 
 @cache
@@ -127,17 +116,10 @@ def is_command(name: str) -> bool:
     return name.startswith("strandcli.cli.") and name.endswith(":command")
 
 
-def only_known(kind: str, found: Iterable[str]) -> None:
-    """Fail for what breaks a rule and is not known, and for what is known and breaks it no more."""
-    broken = set(found)
-    assert not broken - KNOWN[kind], "these break a rule"
-    assert not KNOWN[kind] - broken, "these break no rule any more: take them out of KNOWN"
-
-
 def test_files_are_short() -> None:
     files = [*map(path_of, modules()), *TESTS.rglob("*.py")]
     long = {path for path in files if len(path.read_text("utf-8").splitlines()) > LINES_OF_FILE}
-    only_known("files", {path.relative_to(PACKAGE.parent).as_posix() for path in long})
+    assert not long
 
 
 def test_functions_are_short() -> None:
@@ -148,7 +130,7 @@ def test_functions_are_short() -> None:
         begin = node.body[0].lineno if is_command(name) else begin
         return (node.end_lineno or begin) - begin + 1
 
-    only_known("functions", {name for name, node in functions() if lines(name, node) > LINES_OF_FUNCTION})
+    assert not {name for name, node in functions() if lines(name, node) > LINES_OF_FUNCTION}
 
 
 def test_functions_have_few_arguments() -> None:
@@ -157,7 +139,7 @@ def test_functions_have_few_arguments() -> None:
         return len([one for one in given if one.arg not in ("self", "cls")]) > ARGUMENTS
 
     found = {name for name, node in functions() if many(node)}
-    only_known("arguments", {name for name in found if not is_command(name)})
+    assert not {name for name in found if not is_command(name)}
 
 
 def test_no_files_import_each_other_in_a_circle() -> None:
@@ -177,7 +159,7 @@ def test_no_packages_import_each_other_in_a_circle() -> None:
         if module != "strandcli":
             others = {package(one) for one in imports(module) if one != "strandcli"}
             graph.setdefault(package(module), set()).update(others - {package(module)})
-    only_known("packages", {" ".join(one.removeprefix("strandcli.") for one in circle) for circle in circles(graph)})
+    assert circles(graph) == []
 
 
 def test_packages_import_only_what_they_may() -> None:
@@ -217,7 +199,7 @@ def test_kernels_import_no_drivers() -> None:
         if ".kernels." in module:
             others = {one for one in imports(module) if ".kernels" not in one and not one.startswith(FOR_KERNELS)}
             found |= {f"{module} {other}" for other in others}
-    only_known("kernels", found)
+    assert not found
 
 
 def test_kernels_ask_for_double_precision_by_its_name() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from strand_kit import frames_of, scene_of, solver_of
+from strand_kit import frames_of, scene_of
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.shadows.shadow import plan_maps
 from strandcli.plan import Plan, make_plan, needs_shadow_maps
@@ -67,18 +67,6 @@ def test_children_are_counted_with_their_steps() -> None:
     assert "children" in stages(plain)[1]
     # positions of the finer strands alone take 12 bytes a particle
     assert many.memory_bytes - few.memory_bytes > 4995 * 80 * 12 * (4 * steps + 1)
-
-
-@pytest.mark.parametrize("preroll", [0.0, 0.25, 0.26])
-def test_steps_are_those_that_the_solver_takes(preroll: float) -> None:
-    scene = scene_of(UNLIT + f"time: {{fps: 10, substeps: 2, preroll: {preroll}}}\n")
-    solver = solver_of(scene, plain=True)
-    taken: list[float] = []
-    solver.step = lambda time, dt: taken.append(time)  # type: ignore[method-assign]
-    solver.advance(4)
-    assert len(taken) == make_plan(scene, [4]).steps
-    assert taken[-1] == pytest.approx(0.3)
-    np.testing.assert_allclose(np.diff(taken), 0.05)
 
 
 def test_a_frame_has_no_more_segments_than_planned() -> None:

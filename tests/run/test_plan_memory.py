@@ -21,28 +21,10 @@ from strandcli.plan import available_memory, checked_plan, libraries, limits, ma
 from strandcli.plan import make as making
 from strandcli.plan import require as planning
 from strandcli.plan.grid import grid_bytes
-from strandcli.plan.memory import motion_bytes
 from strandcli.simulate.rod.precision import needs_double, shortest_segment
 from strandcli.simulate.rod.solver import RodSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
 from tests.simulate.test_grid import BALL
-
-
-def bytes_of(strands: int = 80, particles: int = 5, size: int = 40, draw: bool = True) -> int:
-    text = EVERYTHING.replace("strands: 80", f"strands: {strands}").replace("particles: 5", f"particles: {particles}")
-    return make_plan(scene_of(text.replace("[40, 32]", f"[{size}, 32]")), [1], draw).memory_bytes
-
-
-def test_memory_grows_with_what_takes_it() -> None:
-    small = bytes_of()
-    assert small < 300e6
-    # positions alone: 12 bytes a particle, packed and unpacked
-    assert bytes_of(1_000_000, 10, draw=False) > small + 24 * 10_000_000
-    assert bytes_of(1_000_000, 10) > bytes_of(1_000_000, 10, draw=False)
-    assert bytes_of(1_000_000, 10) < 4e9
-    assert bytes_of(10_000, 10, 800) < 500e6
-    # pictures: a key of 8 bytes and three colours of 4 bytes a sample
-    assert bytes_of(size=30_000) - small > 20 * 30_000 * 31
 
 
 @pytest.mark.parametrize(
@@ -66,21 +48,6 @@ def test_rods_are_planned_in_the_precision_they_are_solved_in(
     solver = RodSolver(scene, emit(scene.emitter, scene.seed))
     assert (solver.dtype == np.float64) == double
     assert needs_double(scene, shortest_segment(scene.emitter)) == double
-
-
-def test_double_precision_is_planned() -> None:
-    """As many bytes a particle as the solver's own arrays are more than those of the plainest rods."""
-    planned, taken = [], []
-    for setting in ("rest: straight", "rest: sag_free"):
-        scene = scene_of(
-            f"solver: rod\nrod: {{{setting}}}\nrules: [gravity]\nemitter: {{strands: 2048, particles: 40}}"
-        )
-        solver = RodSolver(scene, emit(scene.emitter, scene.seed))
-        arrays = {id(one): one for one in (*solver.state, *solver.material, solver.positions)}
-        taken.append(sum(one.nbytes for one in arrays.values()) / 2048 / 40)
-        planned.append(motion_bytes(make_plan(scene, [1], draw=False), scene) / 2048 / 40)
-    assert planned[1] - planned[0] > 80
-    assert planned[1] - planned[0] == pytest.approx(taken[1] - taken[0], abs=3)
 
 
 def test_level_of_detail_saves_memory_only_where_frames_are_drawn() -> None:
