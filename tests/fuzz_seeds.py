@@ -17,7 +17,7 @@ import camera_kit
 import exchange_kit as kit
 import mesh_kit
 import usd_kit
-from strandcli.cameras import colmap, neus, transforms
+from strandcli.cameras import colmap, neus, transforms, usd
 
 MESH = "mesh"
 """What formats of meshes begin with: they are the ends of names, as those of strands."""
@@ -107,17 +107,17 @@ def mesh_seeds() -> dict[str, list[bytes]]:
 def camera_seeds() -> dict[str, list[bytes]]:
     """Whole files of each format of cameras, of a few views."""
     views, one = camera_kit.VIEWS[:3], [camera_kit.view(7, middle=True)]
-    usd = {}
+    of_usd = {}
     if importlib.util.find_spec("pxr"):
         flat = [camera_kit.view(8, perspective=False)]
-        usd[f"{CAMERA}a.usda"] = [usd.written(some) for some in (views, one, flat)]
+        of_usd[f"{CAMERA}a.usda"] = [usd.written(some) for some in (views, one, flat)]
     top = {"camera_angle_x": 0.6, "frames": [{"file_path": "a", "transform_matrix": np.eye(4).tolist()}]}
     nerf = [transforms.written(some, {"file_path": "images/{}.png"}, "1") for some in (views, one)]
     own = [{"views": [{"camera": view.as_dict()} for view in some]} for some in (views, one)]
     texts = [colmap.written(some, camera_kit.POINTS[:3]) for some in (views, one)]
     matrices = np.stack([neus.world_matrix(view) for view in views])
     return {
-        **usd,
+        **of_usd,
         f"{CAMERA}transforms.json": [json.dumps(tree).encode() for tree in (*nerf, top)],
         f"{CAMERA}dataset.json": [json.dumps(tree).encode() for tree in own],
         f"{CAMERA}cameras.npz": [neus.written(views, np.zeros(3), 1.0), npz(True, arr_0=matrices)],
