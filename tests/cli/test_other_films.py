@@ -131,3 +131,6 @@ def test_layers_of_another_camera_are_not_resumed(run: Runner) -> None:
     for name in ("depth", "mask"):
         for suffix in (".npz", ".png"):
             assert Path(f"a/{name}_0001{suffix}").read_bytes() == Path(f"b/{name}_0001{suffix}").read_bytes()
+    fine(run, f"render tiny.yaml {with_layers} -o c -f 1 -q")
+    Path("c/mask_0001.png").replace("a/mask_0001.png")
+    refused(run, f"render tiny.yaml {moved} {with_layers} -o a -f 1 --resume", "mask_0001.png", OTHER)
