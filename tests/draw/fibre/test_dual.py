@@ -134,7 +134,8 @@ def test_whatever_is_asked_light_is_a_number(
 ) -> None:
     table = rows_of(tuple(settings.items()))
     assert np.isfinite(table).all()
-    *sines, cos_phi, place = single(angles(*np.array(ways, np.float32), len(table)))
+    tangent, source, eye = (tuple(one) for one in np.array(ways, np.float32).reshape(3, 3))
+    *sines, cos_phi, place = single(angles(tangent, source, eye, len(table)))
     row = table[int(place)]
     tau = np.float32(passed)
     back, through = single(lobes(*sines, tau, *row[21:]))
