@@ -9,6 +9,9 @@ import pytest
 from numba import njit
 
 from strand_kit import frames_of, scene_of
+from strandcli.constants import W
+from strandcli.draw.common.kernels import batch, surface_batch
+from strandcli.draw.lighting.kernels import surface_points
 from strandcli.draw.solids.kernels import coat as kernel
 from strandcli.draw.solids.solids import coats_of
 from strandcli.scene.model import BoxSolid, PlaneSolid, SphereSolid
@@ -149,17 +152,24 @@ def test_a_coat_shines_towards_the_mirrored_light_and_is_left_out_where_nothing_
     np.testing.assert_allclose(found[:, :4], np.float32([[0, 0.3, 0, 0.1], [0, 0.3, 0.3, 0.7], [0.5, 0.2, 0, 0.1]]))
 
 
+@njit
+def mottle(work: Any, n: Any, grain: Any) -> None:
+    """The kernel for the first n points of a batch."""
+    surface_points.mottle(work, n, np.float32(1), grain)
+
+
 def noise(x: np.ndarray, grain: float = 0.5, pixel: float = 1e-3) -> np.ndarray:
-    """Of patches as in `surface_points.mottle`."""
-    one = np.float32(0.3)
-    found = np.zeros(len(x), np.float32)
-    for octave in range(kernel.OCTAVES):
-        size, weight = np.float32(grain * 0.5**octave), np.float32(0.5 * float(kernel.FAINTER) ** octave)
-        found = np.array([
-            kernel.add_octave(total, v, one, -one, size, np.float32(pixel), weight, np.uint32(octave))
-            for total, v in zip(found, np.float32(x), strict=True)
-        ])  # fmt: skip
-    return np.clip(found, -1, 1)
+    """In [−1, 1], of patches at places along a line."""
+    out = np.empty(len(x), np.float32)
+    for first in range(0, len(x), W):
+        here = x[first : first + W]
+        work = np.zeros((surface_batch.ROWS, W), np.float32)
+        places = np.stack([here, np.full(len(here), 0.3), np.full(len(here), -0.3)])
+        work[batch.X // W :][:3, : len(here)] = places
+        work[surface_batch.ACROSS // W], work[surface_batch.UNDER // W] = pixel, 1
+        mottle(work.reshape(-1), len(here), np.float32(grain))
+        out[first : first + W] = work[surface_batch.UNDER // W, : len(here)] - 1
+    return out
 
 
 def test_patches_are_even_handed_smooth_and_as_wide_as_they_are_said_to_be() -> None:
