@@ -59,13 +59,6 @@ def _lights(found: Views) -> tuple[str, ...]:
     return tuple(changes)
 
 
-def views(path: Path, size: tuple[int, int] | None, name: str | None, assumed: tuple[int, int] | None = None) -> Views:
-    """The views of a file. Raises `UsageError` for one that cannot be read."""
-    from ..cameras.read import views_of
-
-    return views_of(path, size, assumed, name or "")
-
-
 def require_file(path: Path | None, name: str | None) -> None:
     """Raise `UsageError` for the name of a camera without a file."""
     if name is not None and path is None:
@@ -77,9 +70,9 @@ def film(
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """What is set for a film of the views of a file, and what a person should know of them. Raises `UsageError` for a
     file that cannot be drawn, and for a size that is not its own."""
-    from ..cameras.read import file_of
+    from ..cameras.read import file_of, views_of
 
-    found = views(path, size, name, assumed=(1, 1))
+    found = views_of(path, size, (1, 1), name or "")
     place = file_of(path).absolute()
     return (
         *world(preset, found, path), "camera.keys=[]", f"camera.file={place}", f'camera.name="{name or ""}"',

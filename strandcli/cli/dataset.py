@@ -11,7 +11,6 @@ from ..common.counted import counted
 from ..common.registry import LAYOUTS
 from ..errors import UsageError
 from . import camera_files, complete, options
-from .memory_check import option as memory_check_option
 from .progress import warner
 from .talk import Talk
 from .values import span
@@ -41,7 +40,7 @@ from .values import span
 @options.scene_options
 @options.quality
 @options.threads
-@memory_check_option
+@options.memory_check
 @options.resume_or_overwrite
 @options.talk_options
 def command(
@@ -71,7 +70,7 @@ def command(
     """
     camera_files.require_file(cameras, camera)
     from ..cameras.pinhole import UP
-    from ..cameras.read import Views
+    from ..cameras.read import Views, views_of
     from ..dataset import run as sets
     from ..dataset.order import layout_of, names_of, numbers_for, scene_for, size_for
     from ..dataset.views import EACH, ONE, Chance
@@ -80,7 +79,7 @@ def command(
     kind = layout_of(layout)
     _require_files(grooms)
     usual = EACH if kind.own_light else ONE
-    found = Views((), True) if cameras is None else camera_files.views(cameras, scene_settings["size"], camera)
+    found = Views((), True) if cameras is None else views_of(cameras, scene_settings["size"], name=camera or "")
     size = size_for(kind, scene_settings.pop("size"), found.views, cameras)
     numbers = numbers_for(views, first, found.views, cameras)
     made, heard = [], set[str]()

@@ -5,14 +5,19 @@ from __future__ import annotations
 import functools
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from ..errors import MismatchError
 from . import options
-from .junit import junit
+from .say import printable
 from .talk import Talk
+
+if TYPE_CHECKING:
+    from ..study.golden import Result
 
 
 @click.group(no_args_is_help=False)
@@ -108,3 +113,22 @@ def update(
         changes |= dict.fromkeys(golden.prune(directory, listed), "removed")
     talk.data({"machine_class": golden.machine_class(), "changes": changes})
     talk.note(f"{directory}: {len(changes)} of {len(entries)} golden images changed")
+
+
+def junit(results: Sequence[Result], seconds: Sequence[float]) -> bytes:
+    """The results as JUnit XML, which CI systems show case by case: a test case an image, with its seconds; a failure
+    says why and names the picture of the difference."""
+    from xml.etree import ElementTree
+
+    failed = sum(not result.matches for result in results)
+    counts = {"tests": str(len(results)), "failures": str(failed), "errors": "0", "time": f"{sum(seconds):.3f}"}
+    root = ElementTree.Element("testsuites")
+    suite = ElementTree.SubElement(root, "testsuite", {"name": "strandcli golden check", **counts})
+    for result, took in zip(results, seconds, strict=True):
+        name = {"classname": "golden", "name": result.entry.name, "time": f"{took:.3f}"}
+        case = ElementTree.SubElement(suite, "testcase", name)
+        if not result.matches:
+            failure = ElementTree.SubElement(case, "failure", {"message": printable(result.words)})
+            failure.text = printable(str(result.difference or ""))
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, "utf-8", xml_declaration=True)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import click
 
@@ -18,7 +18,7 @@ no_html = click.option("--no-html", is_flag=True, help="Write no report.html.")
 
 
 class HtmlPage:
-    """The page of one run of a scene into a folder."""
+    """The page of one run of a scene into a folder; a block of it that fails writes the page, too."""
 
     def __init__(self, directory: Path, scene: Scene, overwrite: bool) -> None:
         """Raises ``UsageError`` where a file of somebody else's is in its place, unless that may be replaced."""
@@ -35,23 +35,16 @@ class HtmlPage:
 
         run.write(self._directory, data, dump(self._scene), made)
 
-    def write_last(self) -> None:
-        """Write it from report.json, which a run that has failed leaves too; what ended the run says more than what
-        might go wrong here."""
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Write it after a failure from report.json, which a run that has failed leaves too; what ended the run says
+        more than what might go wrong here."""
         from ..output.report import read_report
 
-        with suppress(StrandError, OSError):
-            data = read_report(self._directory)
-            if data is not None and data.keys() >= {"preset", "status", "strandcli"}:
-                self.write(data)
-
-
-@contextmanager
-def of_failed(page: HtmlPage | None) -> Iterator[None]:
-    """A block after which the page is written if it raises."""
-    try:
-        yield
-    except BaseException:
-        if page is not None:
-            page.write_last()
-        raise
+        if kind is not None:
+            with suppress(StrandError, OSError):
+                data = read_report(self._directory)
+                if data is not None and data.keys() >= {"preset", "status", "strandcli"}:
+                    self.write(data)

@@ -104,6 +104,14 @@ keep_going = click.option(
     "--keep-going", is_flag=True,
     help="Do not stop where a run goes wrong; strands that are no longer finite are left out of the pictures.",
 )  # fmt: skip
+checkpoint = click.option(
+    "--checkpoint", type=Whole(1), metavar="N",
+    help="Save the simulation's state every N frames in DIR/checkpoints, for later runs to start from.",
+)  # fmt: skip
+memory_check = click.option(
+    "--no-memory-check", "memory_check", is_flag=True, flag_value=False, default=True,
+    help="Run even if the plan needs over 80 % of free memory.",
+)  # fmt: skip
 resume = click.option("--resume", is_flag=True, help="Skip complete files of an earlier run.")
 overwrite = click.option("--overwrite", is_flag=True, help="Replace existing files.")
 from_cache = click.option(

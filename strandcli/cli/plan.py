@@ -18,7 +18,7 @@ from .talk import print_json
 if TYPE_CHECKING:
     from ..calibration.speed import Foretold
     from ..plan import Plan
-    from ..scene.model import Emitter, Scene
+    from ..scene.model import Scene
 
 
 LOOKED_AT = 100_000
@@ -116,20 +116,14 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
             lines = []
             if isinstance(one.emitter.shape, MeshShape):
                 from ..groom.deforming import at_start  # Numba comes with it
+                from ..groom.on_mesh import notes
 
-                lines = _of_mesh(one.emitter)
+                lines = notes(one.emitter)
                 groom = at_start(one, groom)
             require_between(one, groom)
             lines += warnings(one, groom)
         found.append((one.label, lines))
     return labelled(found)
-
-
-def _of_mesh(emitter: Emitter) -> list[str]:
-    """What there is to know of the mesh of an emitter; reading meshes takes Numba."""
-    from ..groom.on_mesh import notes
-
-    return notes(emitter)
 
 
 def _totals(plan: Plan, written: int) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,17 +13,14 @@ from ..common.counted import counted
 from ..errors import SimulationError, StrandError
 from ..files import inputs
 from . import animations, camera_files, garbage, html_page, options
-from . import checkpoint as checkpoints
 from . import dask as clusters
 from .frame_range import FrameRange
-from .frame_writer import frame_writer
 from .layers import layer_options, with_layers
 from .look import Look
-from .memory_check import option as memory_check_option
 from .positions import open_cache
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
-from .render_frames import Motion, Watch, frames_of, learn_speed
+from .render_frames import Motion, Watch, frame_writer, frames_of, learn_speed
 from .render_words import frame_line, interrupted, tell
 from .sweep import run as run_sweep
 from .sweep import sweep_option
@@ -49,9 +47,9 @@ if TYPE_CHECKING:
 @layer_options
 @camera_files.cameras
 @options.from_cache
-@checkpoints.option
+@options.checkpoint
 @options.keep_going
-@memory_check_option
+@options.memory_check
 @html_page.no_html
 @clusters.option
 @sweep_option
@@ -132,7 +130,7 @@ def command(
     look = Look(Preview(preview), folder)
     motion = Motion(positions, checkpoint, keep_going, dask, Watch())
     with (
-        html_page.of_failed(page),
+        page or nullcontext(),
         talk.progress(len(writer.wanted), label) as progress,
         look.signalled(progress),
     ):
@@ -164,7 +162,7 @@ def _run(
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
     from ..compiling import runtime
-    from ..run import compile_ahead
+    from ..run import checkpoints, compile_ahead
 
     warn = warner(progress, quiet, report.warn)
     _warn_of_others(writer, warn)

@@ -1,15 +1,18 @@
-"""Where the frames of `strandcli render` come from: this process, or the workers of a cluster."""
+"""Where the frames of `strandcli render` come from, this process or the workers of a cluster, and what takes them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..calibration.speed import Watch, learn
 from ..plan.libraries import keep_mapped
-from . import dask
+from . import dask, positions
 
 if TYPE_CHECKING:
+    from ..output.frames import FrameWriter
+    from ..output.positions import PositionCache
     from ..plan import Plan
     from ..run.checkpoints import Checkpoints
     from ..run.frame import Frame
@@ -60,3 +63,43 @@ def learn_speed(plan: Plan, scene: Scene, data: Mapping[str, Any], motion: Motio
     here = motion.dask is None and motion.positions is None
     if here and data.get("status") == "complete" and not data.get("compile_seconds"):
         learn(plan, scene, motion.watch)
+
+
+def frame_writer(
+    folder: Path, numbers: tuple[int, ...], scene: Scene, cache: PositionCache | None, animate: tuple[str, ...],
+    overwrite: bool, resume: bool, exr: bool,
+) -> FrameWriter:  # fmt: skip
+    """What takes the frames; refuses up front what would be refused later."""
+    from ..output.frames import FrameWriter
+    from ..output.report import FILE
+    from ..run.fingerprint import fingerprint
+
+    if "mp4" in animate:
+        from ..output.video import ffmpeg
+
+        ffmpeg()
+    return FrameWriter(
+        folder,
+        numbers,
+        picture_size(scene),
+        overwrite=overwrite,
+        resume=resume,
+        scene=fingerprint(scene, *([] if cache is None else positions.other_motion(cache, scene))),
+        also=[f"animation.{kind}" for kind in animate],
+        own=[FILE],
+        layers=scene.image.aovs,
+        exr=exr,
+    )
+
+
+def picture_size(scene: Scene) -> tuple[int, int]:
+    """Width and height of what is drawn; panels, their gaps and their labels included."""
+    if not scene.panels:
+        return scene.image.drawn
+    import numpy as np
+
+    from ..run.panels import join
+
+    empty = [np.zeros((*panel.image.drawn[::-1], 3), np.uint8) for panel in scene.panels]
+    height, width, _ = join(empty, [panel.label for panel in scene.panels]).shape
+    return width, height

@@ -10,10 +10,8 @@ import click
 from ..common.counted import counted
 from ..errors import UsageError
 from ..files import inputs
-from . import checkpoint as checkpoints
 from . import options
 from .frame_range import FrameRange
-from .memory_check import option as memory_check_option
 from .positions import motion_of
 from .progress import warner
 from .talk import Talk
@@ -25,9 +23,9 @@ from .talk import Talk
 @options.frames
 @options.scene_options
 @options.threads
-@checkpoints.option
+@options.checkpoint
 @options.keep_going
-@memory_check_option
+@options.memory_check
 @options.resume_or_overwrite
 @options.talk_options
 @inputs.recording()
@@ -71,7 +69,7 @@ def command(
                 from ..compiling import runtime
 
                 runtime.start(threads, progress.note)
-                from ..run import pipeline
+                from ..run import checkpoints, pipeline
                 from ..run.first_frame import FirstFrame
 
                 warn = warner(progress, talk.quiet)

@@ -11,7 +11,7 @@ from typing import Any
 from .. import __version__
 from ..cameras.read import OWN
 from ..errors import UsageError
-from ..output.files import read_json, write_json
+from ..output.files import read_json, refuse_present, write_json
 
 FOLDER = "views"
 KEY = "made_from"
@@ -66,10 +66,7 @@ def wanted_views(
         wanted.append(view)
         if not (resume or overwrite):
             there = [one for one in (path.format(name_of(view)) for path in paths) if (folder / one).exists()]
-            if there:
-                raise UsageError(
-                    f"{folder}: already has {there[0]}; add --overwrite to replace or --resume to continue"
-                )
+            refuse_present(folder, there[:1])
     return wanted
 
 

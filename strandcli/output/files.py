@@ -19,7 +19,7 @@ import time
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -172,6 +172,15 @@ def require_own(path: Path) -> None:
     if not isinstance(data, dict) or "strandcli" not in data:
         raise UsageError(
             f"{path}: was not written by strandcli; add --overwrite to replace it, or choose another folder with -o"
+        )
+
+
+def refuse_present(directory: Path, names: Sequence[str]) -> None:
+    """``UsageError`` where some files are in the way of a run that may neither replace nor keep them."""
+    if names:
+        more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+        raise UsageError(
+            f"{directory}: already has {', '.join(names[:3])}{more}; add --overwrite to replace or --resume to continue"
         )
 
 

@@ -19,7 +19,7 @@ from ..errors import RefusedError, UsageError
 from ..files.inputs import unrecorded
 from . import png
 from .claim import Claim
-from .files import begin_pieces, prepare_folder, require_own, with_whole
+from .files import begin_pieces, prepare_folder, refuse_present, require_own, with_whole
 from .layers import Layers, is_of, is_whole, layer_files, write_layers
 from .room import frame_bytes
 
@@ -106,12 +106,8 @@ class FrameWriter:
         if resume:
             for frame in there:
                 self._keep(frame)
-        elif (there or others) and not overwrite:
-            names = [frame_file(frame) for frame in there] + others
-            listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
-            raise UsageError(
-                f"{self.directory}: already has {listed}; add --overwrite to replace or --resume to continue"
-            )
+        elif not overwrite:
+            refuse_present(self.directory, [frame_file(frame) for frame in there] + others)
 
     @unrecorded()
     def _keep(self, frame: int) -> None:

@@ -18,7 +18,7 @@ from .. import __version__
 from ..errors import RefusedError, UsageError, said
 from ..files.inputs import opened, unrecorded
 from .claim import Claim
-from .files import ARCHIVE_ERRORS, prepare_folder, read_json, require_own, with_whole, write_json
+from .files import ARCHIVE_ERRORS, prepare_folder, read_json, refuse_present, require_own, with_whole, write_json
 from .npz import made_of, write_array
 from .report import finite
 
@@ -66,13 +66,8 @@ class PositionsWriter:
         self.motion = motion or Motion("", {})
         self.kept = [f for f in frames if resume and self._whole(directory / positions_file(f))]
         there = [positions_file(f) for f in frames if (directory / positions_file(f)).exists()]
-        if there and not overwrite and not resume:
-            more = f" and {len(there) - 3} more" if len(there) > 3 else ""
-            raise UsageError(
-                f"{directory}: already has {', '.join(there[:3])}{more}; "
-                "add --overwrite to replace or --resume to continue"
-            )
         if not overwrite:
+            refuse_present(directory, [] if resume else there)
             require_own(directory / MANIFEST)
         self.wanted = tuple(f for f in frames if f not in self.kept)
         self.done = list(self.kept)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from ..common.counted import counted
@@ -17,18 +17,18 @@ from .decision import Decision, left_out
 if TYPE_CHECKING:
     from ..scene.model import Followers, Scene
 
-Decide = Callable[["Scene"], Iterator[Decision]]
-"""Decides on the stages of a room in a scene."""
-
 
 def drawing_decisions(scene: Scene, strands: int, frames: Sequence[int]) -> Iterator[Decision]:
     """Yield the decisions on the stages of drawing some frames; strands: number of simulated ones."""
     yield from _groom(scene, strands)
-    for decide in BEFORE_DETAIL:
-        yield from decide(scene)
+    yield from _curves(scene)
+    yield from _shadows(scene)
+    yield from _fibre(scene)
+    yield from _surround(scene)
+    yield from _things(scene)
     yield from _detail(scene, frames)
-    for decide in AFTER_DETAIL:
-        yield from decide(scene)
+    yield from _coverage(scene)
+    yield from _camera(scene)
 
 
 def _groom(scene: Scene, strands: int) -> Iterator[Decision]:
@@ -42,10 +42,9 @@ def _groom(scene: Scene, strands: int) -> Iterator[Decision]:
         from ..groom.on_mesh import described
 
         yield Decision("surface", described(scene.emitter.shape, scene.drawn_strands))
-    if scene.emitter.tie is None:
-        yield left_out("combed parts", "strands are not tied")
-    else:
-        yield Decision("combed parts", f"{TIED} points a strand from its root to the tie, which are not simulated")
+    tied = scene.emitter.tie is not None
+    why = f"{TIED} points a strand from its root to the tie, which are not simulated"
+    yield Decision("combed parts", why if tied else "strands are not tied", runs=tied)
 
 
 def _followers(followers: Followers, guides: int, particles: int) -> Iterator[Decision]:
@@ -126,10 +125,8 @@ def _things(scene: Scene) -> Iterator[Decision]:
     varied = material.tip_colour is not None or material.colour_variation > 0 or material.grey > 0
     yield Decision("colour variation", "strands differ" if varied else "all strands have one colour", runs=varied)
     visible = sum(solid.visible for solid in scene.solids)
-    if visible:
-        yield Decision("solids", f"{visible} to draw, to hide strands and to cast shadows")
-    else:
-        yield left_out("solids", "there are none to see")
+    drawn = f"{visible} to draw, to hide strands and to cast shadows"
+    yield Decision("solids", drawn if visible else "there are none to see", runs=visible > 0)
     for place, solid in enumerate(scene.solids):
         if solid.kind == "mesh":
             from ..mesh_file.needs import described
@@ -154,20 +151,16 @@ def _detail(scene: Scene, frames: Sequence[int]) -> Iterator[Decision]:
 
 def _coverage(scene: Scene) -> Iterator[Decision]:
     sorts = scene.image.resolver != "zbuffer"
-    if sorts:
-        held = f"at most {FRAGMENTS:,} fragments at once, {FRAGMENTS * FRAGMENT_BYTES / 1e6:,.0f} MB"
-        yield Decision("coverage", f"all strands of a pixel by depth; {held}")
-    else:
-        yield left_out("coverage", "each sample shows the nearest strand")
+    held = f"at most {FRAGMENTS:,} fragments at once, {FRAGMENTS * FRAGMENT_BYTES / 1e6:,.0f} MB"
+    all_strands = f"all strands of a pixel by depth; {held}"
+    yield Decision("coverage", all_strands if sorts else "each sample shows the nearest strand", runs=sorts)
     if scene.material.width == 0:
         yield left_out("body", "material.width is zero: lines are a pixel wide")
     else:
         yield Decision("body", "true widths" if sorts else "where a strand is wider than a pixel")
     samples = scene.image.supersample
-    if samples > 1:
-        yield Decision("supersampling", f"{samples} x {samples} samples a pixel")
-    else:
-        yield left_out("supersampling", "one sample a pixel")
+    several = f"{samples} x {samples} samples a pixel"
+    yield Decision("supersampling", several if samples > 1 else "one sample a pixel", runs=samples > 1)
     yield Decision("shading", "only vertices of segments that are seen")
 
 
@@ -181,7 +174,3 @@ def _camera(scene: Scene) -> Iterator[Decision]:
     yield Decision("alpha", why, runs=scene.image.has_alpha)
     layers = scene.image.aovs
     yield Decision("layers", ", ".join(layers) or "image.aovs is empty", runs=bool(layers))
-
-
-BEFORE_DETAIL: tuple[Decide, ...] = (_curves, _shadows, _fibre, _surround, _things)
-AFTER_DETAIL: tuple[Decide, ...] = (_coverage, _camera)

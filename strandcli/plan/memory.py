@@ -244,7 +244,7 @@ def _film_bytes(plan: Plan, scene: Scene, vertices: int) -> int:
     """Return the bytes of fragments, samples and pixels."""
     total = 0
     if scene.image.resolver != "zbuffer":  # each pixel has a list and the solids' depth; vertices are marked twice
-        total += fragment_bytes(plan, scene) + plan.samples * 12 + vertices
+        total += fragment_bytes(plan) + plan.samples * 12 + vertices
     if scene.image.haze is not None:  # the picture before solids are lit
         total += plan.samples * 12
     if scene.image.has_alpha:  # transmittance, of samples, vertices and their mean
@@ -263,7 +263,7 @@ def layers_of(sizes: Sizes) -> int:
     return max(math.ceil(LAYER_ROOM * sizes.fragments / FRAGMENTS), 1)
 
 
-def fragment_bytes(plan: Plan, scene: Scene) -> int:
+def fragment_bytes(plan: Plan) -> int:
     """Return the bytes of sorted fragments in memory at once: pages of the room for them that are written to."""
     assert plan.sizes is not None
     held = plan.sizes.fragments / layers_of(plan.sizes)

@@ -36,7 +36,7 @@ def require_memory(
     free = None if check is False else available_memory()
     if free is None or plan.memory_bytes <= SHARE * free:
         return
-    ways = [*_remedies(plan, scene, frames, draw, SHARE * free)]
+    ways = [*_remedies(scene, frames, draw, SHARE * free)]
     advice = f"take {' or '.join(ways)}" if ways else "draw fewer strands, or a smaller picture"
     regardless = "; --no-memory-check runs it anyway" if check else ""
     raise RefusedError(
@@ -45,7 +45,7 @@ def require_memory(
     )
 
 
-def _remedies(plan: Plan, scene: Scene, frames: Sequence[int], draw: bool, most: float) -> Iterator[str]:
+def _remedies(scene: Scene, frames: Sequence[int], draw: bool, most: float) -> Iterator[str]:
     """Yield changes with which a run takes at most so many bytes, and what it takes then."""
     if scene.panels:
         return

@@ -20,7 +20,7 @@ from .rule_type import RuleType
 from .scalars import Refusal, as_boolean, as_colour, as_number, as_size
 from .specs import SMALLEST, Range
 from .suggest import hint_inside
-from .values import file_path, given, in_range, name_or_file, no_rule, option, whole, window
+from .values import file_path, given, in_range, name_or_file, no_rule, option, pixels, whole, window
 
 MOST_HINTS = 200
 """Faults of one file after which no more suggestions are sought: each takes half a millisecond."""
@@ -106,17 +106,17 @@ class Reader:
                 case specs.ItemsSpec():
                     return self.items(spec, node, path)
                 case specs.RulesSpec():
-                    return self.rule_uses(spec, node, path)
+                    return self.rule_uses(node, path)
                 case specs.VectorSpec():
                     return self.vector(spec, node, path)
                 case specs.ColourSpec():
                     return self.colour(spec, node, path)
                 case specs.SizeSpec():
-                    return self.size(spec, node, path)
+                    return pixels(spec, node, 2, as_size)
                 case specs.WindowSpec():
                     return window(spec, node)
                 case specs.NamesSpec():
-                    return self.names(spec, node, path)
+                    return self.names(node, path)
             if not isinstance(node, Scalar) or node.empty:
                 raise Refusal(f"not {given(node)}")
             match spec:
@@ -174,19 +174,7 @@ class Reader:
             return as_colour(node, spec.or_none)
         raise Refusal(f"not {given(node)}")
 
-    def size(self, spec: specs.SizeSpec, node: Node, path: str) -> Any:
-        """Width and height."""
-        if isinstance(node, Scalar) and not node.empty:
-            found: tuple[int, ...] = as_size(node)
-        elif isinstance(node, ListNode) and len(node.items) == 2 and all(isinstance(i, Scalar) for i in node.items):
-            found = tuple(whole(item, spec.limits) for item in node.items if isinstance(item, Scalar))
-        else:
-            raise Refusal(f"not {given(node)}")
-        if not all(spec.limits.holds(side) for side in found):
-            raise Refusal(f"not {given(node)}")
-        return found
-
-    def names(self, spec: specs.NamesSpec, node: Node, path: str) -> Any:
+    def names(self, node: Node, path: str) -> Any:
         """One name, or a list of names."""
         items = node.items if isinstance(node, ListNode) else (node,)
         found = []
@@ -239,7 +227,7 @@ class Reader:
         self.refuse(named.mark, f"{path}.kind", f"unknown kind {known}; {hint(text, kinds, 'the kinds are')}")
         return None
 
-    def rule_uses(self, spec: specs.RulesSpec, node: Node, path: str) -> tuple[RuleUse, ...]:
+    def rule_uses(self, node: Node, path: str) -> tuple[RuleUse, ...]:
         """The rules in the order in which they are to be applied."""
         entries: list[tuple[str, Mark, Node]] = []
         if isinstance(node, ListNode):

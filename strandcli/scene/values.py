@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from ..files import numbered as numbered_files
@@ -10,7 +11,7 @@ from ..files.inputs import note
 from .faults import hint, one_line, shown
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of
 from .scalars import Refusal, as_number, as_window
-from .specs import ChoiceSpec, Range, WindowSpec
+from .specs import ChoiceSpec, Range, Spec, WindowSpec
 
 LONGEST_PATH = 240
 """Characters of a path that messages show, from its end."""
@@ -51,16 +52,23 @@ def whole(node: Scalar, limits: Range) -> int:
     return int(value)
 
 
-def window(spec: WindowSpec, node: Node) -> tuple[int, int, int, int]:
-    """Left, top, width and height of a part of a picture that holds a pixel at least."""
+def pixels(spec: Spec, node: Node, count: int, read: Callable[[Scalar], tuple[int, ...]]) -> tuple[int, ...]:
+    """So many whole numbers of pixels, from a list or by ``read`` from text."""
     if isinstance(node, Scalar) and not node.empty:
-        found = as_window(node)
-    elif isinstance(node, ListNode) and len(node.items) == 4 and all(isinstance(i, Scalar) for i in node.items):
-        x, y, width, height = (whole(item, spec.limits) for item in node.items if isinstance(item, Scalar))
-        found = (x, y, width, height)
+        found = read(node)
+    elif isinstance(node, ListNode) and len(node.items) == count and all(isinstance(i, Scalar) for i in node.items):
+        found = tuple(whole(item, spec.limits) for item in node.items if isinstance(item, Scalar))
     else:
         raise Refusal(f"not {given(node)}")
-    if not all(spec.limits.holds(number) for number in found) or 0 in found[2:]:
+    if not all(spec.limits.holds(number) for number in found):
+        raise Refusal(f"not {given(node)}")
+    return found
+
+
+def window(spec: WindowSpec, node: Node) -> tuple[int, ...]:
+    """Left, top, width and height of a part of a picture that holds a pixel at least."""
+    found = pixels(spec, node, 4, as_window)
+    if 0 in found[2:]:
         raise Refusal(f"not {given(node)}")
     return found
 
