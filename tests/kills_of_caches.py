@@ -113,7 +113,7 @@ def _place(entry: Path) -> int:
 
 def cold_starts(numbers: range, folder: Path) -> Iterator[Counter[str]]:
     """Render on one cache folder that is empty at first, all at once, or as many as there is memory for."""
-    from strandcli.plan.free import available_memory
+    from strandcli.plan.limits import available_memory
 
     free = available_memory()
     fits = len(numbers) if free is None else max(int(SHARE * free / EACH), 1)

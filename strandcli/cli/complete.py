@@ -19,10 +19,7 @@ PRESETS = (".yaml", ".yml")
 
 def presets(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Shipped presets, and files and folders that begin with what is typed."""
-    from ..scene.library import describe, list_presets
-
-    found = [CompletionItem(name, help=describe(path)) for name, path in list_presets() if name.startswith(incomplete)]
-    return [*found, *(CompletionItem(path) for path in files(incomplete))]
+    return [*shipped(ctx, param, incomplete), *map(CompletionItem, files(incomplete))]
 
 
 def shipped(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:

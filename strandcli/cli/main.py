@@ -21,29 +21,29 @@ from ..errors import DONE, FAILED, REFUSED, USAGE, StrandError
 from . import garbage, signals
 from .say import printable
 
-# name: module of this package and what --help says. Commands for pictures first, tools after.
+# name of a command and of its module here: what --help says. Commands for pictures first, tools after.
 COMMANDS = {
-    "render": ("render", "Simulate and draw a preset as PNG frames."),
-    "simulate": ("simulate", "Simulate a preset and write the positions only."),
-    "export": ("export", "Write the strands that a preset draws, for other programs."),
-    "plan": ("plan", "Report what would run, what is left out and why; run nothing."),
-    "new": ("new", "Write a commented preset that draws as it is."),
-    "farm": ("farm", "Write job files for Slurm, GNU parallel or Open Job Description."),
-    "presets": ("presets", "List, show or copy the presets that come with strandcli."),
-    "schema": ("schema", "Print the JSON Schema of presets, for editors."),
-    "bench": ("bench", "Time every stage on the thesis's headline scene."),
-    "study": ("study", "Error against run time: table, chart, the cheapest setting under an error."),
-    "claims": ("claims", "Measure what the thesis claims, beside its own figures."),
-    "stress": ("stress", "Run the solvers through every extreme and judge them."),
-    "golden": ("golden", "Check or update golden images."),
-    "compare": ("compare", "Compare two images."),
-    "info": ("info", "Describe a file of strands: counts, sizes, faults, guesses."),
-    "convert": ("convert", "Write a file of strands in another format, scaled, thinned, mended."),
-    "dataset": ("dataset", "Draw labelled views of grooms, in the layouts that training reads."),
-    "sheet": ("sheet", "Put images on one labelled contact sheet."),
-    "completion": ("completion", "Print what a shell needs to complete commands, presets and keys."),
-    "doctor": ("doctor", "Check this machine and installation, and say how to mend faults."),
-    "warmup": ("warmup", "Compile ahead of the first run."),
+    "render": "Simulate and draw a preset as PNG frames.",
+    "simulate": "Simulate a preset and write the positions only.",
+    "export": "Write the strands that a preset draws, for other programs.",
+    "plan": "Report what would run, what is left out and why; run nothing.",
+    "new": "Write a commented preset that draws as it is.",
+    "farm": "Write job files for Slurm, GNU parallel or Open Job Description.",
+    "presets": "List, show or copy the presets that come with strandcli.",
+    "schema": "Print the JSON Schema of presets, for editors.",
+    "bench": "Time every stage on the thesis's headline scene.",
+    "study": "Error against run time: table, chart, the cheapest setting under an error.",
+    "claims": "Measure what the thesis claims, beside its own figures.",
+    "stress": "Run the solvers through every extreme and judge them.",
+    "golden": "Check or update golden images.",
+    "compare": "Compare two images.",
+    "info": "Describe a file of strands: counts, sizes, faults, guesses.",
+    "convert": "Write a file of strands in another format, scaled, thinned, mended.",
+    "dataset": "Draw labelled views of grooms, in the layouts that training reads.",
+    "sheet": "Put images on one labelled contact sheet.",
+    "completion": "Print what a shell needs to complete commands, presets and keys.",
+    "doctor": "Check this machine and installation, and say how to mend faults.",
+    "warmup": "Compile ahead of the first run.",
 }
 
 LIGHT = ("presets", "schema", "completion", "doctor")
@@ -66,7 +66,7 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        module = importlib.import_module(f".{COMMANDS[cmd_name][0]}", __package__)
+        module = importlib.import_module(f".{cmd_name}", __package__)
         command: click.Command = module.command
         return command
 
@@ -75,11 +75,11 @@ class LazyGroup(click.Group):
         if incomplete.startswith("-"):
             return super().shell_complete(ctx, incomplete)
         item = click.shell_completion.CompletionItem
-        return [item(name, help=words) for name, (_, words) in COMMANDS.items() if name.startswith(incomplete)]
+        return [item(name, help=words) for name, words in COMMANDS.items() if name.startswith(incomplete)]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
-            formatter.write_dl([(name, words) for name, (_, words) in COMMANDS.items()])
+            formatter.write_dl(list(COMMANDS.items()))
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

@@ -128,7 +128,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
 
 def _totals(plan: Plan, written: int) -> None:
     from ..output.files import megabytes
-    from ..plan.free import SHARE, available_memory
+    from ..plan.limits import SHARE, available_memory
 
     say("Cost:")
     strands, steps = counted(plan.strands, "strand"), counted(plan.steps, "solver step")

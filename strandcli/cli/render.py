@@ -227,11 +227,12 @@ def _report(
     compile_seconds: float | None,
 ) -> dict[str, Any]:
     """Write report.json, with what it says there of frames that this run has not drawn."""
-    from ..output.report import claim_report, finite, of_others, read_report, write_report
+    from ..output.claim import Claim
+    from ..output.report import PATIENCE, finite, of_others, read_report, write_report
 
     claim, data = None, {}
     try:
-        claim = claim_report(writer.directory)
+        claim = Claim(writer.directory, "report", patience=PATIENCE)
         previous = read_report(writer.directory)
         if machine is None and previous is not None:
             machine = previous.get("machine")

@@ -70,9 +70,8 @@ def threads() -> Iterator[Finding]:
 def memory() -> Iterator[Finding]:
     """Memory that is free, for the system and for this process's control group."""
     from ..output.files import megabytes
-    from ..plan.free import available_memory
 
-    free, most = available_memory(), limits.memory()
+    free, most = limits.available_memory(), limits.memory()
     if free is None:
         yield Finding("memory", NOTE, "not known on this system", "'strandcli plan PRESET' reports what a run takes")
         return

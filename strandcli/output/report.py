@@ -15,7 +15,6 @@ from typing import Any
 
 from .. import __version__
 from . import png
-from .claim import Claim
 from .earlier import sound_report
 from .files import read_json, write_json
 from .frames import Written, frame_file
@@ -199,14 +198,6 @@ def of_another_film(
     return [file for file in files if png.keyword(directory / file, png.SCENE) not in (None, scene)]
 
 
-def claim_report(directory: Path) -> Claim:
-    """The right to read the report and write another, one run at a time. Raises ``RefusedError`` where some other run
-    keeps it for a minute."""
-    return Claim(directory, "report", patience=PATIENCE)
-
-
-def write_report(directory: Path, data: Mapping[str, Any]) -> Path:
+def write_report(directory: Path, data: Mapping[str, Any]) -> None:
     """Write report.json, whole or not at all."""
-    path = directory / FILE
-    write_json(path, data)
-    return path
+    write_json(directory / FILE, data)

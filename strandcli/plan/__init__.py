@@ -4,6 +4,6 @@ The decisions are those of the drivers, which use the same conditions.
 """
 
 from ..draw.shadows.shadow_model import needs_counts, needs_shadow_maps
-from .free import SHARE, available_memory
+from .limits import SHARE, available_memory
 from .make import Plan, Stage, make_plan, pictures_that_fit
 from .require import checked_plan, require_memory

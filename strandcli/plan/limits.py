@@ -1,13 +1,29 @@
-"""Limits that a control group of Linux, as of a container or a cluster's job, sets on a process."""
+"""Available memory, and what a control group of Linux, as of a container or a cluster's job, allows a process."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
 
+SHARE = 0.8
+"""Of what is free, what a run may be planned to take: the estimate may be 15 % off, and other programs grow."""
 ROOT = Path("/sys/fs/cgroup")
 UNLIMITED = 1 << 60
 """Bytes; control groups of version 1 say a number about 2^63 where there is no limit."""
+
+
+def available_memory() -> int | None:
+    """Return the available bytes, by the system and by the control groups of this process; None if neither is known."""
+    found = []
+    try:
+        with open("/proc/meminfo", encoding="ascii") as lines:
+            found += [1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable")]
+    except OSError:
+        pass
+    left = memory_left()
+    if left is not None:
+        found.append(left)
+    return min(found, default=None)
 
 
 def folders(controller: str, root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> Iterator[Path]:

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from ..errors import RefusedError
-from .free import SHARE, available_memory
 from .libraries import look
+from .limits import SHARE, available_memory
 from .make import Plan, make_plan
 
 if TYPE_CHECKING:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
 
 from .checks_of_file import clashes, mesh_clashes, rod_clashes
-from .faults import hint, shown
+from .faults import Finding, hint, shown
 from .fields import Vector
 from .model import (
     AOVS,
@@ -36,24 +35,13 @@ _PARALLEL = 1e-6
 """Sine of the angle below which two directions are parallel."""
 
 
-class Finding(NamedTuple):
-    """Something wrong between settings.
-
-    ``places`` are the paths to report it at: the first of them that was written, or around the first where none was.
-    ``involves`` are all the paths that it follows from; where one of them is faulty, it may not be so.
-    """
-
-    places: tuple[str, ...]
-    message: str
-    involves: tuple[str, ...]
-
-
 def findings(scene: Scene) -> Iterator[Finding]:
     """Everything wrong with ``scene`` that no single setting shows, rules' own checks apart."""
     if scene.emitter.groom is None:
         yield from _spacing(scene.emitter)
-    for paths, message in (*clashes(scene), *mesh_clashes(scene), *rod_clashes(scene)):
-        yield Finding(paths, message, paths)
+    yield from clashes(scene)
+    yield from mesh_clashes(scene)
+    yield from rod_clashes(scene)
     yield from _mesh(scene.emitter)
     yield from _tie(scene.emitter, scene.solids)
     yield from _locks(scene.children)
@@ -68,8 +56,7 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from _lens(scene.camera)
     yield from _picture(scene.image)
     if scene.environment is not None and not scene.environment.image:
-        place = ("environment.image",)
-        yield Finding(place, "must be the path of a lat-long picture, PNG, JPEG or .hdr", place)
+        yield Finding(("environment.image",), "must be the path of a lat-long picture, PNG, JPEG or .hdr")
 
 
 def _spacing(emitter: Emitter) -> Iterator[Finding]:
@@ -79,7 +66,6 @@ def _spacing(emitter: Emitter) -> Iterator[Finding]:
             ("emitter.length", "emitter.particles"),
             f"{emitter.particles} particles on {emitter.length:g} m stand {apart:.2g} m apart, too close for single "
             f"precision (at least {CLOSEST_PARTICLES:g} m); take fewer particles or longer strands",
-            ("emitter.length", "emitter.particles"),
         )
 
 
@@ -98,7 +84,7 @@ def _mesh(emitter: Emitter) -> Iterator[Finding]:
             yield Finding((f"{path}.file", path), "must be the path of a mesh", (path,))
     if emitter.tie is not None and emitter.shape.comb:
         places = ("emitter.shape.comb", "emitter.tie")
-        yield Finding(places, "strands that are tied are combed to their tie; take one of the two out", places)
+        yield Finding(places, "strands that are tied are combed to their tie; take one of the two out")
 
 
 def _tie(emitter: Emitter, solids: Sequence[Solid]) -> Iterator[Finding]:
@@ -110,22 +96,22 @@ def _tie(emitter: Emitter, solids: Sequence[Solid]) -> Iterator[Finding]:
     normal = _normal(tie, emitter)
     if normal is None:
         message = "the tie is above no place of the emitter's surface that strands grow from; move it there"
-        yield Finding(own, message, own)
+        yield Finding(own, message)
     elif tie.direction is not None and _dot(tie.direction, normal) <= 1e-3 * math.hypot(*tie.direction):
         path = "emitter.tie.direction"
         yield Finding((path,), "points into the emitter's surface; turn it outward", (path, *own))
     for key in ("direction", "comb", "parting"):
         if getattr(emitter, key) is not None:
             places = (f"emitter.{key}", "emitter.tie")
-            yield Finding(places, "strands that are tied are combed to their tie; take one of the two out", places)
+            yield Finding(places, "strands that are tied are combed to their tie; take one of the two out")
     known = {solid.name: solid for solid in solids if solid.name}
     for index, name in enumerate(tie.over):
         places = (f"emitter.tie.over.{index}", "emitter.tie.over")
         if name not in known:
-            yield Finding(places, f"no solid has the name {shown(name)}; {hint(name, known, 'the names are')}", places)
+            yield Finding(places, f"no solid has the name {shown(name)}; {hint(name, known, 'the names are')}")
         elif known[name].kind not in ("sphere", "capsule"):
             message = f"{shown(name)} is a {known[name].kind}; strands lie over spheres and capsules alone"
-            yield Finding(places, message, places)
+            yield Finding(places, message)
 
 
 def _normal(tie: Tie, emitter: Emitter) -> Vector | None:
@@ -164,7 +150,7 @@ def _fringe(children: Children | None, emitter: Emitter) -> Iterator[Finding]:
     path, shape = "children.fringe", emitter.shape
     if emitter.tie is not None:
         places = (path, "emitter.tie")
-        yield Finding(places, "strands that are tied have `emitter.tie.wisps` in its place; take it out", places)
+        yield Finding(places, "strands that are tied have `emitter.tie.wisps` in its place; take it out")
     elif not isinstance(shape, SphereShape) or (shape.cap == 180 and emitter.parting is None):
         message = "a fringe grows at a sphere's `cap` of less than 180 degrees or at its parting; there is none"
         yield Finding((path,), message, (path, "emitter.shape", "emitter.parting"))
@@ -215,7 +201,7 @@ def _camera(camera: Camera) -> Iterator[Finding]:
 def _lens(camera: Camera) -> Iterator[Finding]:
     if camera.aperture > 0 and camera.kind == "orthographic":
         message = "an orthographic camera has no lens; make the camera perspective, or the aperture 0"
-        yield Finding(("camera.aperture", "camera.kind"), message, ("camera.aperture", "camera.kind"))
+        yield Finding(("camera.aperture", "camera.kind"), message)
 
 
 def _picture(image: Image) -> Iterator[Finding]:
@@ -225,14 +211,14 @@ def _picture(image: Image) -> Iterator[Finding]:
             message = (
                 f"the window {width}x{height}+{x}+{y} reaches beyond the picture of {image.size[0]}x{image.size[1]}"
             )
-            yield Finding(("image.crop", "image.size"), message, ("image.crop", "image.size"))
+            yield Finding(("image.crop", "image.size"), message)
     for index, name in enumerate(image.aovs):
         path = f"image.aovs.{index}"
         if name not in AOVS:
             message = f"unknown layer {shown(name)}; {hint(name, AOVS, 'the layers are')}"
-            yield Finding((path, "image.aovs"), message, (path, "image.aovs"))
+            yield Finding((path, "image.aovs"), message)
         elif name in image.aovs[:index]:
-            yield Finding((path, "image.aovs"), f"the layer {shown(name)} is listed twice", (path, "image.aovs"))
+            yield Finding((path, "image.aovs"), f"the layer {shown(name)} is listed twice")
 
 
 def _blind(look: Vector, camera: Camera) -> str:

@@ -53,6 +53,19 @@ class Fault:
         return ": ".join(one_line(part) for part in (place, path, self.message) if part)
 
 
+class Finding(NamedTuple):
+    """Something wrong between settings.
+
+    ``places`` are the paths to report it at: the first of them that was written, or around the first where none was.
+    ``involves`` are all the paths that it follows from, where these are others; where one of them is faulty, it may
+    not be so.
+    """
+
+    places: tuple[str, ...]
+    message: str
+    involves: tuple[str, ...] = ()
+
+
 class SceneError(UsageError):
     """A preset that cannot be used (exit code 2). ``faults`` holds every fault, ``str`` gives one line for each."""
 

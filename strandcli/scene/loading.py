@@ -189,7 +189,7 @@ def _one(root: MapNode, rules: Rules) -> tuple[Scene, list[Fault]]:
         reader.refuse(reader.mark_near(path) or root.mark, path, message)
     reported = [fault.path for fault in reader.faults]
     for finding in findings(scene):
-        if not any(_touches(path, about) for path in reported for about in finding.involves):
+        if not any(_touches(path, about) for path in reported for about in finding.involves or finding.places):
             path = next((place for place in finding.places if place in reader.marks), finding.places[0])
             reader.refuse(reader.mark_near(path) or root.mark, path, finding.message)
     for use in scene.rules:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from ..faults import Finding
 from ..fields import choice, number
 
 AXES = ("x", "y", "z", "-x", "-y", "-z")
@@ -39,7 +40,8 @@ def place(where: str = "it is", box: str = "its box") -> Any:
     )
 
 
-def both_sizes(path: str, given: Any) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield the clash of a scale and a size where settings at a path have both: paths and message."""
+def both_sizes(path: str, given: Any) -> Iterator[Finding]:
+    """Yield the clash of a scale and a size where settings at a path have both."""
     if given.size is not None and given.scale is not None:
-        yield (f"{path}.scale", f"{path}.size"), f"clashes with {path}.size, which sets the same; set one to null"
+        message = f"clashes with {path}.size, which sets the same; set one to null"
+        yield Finding((f"{path}.scale", f"{path}.size"), message)
