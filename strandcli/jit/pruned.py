@@ -1,4 +1,4 @@
-"""Functions that are compiled only for some types of an argument; elsewhere something short stands in their place."""
+"""Functions whose code follows from the types of their arguments."""
 
 from __future__ import annotations
 
@@ -10,6 +10,12 @@ from numba import config
 from numba.extending import overload
 
 from . import BARE, LEAN
+
+
+def by_type(choose: Callable[..., Any], **options: Any) -> Any:
+    """A decorator: kernels that call the function call what it returns for the types of its arguments (Numba's
+    `overload`, with its ``options``)."""
+    return overload(choose, **options)(choose)
 
 
 def device_where(needed: Callable[[Any], bool], otherwise: Any) -> Any:

@@ -11,6 +11,7 @@ vectorises always; a vector that is wider than the machine's registers takes sev
     pile = vector_pointer(array)     the vectors of a contiguous array: place 1 is that of the second vector
     rows = fused_pointer(array); pile = fused_vector_pointer(array)
                                      the same, and products in sums are fused (FMA)
+    fused_pointers(arrays)           a named tuple of arrays as one of the fused pointer of each
     shifted(pile, 3)                 the vectors from place 3 on
     rows = pointer_at(np.float32, a); pile = vector_pointer_at(np.float32, a)
                                      the same of numbers that begin at an address; products in sums are fused (FMA)
@@ -75,6 +76,7 @@ from .memory import (
     array_at,
     deinterleave,
     fused_pointer,
+    fused_pointers,
     fused_vector_pointer,
     gather,
     half_width_pointer,
@@ -116,6 +118,7 @@ __all__ = [
     "deinterleaved",
     "floor",
     "fused_pointer",
+    "fused_pointers",
     "fused_vector_pointer",
     "gather",
     "gather2",

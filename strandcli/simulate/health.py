@@ -1,17 +1,23 @@
-"""Bounds of a frame's errors, beyond which a run stops, and the message.
+"""Bounds of a frame's errors, beyond which a run stops, and the message: which rule makes a strand diverge.
 
-The bounds are far above the errors of a good run, and far below overflow.
+The bounds are far above the errors of a good run, and far below overflow. Under the source's rules a strand does not
+depend on others, so it is simulated again alone, which costs one block instead of thousands. The failing step runs as
+plain Python, and the particle is examined after every rule.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..constants import W
+from ..groom.emit import emit
+from ..groom.record import Groom
 from ..scene.specs import LARGEST
-from . import blame
+from .rules import Moment, Pass, passes_of
 
 STRETCH_MOST = {"thesis": 100.0, "rod": 0.01}
 """Greatest error of a segment's length, as a share. The source's strands are tested if a preset lists elasticity; rules
@@ -22,6 +28,18 @@ ROUNDING = float(np.sqrt(3.0) * np.finfo(np.float32).eps)
 """Error of a distance between two points in single precision, for each metre of their coordinates."""
 
 
+SMALLER_STEPS = "use more time.substeps"
+REMEDIES = {
+    "gravity": "a smaller {path}.acceleration",
+    "wind": "a smaller {path}.strength",
+    "stiffness": "{path}.clamp: true",
+    "collision": "elasticity after it",
+    "elasticity": "no more of what pulls at it",
+    "emitter_motion": "a slower motion of the emitter",
+}
+UNKNOWN = "{path} is another package's rule: the displacement that it adds must shrink with the step"
+MOST_STEPS = 20_000
+"""Greatest number of steps to simulate again; a failure after more is reported without its rule."""
 GIVEN = ("its positions were given", "simulate it again")
 """Cause and remedy for positions that were not simulated in this run."""
 
@@ -46,7 +64,7 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
         bad = ~np.isfinite(particles).all(-1)
         strand = int(np.argmax(bad.any(1)))
         particle = int(np.argmax(bad[strand]))
-        cause, remedy = blame.cause(solver, frame, strand) if simulated else GIVEN
+        cause, remedy = cause_of(solver, frame, strand) if simulated else GIVEN
         others = _others(int(bad.any(1).sum()))
         return Trouble(
             f"{where}: strand {strand}, particle {particle} is no longer finite{others}: {cause}; {remedy}",
@@ -58,7 +76,7 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
         stretch = stretches(solver)
         strand = int(np.argmax(stretch))
         if not stretch[strand] <= most:
-            cause, remedy = blame.cause(solver, frame, strand) if simulated else GIVEN
+            cause, remedy = cause_of(solver, frame, strand) if simulated else GIVEN
             return Trouble(
                 f"{where}: strand {strand} is stretched by {100 * stretch[strand]:.3g} %, more than {100 * most:g} %"
                 f"{_others(int((~(stretch <= most)).sum()))}: {cause}; {remedy}",
@@ -71,7 +89,7 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
         cause = "the constraint of constant lengths is violated"
         return Trouble(
             f"{where}: strand {strand} is off by {residual:.3g} of a segment's length after {scene.rod.iterations} "
-            f"iterations{_others(int((~(each <= RESIDUAL_MOST)).sum()))}: {cause}; {blame.SMALLER_STEPS}, or a greater "
+            f"iterations{_others(int((~(each <= RESIDUAL_MOST)).sum()))}: {cause}; {SMALLER_STEPS}, or a greater "
             "rod.iterations",
             frame, strand, cause,
         )  # fmt: skip
@@ -93,7 +111,7 @@ def interpenetration(solver: Any, frame: int, error: dict[str, Any]) -> str:
         )
     return (
         f"{where}: strands are {depth:.2g} m closer than contact.thickness, {solver.contact.thickness:.2g} m; "
-        f"{blame.SMALLER_STEPS}, or a greater contact.iterations, or a smaller contact.thickness"
+        f"{SMALLER_STEPS}, or a greater contact.iterations, or a smaller contact.thickness"
     )
 
 
@@ -128,3 +146,108 @@ def drawable(solver: Any) -> NDArray[np.bool_]:
 
 def _others(count: int) -> str:
     return f" (and {count - 1} more strands)" if count > 1 else ""
+
+
+def cause_of(solver: Any, frame: int, strand: int) -> tuple[str, str]:
+    """Return the cause of a strand's divergence at a frame and a remedy, as texts."""
+    scene = solver.scene
+    if scene.solver != "thesis":
+        return f"the solver {scene.solver} diverged", SMALLER_STEPS
+    path, name = diverging_rule(solver, frame, strand)
+    if not path:
+        return f"under the rules {', '.join(use.name for use in scene.rules)}", f"{SMALLER_STEPS}, or weaker ones"
+    own = name in REMEDIES
+    remedy = (REMEDIES[name] if own else UNKNOWN).format(path=path)
+    return f"rule {path} makes it diverge", f"{SMALLER_STEPS}, or {remedy}" if own else f"{SMALLER_STEPS}; {remedy}"
+
+
+def diverging_rule(solver: Any, frame: int, strand: int) -> tuple[str, str]:
+    """Return path and name of the first rule that makes a coordinate not finite, or else of the one that moves the
+    strand farthest in the step after which it is stretched most; ("", "") if it cannot be determined."""
+    scene = solver.scene
+    time = scene.time
+    before = round(time.preroll * time.fps * time.substeps)
+    steps = before + (frame - 1) * time.substeps
+    if not 0 < steps <= MOST_STEPS:
+        return "", ""
+    alone = type(solver)(scene, one_of(emit(scene.emitter, scene.seed, strand + 1), strand))
+    dt = 1.0 / (time.fps * time.substeps)
+    kept = None
+    worst = 0.0
+    for j in range(steps):
+        past = np.array(alone.positions)
+        at = (j + 1 - before) * dt
+        alone.step(at, dt)
+        stretch = _stretch(alone)
+        if not np.isfinite(alone.positions).all():
+            kept = past, at
+            break
+        if stretch > worst:
+            worst, kept = stretch, (past, at)
+    if kept is None:
+        return "", ""
+    with np.errstate(all="ignore"):
+        return _rule_by_rule(kept[0][0], alone.rest[0], alone.lengths[0], passes_of(scene), Moment(kept[1], dt, scene))
+
+
+def one_of(groom: Groom, strand: int) -> Groom:
+    """Return a groom of one strand of another groom."""
+    one = slice(strand, strand + 1)
+    return replace(
+        groom,
+        roots=groom.roots[one],
+        directions=groom.directions[one],
+        lengths=groom.lengths[one],
+        tones=groom.tones[one],
+        bend=None if groom.bend is None else groom.bend._replace(inward=groom.bend.inward[one]),
+        phases=None if groom.phases is None else groom.phases[one],
+    )
+
+
+def _stretch(solver: Any) -> float:
+    x = solver.particles()[0].astype(np.float64)
+    edges = np.linalg.norm(np.diff(x, axis=0), axis=1)
+    return float(np.abs(edges / float(solver.lengths[0, 0]) - 1).max())
+
+
+def _rule_by_rule(
+    block: NDArray[np.float32], rest: NDArray[np.float32], length: NDArray[np.float32], passes: Any, moment: Moment
+) -> tuple[str, str]:
+    """Run one step of a block rule by rule, in the order of a composed step, as plain Python; return path and name of
+    the rule as `diverging_rule`. All lanes are equal; the first one is examined."""
+    rows = np.array(block)
+    arrays = [one.prepare(moment) for _, one in passes]
+    lane = [0, W, 2 * W]
+    furthest, culprit = 0.0, ("", "")
+    for (use, one), p in zip(passes, arrays, strict=True):
+        if one.stage == "root":
+            one.function(rows[0], rows[1], rest[0], rest[1], p)
+            if not np.isfinite(rows[:2]).all():
+                return use.path, use.name
+    for i in range(1, len(rows) - 1):
+        for (use, one), p in zip(passes, arrays, strict=True):
+            if one.stage == "root":
+                continue
+            past = rows[i + 1, lane].astype(np.float64)
+            try:
+                _apply(one, rows, length, p, i)
+            except (ValueError, ArithmeticError):  # NaN in compiled code, such as the square root of a negative number
+                return use.path, use.name
+            now = rows[i + 1, lane].astype(np.float64)
+            if not np.isfinite(now).all():
+                return use.path, use.name
+            way = float(np.linalg.norm(now - past))
+            if way > furthest:
+                furthest, culprit = way, (use.path, use.name)
+    return culprit
+
+
+def _apply(one: Pass, rows: NDArray[np.float32], length: NDArray[np.float32], p: Any, i: int) -> None:
+    """Run one pass on particle i."""
+    if one.stage == "particle":
+        one.function(rows[i + 1], rows[i], rows[i - 1], rows[1], length, p, i, len(rows) - 1)
+        return
+    a, b, c = (tuple(rows[row, [0, W, 2 * W]]) for row in (i + 1, i, i - 1))
+    place = one.function(a, b, c, length[0], tuple((p[i] if one.per_particle else p)[: one.numbers]))
+    for axis in range(3):
+        rows[i + 1, axis * W : (axis + 1) * W] = place[axis]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .grid.kernels.momentum import carried
+from .kernels.measure import carried
 from .rod.kernels.arrays import PACK
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The box of cells about strands that interact: how large it is, and cells of another one."""
+"""Boxes of cells about strands that interact, of each part of them and of all; and cells of another box."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UsageError
-from .kernels.records import LOW, SIZE
+from .kernels.records import FIRST, LANES, LOW, OFFSET, SIZE
 
 MOST_CELLS = 4_000_000
 """Of the box about the strands: some 120 bytes each, 470 MB."""
@@ -32,21 +32,29 @@ def moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64
     return found
 
 
-def require_few(where: str, cells: float, cell: float, ends: NDArray[np.float64], margin: int) -> None:
-    """Raise `UsageError` where so many ``cells`` of a side of ``cell`` metres are too many. ``ends``, ``margin``: as
-    `coarser` takes them."""
-    if cells > MOST_CELLS:
+def lay_boxes(
+    ends: NDArray[Any], parts: NDArray[np.int64], cell: float, margin: int, where: str, boxes: NDArray[np.int64]
+) -> bool:
+    """Set the ``boxes`` (parts + 1, `BOX`) about the strands of each part, and ``margin`` cells wider about all. Return
+    False where a coordinate is not finite. Raises `UsageError` where they take too many cells.
+
+    ends: as `Moving.ends`; cell: side of a cell, metres; where: the rule, for the message."""
+    greatest = np.maximum.reduceat(ends, parts[:, FIRST]).astype(np.float64)
+    low, high = np.floor(-greatest[:, :3] / cell - 0.5), np.floor(greatest[:, 3:] / cell - 0.5) + 1
+    along = high.max(0) - low.min(0) + 1
+    if not np.isfinite(along).all():
+        return False
+    if (cells := (along + 2 * margin).prod()) > MOST_CELLS:
+        factor = 1.0
+        while np.prod(np.ceil(along / factor) + 1 + 2 * margin) > MOST_CELLS:  # a flat groom has few across
+            factor *= 1.05
         raise UsageError(
             f"{where}.cell: cells of {cell:.3g} m would be {cells:.3g} in the box about the strands, more than "
-            f"{MOST_CELLS:,}; make them at least {coarser(cell, ends, margin):.2g}"
+            f"{MOST_CELLS:,}; make them at least {1.05 * factor * cell:.2g}"
         )
-
-
-def coarser(cell: float, ends: NDArray[np.float64], margin: int) -> float:
-    """Return how large cells can be so that they are few enough, those of a flat groom too. ``ends``, lowest and
-    highest cells of strands, part by part, and ``margin``: as `boxes.find_boxes` has them."""
-    along = ends[:, 3:].max(0) - ends[:, :3].min(0) + 1
-    factor = 1.0
-    while np.prod(np.ceil(along / factor) + 1 + 2 * margin) > MOST_CELLS:
-        factor *= 1.05
-    return 1.05 * factor * cell  # it is told with two digits
+    boxes[:-1, LOW : LOW + 3], boxes[-1, LOW : LOW + 3] = low, low.min(0) - margin
+    boxes[:-1, SIZE : SIZE + 3], boxes[-1, SIZE : SIZE + 3] = high - low + 1, along + 2 * margin
+    boxes[-1, SIZE] = -(-boxes[-1, SIZE] // LANES) * LANES
+    counts = boxes[:-1, SIZE : SIZE + 3].prod(1)
+    boxes[:-1, OFFSET] = np.cumsum(counts) - counts
+    return True

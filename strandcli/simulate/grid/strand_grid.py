@@ -23,8 +23,7 @@ from ...scene.touched import touched
 from ...solids import Solids
 from ..rod.kernels.arrays import PACK, State
 from ..rod.material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
-from .box import MOST_CELLS, extent_of, moved, require_few
-from .kernels.boxes import find_boxes
+from .box import extent_of, lay_boxes, moved
 from .kernels.forces import accelerate, act
 from .kernels.pressure import find_room, work_shape
 from .kernels.records import (
@@ -39,6 +38,7 @@ from .kernels.records import (
     LOST,
     LOW,
     NUMBERS,
+    OFFSET,
     RATIO,
     ROWS,
     SIZE,
@@ -99,7 +99,6 @@ class StrandGrid:
         self.memory = np.empty((0, CELL), np.float32)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
-        self._ends, self._before = np.empty((len(self.parts), 6)), np.empty(BOX, np.int64)
         self._numbers: Any = np.empty(NUMBERS, np.float32)
         self._margin = 1 if touched(scene) else 0
         """Cells that the box of all has beside strands: closed ones lend theirs to open neighbours."""
@@ -263,14 +262,14 @@ class StrandGrid:
     def _lay(self, lattice: Lattice) -> bool:
         """Set the boxes about the strands of each part and of all, and their origins; False where a coordinate is not
         finite. Raises `UsageError` where they take too many cells."""
-        margin, found = self._margin, (self._ends, self.boxes, self._before, lattice.origins)
-        cells, count, changed = find_boxes(self.strands.ends, self.cell, self.parts, margin, float(MOST_CELLS), *found)
-        if math.isnan(cells):
+        before = self.boxes[-1].copy()
+        if not lay_boxes(self.strands.ends, self.parts, self.cell, self._margin, self.where, self.boxes):
             return False
-        require_few(self.where, cells, self.cell, self._ends, margin)
+        lattice.origins[...] = self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)
+        count = self.boxes[-2, OFFSET] + self.boxes[-2, SIZE : SIZE + 3].prod()
         if count > len(self.memory):
             self.memory = aligned((int(count * 1.2), CELL))
-        if changed:
-            self.pressure = moved(self.pressure, self._before, self.boxes[-1])
+        if not np.array_equal(before, self.boxes[-1]):
+            self.pressure = moved(self.pressure, before, self.boxes[-1])
             self._empty_grid()
         return True

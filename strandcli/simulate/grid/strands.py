@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ...groom.blocks import on_large_pages
 from ...solids import Solids
 from ..rod.kernels.arrays import AXES, PACK, State
-from .kernels.excess import HELD
 from .kernels.nodes import note
+from .kernels.pressure import HELD
 from .kernels.records import HANDED, NODE, Lattice, Moving
 
 

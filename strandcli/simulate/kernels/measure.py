@@ -1,4 +1,4 @@
-"""Errors of a frame: stretch, coordinates that are not finite, depths in solids; one row for each block."""
+"""Errors of a frame: stretch, coordinates that are not finite, depths in solids, one row for each block; momentum."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import numpy as np
 
 from ...constants import W
 from ...jit import function, parallel, prange
-from ...simd import any_lane, broadcast, half_width_pointer, lane_count, load, load3, pointer, reduce_max, sqrt
+from ...simd import any_lane, broadcast, half_width_pointer, lane_count, load, load3, pointer, reduce_max, sqrt, store
 from ...solids.kernels import box, capsule, other, plane, sphere
 from ...solids.kernels.built_in import device_if_built_in
+from ..rod.kernels.arrays import AXES, PACK
 
 ROW = 3 * W
 """Numbers of a row of positions."""
@@ -102,3 +103,18 @@ def deepest(solids, positions, b):
             ends, inner = box.deepest(cubes, m, x, roots, particles)
             most, along = max(most, ends), max(along, inner)
     return reduce_max(most), reduce_max(along)
+
+
+@parallel
+def carried(velocity, mass, out):
+    """Set the sums over particles of relative mass times speed, m/s, of each strand: out (P, S). ``velocity``: (P, N,
+    3 S) m/s; ``mass`` (N,)."""
+    read, found = pointer(velocity), pointer(out)
+    n = velocity.shape[1]
+    for pack in prange(len(velocity)):
+        for k in range(0, PACK, lane_count(read)):
+            sums = broadcast(read, 0.0)
+            for j in range(n):
+                u, v, w = load3(read, (pack * n + j) * AXES + k, PACK)
+                sums += mass[j] * sqrt(u * u + v * v + w * w)
+            store(found, pack * PACK + k, sums)

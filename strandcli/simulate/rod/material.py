@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,18 +22,6 @@ soon."""
 TORSION = {False: 4.0, True: 0.75}
 """Torsional over bending rigidity; True: of grooms with coils, whose springing is that of a round rod. Straight strands
 get more, because nothing else resists twist."""
-FINE_TURN = 0.5
-"""Radians that a joint turns by, above which steps have to be the shorter."""
-COIL_STEP = 0.25
-"""Steps are no longer than this over the angular frequency at which coils stretch."""
-COIL = math.pi
-"""Radians that the joints of a strand turn by in all, above which it is such a coil where presets give no torsion."""
-MOST_INNER = 20
-"""Steps that one is cut into at the most, where coils ask for it. What would take more stretches faster than twenty
-times a second at the usual steps, and gives way to its weight by less than a millimetre."""
-FIRMEST = 0.75
-"""What is added to torsion in `firmness`, with which none of many coils gains energy in steps of up to ten over the
-frequency at which it stretches; with half of that rigidity some do."""
 CELLS_ACROSS = 32
 """Cells of the rule interaction along the groom's greatest extent, where the preset gives no cell."""
 MOST_SAMPLES = 64
@@ -114,35 +100,6 @@ def rigidity(rod: Rod) -> float:
 def torsion(rod: Rod, coiled: bool) -> float:
     """Return torsional over bending rigidity."""
     return TORSION[coiled] if rod.torsion is None else rod.torsion
-
-
-def coil_rates(
-    rod: Rod, stiffness: NDArray[np.float64], edges: NDArray[np.float64], coiled: bool
-) -> NDArray[np.float64]:
-    """Return (strands,) the angular frequencies, rad/s, at which strands with the joints' rigidity ``stiffness``, 1/s²,
-    and the rest edges (N, strands, 3), ``coiled`` or not as in `torsion`, stretch as springs do: of N joints that each
-    turn by θ and twist by χ κ θ as one end moves, √(3 χ κ θ²) / N. 0 of those that turn by less than `COIL` where the
-    preset does not give their torsion."""
-    if len(edges) < 2:
-        return np.zeros(len(stiffness))
-    square = (np.diff(edges, axis=0) ** 2).sum(-1).mean(0)
-    rates = stretch_rates(torsion(rod, coiled), stiffness, square, len(edges))
-    return np.where((rod.torsion is None) & (np.sqrt(square) * len(edges) < COIL), 0.0, rates)
-
-
-def stretch_rates(
-    torsion: float, stiffness: NDArray[np.floating], square: NDArray[np.float64], n: int
-) -> NDArray[np.float64]:
-    """Return `coil_rates` by the mean ``square`` θ² of what each of ``n`` joints turns by."""
-    coarse = np.maximum(1.0, np.sqrt(square) / FINE_TURN)
-    return np.asarray(coarse * np.sqrt(3 * torsion * stiffness * square) / n)
-
-
-def firmness(torsion: float) -> float:
-    """Return the rigidity that keeps edges of curled strands where motion leads them, or where they are, in units of
-    κ θ² of the joints at both ends. An edge that tilts alone twists its frame by θ, which costs χ κ θ², and turns the
-    rests after it, some κ θ²: halved for the two joints."""
-    return 0.5 * (torsion + FIRMEST)
 
 
 def stiffness(rod: Rod, lengths: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ A rule is a module or object with
   compiled.
 
 A `Pass` names a plain Python function that gives a particle its new place; the composer compiles it, and makes one loop
-of those that follow each other (see `strandcli.simulate.thesis.compose`).
+of those that follow each other (see `strandcli.simulate.thesis.solver`).
 
 A rule may also have ``idle(parameters, scene)``, which says in words why it has nothing to do (or returns ""),
 ``check(parameters, scene)``, which yields (path, message) for faults that only the whole scene shows, and

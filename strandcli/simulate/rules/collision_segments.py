@@ -72,7 +72,7 @@ def sphere(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any
                 x[2 * W + k] = parent[2 * W + k] + nz * keep if out > ZERO else x[2 * W + k]
 
 
-@register_jitable(error_model="numpy")  # for plain Python too, in which `blame` runs passes
+@register_jitable(error_model="numpy")  # for plain Python too, in which `health` runs passes
 def in_reach(x: Any, parent: Any, p: Any, s: int) -> int:
     """Return the number of lanes whose segment may touch the bounding ball of capsule s, by (a + b)² <= 2 (a² + b²)."""
     mx, my, mz, reach = bounding_ball(p, s)

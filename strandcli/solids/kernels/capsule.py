@@ -198,7 +198,7 @@ def deepest(p, m, x, o, rows):
     return max(0.0, radius - sqrt(ends)), along
 
 
-@register_jitable(error_model="numpy")  # for plain Python too, in which `strandcli.simulate.blame` runs passes
+@register_jitable(error_model="numpy")  # for plain Python too, in which `strandcli.simulate.health` runs passes
 def bounding_ball(p: Any, m: Any) -> Any:
     """Return the centre and the squared radius of the bounding ball of row m of packed capsules, metres."""
     ax, ay, az = p[m, AXIS_X], p[m, AXIS_Y], p[m, AXIS_Z]

@@ -13,9 +13,9 @@ import math
 
 import numpy as np
 from numba import types
-from numba.extending import overload
 
 from ...jit import device, inlined
+from ...jit.pruned import by_type
 from ..shapes.other import REACH, ROW_X, ROW_Y, ROW_Z, X, Y, Z
 
 ZERO = np.float32(0.0)
@@ -37,23 +37,17 @@ OUT = np.float32(1e-6)
 """Depth, as a share of a solid's reach, from which on a point is not moved any more: ten times the rounding."""
 
 
+@by_type
 def number(p, m, column):
     """A number of solid m: that of a column of its row."""
-
-
-@overload(number)
-def _number(p, m, column):
     if isinstance(p.types[p.fields.index("rows")], types.Array):
         return lambda p, m, column: p.rows[m, column]
     return lambda p, m, column: p.rows[m + column]
 
 
+@by_type
 def rounded(p, value):
     """A number in single precision where rows are an array; kernels of rods, which may be in double, keep it."""
-
-
-@overload(rounded)
-def _rounded(p, value):
     if isinstance(p.types[p.fields.index("rows")], types.Array):
         return lambda p, value: np.float32(value)
     return lambda p, value: value

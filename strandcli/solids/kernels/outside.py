@@ -1,10 +1,14 @@
-"""Moving a point out of all solids."""
+"""All solids together: how many there are, how deep points are in them, and a point moved out of them."""
 
 from __future__ import annotations
 
 from ...jit import device
+from ...simd import broadcast, pointer
 from . import box, built_in, capsule, other, plane, sphere
 from .built_in import device_if_built_in
+
+OUTSIDE = -1e20
+"""Metres: less than any depth."""
 
 
 @device
@@ -33,3 +37,20 @@ def outside_built_in(solids, x, y, z, clear):
 def count(solids):
     """Return the number of `Solids`."""
     return built_in.count(solids) + other.count(solids)
+
+
+@device
+def any_depth(solids, x, y, z):
+    """Return the greatest depth of points in any of the `Solids`, metres; negative outside of all. Vectors of lanes."""
+    spheres, capsules, planes, boxes = solids.spheres, solids.capsules, solids.planes, solids.boxes
+    balls, pills, flats, cubes = pointer(spheres), pointer(capsules), pointer(planes), pointer(boxes)
+    most = broadcast(x, OUTSIDE)
+    for m in range(0, spheres.size, spheres.shape[1]):
+        most = max(most, sphere.depth(balls, m, x, y, z))
+    for m in range(0, capsules.size, capsules.shape[1]):
+        most = max(most, capsule.depth(pills, m, x, y, z))
+    for m in range(0, planes.size, planes.shape[1]):
+        most = max(most, plane.depth(flats, m, x, y, z))
+    for m in range(0, boxes.size, boxes.shape[1]):
+        most = max(most, box.depth(cubes, m, x, y, z)[0])
+    return other.deepen(solids, x, y, z, most)

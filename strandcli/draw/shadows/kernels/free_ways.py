@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ....constants import W
 from ....jit import device, parallel, prange
 from ....simd import broadcast, floor, gather, lane_count, load, load3, pointer, store, where
-from ....solids.kernels import other_edges
+from ....solids.kernels import other
 from ...common.kernels import view_columns as at
 from ...common.kernels.batch import LEAST, LIST, RADIUS, WX, X, set_vector, vector_at
 from ...common.kernels.light_columns import LIGHT_SIZE
@@ -65,7 +65,7 @@ def measure(lights, views, solids, skin, depths):
             way = (
                 none + views[i, at.FORWARD_X], none + views[i, at.FORWARD_X + 1], none + views[i, at.FORWARD_X + 2],
             )  # fmt: skip
-            store(rows, k, other_edges.free_depth(solids, point, way, none + views[i, at.DEPTH_RANGE], light))
+            store(rows, k, other.free_depth(solids, point, way, none + views[i, at.DEPTH_RANGE], light))
         for column in range(SIDE):
             depths[i, row, column] = work[column]
 

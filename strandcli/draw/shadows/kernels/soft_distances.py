@@ -13,7 +13,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device, inlined
 from ....simd import lane_count, load, load3, pointer, store, where
-from ....solids.kernels import other, other_edges
+from ....solids.kernels import other
 from ...common.kernels import batch as row
 from ...common.kernels.numbers import ONE, ZERO
 from .free_ways import list_others
@@ -110,23 +110,23 @@ def go(work, n, at, solids, m, lift_and_skin, most):
     for k in range(0, n, 2 * lanes):
         some = begun(rows, k, at, solids, m, lift_and_skin)
         if k + lanes >= n:
-            t, least = other_edges.walk_alone(solids, m, some, most)
+            t, least = other.walk_alone(solids, m, some, most)
             keep(rows, k, at, t, least, some)
             break
         others = begun(rows, k + lanes, at, solids, m, lift_and_skin)
-        s, s_least, t, t_least = other_edges.walk(solids, m, some, others, most)
+        s, s_least, t, t_least = other.walk(solids, m, some, others, most)
         keep(rows, k, at, s, s_least, some)
         keep(rows, k + lanes, at, t, t_least, others)
 
 
 @inlined
 def begun(rows, k, at, solids, m, lift_and_skin):
-    """Return what `other_edges.walk` takes of a vector of rays."""
+    """Return what `other.walk` takes of a vector of rays."""
     lift, skin = lift_and_skin
     lx, ly, lz = way = load3(rows, at.way + k, W)
     x, y, z = load3(rows, at.point + k, W)
     light = load(rows, at.reach + k), load(rows, at.radius + k), skin
-    along, t, end = other_edges.begin(solids, m, (x + lx * lift, y + ly * lift, z + lz * lift), way, light)
+    along, t, end = other.begin_walk(solids, m, (x + lx * lift, y + ly * lift, z + lz * lift), way, light)
     return along, max(t, load(rows, at.place + k)), end, load(rows, at.least + k), light
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function
-from ....solids.kernels import box, built_in, capsule, other, pixel_rays, plane, sphere
+from ....solids.kernels import box, built_in, capsule, other, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ...common.kernels import view_columns as at
 from ...common.kernels.numbers import INF, ONE, ZERO
@@ -35,13 +35,13 @@ def meet(solids, which, ox, oy, oz, dx, dy, dz):
 
 @function
 def meet_rays(solids, which, rays, found):
-    """Write to `found` what `meet` returns for each of the rays of a pixel (`pixel_rays`), which are lost."""
+    """Write to `found` what `meet` returns for each of the rays of a pixel (`solids.kernels.other`), which are lost."""
     first = built_in.count(solids)
     if which >= first:
         other.trace_rays(solids, which - first, rays, found)
         return
-    for k in range(pixel_rays.RAYS):
-        ox, oy, oz, dx, dy, dz = pixel_rays.ray_of(rays, k)
+    for k in range(other.RAYS):
+        ox, oy, oz, dx, dy, dz = other.ray_of(rays, k)
         found[k] = meet(solids, which, ox, oy, oz, dx, dy, dz)
 
 

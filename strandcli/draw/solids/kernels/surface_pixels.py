@@ -8,7 +8,7 @@ from ....constants import W
 from ....jit import device, function, inlined
 from ....simd import floor, gather, lane_count, load, pointer, store, where
 from ....simd.local import local_float64
-from ....solids.kernels.pixel_rays import put_ray
+from ....solids.kernels.other import put_ray
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.keys import FIRST, LOW, SHIFT
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO

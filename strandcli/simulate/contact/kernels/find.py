@@ -13,7 +13,7 @@ from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, wher
 from ...rod.kernels.arrays import AXES, PACK
 from ...rod.kernels.begin import ROW
 from ...rod.kernels.vectors import add_scaled, dot, scaled
-from . import candidates, law, search
+from . import law, search
 
 SETTLED, CREEP = 0.5, 0.3
 """Depth and height in segments of what touches a solid, and error of its slip, with which iterations end, over the
@@ -77,7 +77,7 @@ def let_go(s, n):
     for j in range(n):
         store(s.active, j, zero)
         store(s.gap, j, zero - 1.0)
-        store(s.second_gap, j, zero + candidates.FAR)
+        store(s.second_gap, j, zero + search.FAR)
         store(s.place, j, zero + 1.0)
         store(s.share, j, zero + 1.0)
         for k in range(3):
@@ -120,8 +120,8 @@ def contacts(s, at, state, material, c, contact, needs, root, step, patience):
                 store(s.gap, j, c.inverse_length * gap)
             depth = max(depth, -c.inverse_length * gap)
         else:
-            store(s.gap, j, candidates.FAR)
-            store(s.second_gap, j, candidates.FAR)
+            store(s.gap, j, search.FAR)
+            store(s.second_gap, j, search.FAR)
             before = zero
         start = end
         past = search.Past(state.positions, past.place + ROW, none)
@@ -139,8 +139,8 @@ def gap_of_root(s, root, past, contact, length):
 
 @inlined
 def where_near(s, j, near, zero):
-    """The gap of segment j, metres; `candidates.FAR` where no solid is ``near``."""
-    gap = zero + candidates.FAR
+    """The gap of segment j, metres; `search.FAR` where no solid is ``near``."""
+    gap = zero + search.FAR
     if near:
         gap = load(s.gap, j)
     else:
@@ -150,11 +150,11 @@ def where_near(s, j, near, zero):
 
 @inlined
 def unreachable(s, j, gap, able):
-    """The gap of segment j, metres; in lanes that are not ``able`` to keep it out `candidates.FAR`, and so that of the
+    """The gap of segment j, metres; in lanes that are not ``able`` to keep it out `search.FAR`, and so that of the
     second solid."""
     if any_lane(~able):
-        store(s.second_gap, j, where(able, load(s.second_gap, j), candidates.FAR))
-    return where(able, gap, candidates.FAR)
+        store(s.second_gap, j, where(able, load(s.second_gap, j), search.FAR))
+    return where(able, gap, search.FAR)
 
 
 @inlined

@@ -14,22 +14,25 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from numba.core import types
-from numba.extending import overload
 
+from ....constants import W
 from ....jit import device, inlined
-from ....simd import any_lane, broadcast, lane, lane_count, load, load3, sqrt, store3, where, with_lane
+from ....jit.pruned import by_type
+from ....simd import any_lane, broadcast, lane, lane_count, load, load3, sqrt, store, store3, where, with_lane
 from ....solids import COLUMNS
 from ....solids.kernels import box, capsule, plane, sphere
 from ....solids.shapes.other import REACH, X, Y, Z
 from ...rod.kernels.arrays import MOTION
 from ...rod.kernels.vectors import dot
-from .candidates import consider, place, with_slip
 
 LEAST_SHARE = 0.25
 """Of a segment, from which on its places count: those near its beginning are left to the segment before it, and a held
 root gives way to no force."""
 NEAR_ROOT = 0.05
 """The same of the first segment."""
+FAR = 1e18
+"""A gap where there is no solid near, metres."""
+OUT_OF_REACH = 1e20
 TINY = 1e-20
 OF_SPHERE, OF_CAPSULE, OF_PLANE, OF_BOX = COLUMNS.values()
 SPHERE, CAPSULE, PLANE, BOX = (columns + MOTION for columns in COLUMNS.values())
@@ -118,6 +121,61 @@ def nearest(s, j, start, end, past, contact, options):
 
 
 @inlined
+def place(a, b, share):
+    """A place on the segment from a to b."""
+    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])
+
+
+@device
+def consider(s, j, near, gap, normal, share):
+    """Take a solid into account at a place with a ``share``; mark in `Scratch.nearer` where it is the nearest. Returns
+    True. ``near``: whether there has been one before."""
+    one = broadcast(gap, 1.0)
+    if not near:
+        store(s.gap, j, gap)
+        store3(s.normal, 3 * j, 1, normal[0], normal[1], normal[2])
+        store(s.place, j, share)
+        store(s.second_gap, j, FAR)
+        store3(s.second_normal, 3 * j, 1, 0.0, 0.0, 0.0)
+        store(s.nearer, j, one)
+        return True
+    best, second = load(s.gap, j), load(s.second_gap, j)
+    nearer, next = gap < best, gap < second
+    for k in range(3):
+        past = load(s.normal, 3 * j + k)
+        store(s.second_normal, 3 * j + k, where(nearer, past, where(next, normal[k], load(s.second_normal, 3 * j + k))))
+        store(s.normal, 3 * j + k, where(nearer, normal[k], past))
+    store(s.second_gap, j, min(max(gap, best), second))
+    store(s.gap, j, min(gap, best))
+    store(s.place, j, where(nearer, share, load(s.place, j)))
+    store(s.nearer, j, where(nearer, one, 0.0))
+    return True
+
+
+@inlined
+def with_slip(s, j, near, at, motion, past, moves):
+    """Set by how much the place has moved on the solid that was considered last, where it is the nearest, if solids
+    touch some lane. ``motion``: its rows, and the column where its motion begins; ``moves``: whether it has moved.
+    Returns ``near``."""
+    if any_lane((load(s.active, j) > 0.0) | (load(s.gap, j) < 0.0)):
+        x, y, z = load3(past.positions, past.place, W)
+        share = load(s.place, j)
+        u, v, w = load3(past.positions, past.place - 3 * W, W)
+        u, v, w = u - past.shift[0], v - past.shift[1], w - past.shift[2]
+        x, y, z = u + share * (x - u), v + share * (y - v), w + share * (z - w)
+        if moves:
+            rows, m = motion
+            u = rows[m] * x + rows[m + 1] * y + rows[m + 2] * z + rows[m + 9]
+            v = rows[m + 3] * x + rows[m + 4] * y + rows[m + 5] * z + rows[m + 10]
+            w = rows[m + 6] * x + rows[m + 7] * y + rows[m + 8] * z + rows[m + 11]
+            x, y, z = u, v, w
+        nearer = load(s.nearer, j) > 0.0
+        u, v, w = load3(s.slip, 3 * j, 1)
+        store3(s.slip, 3 * j, 1, where(nearer, at[0] - x, u), where(nearer, at[1] - y, v), where(nearer, at[2] - z, w))
+    return near
+
+
+@inlined
 def nearest_share(a, b, point, first):
     """Where on the segment from a to b a point is nearest, from a share ``first`` on."""
     e = b[0] - a[0], b[1] - a[1], b[2] - a[2]
@@ -145,15 +203,9 @@ def of_ball(s, j, near, at, away, radius, motion, share):
     return consider(s, j, near, size - radius, (over * x, where(size < TINY, 1.0, over * y), over * z), share)
 
 
-FAR = 1e20
-
-
+@by_type
 def nearest_custom(s, j, near, start, end, past, contact, options):
     """As `nearest`, among custom solids after others, of which some have been ``near``."""
-
-
-@overload(nearest_custom)
-def _nearest_custom(s, j, near, start, end, past, contact, options):
     kind = dict(zip(contact.fields, contact.types, strict=True))["custom"]
     if isinstance(kind, types.NoneType):
         return lambda s, j, near, start, end, past, contact, options: near
@@ -182,11 +234,11 @@ def among(s, j, near, start, end, past, contact, options, shape, drift):
 
 @inlined
 def gap_of(shape, m, start, end, options):
-    """Gap and normal of a segment, metres, and where on it; of lanes out of reach the gap is `FAR`."""
+    """Gap and normal of a segment, metres, and where on it; of lanes out of reach the gap is `OUT_OF_REACH`."""
     others, distance, normal, deepest = shape
     whole, reach, first = options
     x, y, z = end
-    gap, share = broadcast(x, FAR), broadcast(x, 1.0)
+    gap, share = broadcast(x, OUT_OF_REACH), broadcast(x, 1.0)
     nx, ny, nz = broadcast(x, 0.0), broadcast(x, 1.0), broadcast(x, 0.0)
     for k in range(lane_count(others.rows)):
         a, b, c = lane(x, k), lane(y, k), lane(z, k)

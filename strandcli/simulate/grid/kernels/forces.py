@@ -13,18 +13,18 @@ import numpy as np
 
 from ....jit import device, parallel, prange
 from ....simd import gather4, half_width_pointer, lane_count, load, load3, pointer, sqrt, store, store3
-from ...rod.kernels.arrays import PACK
+from ...rod.kernels.arrays import AXES, PACK
 from .donor_cells import read_home, settle
-from .excess import find_excess
 from .limit import limit
-from .momentum import note_handed
 from .nodes import keep_others
-from .pressure import relax
+from .pressure import find_excess, relax
 from .records import (
     CELL,
+    COUNTED,
     FIRST,
     FOUND,
     FULL,
+    HANDED,
     LANES,
     LAST,
     MASS,
@@ -37,7 +37,6 @@ from .records import (
     VELOCITY,
     WAY,
 )
-from .rows import COUNTED
 from .shelter import shelter
 from .targets import find_targets
 from .transfer import cell_of, locate, three, weights_along
@@ -180,3 +179,23 @@ def blend(cells, at, wide, layer, a, c, d):
 def blend_row(cells, at, x, x_next):
     """Interpolate along x."""
     return x * load(cells, at) + x_next * load(cells, at + np.uint64(CELL))
+
+
+@device
+def note_handed(pack, step, rows, mass, accelerations, handed):
+    """Add what the ``accelerations`` of a pack's particles (P, N, 3 S), and what ``rows`` of scratch have of
+    their roots, do to the momentum of its strands in a step, ``handed``."""
+    read, change, out = pointer(rows), pointer(accelerations), pointer(handed)
+    n = accelerations.shape[1]
+    for k in range(0, PACK, lane_count(change)):
+        first = mass[0] * step
+        u, v, w = load3(read, OF_ROOT * PACK + k, PACK)
+        u, v, w = first * u, first * v, first * w
+        for j in range(n):
+            m = mass[j] * step
+            a, b, c = load3(change, (pack * n + j) * AXES + k, PACK)
+            u, v, w = u + m * a, v + m * b, w + m * c
+        at = pack * HANDED * PACK + k
+        a, b, c = load3(out, at, PACK)
+        store3(out, at, PACK, a + u, b + v, c + w)
+        store(out, at + AXES, load(out, at + AXES) + sqrt(u * u + v * v + w * w))

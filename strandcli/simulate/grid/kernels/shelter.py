@@ -15,8 +15,7 @@ import numpy as np
 
 from ....jit import device, function
 from ....simd import gather, load, pointer, store, where
-from .records import LANES, SIZE
-from .rows import COUNTED
+from .records import COUNTED, LANES, SIZE
 
 MARGIN = 3
 """Rows that a layer's margin has: one before, and two after."""

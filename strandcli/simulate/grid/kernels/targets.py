@@ -7,9 +7,21 @@ import numpy as np
 from ....jit import device
 from ....simd import any_lane, broadcast, load, pointer, store, store3, store_records, where
 from .limit import BETWEEN_ONLY, SLIVER, WIDELY
-from .momentum import pushed_back
-from .records import BETWEEN, CELL, CHANGE, FULL, LANES, LOST, MASS, MOMENTUM, SIZE, SPEED, WAY
-from .rows import beside_across, beside_along
+from .records import (
+    BETWEEN,
+    CELL,
+    CHANGE,
+    FULL,
+    LANES,
+    LOST,
+    MASS,
+    MOMENTUM,
+    SIZE,
+    SPEED,
+    WAY,
+    beside_across,
+    beside_along,
+)
 from .shelter import left_at, main_axis
 
 EMPTY = np.float32(1e-30)
@@ -94,7 +106,7 @@ def sheltered(found, left, numbers):
 
 @device
 def targets_of(at, sides, grid, apertures, numbers, pressure):
-    """The columns of the targets of a vector of cells, with `rows`' ways to the cells on their ``sides``."""
+    """The columns of the targets of a vector of cells, with `records`' ways to the cells on their ``sides``."""
     cells, count, full = pointer(grid), grid.shape[1], numbers[FULL]
     m = load(cells, MASS * count + at)
     rate = numbers[LOST] * min(m / full, 1.0)
@@ -134,6 +146,23 @@ def pushes(all, sides, between):
 def pushed(p, next, m, m_next, between, least):
     """Change of velocity by the pressure on the faces to the next cells, in cells a step for each metre in a cell."""
     return (p - next) / max(WIDELY * (m + m_next) + BETWEEN_ONLY * between, least)
+
+
+@device
+def pushed_back(at, sides, apertures, pressure):
+    """What solids push back: the pressure of a vector of cells on what solids close of their faces, along x, y and z.
+    It is what remains of the sum over all faces, of which each has the difference of two cells as far as it is open."""
+    p = load(pressure, at) * load(apertures, at)
+    x, y = back_along(at, sides[0], apertures, p), back_along(at, sides[1], apertures, p)
+    return x, y, back_along(at, sides[2], apertures, p)
+
+
+@device
+def back_along(at, sides, apertures, p):
+    """The same along an axis. Beside the box there is no pressure."""
+    (before, after, _, _), (a, b, _, _) = sides
+    past, next = where(a, load(apertures, at + before), 1.0), where(b, load(apertures, at + after), 1.0)
+    return p * (next - past)
 
 
 assert MASS == 0

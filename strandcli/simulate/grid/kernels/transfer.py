@@ -32,6 +32,7 @@ from .records import (
     BELOW,
     BETWEEN,
     CELL,
+    COUNTED,
     FIRST,
     LANES,
     LAST,
@@ -44,7 +45,6 @@ from .records import (
     SIZE,
     VELOCITY,
 )
-from .rows import COUNTED
 
 OWN = np.zeros((3, CELL), np.float32)
 """1 in the column of what lies between middles along each axis, which counts wholly for the first of two cells."""

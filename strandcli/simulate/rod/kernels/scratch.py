@@ -6,10 +6,13 @@ recurrences read there stay zeros, or the clamped direction.
 
 from __future__ import annotations
 
+from itertools import accumulate
 from typing import Any, NamedTuple
 
-from ....jit import device
-from ....simd import shifted
+from numba.core import types
+from numba.core.extending import intrinsic
+
+from ....simd.kinds import PointerType, vector_of
 
 
 class Scratch(NamedTuple):
@@ -100,6 +103,8 @@ SIZES = Scratch(
     24, 24, 4,
 )  # fmt: skip
 """Vectors of a segment."""
+FIRSTS = tuple(accumulate(SIZES, initial=0))[:-1]
+"""And of those before it."""
 BEFORE, AFTER = 1, 2
 """Rows before the first segment and after the last one."""
 ALL = sum(SIZES)
@@ -110,26 +115,22 @@ def vectors_for(n: int) -> int:
     return ALL * (n + BEFORE + AFTER)
 
 
-@device
-def scratch_at(base, n):
-    """The `Scratch` of ``n`` segments that begins at a pointer to vectors."""
-    rows = n + BEFORE + AFTER
-    return Scratch(
-        part(base, 0, rows, 3), part(base, 3, rows, 3), part(base, 6, rows, 3), part(base, 9, rows, 3),
-        part(base, 12, rows, 3), part(base, 15, rows, 3), part(base, 18, rows, 1), part(base, 19, rows, 1),
-        part(base, 20, rows, 1), part(base, 21, rows, 1), part(base, 22, rows, 1), part(base, 23, rows, 3),
-        part(base, 26, rows, 3), part(base, 29, rows, 4), part(base, 33, rows, 3), part(base, 36, rows, 1),
-        part(base, 37, rows, 1), part(base, 38, rows, 1), part(base, 39, rows, 1), part(base, 40, rows, 3),
-        part(base, 43, rows, 3), part(base, 46, rows, 1), part(base, 47, rows, 1), part(base, 48, rows, 1),
-        part(base, 49, rows, 3), part(base, 52, rows, 3), part(base, 55, rows, 1), part(base, 56, rows, 1),
-        part(base, 57, rows, 3), part(base, 60, rows, 1), part(base, 61, rows, 1), part(base, 62, rows, 1),
-        part(base, 63, rows, 2), part(base, 65, rows, 3), part(base, 68, rows, 3), part(base, 71, rows, 18),
-        part(base, 89, rows, 24), part(base, 113, rows, 24), part(base, 137, rows, 4),
-    )  # fmt: skip
+@intrinsic
+def scratch_at(typingctx: Any, base: Any, n: Any) -> Any:
+    """The `Scratch` of ``n`` segments that begins at a pointer to vectors: of each field a pointer to its first vector
+    of segment 0, which lies behind all rows of the fields before it."""
+    if not (isinstance(base, PointerType) and base.whole):
+        return None
 
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        word = args[1].type
+        start = builder.bitcast(args[0], context.get_value_type(vector_of(base)).as_pointer())
+        rows = builder.add(args[1], word(BEFORE + AFTER))
+        firsts = [
+            builder.add(builder.mul(rows, word(first)), word(BEFORE * size))
+            for first, size in zip(FIRSTS, SIZES, strict=True)
+        ]
+        fields = [builder.bitcast(builder.gep(start, [first]), args[0].type) for first in firsts]
+        return context.make_tuple(builder, sig.return_type, fields)
 
-@device
-def part(base, first, rows, size):
-    """The vectors of a field whose ``size`` is so many a segment and which begins after ``first`` a segment of others:
-    pointer to those of segment 0."""
-    return shifted(base, first * rows + BEFORE * size)
+    return types.NamedUniTuple(base, len(SIZES), Scratch)(base, n), emit

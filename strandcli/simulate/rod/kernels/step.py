@@ -14,6 +14,7 @@ from ....jit import device, function, inlined
 from ....simd import (
     any_lane,
     fused_pointer,
+    fused_pointers,
     fused_vector_pointer,
     lane_count,
     load,
@@ -25,7 +26,7 @@ from ....simd import (
 )
 from ...contact.kernels.search import Contact
 from . import begin, finish, newton, parts
-from .arrays import AXES, PACK, Drive, Material, Place, State
+from .arrays import AXES, PACK, Place
 from .begin import ROW
 from .scratch import scratch_at
 from .work_queue import TASKS, take
@@ -55,7 +56,7 @@ def work(state, material, drive, step, needs, contact, scratch, queue, worker):
     base = fused_vector_pointer(scratch)
     lanes = lane_count(base)
     s = scratch_at(shifted(base, worker * (scratch.shape[1] // lanes)), n)
-    state, material, drive = state_pointers(state), material_pointers(material), drive_pointers(drive)
+    state, material, drive = fused_pointers(state), fused_pointers(material), fused_pointers(drive)
     pack = take(queue)
     while pack < queue[TASKS]:
         next_pack = take(queue)
@@ -100,32 +101,3 @@ def move(s, at, next_pack, state, material, drive, step, needs, contact):
         met = contact, (root, shift)
         worst = parts.improve(s, at, state, material, drive, step, needs, met, (bad, worst))
     store(state.residuals, at.strand, worst / (1.0 + sqrt(1.0 + where(worst > 1.0, worst, -worst))))
-
-
-@device
-def state_pointers(a):
-    """Pointers to the arrays of a `State`."""
-    return State(
-        fused_pointer(a.edges), fused_pointer(a.velocity), fused_pointer(a.before), fused_pointer(a.ahead),
-        fused_pointer(a.moved), fused_pointer(a.tension), fused_pointer(a.force), fused_pointer(a.share),
-        fused_pointer(a.restart), fused_pointer(a.acceleration), fused_pointer(a.jolted), fused_pointer(a.twist),
-        fused_pointer(a.positions), fused_pointer(a.residuals),
-    )  # fmt: skip
-
-
-@device
-def material_pointers(a):
-    """Pointers to the arrays of a `Material`."""
-    return Material(
-        fused_pointer(a.lengths), fused_pointer(a.stiffness), fused_pointer(a.mass), fused_pointer(a.joint),
-        fused_pointer(a.bends),
-    )  # fmt: skip
-
-
-@device
-def drive_pointers(a):
-    """Pointers to the arrays of a `Drive`."""
-    return Drive(
-        fused_pointer(a.roots), fused_pointer(a.directions), fused_pointer(a.gust), fused_pointer(a.drift),
-        fused_pointer(a.tips),
-    )  # fmt: skip

@@ -2,7 +2,7 @@
 
 Contact puts a particle onto the surface of one solid, which may be inside of another one, or out of reach of its
 parent. What turns of contact and exact lengths leave inside, which is little, is searched for here, lane by lane in
-vectors: `at_length` where the segment has an exact length, `anywhere` where it has none.
+vectors.
 
 No place at the length L from the parent is less deep than L short of the parent's depth in any one solid, since a
 depth changes by no more than the distance. What comes so near that bound, or is outside, has no better place; straight
@@ -17,7 +17,8 @@ from typing import Any
 from ....constants import W
 from ....jit import device, function, inlined
 from ....simd import any_lane, broadcast, lane, lane_count, load, load3, pointer, sqrt, where, with_lane
-from ....solids.kernels.any_depth import any_depth
+from ....solids.kernels.box import chosen
+from ....solids.kernels.outside import any_depth
 
 NEAR = 3e-7
 """Depth that counts as none, metres."""
@@ -46,43 +47,18 @@ HALF = 0.5
 
 def turn(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
     """A pass of the stage "particle": turn what is inside a solid about its parent; p: a `strandcli.solids.Solids`."""
-    at_length(x, parent, length, p)
+    bring_out(x, parent, length, p)
 
 
 def leave(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
     """The same by the nearest way out, whatever the length."""
-    anywhere(x, length, p)
+    bring_out(x, None, length, p)
 
 
 @function
-def at_length(x, parent, length, solids):
+def bring_out(x, parent, length, solids):
     """Move particles that are in a solid to the nearest place found outside of all, or else the least deep one, at the
-    rest length from their parents. x, parent (3 W,), length (W,) float32."""
-    rows, parents, lengths = pointer(x), pointer(parent), pointer(length)
-    lanes = lane_count(rows)
-    some = nobody(rows)
-    count = 0
-    for k in range(0, W, lanes):
-        at = load3(rows, k, W)
-        depth = any_depth(solids, at[0], at[1], at[2])
-        none = nothing(at)
-        if any_lane(depth > none):
-            q, size = load3(parents, k, W), load(lengths, k)
-            goal = max(any_depth(solids, q[0], q[1], q[2]) - size, 0.0) + none
-            for j in range(lanes):
-                if lane(depth, j) > lane(goal, j):
-                    some = with_strand(some, count, k + j, (at, q, size, depth, goal), j)
-                    count += 1
-                if count == lanes:
-                    write(x, some, turned(solids, some), count)
-                    count = 0
-    if count > 0:
-        write(x, some, turned(solids, some), count)
-
-
-@function
-def anywhere(x, length, solids):
-    """Move particles that are in a solid out of all by the shortest way found; arguments as above."""
+    rest length from their parents, or where ``parent`` is None at any. x, parent (3 W,), length (W,) float32."""
     rows, lengths = pointer(x), pointer(length)
     lanes = lane_count(rows)
     some = nobody(rows)
@@ -92,15 +68,27 @@ def anywhere(x, length, solids):
         depth = any_depth(solids, at[0], at[1], at[2])
         none = nothing(at)
         if any_lane(depth > none):
+            q, size, goal = at, load(lengths, k), none
+            if parent is not None:
+                q = load3(pointer(parent), k, W)
+                goal = max(any_depth(solids, q[0], q[1], q[2]) - size, 0.0) + none
             for j in range(lanes):
-                if lane(depth, j) > lane(none, j):
-                    some = with_strand(some, count, k + j, (at, at, load(lengths, k), depth, none), j)
+                if lane(depth, j) > lane(goal, j):
+                    some = with_strand(some, count, k + j, (at, q, size, depth, goal), j)
                     count += 1
                 if count == lanes:
-                    write(x, some, led_out(solids, some), count)
+                    write(x, some, found_for(parent, solids, some), count)
                     count = 0
     if count > 0:
-        write(x, some, led_out(solids, some), count)
+        write(x, some, found_for(parent, solids, some), count)
+
+
+@device
+def found_for(parent, solids, some):
+    """Return where particles come."""
+    if parent is None:
+        return led_out(solids, some)
+    return turned(solids, some)
 
 
 @inlined
@@ -285,12 +273,6 @@ def unit(d):
     """Return vectors at unit length, those without any as they are."""
     size = sqrt(max(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], TINY))
     return d[0] / size, d[1] / size, d[2] / size
-
-
-@inlined
-def chosen(mask, a, b):
-    """Return vectors a where the mask holds, else b."""
-    return where(mask, a[0], b[0]), where(mask, a[1], b[1]), where(mask, a[2], b[2])
 
 
 @inlined
