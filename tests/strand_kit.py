@@ -21,8 +21,7 @@ from strandcli.run.pipeline import render
 from strandcli.scene import Scene, loads
 from strandcli.simulate.rules import Pass, registry
 from strandcli.simulate.solver import Solver
-from strandcli.simulate.thesis import compose
-from strandcli.simulate.thesis.solver import ThesisSolver
+from strandcli.simulate.thesis.solver import ThesisSolver, source
 
 JIT = "from strandcli.jit import function, parallel, prange"
 PLAIN = "prange = range\ndef function(f): return f\nparallel = function"
@@ -46,7 +45,7 @@ def solver_of(scene: Scene, plain: bool = False) -> ThesisSolver:
 
 def plain_step(passes: Sequence[Pass], folder: Path) -> Callable[..., None]:
     """The composed step with its decorators taken off."""
-    text = compose.source(passes)
+    text = source(passes)
     assert JIT in text
     names: dict[str, Any] = {}
     exec(text.replace(JIT, PLAIN), names)

@@ -18,7 +18,7 @@ import strandcli.simulate.rules as rules_module
 from strand_kit import moved, scene_of, solver_of
 from strandcli.errors import UsageError
 from strandcli.simulate.rules import Pass, idle, register, registry
-from strandcli.simulate.thesis import compose
+from strandcli.simulate.thesis import solver as thesis
 
 SCENE = """
 emitter: {strands: 3, particles: 4, length: 0.6}
@@ -60,7 +60,7 @@ def passes(parameters, scene):
 
 
 def text_of(rules: str) -> str:
-    return compose.source(solver_of(scene_of(SCENE % rules), plain=True).passes)
+    return thesis.source(solver_of(scene_of(SCENE % rules), plain=True).passes)
 
 
 def test_a_rule_that_is_not_listed_or_has_nothing_to_do_is_not_in_the_source() -> None:
@@ -93,31 +93,31 @@ def test_without_rules_nothing_is_composed_and_nothing_moves() -> None:
 
 def test_equal_scenes_share_one_module_whose_name_says_what_is_in_it(tmp_path: Path) -> None:
     passes = solver_of(scene_of(SCENE % "gravity, elasticity"), plain=True).passes
-    compose.step_for(tuple(passes), tmp_path)
+    thesis.step_for(tuple(passes), tmp_path)
     (written,) = tmp_path.glob("*.py")
-    assert written.read_text(encoding="utf-8") == compose.source(passes)
+    assert written.read_text(encoding="utf-8") == thesis.source(passes)
     stamp = written.stat().st_mtime_ns
-    compose._load.cache_clear()
-    compose.step_for(tuple(passes), tmp_path)
+    thesis._load.cache_clear()
+    thesis.step_for(tuple(passes), tmp_path)
     assert [written] == list(tmp_path.glob("*.py"))
     assert written.stat().st_mtime_ns == stamp
     for broken in (b"broken", b"\xff\xfe\x80 no text", b""):  # by whatever: it is written anew
         written.write_bytes(broken)
-        compose._load.cache_clear()
-        compose.step_for(tuple(passes), tmp_path)
-        assert written.read_text(encoding="utf-8") == compose.source(passes)
+        thesis._load.cache_clear()
+        thesis.step_for(tuple(passes), tmp_path)
+        assert written.read_text(encoding="utf-8") == thesis.source(passes)
     assert not list(tmp_path.glob("*.part"))
     bytecode = Path(importlib.util.cache_from_source(str(written)))
     py_compile.compile(str(written), str(bytecode))
     bytecode.write_bytes(bytecode.read_bytes()[:40])
-    compose._load.cache_clear()
-    compose.step_for(tuple(passes), tmp_path)
+    thesis._load.cache_clear()
+    thesis.step_for(tuple(passes), tmp_path)
 
 
 def test_only_functions_that_can_be_imported_are_composed() -> None:
     for function in (lambda *rows: None, Path.exists, _inner()):
         with pytest.raises(UsageError, match=r"must be a plain function of a module that can be imported"):
-            compose.source([Pass(function, lambda moment: None)])
+            thesis.source([Pass(function, lambda moment: None)])
 
 
 def _inner():  # type: ignore[no-untyped-def]

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from scratch_kit import LANES, Rows, scratch
 from strandcli.simd import load
 from strandcli.simulate.contact.kernels import law
-from strandcli.simulate.rod.kernels import elimination, newton, tension
+from strandcli.simulate.rod.kernels import newton, tension
 from strandcli.simulate.rod.kernels.arrays import Material
-from strandcli.simulate.rod.kernels.elimination import MASS_SHARE
+from strandcli.simulate.rod.kernels.newton import MASS_SHARE
 
 Floats = NDArray[np.float64]
 STIFFNESS = 0.7
@@ -23,7 +23,7 @@ def solve(address, n, mass, material):
     """Change displacements and edges by H⁻¹ ρ."""
     s = scratch(address, n)
     stiffness = load(s.pivot, 0) * 0.0 + STIFFNESS
-    elimination.factorise(s, n, material, stiffness, False, False, False, stiffness * 0.0)
+    newton.factorise(s, n, material, stiffness, False, False, False, stiffness * 0.0)
     newton.apply_change(s, n)
 
 
@@ -32,9 +32,9 @@ def iterate(address, n, mass, material, touching, whole):
     """The same after τ and forces of contact have changed as the filter finds."""
     s = scratch(address, n)
     stiffness = load(s.pivot, 0) * 0.0 + STIFFNESS
-    elimination.factorise(s, n, material, stiffness, False, touching, whole, stiffness * 0.0)
+    newton.factorise(s, n, material, stiffness, False, touching, whole, stiffness * 0.0)
     tension.filter_forward(s, n, mass, True, touching, whole)
-    elimination.update_loads(s, n, material, stiffness, True, touching, whole)
+    newton.update_loads(s, n, material, stiffness, True, touching, whole)
     newton.apply_change(s, n)
 
 

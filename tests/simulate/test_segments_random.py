@@ -12,7 +12,7 @@ from strandcli.constants import W
 from strandcli.groom.emit import emit
 from strandcli.scene import Scene, loads
 from strandcli.simulate import solver_of
-from strandcli.simulate.blame import one_of
+from strandcli.simulate.health import one_of
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis.kernels import depenetrate as way_out
 from strandcli.solids import pack_all
