@@ -25,7 +25,8 @@ class GridStrands:
         self._samples, self._metres, self._kind = samples, metres, np.dtype(dtype).type
         nodes = nodes_of(samples, segments)
         self._lattice = [one.astype(dtype) if one.dtype.kind == "f" else one for one in nodes]
-        self._weights, self._origins = samples.weights.astype(dtype), np.empty((boxes, 3), dtype)
+        self._weights, self._mass = samples.weights.astype(dtype), samples.mass.astype(dtype)
+        self._origins = np.empty((boxes, 3), dtype)
         packs, count = len(metres), len(nodes.node_first)
         self._nodes = on_large_pages((packs, count, NODE * PACK), dtype)
         self.ends = np.empty((packs, 6), dtype)
@@ -41,32 +42,21 @@ class GridStrands:
         """What strands around have handed to each in this frame so far, as `HANDED` says."""
         self.roots = np.zeros((packs, AXES), dtype)
         """What a step's velocities of roots may be kept in."""
-        self._shares: tuple[tuple[Any, ...], NDArray[Any]] = (), self._weights
-        self._moving: Moving | None = None
-        self._sampled: tuple[tuple[float, ...], Lattice] | None = None
 
     def moving(self, state: State, roots: NDArray[Any], mass: NDArray[Any]) -> Moving:
         """Return what kernels take of strands."""
-        last = self._moving
-        if last is None or last.roots is not roots or last.positions is not state.positions or last.mass is not mass:
-            self._moving = last = Moving(
-                state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
-                self._metres, mass,
-            )  # fmt: skip
-        return last
+        return Moving(
+            state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
+            self._metres, mass,
+        )  # fmt: skip
 
     def lattice(self, cell: float, dt: float, before: float) -> Lattice:
         """Return how strands are sampled in a step of ``dt`` seconds after one of ``before``, 0 if there was none;
         origins are to be set."""
-        known = cell, dt, before
-        if self._sampled is not None and self._sampled[0] == known:
-            return self._sampled[1]
         kind, samples = self._kind, self._samples
         steps = kind(dt), kind(dt / before if before else 1.0), kind(1 - HELD)
-        sampled = samples.first, samples.counts, self._weights, samples.mass.astype(kind)
-        made = Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
-        self._sampled = known, made
-        return made
+        sampled = samples.first, samples.counts, self._weights, self._mass
+        return Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
 
     def note(self, moving: Moving, lattice: Lattice, parts: NDArray[np.int64], anew: bool) -> None:
         """Set nodes and ends where the last step has not; ``anew``: nothing is known of a step before."""
@@ -78,12 +68,9 @@ class GridStrands:
 
     def shares(self, lattice: Lattice, mass: NDArray[Any]) -> NDArray[Any]:
         """Return (samples, greatest count) the shares of a sample's change that its particles have, 1/s."""
-        known = lattice.step, lattice.mass.tobytes(), mass.tobytes()
-        if self._shares[0] != known:
-            particles = lattice.first[:, None] + np.arange(-1, lattice.weights.shape[1] - 1)
-            each = (lattice.mass / lattice.step)[:, None] * lattice.weights
-            self._shares = known, each / mass[np.clip(particles, 0, len(mass) - 1)]
-        return self._shares[1]
+        particles = lattice.first[:, None] + np.arange(-1, lattice.weights.shape[1] - 1)
+        each = (lattice.mass / lattice.step)[:, None] * lattice.weights
+        return np.asarray(each / mass[np.clip(particles, 0, len(mass) - 1)])
 
 
 class Samples(NamedTuple):

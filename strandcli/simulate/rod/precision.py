@@ -26,8 +26,10 @@ def needs_double(scene: Scene, shortest: float) -> bool:
     """Return whether rods are solved in double precision, for single would not be enough. ``shortest``: of all
     segments, metres."""
     rod, n = scene.rod, scene.emitter.particles - 1
+    pulls = [use.parameters.acceleration for use in scene.rules if use.name == "gravity"]
+    fall = math.hypot(*map(sum, zip(*pulls, strict=True))) / (scene.time.fps * scene.time.substeps) ** 2  # in a step
     unsteady = rod.rest == "sag_free" and n > STEADIEST
-    return unsteady or contrast(rod, n) > CONTRAST or _fall(scene) > THROW * shortest
+    return unsteady or contrast(rod, n) > CONTRAST or fall > THROW * shortest
 
 
 def contrast(rod: Rod, n: int) -> float:
@@ -37,12 +39,6 @@ def contrast(rod: Rod, n: int) -> float:
     along = ((1 + (rod.tip - 1) * j / n) ** 4 for j in (1, n - 1) if 0 < j < n)
     joints = 2.0, *along
     return max(joints) / min(joints)
-
-
-def _fall(scene: Scene) -> float:
-    """Return the free fall in a step, metres."""
-    pulls = [use.parameters.acceleration for use in scene.rules if use.name == "gravity"]
-    return math.hypot(*map(sum, zip(*pulls, strict=True))) / (scene.time.fps * scene.time.substeps) ** 2
 
 
 def shortest_segment(emitter: Emitter) -> float:

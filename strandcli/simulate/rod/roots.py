@@ -24,8 +24,7 @@ from .setup import packed
 
 if TYPE_CHECKING:
     from ...scene.model import Rod
-    from ...scene.motion import Pose
-    from .kernels.arrays import Drive, Material, State
+    from .kernels.arrays import Material
 
 TINY = 1e-30
 

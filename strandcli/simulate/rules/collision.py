@@ -24,7 +24,6 @@ name = "collision"
 order = 40.0
 ROUNDS = 3
 """Times that particles are put out of solids at the end of a step, where one solid or rule may undo another."""
-_SHIPPED = ("sphere", "capsule", "plane", "box")
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,26 +53,21 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
 
     A plane that no particle is below is cut by no segment: it needs no pass of its own.
     """
-    from ...solids import others
     from ...solids.shapes import other_code
     from . import collision_segments as segments
 
-    packed = Packed(parameters, scene)
-    ends = _ends(packed)
+    met = chosen(parameters, scene)
     if not parameters.segments:
-        return ends
+        return _ends(met)
     through = {"sphere": segments.sphere, "capsule": segments.capsule, "box": segments.box}
-    caught = [Pass(through[kind], packed.kind(kind)) for kind in packed.kinds if kind in through]
-    foreign = others(chosen(parameters, scene))
-    if foreign:
-        caught.append(Pass(other_code.module_for(foreign).catch, packed.others))
-    return caught + ends
+    return _by_kind(met, through, lambda foreign: other_code.module_for(foreign).catch) + _ends(met)
 
 
 def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
     """With segments, particles once more at the end of a step: a turned segment may have put its end into another
     solid, and rules that come later move it. Where elasticity is one of them, solids and lengths take turns. What one
     solid after the other leaves inside is led out of all together."""
+    from ...solids import pack_all
     from ..thesis.kernels.depenetrate import leave, turn
     from . import elasticity
 
@@ -81,75 +75,51 @@ def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
         return []
     places = [k for k, use in enumerate(scene.rules) if use.parameters is parameters]
     later = scene.rules[places[0] + 1 :] if places else ()
-    packed = Packed(parameters, scene)
-    ends = _ends(packed)
+    met = chosen(parameters, scene)
+    ends = _ends(met)
+
+    def all_of(moment: Moment) -> Any:
+        return pack_all(met, moment.scene.emitter, moment.pose_time)
+
     lengths = [one for use in later if use.name == elasticity.name for one in elasticity.passes(use.parameters, scene)]
     if lengths:
-        return (ends + lengths[:1]) * ROUNDS + [Pass(turn, packed.all)]
-    if len(chosen(parameters, scene)) > 1:
-        return ends * ROUNDS + [Pass(leave, packed.all)]
+        return (ends + lengths[:1]) * ROUNDS + [Pass(turn, all_of)]
+    if len(met) > 1:
+        return ends * ROUNDS + [Pass(leave, all_of)]
     return ends if later else []
 
 
-def _ends(packed: Packed) -> list[Pass]:
+def _ends(met: list[Any]) -> list[Pass]:
     """One pass a kind of solid, for particles alone."""
-    from ...solids import others
     from ...solids.kernels import box, capsule, plane, sphere
     from ...solids.shapes import other_code
 
     points = {"sphere": sphere.collide, "capsule": capsule.collide, "plane": plane.collide, "box": box.collide}
-    found = [Pass(points[kind], packed.kind(kind)) for kind in packed.kinds]
-    foreign = others(packed.chosen)
+    return _by_kind(met, points, lambda foreign: other_code.module_for(foreign).collide)
+
+
+def _by_kind(met: list[Any], shipped: dict[str, Any], written: Callable[[list[Any]], Any]) -> list[Pass]:
+    """One pass for each kind of the solids that are ``met``, by the functions of ``shipped`` kinds, and one for those
+    without kernels of their own, by the function ``written`` for them."""
+    from ...solids import others, pack
+
+    def rows(kind: str) -> Callable[[Moment], Any]:
+        return lambda moment: pack(kind, met, moment.scene.emitter, moment.pose_time)
+
+    there = {solid.kind for solid in met}
+    found = [Pass(function, rows(kind)) for kind, function in shipped.items() if kind in there]
+    foreign = others(met)
     if foreign:
-        found.append(Pass(other_code.module_for(foreign).collide, packed.others))
+        found.append(Pass(written(foreign), lambda moment: _foreign(foreign, moment)))
     return found
 
 
-class Packed:
-    """The solids of a rule as its passes take them, packed once a step."""
+def _foreign(solids: list[Any], moment: Moment) -> Any:
+    """Return solids without kernels of their own, with the data of their shapes."""
+    import numpy as np
 
-    def __init__(self, parameters: Parameters, scene: Scene) -> None:
-        from ...solids import pack
+    from ...scene.motion import solid_pose
+    from ...solids.shapes import other, other_code
 
-        self.chosen = chosen(parameters, scene)
-        """The solids of the scene that the rule is for."""
-        self.kinds = [one for one in _SHIPPED if one in {solid.kind for solid in self.chosen}]
-        """Kinds of those that have kernels of their own, in the order of their passes."""
-        self._last: tuple[Moment | None, dict[str, Any]] = None, {}
-        self._pack = pack
-
-    def of_kind(self, kind: str, moment: Moment) -> Any:
-        """Return those of a kind at a moment."""
-        last, rows = self._last
-        if last is not moment:
-            rows = {one: rows[one] for one in rows if one not in self.kinds}  # none of a kind are none at any moment
-            self._last = moment, rows
-        if kind not in rows:
-            rows[kind] = self._pack(kind, self.chosen, moment.scene.emitter, moment.pose_time)
-        return rows[kind]
-
-    def kind(self, kind: str) -> Callable[[Moment], Any]:
-        """Return `of_kind` for passes that take one kind."""
-        return lambda moment: self.of_kind(kind, moment)
-
-    def all(self, moment: Moment) -> Any:
-        """Return all of them at a moment, a `strandcli.solids.Solids`."""
-        import numpy as np
-
-        from ...solids import SHAPES, joined
-
-        scene = moment.scene
-        shipped = [self.of_kind(kind, moment) for kind in SHAPES]
-        return joined(shipped, self.chosen, scene.emitter, moment.pose_time, np.float32)
-
-    def others(self, moment: Moment) -> Any:
-        """Return those without kernels of their own, with the data of their shapes."""
-        import numpy as np
-
-        from ...scene.motion import solid_pose
-        from ...solids import others
-        from ...solids.shapes import other, other_code
-
-        there = others(self.chosen)
-        poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in there]
-        return other_code.together(there, other.pack(there, poses, np.float32), moment.pose_time)
+    poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in solids]
+    return other_code.together(solids, other.pack(solids, poses, np.float32), moment.pose_time)

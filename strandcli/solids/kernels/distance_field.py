@@ -56,14 +56,7 @@ def rounded(p, value):
 @device
 def own(p, m, x, y, z):
     """A point in the frame of solid m."""
-    x -= number(p, m, X)
-    y -= number(p, m, Y)
-    z -= number(p, m, Z)
-    return (
-        number(p, m, ROW_X) * x + number(p, m, ROW_Y) * y + number(p, m, ROW_Z) * z,
-        number(p, m, ROW_X + 1) * x + number(p, m, ROW_Y + 1) * y + number(p, m, ROW_Z + 1) * z,
-        number(p, m, ROW_X + 2) * x + number(p, m, ROW_Y + 2) * y + number(p, m, ROW_Z + 2) * z,
-    )
+    return own_direction(p, m, x - number(p, m, X), y - number(p, m, Y), z - number(p, m, Z))
 
 
 @device
@@ -80,24 +73,15 @@ def own_direction(p, m, x, y, z):
 def ray_in_own(p, m, x, y, z, dx, dy, dz):
     """Origin and direction of a ray in the frame of solid m, in double precision."""
     u, v, w = own(p, m, x, y, z)
-    return (
-        np.float64(u), np.float64(v), np.float64(w),
-        np.float64(number(p, m, ROW_X) * dx + number(p, m, ROW_Y) * dy + number(p, m, ROW_Z) * dz),
-        np.float64(number(p, m, ROW_X + 1) * dx + number(p, m, ROW_Y + 1) * dy + number(p, m, ROW_Z + 1) * dz),
-        np.float64(number(p, m, ROW_X + 2) * dx + number(p, m, ROW_Y + 2) * dy + number(p, m, ROW_Z + 2) * dz),
-    )  # fmt: skip
+    a, b, c = own_direction(p, m, dx, dy, dz)
+    return np.float64(u), np.float64(v), np.float64(w), np.float64(a), np.float64(b), np.float64(c)
 
 
 @device
 def outward(p, m, n):
     """The unit direction in the world of a direction in the frame of solid m."""
     f = 1.0 / math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
-    a, b, c = f * n[0], f * n[1], f * n[2]
-    return (
-        number(p, m, ROW_X) * a + number(p, m, ROW_X + 1) * b + number(p, m, ROW_X + 2) * c,
-        number(p, m, ROW_Y) * a + number(p, m, ROW_Y + 1) * b + number(p, m, ROW_Y + 2) * c,
-        number(p, m, ROW_Z) * a + number(p, m, ROW_Z + 1) * b + number(p, m, ROW_Z + 2) * c,
-    )
+    return in_world(p, m, (f * n[0], f * n[1], f * n[2]))
 
 
 @device

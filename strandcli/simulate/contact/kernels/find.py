@@ -6,13 +6,11 @@ it. A segment that comes into a solid becomes active; one whose solid pulls it i
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
 from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from ...rod.kernels.arrays import AXES, PACK
 from ...rod.kernels.begin import ROW
-from ...rod.kernels.vectors import add_scaled, dot, scaled
+from ...rod.kernels.vectors import add_scaled, dot, scaled, select
 from . import law, search
 
 SETTLED, CREEP = 0.5, 0.3
@@ -28,22 +26,6 @@ SHARP = 0.1
 """Sine between the normals of two solids from which on both are kept apart."""
 ABLE = 0.5
 """Depth of the beginning of a segment, in segments, up to which its end can be kept out."""
-
-
-class Found(NamedTuple):
-    """What `contacts` has found of a vector of strands."""
-
-    touching: Any
-    """Whether solids touch some segment."""
-    moved: Any
-    """Whether u* has changed: forces were taken back, or act elsewhere."""
-    near: Any
-    """Whether some segment is nearer to a solid than its length, or touched by one."""
-    depth: Any
-    """The greatest depth of each strand, in segments, of places that can be kept out."""
-    unsettled: Any
-    """In which lanes some place is inside of a solid, away from one that touches it, or pulled by one, by more than
-    `SETTLED` says, or slips otherwise than its friction by more than `CREEP`."""
 
 
 @device
@@ -89,7 +71,13 @@ def let_go(s, n):
 @device
 def contacts(s, at, state, material, c, contact, needs, root, step, patience):
     """Set the contacts of all segments by the present edges; ``patience``: whether it is late in the step, and by how
-    much more than at first contacts may be off. Returns `Found`."""
+    much more than at first contacts may be off.
+
+    Returns whether solids touch some segment; whether u* has changed, for forces were taken back, or act elsewhere;
+    whether some segment is nearer to a solid than its length, or touched by one; the greatest depth of each strand, in
+    segments, of places that can be kept out; and in which lanes some place is inside of a solid, away from one that
+    touches it, or pulled by one, by more than `SETTLED` says, or slips otherwise than its friction by more than
+    `CREEP`."""
     n, length = at.segments, c.length
     zero = broadcast(length, 0.0)
     touching, moved, some_near, depth, unsettled = False, False, False, zero, zero < 0.0
@@ -108,10 +96,17 @@ def contacts(s, at, state, material, c, contact, needs, root, step, patience):
         if near or any_lane(active):
             if j == 0 and not needs.segments:
                 before = gap_of_root(s, root, past, contact, length)
-            found = where_near(s, j, near, zero)
+            gap = zero + search.FAR
+            if near:
+                gap = load(s.gap, j)
+            else:
+                store(s.second_gap, j, gap)
             some_near = True
-            gap = unreachable(s, j, found, before > -ABLE * length)
-            before = found
+            unable = ~(before > -ABLE * length)  # to keep the end out
+            before = gap
+            if any_lane(unable):
+                store(s.second_gap, j, where(unable, search.FAR, load(s.second_gap, j)))
+            gap = where(unable, search.FAR, gap)
             if any_lane(active | (gap < 0.0)):
                 changed, free = update(s, j, gap, c, material.mass, (active, needs.segments), law_of)
                 touching, moved = True, moved or free
@@ -125,7 +120,7 @@ def contacts(s, at, state, material, c, contact, needs, root, step, patience):
             before = zero
         start = end
         past = search.Past(state.positions, past.place + ROW, none)
-    return Found(touching, moved, some_near, depth, unsettled)
+    return touching, moved, some_near, depth, unsettled
 
 
 @device
@@ -135,26 +130,6 @@ def gap_of_root(s, root, past, contact, length):
     if search.nearest(s, -1, root, root, past, contact, (False, length, length)):
         return load(s.gap, -1)
     return zero
-
-
-@inlined
-def where_near(s, j, near, zero):
-    """The gap of segment j, metres; `search.FAR` where no solid is ``near``."""
-    gap = zero + search.FAR
-    if near:
-        gap = load(s.gap, j)
-    else:
-        store(s.second_gap, j, gap)
-    return gap
-
-
-@inlined
-def unreachable(s, j, gap, able):
-    """The gap of segment j, metres; in lanes that are not ``able`` to keep it out `search.FAR`, and so that of the
-    second solid."""
-    if any_lane(~able):
-        store(s.second_gap, j, where(able, load(s.second_gap, j), search.FAR))
-    return where(able, gap, search.FAR)
 
 
 @inlined
@@ -169,13 +144,13 @@ def update(s, j, found, c, mass, lanes, law_of):
     gap, second = c.inverse_length * found, c.inverse_length * load(s.second_gap, j)
     force = load3(s.force, 3 * j, 1)
     n, other = load3(s.normal, 3 * j, 1), load3(s.second_normal, 3 * j, 1)
-    one, corner, pressed, corner_gap = across_of(n), zero_of(gap) > 0.0, dot(force, n), gap
+    one, corner, pressed, corner_gap = across_of(n), broadcast(gap, 0.0) > 0.0, dot(force, n), gap
     if any_lane((second < 1.0) & (active | (gap < 0.0))):
         one, corner, pressed, corner_gap = corner_of(s, j, n, other, one, (gap, second), force)
     away = active & ((pressed < 0.0) | (gap > 1.0))
     # a corner that the first solid lets go is the second's
     swapped = away & corner
-    n = where(swapped, other[0], n[0]), where(swapped, other[1], n[1]), where(swapped, other[2], n[2])
+    n = select(swapped, other, n)
     gap = where(swapped, second, gap)
     away, corner = away & ~swapped, corner & ~away & (active | (gap < -ROUNDING))
     # what comes and goes without end stays away where it is not deep
@@ -185,13 +160,12 @@ def update(s, j, found, c, mass, lanes, law_of):
     off = off | (away & (pressed * load(s.mobility, j) < -settled))
     free = any_lane(away)
     if free:
-        back = where(away, -force[0], 0.0), where(away, -force[1], 0.0), where(away, -force[2], 0.0)
-        law.add_force(s, j, back, mass, whole)
+        none = broadcast(gap, 0.0)
+        law.add_force(s, j, select(away, (-force[0], -force[1], -force[2]), (none, none, none)), mass, whole)
     store3(s.normal, 3 * j, 1, n[0], n[1], n[2])
     store(s.corner, j, where(corner, 1.0, broadcast(gap, 0.0)))
     if any_lane(swapped):
-        x, y, z = across_of(n)
-        one = where(swapped, x, one[0]), where(swapped, y, one[1]), where(swapped, z, one[2])
+        one = select(swapped, across_of(n), one)
     store3(s.across, 3 * j, 1, one[0], one[1], one[2])
     store(s.gap, j, gap)
     if whole and move_force(s, j, mass):
@@ -216,12 +190,6 @@ def move_force(s, j, mass):
 
 
 @inlined
-def zero_of(x):
-    """Zeros."""
-    return broadcast(x, 0.0)
-
-
-@inlined
 def across_of(n):
     """A unit vector across a normal (Duff et al. 2017)."""
     sign = where(n[2] < 0.0, broadcast(n[2], -1.0), 1.0)
@@ -243,5 +211,4 @@ def corner_of(s, j, n, other, one, gaps, force):
     pulled = rate * dot(force, x)  # by the second solid
     corner = (sine > SHARP) & ((second < -ROUNDING) | ((load(s.corner, j) > 0.0) & (pulled >= 0.0) & (second < 1.0)))
     pressed = dot(force, n) - where(corner, cosine * pulled, 0.0)
-    one = where(corner, x[0], one[0]), where(corner, x[1], one[1]), where(corner, x[2], one[2])
-    return one, corner, pressed, rate * (second - cosine * gap)
+    return select(corner, x, one), corner, pressed, rate * (second - cosine * gap)

@@ -24,6 +24,7 @@ from ....jit import inlined
 from ....simd import load, load3, sqrt, store, store3, where
 from ...rod.kernels.vectors import (
     add_scaled,
+    cross,
     dot,
     less_outer,
     less_symmetric,
@@ -47,7 +48,7 @@ def set_wanted(s, j, contact, slip, friction, late):
     compliance and mobility together change by a geometric mean. Returns by how much the slip is off what the force of
     friction stands for."""
     n, one, gap, corner, corner_gap = contact
-    other = across_both(n, one)
+    other = cross(n, one)
     force = load3(s.force, 3 * j, 1)
     mobility = load(s.mobility, j)
     first, second = dot(force, one), dot(force, other)
@@ -70,17 +71,11 @@ def set_wanted(s, j, contact, slip, friction, late):
 
 
 @inlined
-def across_both(n, one):
-    """The vector product of two vectors."""
-    return n[1] * one[2] - n[2] * one[1], n[2] * one[0] - n[0] * one[2], n[0] * one[1] - n[1] * one[0]
-
-
-@inlined
 def observe(s, j, covariances, means, whole):
     """Take the contact of segment j into account: along the normal, and then along both tangents together. Returns the
     covariances and the means of the state after that. ``whole``: whether places may be elsewhere than at the end."""
     n, one = load3(s.normal, 3 * j, 1), load3(s.across, 3 * j, 1)
-    other = across_both(n, one)
+    other = cross(n, one)
     mask = load(s.active, j)
     w = 1.0 - load(s.share, j)
     particle, mixed, edge = covariances
@@ -140,7 +135,7 @@ def set_mobility(s, j, matrix, with_edge, spread, normal):
     a, b, d = a - over * x * x, b - over * x * y, d - over * y * y
     force = load3(s.force, 3 * j, 1)
     one = load3(s.across, 3 * j, 1)
-    u, v = dot(force, one), dot(force, across_both(load3(s.normal, 3 * j, 1), one))
+    u, v = dot(force, one), dot(force, cross(load3(s.normal, 3 * j, 1), one))
     size = max(u * u + v * v, TINY)
     along = (a * u * u + 2.0 * b * u * v + d * v * v) / size
     along = where(u * u + v * v > TINY, along, 0.5 * (a + d))
@@ -187,7 +182,7 @@ def change_force(s, j, particle, edge, mass, whole):
     adjoints of the means of its ``particle`` and its ``edge`` before the contact."""
     w = 1.0 - load(s.share, j)
     n, one = load3(s.normal, 3 * j, 1), load3(s.across, 3 * j, 1)
-    other = across_both(n, one)
+    other = cross(n, one)
     seen, first, second = load3(s.contact_innovation, 3 * j, 1)
     first -= dot(load3(s.contact_gain, 18 * j + 6, 1), particle) + dot(load3(s.contact_gain, 18 * j + 9, 1), edge)
     second -= dot(load3(s.contact_gain, 18 * j + 12, 1), particle) + dot(load3(s.contact_gain, 18 * j + 15, 1), edge)

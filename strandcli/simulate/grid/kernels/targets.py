@@ -47,7 +47,7 @@ def find_targets(box, o, near, grid, room, numbers, pressure, targets, others):
             if any_lane(load(pointer(pressure), at) > 0.0):
                 u, v, w = pushed_back(at, sides, pointer(room.aperture), pointer(pressure))
                 x, y, z = x + u, y + v, z + w
-            if any_counts(at, grid):
+            if any_lane(counted(at, grid) > 0.0):
                 found = targets_of(at, sides, grid, room.aperture, numbers, pointer(pressure))
                 if len(room.left) > 0:
                     left = left_at(box, main, (o, n, i), room.left)
@@ -58,12 +58,6 @@ def find_targets(box, o, near, grid, room, numbers, pressure, targets, others):
                 clear(at, targets)
     store(pointer(others), o * 4 * LANES, less)
     store3(pointer(others), (o * 4 + 1) * LANES, LANES, x, y, z)
-
-
-@device
-def any_counts(at, grid):
-    """Whether any sample counts for one of a vector of cells."""
-    return any_lane(counted(at, grid) > 0.0)
 
 
 @device

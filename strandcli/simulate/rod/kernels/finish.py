@@ -22,6 +22,7 @@ from ...contact.kernels import depenetrate
 from ...contact.kernels.search import Past
 from .arrays import AXES, PACK
 from .begin import GAIN, OLD_GAIN, ROW
+from .vectors import scaled
 
 HUGE = 1e18
 """Length of an edge, or τ, from which on it counts as infinite."""
@@ -59,7 +60,7 @@ def finish(s, at, next_pack, state, bends, step, needs, c, met, shift):
         root[2] - no_fma(length * z),
     )  # fmt: skip
     zero = length * 0.0
-    correction, past = (zero, zero, zero), scaled_root(c, shift)
+    correction, past = (zero, zero, zero), scaled(c.inverse_length, shift)
     restart = zero
     if needs.solids:
         restart = mark_changes(s, at, state, needs, c)
@@ -95,12 +96,6 @@ def finish(s, at, next_pack, state, bends, step, needs, c, met, shift):
             jump = where(abs(f[0]) + abs(f[1]) + abs(f[2]) > 0.0, begun, restart)
         set_velocity(state, row, u, needs, c, (restart, jump))
     store(state.restart, at.strand, restart)
-
-
-@inlined
-def scaled_root(c, shift):
-    """The displacement of the root in segments."""
-    return c.inverse_length * shift[0], c.inverse_length * shift[1], c.inverse_length * shift[2]
 
 
 @inlined

@@ -111,14 +111,6 @@ def iterate(s, at, state, material, step, needs, c, contact, root):
     return worst, depth, near, path
 
 
-@inlined
-def edge_change(s, j, x, y, z, u, v, w):
-    """z_j, the change of edge j, from (x, y, z) = z_{j−1} and (u, v, w) = y_{j−1}: back substitution."""
-    f, g = load(s.edge_factor, j), load(s.particle_factor, j)
-    a, b, c = load3(s.load, 3 * j, 1)
-    return f * x - g * u - a, f * y - g * v - b, f * z - g * w - c
-
-
 @device
 def apply_change(s, n):
     """Add y to the displacements and z to the edges. Returns the greatest | |e|² − 1 | of each lane, their sum, and the
@@ -128,7 +120,10 @@ def apply_change(s, n):
     x, y, z = worst, worst, worst
     u, v, w = worst, worst, worst
     for j in range(n):
-        x, y, z = edge_change(s, j, x, y, z, u, v, w)
+        # back substitution: (x, y, z) = z_j by z_{j−1} and (u, v, w) = y_{j−1}
+        f, g = load(s.edge_factor, j), load(s.particle_factor, j)
+        a, b, c = load3(s.load, 3 * j, 1)
+        x, y, z = f * x - g * u - a, f * y - g * v - b, f * z - g * w - c
         u += x
         v += y
         w += z

@@ -25,7 +25,7 @@ from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from ....simd.turning import cosine_sine
 from .arrays import AXES, PACK
-from .vectors import dot
+from .vectors import cross, dot
 
 GREATEST_TWIST_CHANGE = 3.0
 """Radians that ψ changes by in an iteration at the most."""
@@ -151,7 +151,7 @@ def add_reactions(s, at, state, material, step, c, first):
         q = q * rate
         angle = now
         # moment and twist torque of the joint after, and the twist torque of this one
-        fx, fy, fz = cross(ex, ey, ez, after * nx - q * px, after * ny - q * py, after * nz - q * pz)
+        fx, fy, fz = cross((ex, ey, ez), (after * nx - q * px, after * ny - q * py, after * nz - q * pz))
         f = sx * ex + sy * ey + sz * ez
         g = 1.0 - (nx * ex + ny * ey + nz * ez)
         bx += fx + f * (nx - ex) + g * sx
@@ -185,7 +185,7 @@ def rest_vector(before, across, along, turned):
     px, py, pz = before
     x, y, z = across
     c, d = cosine_sine(turned)
-    wx, wy, wz = cross(px, py, pz, x, y, z)
+    wx, wy, wz = cross(before, across)
     return along * px + c * x + d * wx, along * py + c * y + d * wy, along * pz + c * z + d * wz
 
 
@@ -225,9 +225,3 @@ def carried(ax, ay, az, fold, edge):
     if any_lane(folded):
         f = where(folded, 1.0 / sqrt(max(q, TINY)), f)
     return ax * f, ay * f, az * f
-
-
-@inlined
-def cross(ax, ay, az, bx, by, bz):
-    """Vector product."""
-    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

@@ -16,6 +16,12 @@ def dot(a, b):
 
 
 @inlined
+def cross(a, b):
+    """Return the vector product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@inlined
 def add_scaled(a, f, b):
     """Return a + f b."""
     return a[0] + f * b[0], a[1] + f * b[1], a[2] + f * b[2]
