@@ -16,19 +16,10 @@ from strandcli.simulate.solver import ANNOUNCED
 from strandcli.simulate.thesis import solver as thesis
 from tests.simulate.test_surroundings import ALL, TURN
 
-JUMP = [
-    {"time": 0},
-    {"time": 0.4, "ease": "step"},
-    {"time": 0.5, "position": [9, 0, 0]},
-    {"time": 1, "position": [10, 0, 0]},
-]
 SCENES: dict[str, dict[str, Any]] = {
-    "rods": {"solver": "rod"},
-    "rods that jump": {"solver": "rod", "emitter.keys": JUMP},
-    "substeps": {"solver": "rod", "time.substeps": 3},
-    "steps that swings cut": {"solver": "rod", "emitter.length": 0.3, "rod.drag": 0, "rod.damping": 0},
-    "a loop": {"solver": "rod", "time.loop": True, "time.frames": 12},
-    "rules": {"solver": "thesis"},
+    "rules": {},
+    "substeps": {"time.substeps": 3},
+    "a loop": {"time.loop": True, "time.frames": 12},
 }
 
 
@@ -37,6 +28,7 @@ def solver(**changes: Any) -> Any:
         "emitter": {"strands": 20, "particles": 6, "length": 0.5, "shape": {"kind": "sphere", "radius": 0.3}},
         "emitter.keys": TURN,
         "time": {"fps": 10, "frames": 40},
+        "solver": "thesis",
         "solids": ALL,
         "rules": ["emitter_motion", "gravity", {"wind": {"strength": 5, "gust": 0.5, "sway": 30}}, "collision"],
         **changes,
@@ -55,22 +47,17 @@ def test_steps_that_are_announced_move_strands_as_others_do(changes: dict[str, A
         np.testing.assert_array_equal(told.positions, untold.positions)
 
 
-@pytest.mark.parametrize(("changes", "where"), [("rods", "motion"), ("steps that swings cut", "motion"), ("rules", "")])
-def test_nothing_is_computed_again_of_a_step_that_was_announced(
-    changes: str, where: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    one = solver(**SCENES[changes], **{"time.preroll": 0.1})
+def test_nothing_is_computed_again_of_a_step_that_was_announced(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = solver(**{"time.preroll": 0.1})
     one.advance(2)
-    inner = one.motion if where else one
-    monkeypatch.setattr(inner, "_moved" if where else "_prepared", None)
+    monkeypatch.setattr(one, "_prepared", None)
     one.advance(1 + ANNOUNCED)
     with pytest.raises(TypeError):
         one.advance(2 + ANNOUNCED)
 
 
-@pytest.mark.parametrize("changes", ["rods", "steps that swings cut", "rules"])
-def test_what_was_announced_before_a_state_was_restored_is_not_used_where_it_does_not_follow(changes: str) -> None:
-    one, other = solver(**SCENES[changes]), solver(**SCENES[changes])
+def test_what_was_announced_before_a_state_was_restored_is_not_used_where_it_does_not_follow() -> None:
+    one, other = solver(), solver()
     one.advance(4)
     state = {name: array.copy() for name, array in one.state_arrays().items()}
     other.advance(3)
@@ -81,18 +68,6 @@ def test_what_was_announced_before_a_state_was_restored_is_not_used_where_it_doe
         np.testing.assert_array_equal(one.positions, other.positions)
 
 
-def test_what_was_announced_is_not_used_after_a_step_that_was_not() -> None:
-    told, untold = solver(solver="rod"), solver(solver="rod")
-    untold.announce = lambda ends, dt: None
-    for one in (told, untold):
-        one.advance(4)
-        one.step(0.9, 0.1)
-        one.advance(5)
-    np.testing.assert_array_equal(told.positions, untold.positions)
-    for mine, other in zip(told.surroundings.solids(0.5, 0.1), untold.surroundings.solids(0.5, 0.1), strict=True):
-        np.testing.assert_array_equal(mine, other)
-
-
 def test_rules_that_remember_steps_are_prepared_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
     passes_of = thesis.passes_of
 
@@ -100,7 +75,7 @@ def test_rules_that_remember_steps_are_prepared_one_by_one(monkeypatch: pytest.M
         return [(use, replace(one, state=(np.zeros(1),))) for use, one in passes_of(scene)]
 
     monkeypatch.setattr(thesis, "passes_of", remembering)
-    one = solver(solver="thesis")
+    one = solver()
     one.advance(3)
     assert not one._known
 

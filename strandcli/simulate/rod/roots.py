@@ -27,17 +27,22 @@ if TYPE_CHECKING:
     from .kernels.arrays import Material
 
 TINY = 1e-30
+LENGTHS = 2.0
+"""Roots that move further than so many strand lengths in one step have been put elsewhere, and not moved."""
 
 
 class Roots:
     """Where the roots and directions of `Drive` are, and the normals of `Material.bends`."""
 
     def __init__(
-        self, deforming: Any, strands: int, rod: Rod, arrays: tuple[State, Material, Drive], curled: bool
+        self, deforming: Any, groom: Groom, rod: Rod, arrays: tuple[State, Material, Drive], curled: bool
     ) -> None:
         """``deforming``: how they move in the emitter's frame, or None; ``curled``: whether rest shapes have frames."""
         self._deforming = deforming
         self._state, material, self._drive = arrays
+        self._roots = groom.roots
+        self._outermost = float(np.linalg.norm(groom.roots, axis=1).max())
+        self._reach = LENGTHS * float(groom.lengths.max())
         self._normals = material.bends[:, 0]
         self.hinged = rod.root == "hinged" and curled
         """Whether frames begin with the first edges."""
@@ -46,7 +51,17 @@ class Roots:
         if self.hinged:
             material.bends[:, 1] = 0
         elif deforming is not None and curled:
-            self._across = self._normals.reshape(-1, 3, PACK).transpose(0, 2, 1).reshape(-1, 3)[:strands].copy()
+            self._across = self._normals.reshape(-1, 3, PACK).transpose(0, 2, 1).reshape(-1, 3)[: groom.strands].copy()
+
+    def jump(self, last: Pose, pose: Pose) -> bool:
+        """Whether some root moves further than `LENGTHS` of the longest strand from one pose of the emitter to the
+        next."""
+        turned = math.hypot(*map(math.dist, pose.rotation, last.rotation))
+        if turned * self._outermost + math.dist(pose.translation, last.translation) <= self._reach:
+            return False
+        turn = np.subtract(pose.rotation, last.rotation)
+        moved = self._roots.astype(np.float64) @ turn.T + np.subtract(pose.translation, last.translation)
+        return bool(np.sqrt((moved**2).sum(1).max()) > self._reach)
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what lasts from a step to the next."""
@@ -97,28 +112,6 @@ class Roots:
 def _dot(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
     """Products of vectors (P, 3, S): (P, 1, S)."""
     return np.asarray((a * b).sum(1, keepdims=True))
-
-
-LENGTHS = 2.0
-"""Roots that move further than so many strand lengths in one step have been put elsewhere, and not moved."""
-
-
-class Jumps:
-    """Tells whether the roots of a groom jump from one pose of the emitter to the next."""
-
-    def __init__(self, groom: Groom) -> None:
-        self._roots = groom.roots
-        self._outermost = float(np.linalg.norm(groom.roots, axis=1).max())
-        self._reach = LENGTHS * float(groom.lengths.max())
-
-    def between(self, last: Pose, pose: Pose) -> bool:
-        """Whether some root moves further than `LENGTHS` of the longest strand."""
-        turned = math.hypot(*map(math.dist, pose.rotation, last.rotation))
-        if turned * self._outermost + math.dist(pose.translation, last.translation) <= self._reach:
-            return False
-        turn = np.subtract(pose.rotation, last.rotation)
-        moved = self._roots.astype(np.float64) @ turn.T + np.subtract(pose.translation, last.translation)
-        return bool(np.sqrt((moved**2).sum(1).max()) > self._reach)
 
 
 def carry(state: State, positions: NDArray[np.float32], last: Pose, pose: Pose) -> None:

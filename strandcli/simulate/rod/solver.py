@@ -9,7 +9,7 @@ bending follows from the material, as does the twist of curled strands.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +26,6 @@ from ..momentum import errors_between_strands
 from ..solver import Solver
 from .kernels.arrays import PACK, Step
 from .material import torsion
-from .motion import Motion, change_of
 from .roots import Roots, begin_before_roots, carry, stop, turned, velocity_of_roots
 from .setup import (
     ANCHOR,
@@ -46,7 +45,7 @@ from .setup import (
 )
 from .setup import TOLERANCE as PINNED_TOLERANCE
 from .step import StepKernel
-from .surroundings import Surroundings, flat, pose_of
+from .surroundings import Surroundings, change_of, flat, pose_of
 from .swing import parts, swing_rate
 
 if TYPE_CHECKING:
@@ -80,8 +79,7 @@ class RodSolver(Solver):
         rod, matter = scene.rod, matter_of(scene, groom)
         self.dtype = np.float64 if double else precision_of(scene, matter)
         self.surroundings = Surroundings(scene, self.dtype)
-        self.motion = Motion(scene, groom, self.surroundings)
-        self.pose = self.motion.pose(0.0)
+        self.pose = self.surroundings.pose(0.0)
         shape = shape_of(scene, groom, self.dtype)
         matter = hinged(scene, matter, shape)
         if shape.mended:
@@ -105,14 +103,12 @@ class RodSolver(Solver):
         self.pins: Pins | None = None
         if rod.end == "pinned":
             self._pin()
-        self.roots = Roots(self.deforming, self.strands, rod, arrays, shape.curled)
+        self.roots = Roots(self.deforming, groom, rod, arrays, shape.curled)
         self._tolerance = TOLERANCES[double]
         self._torsion = torsion(rod, shape.coiled), ANCHOR if self.roots.hinged else CLAMP
         self.now = self._numbers(MOMENT, False, (0.0, 0.0, 0.0), self.pose, change_of(self.pose, self.pose))
         """Numbers of the last step."""
         self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
-        self._steady = self.contact is None and self.deforming is None
-        """Whether a step is one of the kernel's."""
         self._last_step = 0.0
         self.place_roots(1)
         self.kernel = StepKernel(self.strands, arrays, self.surroundings)
@@ -184,13 +180,6 @@ class RodSolver(Solver):
         if self.contact is not None:
             self.contact.begin_frame()
 
-    def announce(self, ends: Sequence[float], dt: float) -> None:
-        """As for any solver."""
-        if self._steady:
-            count = parts(self._swing_rate, dt)
-            inner = [end - left * dt / count for end in ends for left in range(count - 1, -1, -1)]
-            self.motion.announce(inner, dt / count, self.pose)
-
     def step(self, time: float, dt: float) -> None:
         """A step of ``dt`` seconds that ends at ``time``, in several where swings ask for it; nothing where it is 0."""
         count = parts(self._swing_rate, dt)
@@ -206,24 +195,25 @@ class RodSolver(Solver):
         long for what strands do to each other."""
         if dt <= 0:
             return True
-        around, moved = self.surroundings, self.motion.step(time, dt, self.pose)
-        pose = moved.pose
-        if moved.jumps:
+        around = self.surroundings
+        pose = around.pose(time)
+        jumps = self.roots.jump(self.pose, pose)
+        if jumps:
             carry(self.state, self.positions, self.pose, pose)
             self.pose = pose
             if self.grid is not None:
                 self.grid.begin_anew()
-        if around.any_solids and (moved.jumps or self._last_step == 0):
+        if around.any_solids and (jumps or self._last_step == 0):
             self._put_outside(time - dt)
         self.roots.deform(time, self.pose)
         self.roots.begin_frames(self.pose, pose)
         gust = around.gust(time, self.positions)
         if gust is not None:
             self.drive.gust[...] = gust.reshape(-1, PACK)[: len(self.drive.gust)]
-        around.solids(time, dt, self.motion.outer(pose), moved.solids)
+        around.solids(time, dt, pose)
         self._moment = time, dt
-        bdf2 = dt == self._last_step and not moved.jumps
-        self.now = self._numbers(dt, bdf2, moved.air, pose, moved.change)
+        bdf2 = dt == self._last_step and not jumps
+        self.now = self._numbers(dt, bdf2, around.air(time), pose, change_of(self.pose, pose))
         if self.grid is not None:
             self._interact(self.grid, gust)
         if self.contact is None:
@@ -273,7 +263,7 @@ class RodSolver(Solver):
     def place_roots(self, frame: int) -> None:
         """Put the first two rows where they are at a frame, to the bits of a step that ends there."""
         self.roots.deform((frame - 1) / self.scene.time.fps, self.pose)
-        turn, moved = (np.array(part, self.dtype) for part in self.motion.pose((frame - 1) / self.scene.time.fps))
+        turn, moved = (np.array(part, self.dtype) for part in self.surroundings.pose((frame - 1) / self.scene.time.fps))
         roots = turned(turn, self.drive.roots) + moved[:, None]
         before = roots - self.material.lengths[:, None] * turned(turn, self.drive.directions)
         for row, at in enumerate((before, roots)):

@@ -1,4 +1,4 @@
-"""External influences on rods in a step: gravity, air, and solids with their motion.
+"""External influences on rods in a step: the emitter's pose, gravity, air, and solids with their motion.
 
 Constants, such as solids that do not move, are computed once.
 """
@@ -6,6 +6,7 @@ Constants, such as solids that do not move, are computed once.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import sub
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -35,17 +36,6 @@ class Poses(NamedTuple):
     """Of solids with motions of their own, by identity."""
 
 
-class Placed(NamedTuple):
-    """How solids move in a step."""
-
-    before: Poses
-    after: Poses
-    past: float
-    """Time of the poses before, seconds."""
-    rows: list[memoryview]
-    """Packed, of each that moves."""
-
-
 def gravity(scene: Scene) -> NDArray[np.float64]:
     """Return (3,) the sum of all gravity rules, m/s²."""
     pulls = [use.parameters.acceleration for use in scene.rules if use.name == "gravity"]
@@ -59,6 +49,8 @@ class Surroundings:
     def __init__(self, scene: Scene, dtype: Any) -> None:
         self.scene, self.dtype = scene, dtype
         self.gravity = gravity(scene)
+        self.carried = any(use.name == "emitter_motion" for use in scene.rules)
+        """Whether roots follow the emitter."""
         self._loop = scene.time.period
         self.winds = [use.parameters for use in scene.rules if use.name == "wind" and use.parameters.strength > 0]
         self._travelling = [one for one in self.winds if wind.travels(one)]
@@ -90,7 +82,6 @@ class Surroundings:
             for kind, mine in moving.items() if mine
             for row, one in zip(packed[kind][-len(mine) :], mine, strict=True)
         ]  # fmt: skip
-        self._rows = [memoryview(row) for row, _, _ in self._moving]
         self.poses = Poses(-1.0, None, {})
 
     def air(self, time: float) -> tuple[float, float, float]:
@@ -119,46 +110,39 @@ class Surroundings:
         )
         return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
 
-    def solids(self, time: float, dt: float, outer: Pose | None = None, known: Placed | None = None) -> tuple[Any, ...]:
-        """Return packed solids with their motion in a step that ends at ``time``, with the emitter's pose ``outer``:
-        spheres, capsules, planes, boxes, and `others` if there are any. The arrays are the same at each call; those of
-        `data` are new when a shape changes. ``known``: what `placed` may have returned for the step."""
-        if known is None or known.before is not self.poses:
-            known = self.placed(time, dt, outer, self.poses)
-        for row, numbers in zip(self._rows, known.rows, strict=True):
-            row[:] = numbers
-        self.poses = known.after
-        if self.data:
-            found = other.data_of(self.others, known.after.time, known.past)
-            if any(a is not b for a, b in zip(found, self.data, strict=True)):
-                self.data = found
-        return self._packed
+    def pose(self, time: float) -> Pose:
+        """Return the emitter's pose; at rest where no rule carries the roots along."""
+        emitter = self.scene.emitter
+        return emitter_pose(emitter, self.scene.time.pose_time(time) if self.carried and emitter.keys else 0.0)
 
-    def placed(self, time: float, dt: float, outer: Pose | None, before: Poses) -> Placed:
-        """Return how solids move in a step that ends at ``time``, after one that has ended with the poses ``before``;
-        ``outer``: the emitter's pose then."""
+    def solids(self, time: float, dt: float, pose: Pose | None = None) -> tuple[Any, ...]:
+        """Return packed solids with their motion in a step that ends at ``time``, with the emitter's ``pose`` then:
+        spheres, capsules, planes, boxes, and `others` if there are any. The arrays are the same at each call; those of
+        `data` are new when a shape changes."""
         now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
         emitter = self.scene.emitter
-        outer = outer or emitter_pose(emitter, now)
-        known, inner, there = before
+        outer = pose if pose is not None and self.carried else emitter_pose(emitter, now)
+        known, inner, there = self.poses
         if abs(known - past) > 1e-9 * dt:
             inner, there = None, {}
         else:
             past = known
         carried: Pose | None = None
         after: dict[int, Pose] = {}
-        rows = []
         for row, one, own in self._moving:
             if own is None:
-                pose = after[id(one)] = solid_pose(one, emitter, now, outer)
-                motion = _between(there.get(id(one)) or solid_pose(one, emitter, past), pose)
+                moved = after[id(one)] = solid_pose(one, emitter, now, outer)
+                motion = _between(there.get(id(one)) or solid_pose(one, emitter, past), moved)
             else:  # moves with the emitter, as other solids may
-                pose = compose(outer, own)
+                moved = compose(outer, own)
                 motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
-            (a, b, c), moved = motion
-            numbers = *self._numbers(one, pose, len(row) - MOTION), *a, *b, *c, *moved
-            rows.append(viewed(numbers, self.dtype))
-        return Placed(before, Poses(now, outer, after), past, rows)
+            row[:] = *self._numbers(one, moved, len(row) - MOTION), *flat(motion)
+        self.poses = Poses(now, outer, after)
+        if self.data:
+            found = other.data_of(self.others, now, past)
+            if any(a is not b for a, b in zip(found, self.data, strict=True)):
+                self.data = found
+        return self._packed
 
     def packed(self) -> Solids | None:
         """Return the solids at the end of the last step for kernels that draw or look, as `solids.pack_all` packs them,
@@ -204,17 +188,15 @@ class Surroundings:
         return rows
 
 
-def viewed(numbers: Sequence[float], dtype: Any) -> memoryview:
-    """Return numbers of a floating-point type. Copies between views run less code than those between arrays, which
-    counts where it is not in the caches."""
-    row: Any = np.array(numbers, dtype)
-    return memoryview(row)
-
-
 def flat(pose: Pose) -> tuple[float, ...]:
     """Return (12,) a pose's rotation by rows and its translation."""
     a, b, c = pose.rotation
     return (*a, *b, *c, *pose.translation)
+
+
+def change_of(last: Pose, pose: Pose) -> tuple[float, ...]:
+    """Return (12) the change from one pose to another: of its rotation by rows, and of its translation."""
+    return tuple(map(sub, flat(pose), flat(last)))
 
 
 def pose_of(numbers: Sequence[float]) -> Pose:
