@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from strandcli.constants import VECTOR
 from strandcli.groom.blocks import aligned
-from strandcli.simd import vector_pointer_at
+from strandcli.simd import fused_vector_pointer
 from strandcli.simulate.rod.kernels.scratch import AFTER, BEFORE, SIZES, Scratch, scratch_at, vectors_for
 
 LANES = VECTOR // 8
@@ -22,10 +22,6 @@ class Rows:
 
     def __init__(self, n: int) -> None:
         self.n, self.all = n, aligned((vectors_for(n), LANES), np.float64)
-
-    @property
-    def address(self) -> int:
-        return int(self.all.ctypes.data)
 
     def __getattr__(self, name: str) -> Floats:
         place = Scratch._fields.index(name)
@@ -41,6 +37,6 @@ class Rows:
 
 
 @njit(error_model="numpy")
-def scratch(address: int, n: int) -> Any:
-    """The `Scratch` that `Rows` has."""
-    return scratch_at(vector_pointer_at(np.float64, address), n)
+def scratch(rows: Floats, n: int) -> Any:
+    """The `Scratch` that `Rows` has in ``all``."""
+    return scratch_at(fused_vector_pointer(rows), n)

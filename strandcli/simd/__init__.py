@@ -13,8 +13,6 @@ vectorises always; a vector that is wider than the machine's registers takes sev
                                      the same, and products in sums are fused (FMA)
     fused_pointers(arrays)           a named tuple of arrays as one of the fused pointer of each
     shifted(pile, 3)                 the vectors from place 3 on
-    rows = pointer_at(np.float32, a); pile = vector_pointer_at(np.float32, a)
-                                     the same of numbers that begin at an address; products in sums are fused (FMA)
     rows[o]                          a number
     rows = line_pointer(array)       those of a contiguous array from the first on that begins a cache line
     array_at(np.int32, a, (n, 3))    an array of numbers that begin at an address
@@ -49,7 +47,7 @@ all equal. max and min return their first argument where one is NaN that comes s
 than an address: handing them on costs nothing, where an array's references are counted, and who calls keeps the
 array. Places are not checked, and arithmetic is IEEE 754's, so that bits are those of scalars.
 
-Vectors of numbers at an address are fused: a product that is added or subtracted where it is written is not rounded
+Vectors of fused pointers are fused: a product that is added or subtracted where it is written is not rounded
 before, as IEEE 754's fusedMultiplyAdd, of two products the second. That is one operation where it was two, and which
 products it is, is settled here and not by LLVM: bits are the same on all processors that have it.
 """
@@ -86,7 +84,6 @@ from .memory import (
     load3,
     load_deinterleaved,
     pointer,
-    pointer_at,
     prefetch,
     prefetch3,
     quadruple_pointer,
@@ -95,7 +92,6 @@ from .memory import (
     store3,
     triple_pointer,
     vector_pointer,
-    vector_pointer_at,
 )
 from .records import (
     deinterleaved,
@@ -138,7 +134,6 @@ __all__ = [
     "movemask",
     "no_fma",
     "pointer",
-    "pointer_at",
     "power_of_two",
     "prefetch",
     "prefetch3",
@@ -151,7 +146,6 @@ __all__ = [
     "store_records",
     "triple_pointer",
     "vector_pointer",
-    "vector_pointer_at",
     "where",
     "with_lane",
 ]  # fmt: skip

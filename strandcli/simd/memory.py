@@ -77,25 +77,6 @@ def shifted(typingctx: Any, rows: Any, count: Any) -> Any:
     return rows(rows, count), emit
 
 
-def _addressed(whole: bool) -> Callable[..., Any]:
-    def typed(typingctx: Any, kind: Any, address: Any) -> Any:
-        if not (isinstance(kind, types.NumberClass) and isinstance(address, types.Integer)):
-            return None
-
-        def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            return builder.inttoptr(args[1], context.get_value_type(sig.return_type))
-
-        return PointerType(kind.instance_type, whole, VECTOR, fused=True)(kind, address), emit
-
-    return typed
-
-
-pointer_at: Any = intrinsic(_addressed(False))
-"""The numbers of a type, such as np.float32, that begin at an address."""
-vector_pointer_at: Any = intrinsic(_addressed(True))
-"""The vectors of such numbers."""
-
-
 @intrinsic
 def array_at(typingctx: Any, kind: Any, address: Any, shape: Any) -> Any:
     """A contiguous array of a type, such as np.float32, and a shape, at an address. Whoever made it keeps it."""

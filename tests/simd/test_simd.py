@@ -16,6 +16,7 @@ from strandcli.simd import (  # fmt: skip
     broadcast,
     count_true,
     floor,
+    fused_vector_pointer,
     gather,
     gather2,
     gather4,
@@ -29,7 +30,6 @@ from strandcli.simd import (  # fmt: skip
     movemask,
     no_fma,
     pointer,
-    pointer_at,
     prefetch3,
     quadruple_pointer,
     reduce_max,
@@ -38,7 +38,6 @@ from strandcli.simd import (  # fmt: skip
     store3,
     triple_pointer,
     vector_pointer,
-    vector_pointer_at,
     where,
 )
 
@@ -181,27 +180,9 @@ def test_three_numbers_are_a_vector() -> None:
 
 
 @njit(error_model="numpy")
-def at_an_address(kind, address):
-    """The second vector becomes twice what lies one number after the first begins; lanes of both."""
-    rows, pile = pointer_at(kind, address), vector_pointer_at(kind, address)
-    store(pile, 1, 2.0 * load(rows, 1))
-    return lane_count(rows), lane_count(pile)
-
-
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_vectors_begin_where_they_are_said_to(dtype: Any) -> None:
-    count = VECTOR // np.dtype(dtype).itemsize
-    numbers = np.arange(3 * count, dtype=dtype)
-    assert at_an_address(dtype, numbers.ctypes.data) == (count, count)
-    expected = np.arange(3 * count)
-    expected[count : 2 * count] = 2 * (1 + np.arange(count))
-    np.testing.assert_array_equal(numbers, expected)
-
-
-@njit(error_model="numpy")
-def fused(kind, address):
+def fused(vectors):
     """In place of six vectors, sums and differences of products of the first three."""
-    pile = vector_pointer_at(kind, address)
+    pile = fused_vector_pointer(vectors)
     x, y, z = load3(pile, 0, 1)
     store(pile, 0, x * y + z)
     store(pile, 1, z - x * y)
@@ -214,12 +195,12 @@ def fused(kind, address):
 
 @pytest.mark.skipif(not has_fma(cpu_target.target_context), reason="all are rounded there")
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_products_of_numbers_at_an_address_are_not_rounded(dtype: Any) -> None:
+def test_products_of_fused_vectors_are_not_rounded(dtype: Any) -> None:
     count = VECTOR // np.dtype(dtype).itemsize
     given = np.random.default_rng(7).normal(size=(6, count)).astype(dtype)
     given[2] = -given[0] * given[1]  # nothing is left but what rounding took
     out = given.copy()
-    fused(dtype, out.ctypes.data)
+    fused(out)
     x, y, z = ([Fraction(float(value)) for value in row] for row in given[:3])
     square = given[0] * given[0]
     expected = [

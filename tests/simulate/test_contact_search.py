@@ -35,9 +35,9 @@ MOVED = np.array([[0.0, -1.0, 0.0, 0.1], [1.0, 0.0, 0.0, -0.2], [0.0, 0.0, 1.0, 
 
 
 @njit(error_model="numpy")
-def look(address, ends, past, solids, whole, reach):
+def look(memory, ends, past, solids, whole, reach):
     """`search.nearest` of a segment: ``ends`` (6, LANES) and what they were, ``past`` (2, 3 W)."""
-    s, rows = scratch(address, 1), fused_vector_pointer(ends)
+    s, rows = scratch(memory, 1), fused_vector_pointer(ends)
     root = load3(rows, 0, 1)
     none = root[0] * 0.0, root[0] * 0.0, root[0] * 0.0
     contact = with_shift(contact_of(solids, None), True, none)
@@ -80,7 +80,7 @@ def seen(solids: Any, ends: Floats, past: Floats, whole: bool) -> Rows:
     before[..., :LANES] = past.transpose(1, 2, 0)
     rows = Rows(1)
     rows.active[...] = 1  # what nothing touches needs no slip
-    assert look(rows.address, in_lanes(ends), before.reshape(2, -1), packed(solids), whole, 1e3)
+    assert look(rows.all, in_lanes(ends), before.reshape(2, -1), packed(solids), whole, 1e3)
     return rows
 
 
@@ -152,5 +152,5 @@ def test_what_is_out_of_reach_is_not_told() -> None:
     (solid,) = scene_of(f"solids: [{SOLIDS['sphere']}]").solids
     far = np.tile([[2.0, 0.0, 0.0], [2.3, 0.0, 0.0]], (LANES, 1, 1))
     rows = Rows(1)
-    assert not look(rows.address, in_lanes(far), np.zeros((2, 3 * W)), packed([solid]), False, 1.0)
+    assert not look(rows.all, in_lanes(far), np.zeros((2, 3 * W)), packed([solid]), False, 1.0)
     assert not rows.all.any()

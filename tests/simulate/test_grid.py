@@ -30,7 +30,7 @@ def rows(packed: NDArray[Any], strands: int) -> NDArray[np.float64]:
 
 
 def prepare(solver: RodSolver, dt: float = 1 / 60, wind: tuple[float, float, float] = CALM) -> None:
-    moment = Moment(dt, dt, wind, CALM, solver.surroundings.packed())
+    moment = Moment(dt, wind, CALM, solver.surroundings.packed())
     solver.grid.prepare(solver.state, solver.mass, np.zeros_like(solver.drive.roots), moment)
 
 

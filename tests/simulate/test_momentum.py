@@ -59,7 +59,7 @@ def test_it_is_what_velocities_change_by(force: float, monkeypatch: pytest.Monke
     begin = (mass * rows(state.velocity, 300)).sum((0, 1))
     energies, densest = [], 0.0
     for _ in range(60):
-        moment = Moment(dt, dt, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), solver.surroundings.packed())
+        moment = Moment(dt, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), solver.surroundings.packed())
         crowd.prepare(state, solver.mass, np.zeros_like(solver.drive.roots), moment)
         densest = max(densest, crowd.found / 2000)
         state.velocity[...] += dt * state.acceleration

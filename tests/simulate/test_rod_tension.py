@@ -19,18 +19,18 @@ STIFFNESS = 0.7
 
 
 @njit(error_model="numpy")
-def solve(address, n, mass, material):
+def solve(rows, n, mass, material):
     """Change displacements and edges by H⁻¹ ρ."""
-    s = scratch(address, n)
+    s = scratch(rows, n)
     stiffness = load(s.pivot, 0) * 0.0 + STIFFNESS
     newton.factorise(s, n, material, stiffness, False, False, False, stiffness * 0.0)
     newton.apply_change(s, n)
 
 
 @njit(error_model="numpy")
-def iterate(address, n, mass, material, touching, whole):
+def iterate(rows, n, mass, material, touching, whole):
     """The same after τ and forces of contact have changed as the filter finds."""
-    s = scratch(address, n)
+    s = scratch(rows, n)
     stiffness = load(s.pivot, 0) * 0.0 + STIFFNESS
     newton.factorise(s, n, material, stiffness, False, touching, whole, stiffness * 0.0)
     tension.filter_forward(s, n, mass, True, touching, whole)
@@ -96,7 +96,7 @@ def test_elimination_solves_the_dense_system(n: int) -> None:
         h, d = strands.matrices(lane)
         y = np.linalg.solve(h, strands.residual(lane))
         wanted.append((y, d @ y))
-    solve(strands.rows.address, n, strands.mass, strands.material)
+    solve(strands.rows.all, n, strands.mass, strands.material)
     for lane, (y, z) in enumerate(wanted):
         np.testing.assert_allclose(inertial[..., lane] - strands.rows.inertial[..., lane], y, atol=1e-10)
         np.testing.assert_allclose(strands.rows.edge[..., lane] - edge[..., lane], z, atol=1e-10)
@@ -116,7 +116,7 @@ def test_compression_is_bounded_in_the_matrix_alone() -> None:
     tension[0, 0, lane] = -MASS_SHARE * strands.mass[0]
     y = np.linalg.solve(strands.matrices(lane)[0], residual)
     tension[...] = given
-    solve(strands.rows.address, n, strands.mass, strands.material)
+    solve(strands.rows.all, n, strands.mass, strands.material)
     np.testing.assert_allclose(inertial[..., lane] - strands.rows.inertial[..., lane], y, atol=1e-10)
 
 
@@ -129,7 +129,7 @@ def test_the_filter_finds_what_keeps_lengths_gaps_and_friction(n: int, touching:
     rows = strands.rows
     given = {name: getattr(rows, name).copy() for name in ("edge", "tension", "force", "inertial", "free")}
     wanted = [dense(strands, lane) for lane in range(LANES)]
-    iterate(rows.address, n, strands.mass, strands.material, touching, whole)
+    iterate(rows.all, n, strands.mass, strands.material, touching, whole)
     for lane, (tension_change, force_change, moved, z) in enumerate(wanted):
         found = {name: getattr(rows, name)[..., lane] - one[..., lane] for name, one in given.items()}
         np.testing.assert_allclose(found["tension"][:, 0], tension_change, atol=1e-8)

@@ -40,8 +40,6 @@ class GridStrands:
         """As `Moving` has it."""
         self.handed = np.zeros((packs, HANDED * PACK), dtype)
         """What strands around have handed to each in this frame so far, as `HANDED` says."""
-        self.roots = np.zeros((packs, AXES), dtype)
-        """What a step's velocities of roots may be kept in."""
 
     def moving(self, state: State, roots: NDArray[Any], mass: NDArray[Any]) -> Moving:
         """Return what kernels take of strands."""
@@ -126,8 +124,6 @@ def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
 class Moment(NamedTuple):
     """The step that strands are prepared for."""
 
-    time: float
-    """At its end, seconds."""
     step: float
     """Its length, seconds."""
     wind: tuple[float, float, float]

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ...constants import FOLD, W
 from ...groom.record import Groom
 from ...scene.motion import Pose
-from ..grid.kernels.nodes import move_roots
 from .kernels.arrays import PACK, Drive, State
 from .setup import packed
 
@@ -133,12 +132,13 @@ def stop(*arrays: NDArray[Any]) -> None:
         one[...] = 0
 
 
-def velocity_of_roots(drive: Drive, change: tuple[float, ...], dt: float, out: NDArray[Any]) -> NDArray[Any]:
-    """Set ``out`` (P, 3 S) to the velocity of roots in a step of ``dt`` seconds with this ``change`` (12) of the
-    emitter's pose, m/s, and return it."""
+def velocity_of_roots(drive: Drive, turn: tuple[float, ...], shift: tuple[float, ...], dt: float) -> NDArray[Any]:
+    """Return (P, 3 S) the velocity of roots, m/s, in a step of ``dt`` seconds in which the emitter's rotation changes
+    by ``turn`` (9), and its place by ``shift`` (3)."""
     kind = drive.roots.dtype
-    move_roots(np.array(change, kind), drive.drift, kind.type(dt), drive.roots, out)
-    return out
+    moved = turned(np.array(turn, kind).reshape(3, 3), drive.roots) + np.array(shift, kind)[:, None]
+    moved += drive.drift.reshape(-1, 3, PACK) if len(drive.drift) == len(moved) else 0
+    return np.asarray(moved / kind.type(dt)).reshape(drive.roots.shape)
 
 
 def begin_before_roots(positions: NDArray[np.float32]) -> None:

@@ -231,11 +231,11 @@ class RodSolver(Solver):
     def _interact(self, grid: StrandGrid, gust: NDArray[Any] | None) -> None:
         """Have strands act on each other through their grid in a step."""
         now = self.now
-        (time, dt), strength = self._moment, now.drag * (float(gust.mean()) if gust is not None else 1.0)
+        strength = now.drag * (float(gust.mean()) if gust is not None else 1.0)
         x, y, z = now.air
         wind = strength * x, strength * y, strength * z
-        moment = Moment(time, dt, wind, self._gravity, self.surroundings.packed())
-        roots = velocity_of_roots(self.drive, (*now.turned, *now.shifted), dt, grid.strands.roots)
+        moment = Moment(now.duration, wind, self._gravity, self.surroundings.packed())
+        roots = velocity_of_roots(self.drive, now.turned, now.shifted, now.duration)
         grid.prepare(self.state, self.material.mass, roots, moment)
         np.maximum(self.state.restart, self.state.jolted, out=self.state.restart)
 

@@ -10,14 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import device, function, inlined, parallel, prange
+from ....jit import device, inlined, parallel, prange
 from ....simd import (
     any_lane,
     broadcast,
     lane_count,
-    load,
     load3,
-    no_fma,
     pointer,
     prefetch3,
     reduce_max,
@@ -27,9 +25,6 @@ from ....simd import (
 )
 from ...rod.kernels.arrays import AXES, PACK
 from .records import FIRST, LAST, NODE
-
-ROTATION, TRANSLATION = 0, 9
-"""Places in the change of a pose (12): of its rotation by rows, and of its translation."""
 
 ROW = 3 * W
 """Numbers of a row of positions."""
@@ -148,21 +143,3 @@ def change_of_node(lattice, pack, node, lane, accelerations):
             a, b, c = load3(change, (pack * n + particle - 1) * AXES + lane, PACK)
             u, v, w = u + weight * a, v + weight * b, w + weight * c
     return u, v, w
-
-
-@function
-def move_roots(change, drift, duration, roots, velocity):
-    """Set the velocity of roots (P, 3 S) that the emitter takes along, m/s, from their places in its frame ``roots``
-    and the ``change`` of its pose in a step of ``duration`` seconds, as `Forcing.pose` begins. ``drift``: as
-    `Forcing` has it, or no rows."""
-    base, out = pointer(roots), pointer(velocity)
-    for pack in range(len(roots)):
-        for lane in range(pack * AXES, pack * AXES + PACK, lane_count(out)):
-            x, y, z = load3(base, lane, PACK)
-            for c in range(3):
-                k = ROTATION + 3 * c
-                way = no_fma(change[k] * x) + no_fma(change[k + 1] * y) + no_fma(change[k + 2] * z)
-                way += change[TRANSLATION + c]
-                if len(drift) == len(roots):
-                    way += load(pointer(drift), lane + c * PACK)
-                store(out, lane + c * PACK, way / duration)
