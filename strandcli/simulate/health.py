@@ -58,42 +58,36 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
     """Return the first error of a frame beyond its bound, or None; error: from `Solver.errors`. If the positions were
     given and not ``simulated``, no rule is named as the cause."""
     scene = solver.scene
-    where = f"{scene.label}: frame {frame}" if scene.label else f"frame {frame}"
-    if error["nonfinite"]:
-        particles = solver.particles()
-        bad = ~np.isfinite(particles).all(-1)
-        strand = int(np.argmax(bad.any(1)))
-        particle = int(np.argmax(bad[strand]))
-        cause, remedy = cause_of(solver, frame, strand) if simulated else GIVEN
-        others = _others(int(bad.any(1).sum()))
-        return Trouble(
-            f"{where}: strand {strand}, particle {particle} is no longer finite{others}: {cause}; {remedy}",
-            frame, strand, cause,
-        )  # fmt: skip
     most = STRETCH_MOST[scene.solver]
     held = scene.solver != "thesis" or any(use.name == "elasticity" for use in scene.rules)
-    if held and not error["stretch_max"] <= most:
-        stretch = stretches(solver)
-        strand = int(np.argmax(stretch))
-        if not stretch[strand] <= most:
-            cause, remedy = cause_of(solver, frame, strand) if simulated else GIVEN
-            return Trouble(
-                f"{where}: strand {strand} is stretched by {100 * stretch[strand]:.3g} %, more than {100 * most:g} %"
-                f"{_others(int((~(stretch <= most)).sum()))}: {cause}; {remedy}",
-                frame, strand, cause,
-            )  # fmt: skip
     residual = error.get("residual_max")
-    if simulated and residual is not None and not residual <= RESIDUAL_MOST:
+    stretch = stretches(solver) if held and not error["stretch_max"] <= most else np.zeros(1)
+    known: tuple[str, str] | None = None
+    if error["nonfinite"]:
+        bad = ~np.isfinite(solver.particles()).all(-1)
+        wrong = bad.any(1)
+        strand = int(np.argmax(wrong))
+        what = f", particle {int(np.argmax(bad[strand]))} is no longer finite"
+    elif not stretch.max() <= most:
+        wrong = ~(stretch <= most)
+        strand = int(np.argmax(stretch))
+        what = f" is stretched by {100 * stretch[strand]:.3g} %, more than {100 * most:g} %"
+    elif simulated and residual is not None and not residual <= RESIDUAL_MOST:
         each = solver.strand_residuals()
+        wrong = ~(each <= RESIDUAL_MOST)
         strand = int(np.argmax(np.where(np.isnan(each), np.inf, each)))
-        cause = "the constraint of constant lengths is violated"
-        return Trouble(
-            f"{where}: strand {strand} is off by {residual:.3g} of a segment's length after {scene.rod.iterations} "
-            f"iterations{_others(int((~(each <= RESIDUAL_MOST)).sum()))}: {cause}; {SMALLER_STEPS}, or a greater "
-            "rod.iterations",
-            frame, strand, cause,
-        )  # fmt: skip
-    return None
+        what = f" is off by {residual:.3g} of a segment's length after {scene.rod.iterations} iterations"
+        known = "the constraint of constant lengths is violated", f"{SMALLER_STEPS}, or a greater rod.iterations"
+    else:
+        return None
+    cause, remedy = known or (cause_of(solver, frame, strand) if simulated else GIVEN)
+    count = int(wrong.sum()) - 1
+    others = f" (and {count} more strands)" if count > 0 else ""
+    return Trouble(f"{_where(scene, frame)}strand {strand}{what}{others}: {cause}; {remedy}", frame, strand, cause)
+
+
+def _where(scene: Any, frame: int) -> str:
+    return f"{scene.label}: frame {frame}: " if scene.label else f"frame {frame}: "
 
 
 def interpenetration(solver: Any, frame: int, error: dict[str, Any]) -> str:
@@ -101,16 +95,15 @@ def interpenetration(solver: Any, frame: int, error: dict[str, Any]) -> str:
     depth = error.get("strand_penetration_max")
     if depth is None or depth <= solver.contact.thickness / 2:
         return ""
-    scene = solver.scene
-    where = f"{scene.label}: frame {frame}" if scene.label else f"frame {frame}"
+    where = _where(solver.scene, frame)
     if depth <= solver.contact.emitted:
         return (
-            f"{where}: strands that are emitted closer than contact.thickness, {solver.contact.thickness:.2g} m, are "
+            f"{where}strands that are emitted closer than contact.thickness, {solver.contact.thickness:.2g} m, are "
             f"still {depth:.2g} m too close, and are led apart; with a longer time.preroll that is over before "
             "frame 1, and with a smaller emitter.jitter or contact.thickness there are fewer"
         )
     return (
-        f"{where}: strands are {depth:.2g} m closer than contact.thickness, {solver.contact.thickness:.2g} m; "
+        f"{where}strands are {depth:.2g} m closer than contact.thickness, {solver.contact.thickness:.2g} m; "
         f"{SMALLER_STEPS}, or a greater contact.iterations, or a smaller contact.thickness"
     )
 
@@ -142,10 +135,6 @@ def drawable(solver: Any) -> NDArray[np.bool_]:
     particles = solver.particles()
     with np.errstate(invalid="ignore"):
         return np.asarray((np.abs(particles) <= LARGEST).all((1, 2)))
-
-
-def _others(count: int) -> str:
-    return f" (and {count - 1} more strands)" if count > 1 else ""
 
 
 def cause_of(solver: Any, frame: int, strand: int) -> tuple[str, str]:

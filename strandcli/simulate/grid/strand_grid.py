@@ -24,32 +24,10 @@ from ...solids import Solids
 from ..rod.kernels.arrays import PACK, State
 from ..rod.material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
 from .box import extent_of, lay_boxes, moved
+from .kernels import records
 from .kernels.forces import accelerate, act
 from .kernels.pressure import find_room, work_shape
-from .kernels.records import (
-    BOX,
-    CELL,
-    CHANGE,
-    FALL,
-    FOUND,
-    FULL,
-    HANDED,
-    LANES,
-    LOST,
-    LOW,
-    NUMBERS,
-    OFFSET,
-    RATIO,
-    ROWS,
-    SIZE,
-    SPEED,
-    STOP,
-    WAY,
-    Lattice,
-    Moving,
-    Room,
-)
-from .kernels.records import MOST as SHARE_OF_MOST
+from .kernels.records import Lattice, Moving, Room
 from .kernels.shelter import layer_size
 from .kernels.transfer import deposit
 from .strands import GridStrands, Moment, samples_of
@@ -92,14 +70,14 @@ class StrandGrid:
         count = min(PARTS, max(1, groom.strands * len(self.samples.first) // SEGMENTS_A_PART))
         cuts = [*range(0, packs, -(-packs // count)), packs]
         self.parts = np.array([cuts[:-1], cuts[1:]]).T.copy()
-        self.boxes = np.zeros((len(self.parts) + 1, BOX), np.int64)
+        self.boxes = np.zeros((len(self.parts) + 1, records.BOX), np.int64)
         count = max(len(self.parts), numba.get_num_threads())
-        self.scratch = aligned((count, ROWS, PACK), dtype), aligned((count, FOUND * PACK))
+        self.scratch = aligned((count, records.ROWS, PACK), dtype), aligned((count, records.FOUND * PACK))
         self.strands = GridStrands(self.samples, n, metres, len(self.boxes), dtype)
-        self.memory = np.empty((0, CELL), np.float32)
+        self.memory = np.empty((0, records.CELL), np.float32)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
-        self._numbers: Any = np.empty(NUMBERS, np.float32)
+        self._numbers: Any = np.empty(records.NUMBERS, np.float32)
         self._margin = 1 if touched(scene) else 0
         """Cells that the box of all has beside strands: closed ones lend theirs to open neighbours."""
         self._empty_grid()
@@ -142,8 +120,8 @@ class StrandGrid:
         self._started = True
         if moment.solids is not None or any(moment.wind):
             less, *back = self._others.sum((0, 2), dtype=np.float64)
-            self.given += less * self._numbers[CHANGE : CHANGE + 3]
-            self.given += float(self._numbers[SPEED] * self._numbers[FULL]) * np.array(back)
+            self.given += less * self._numbers[records.CHANGE : records.CHANGE + 3]
+            self.given += float(self._numbers[records.SPEED] * self._numbers[records.FULL]) * np.array(back)
         self.density, self._last_step = self.found if self.density is None else self.density, dt
         given = self.boxes[-1], self.targets, self.scratch, strands.shares(lattice, mass)
         accelerate(moving, lattice, self.parts, *given, state.acceleration, strands.handed)
@@ -175,7 +153,7 @@ class StrandGrid:
     def momentum(self) -> tuple[NDArray[np.float64], float]:
         """Return by how much all have changed the momentum of all in this frame so far, but for the wind that they take
         from each other and what solids push back, in metres times m/s; and the sizes of what each has got, added up."""
-        rows = self.strands.handed.reshape(len(self.metres), HANDED, PACK).astype(np.float64)
+        rows = self.strands.handed.reshape(len(self.metres), records.HANDED, PACK).astype(np.float64)
         sums = np.einsum("pcs,ps->c", rows, self.metres.astype(np.float64))
         return sums[:3] - self.given, float(sums[3])
 
@@ -189,13 +167,13 @@ class StrandGrid:
         dt, (x, y, z) = moment.step, moment.wind
         numbers: Any = memoryview(self._numbers)
         speed = math.sqrt(x * x + y * y + z * z)
-        numbers[FULL] = (found if self.density is None else self.density) * self.cell**3
-        numbers[RATIO], numbers[SHARE_OF_MOST] = dt / (2 * self.cell), min(EASE * dt, MOST)
-        numbers[LOST] = 1 - (1 - self.friction) ** (dt / FRICTION_TIME)
-        numbers[SPEED], numbers[STOP] = self.cell / dt, self._thickness / self.cell**2
+        numbers[records.FULL] = (found if self.density is None else self.density) * self.cell**3
+        numbers[records.RATIO], numbers[records.MOST] = dt / (2 * self.cell), min(EASE * dt, MOST)
+        numbers[records.LOST] = 1 - (1 - self.friction) ** (dt / FRICTION_TIME)
+        numbers[records.SPEED], numbers[records.STOP] = self.cell / dt, self._thickness / self.cell**2
         for axis, (wind, pull) in enumerate(zip(moment.wind, moment.gravity, strict=True)):
-            numbers[WAY + axis] = wind / speed if speed > 0 else wind
-            numbers[CHANGE + axis], numbers[FALL + axis] = dt * wind, dt * dt / self.cell * pull
+            numbers[records.WAY + axis] = wind / speed if speed > 0 else wind
+            numbers[records.CHANGE + axis], numbers[records.FALL + axis] = dt * wind, dt * dt / self.cell * pull
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what a step takes from the one before: pressure and its box; and the densities that are reported."""
@@ -206,7 +184,7 @@ class StrandGrid:
 
     def check(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Raise `ValueError` where pressure is not of its box."""
-        size = state["box"][SIZE : SIZE + 3].tolist()
+        size = state["box"][records.SIZE : records.SIZE + 3].tolist()
         if min(size) < 0 or math.prod(size) != len(state["free pressure"]):
             raise ValueError("its pressure is not of its box")
 
@@ -214,7 +192,7 @@ class StrandGrid:
         """Go on from such a state."""
         box = state["box"]
         self.boxes[-1] = box
-        self.pressure = np.array(state["free pressure"]).reshape(box[SIZE : SIZE + 3][::-1])
+        self.pressure = np.array(state["free pressure"]).reshape(box[records.SIZE : records.SIZE + 3][::-1])
         self._empty_grid()
         for name in ("others", "pushed", "handed"):
             getattr(self.strands, name)[...] = state[name]
@@ -224,26 +202,35 @@ class StrandGrid:
 
     def _empty_grid(self) -> None:
         """Make arrays for the box of all."""
-        wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
+        wide, high, deep = self.boxes[-1, records.SIZE : records.SIZE + 3].tolist()
         count = wide * high * deep
         margined, layers = work_shape(wide, high, deep), (4, layer_size(wide, high, deep))
         # of the first cell kernels load the one before it
-        sizes = LANES, CELL * count, CELL * count, 7 * count, math.prod(margined), math.prod(layers)
+        sizes = (
+            records.LANES,
+            records.CELL * count,
+            records.CELL * count,
+            7 * count,
+            math.prod(margined),
+            math.prod(layers),
+        )
         if sum(sizes) > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
             self._cells = aligned((int(1.2 * sum(sizes)),))
         ends = list(accumulate(sizes))
         grid, targets, room, work, of_layers = (self._cells[a:b] for a, b in pairwise(ends))
-        self.grid, self.targets = grid.reshape(CELL, count), targets.reshape(count, CELL)
+        self.grid, self.targets = grid.reshape(records.CELL, count), targets.reshape(count, records.CELL)
         self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
         self.shares, *of_room = room.reshape(7, count)
         self.room = Room(*of_room)
         self.room.open[:], self.room.aperture[:] = 1, 1
-        work[: None if wide % (2 * LANES) else len(work) // margined[0]] = 0  # pressure, and what pads the others
+        work[: None if wide % (2 * records.LANES) else len(work) // margined[0]] = (
+            0  # pressure, and what pads the others
+        )
         self._calm = self.room._replace(left=self.room.left[:0])
-        self._others = np.zeros((deep, 4, LANES), np.float32)
+        self._others = np.zeros((deep, 4, records.LANES), np.float32)
         met = count if self._margin else 0
         self._met = self.shares, np.empty(met, np.int8), np.empty((2, met + 1), np.int32)
-        along = np.arange(wide) + self.boxes[-1, LOW] + 0.5
+        along = np.arange(wide) + self.boxes[-1, records.LOW] + 0.5
         self._along = (self.cell * along).astype(np.float32)
         self._work = work.reshape(margined), np.empty((2, deep + 2, high + 2), np.uint64), of_layers.reshape(layers)
         self._outside: tuple[list[bytes], Any] = [], ()
@@ -265,10 +252,10 @@ class StrandGrid:
         before = self.boxes[-1].copy()
         if not lay_boxes(self.strands.ends, self.parts, self.cell, self._margin, self.where, self.boxes):
             return False
-        lattice.origins[...] = self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)
-        count = self.boxes[-2, OFFSET] + self.boxes[-2, SIZE : SIZE + 3].prod()
+        lattice.origins[...] = self.cell * (self.boxes[:, records.LOW : records.LOW + 3] + 0.5)
+        count = self.boxes[-2, records.OFFSET] + self.boxes[-2, records.SIZE : records.SIZE + 3].prod()
         if count > len(self.memory):
-            self.memory = aligned((int(count * 1.2), CELL))
+            self.memory = aligned((int(count * 1.2), records.CELL))
         if not np.array_equal(before, self.boxes[-1]):
             self.pressure = moved(self.pressure, before, self.boxes[-1])
             self._empty_grid()

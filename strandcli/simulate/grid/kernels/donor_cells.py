@@ -36,7 +36,16 @@ def settle(box, near, grid, open, homes, closed):
     for far in range(1, -1, -1):
         for at in closed[far, 1 : 1 + closed[far, 0]]:
             if homes[at] > 0:
-                bring_cell(np.int64(at), homes[at], box, grid, open)
+                home, axis, after = home_at(np.int64(at), homes[at], box)
+                for c in COLUMNS:
+                    grid[c, home] += grid[c, at]
+                    grid[c, at] = 0
+                open[home] += open[at] if homes[at] > WAYS else -open[at]
+                open[at] = 0
+                for other in range(3):
+                    if other != axis or after:
+                        grid[BETWEEN + other, home] += grid[BETWEEN + other, at]
+                        grid[BETWEEN + other, at] = 0
     for at in closed[0, 1 : 1 + closed[0, 0]]:
         home, beyond, axis = beyond_home(np.int64(at), homes[at], box)
         if beyond >= 0:
@@ -55,7 +64,12 @@ def read_home(box, homes, closed, targets):
     for far in range(2):
         for at in closed[far, 1 : 1 + closed[far, 0]]:
             if homes[at] > 0:
-                read_cell(np.int64(at), homes[at], box, targets)
+                home, axis, after = home_at(np.int64(at), homes[at], box)
+                for c in range(RATE, PUSH):
+                    targets[at, c] = targets[home, c]
+                for other in range(3):
+                    if other != axis or after:
+                        targets[at, PUSH + other] = targets[home, PUSH + other]
 
 
 @device
@@ -143,32 +157,6 @@ def beyond_home(at, number, box):
     home, axis, after = home_at(at, number, box)
     beyond = home - (at - home)
     return home, np.int64(-1) if after else beyond, axis
-
-
-@device
-def bring_cell(at, number, box, grid, open):
-    """Add a closed cell's columns and share to its home's."""
-    home, axis, after = home_at(at, number, box)
-    for c in COLUMNS:
-        grid[c, home] += grid[c, at]
-        grid[c, at] = 0
-    open[home] += open[at] if number > WAYS else -open[at]
-    open[at] = 0
-    for other in range(3):
-        if other != axis or after:
-            grid[BETWEEN + other, home] += grid[BETWEEN + other, at]
-            grid[BETWEEN + other, at] = 0
-
-
-@device
-def read_cell(at, number, box, targets):
-    """Set a closed cell's columns to its home's."""
-    home, axis, after = home_at(at, number, box)
-    for c in range(RATE, PUSH):
-        targets[at, c] = targets[home, c]
-    for other in range(3):
-        if other != axis or after:
-            targets[at, PUSH + other] = targets[home, PUSH + other]
 
 
 assert (MASS, MOMENTUM, RATE, TARGET, PUSH + 4) == (0, 1, 0, 1, CELL)

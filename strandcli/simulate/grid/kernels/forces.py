@@ -121,21 +121,14 @@ def accelerate_pack(moving, lattice, packs, box, targets, work, shares, accelera
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
             store(read, k * CELL, blend(cells, cell_of(rows, k), wide, layer, a, c, d))
-        sort_columns(found, rows)
+        rate, u, v, w = gather4(pointer(found), 0, load(pointer(COUNTED), 0), CELL, 0.0)
+        x, y, z, _ = gather4(pointer(found), PUSH, load(pointer(COUNTED), 0), CELL, 0.0)
+        store(pointer(found), CELL * PACK, rate)
+        store3(pointer(found), (CELL + 1) * PACK, PACK, u + x, v + y, w + z)
+        for c in range(FOUND - CELL):
+            for k in range(PACK):
+                rows[RESULT + c, k] = found[(CELL + c) * PACK + k]
         begun = share_out(lattice, packs[0], sample, rows, shares[sample], begun, accelerations)
-
-
-@device
-def sort_columns(found, rows):
-    """Set the rows of what is found at a sample of each strand: the rate, and the rest with what lies between."""
-    records, counted = pointer(found), load(pointer(COUNTED), 0)
-    rate, u, v, w = gather4(records, 0, counted, CELL, 0.0)
-    x, y, z, _ = gather4(records, PUSH, counted, CELL, 0.0)
-    store(records, CELL * PACK, rate)
-    store3(records, (CELL + 1) * PACK, PACK, u + x, v + y, w + z)
-    for c in range(FOUND - CELL):
-        for k in range(PACK):
-            rows[RESULT + c, k] = found[(CELL + c) * PACK + k]
 
 
 @device

@@ -52,39 +52,33 @@ def limit(box, busy, grid, room, numbers, pressure):
     """Lower the ``pressure`` (cells,) where it is more than it may be. busy (2, cells along z + 2, along y + 2): of
     them the second is 0 for rows of cells without any, as `pressure.relax` leaves it; the first is scratch: not 0
     for rows to look at, since something in them or beside them has been lowered."""
-    high, rows = box[SIZE + 1], box[SIZE + 1] * box[SIZE + 2]
+    wide, high, rows, p = box[SIZE], box[SIZE + 1], box[SIZE + 1] * box[SIZE + 2], pointer(pressure)
     wanted, live = busy[0], busy[1]
     for row in range(rows):
         wanted[row // high + 1, row % high + 1] = live[row // high + 1, row % high + 1]
     for sweep in range(2 * SWEEPS):
-        lowered = False
+        lowered, back = False, sweep % 2 == 1
         for k in range(rows):
-            row = rows - 1 - k if sweep % 2 else k
+            row = rows - 1 - k if back else k
             o, n = row // high + 1, row % high + 1
             if wanted[o, n] == 0:
                 continue
             wanted[o, n] = 0
-            if limit_row(row, sweep % 2 == 1, box, grid, room, numbers, pressure):
+            changed = False
+            for i in range(0, wide, LANES):
+                first = row * wide + (wide - LANES - i if back else i)
+                if any_lane(load(p, first) > 0.0):
+                    for lane in range(LANES):
+                        at = first + (LANES - 1 - lane if back else lane)
+                        if pressure[at] > 0:
+                            changed |= limit_cell(at, box, grid, room, numbers, pressure)
+            if changed:
                 lowered = True
                 for i in range(-1, 2):
                     wanted[o + i, n] = live[o + i, n]
                     wanted[o, n + i] = live[o, n + i]
         if not lowered:
             break
-
-
-@device
-def limit_row(row, back, box, grid, room, numbers, pressure):
-    """Lower the pressure of a row's cells one after the other, and return whether any was."""
-    wide, lowered, p = box[SIZE], False, pointer(pressure)
-    for k in range(0, wide, LANES):
-        first = row * wide + (wide - LANES - k if back else k)
-        if any_lane(load(p, first) > 0.0):
-            for lane in range(LANES):
-                at = first + (LANES - 1 - lane if back else lane)
-                if pressure[at] > 0:
-                    lowered |= limit_cell(at, box, grid, room, numbers, pressure)
-    return lowered
 
 
 @device

@@ -84,7 +84,13 @@ def deposit_pack(moving, lattice, pack, box, origins, grid, work):
     layer = wide * np.uint64(box[SIZE + 1])
     for sample in range(len(lattice.first)):
         locate(moving, lattice, (pack, pack + 1), sample, box, origins, rows)
-        weigh(moving, pack, np.float32(lattice.mass[sample]), rows, found)
+        # the columns of a cell that each strand's sample would fill alone, strand by strand
+        for c in range(3):
+            for k in range(PACK):
+                found[(CELL + c) * PACK + k] = rows[VELOCITY + c, k]
+        m = load(pointer(moving.metres), pack * PACK) * np.float32(lattice.mass[sample])
+        u, v, w = load3(pointer(found), CELL * PACK, PACK)
+        store_records(pointer(found), 0, (m, m * u, m * v, m * w, m, m, m, m * 0.0))
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
             x, x_next = weights_along(cells, 0, a)
@@ -98,18 +104,6 @@ def deposit_pack(moving, lattice, pack, box, origins, grid, work):
             add_row(cells, at + wide, x, x_next, y_next * z)
             add_row(cells, at + layer, x, x_next, y * z_next)
             add_row(cells, at + layer + wide, x, x_next, y_next * z_next)
-
-
-@device
-def weigh(moving, pack, share, rows, found):
-    """Set the columns of a cell that each strand's sample would fill alone, strand by strand."""
-    records = pointer(found)
-    for c in range(3):
-        for k in range(PACK):
-            found[(CELL + c) * PACK + k] = rows[VELOCITY + c, k]
-    m = load(pointer(moving.metres), pack * PACK) * share
-    u, v, w = load3(records, CELL * PACK, PACK)
-    store_records(records, 0, (m, m * u, m * v, m * w, m, m, m, m * 0.0))
 
 
 @device
@@ -191,31 +185,24 @@ def merge_layer(boxes, o, memory, sums, grid, most):
     of its rows."""
     whole = boxes[len(boxes) - 1]
     wide, high, cells = whole[SIZE], whole[SIZE + 1], grid.shape[1]
-    out, line = pointer(grid), sums[o * high * wide * CELL :]
+    out, line, counted = pointer(grid), sums[o * high * wide * CELL :], load(pointer(COUNTED), 0)
     for n in range(high):
         row = (o * high + n) * wide
         if add_rows(boxes, o, n, half_width_pointer(memory), half_width_pointer(line)):
             found = broadcast(out, 0.0)
             for i in range(0, wide, LANES):
-                found = max(found, part_columns(pointer(line), i * CELL, out, row + i, cells))
+                m, u, v, w = gather4(pointer(line), i * CELL, counted, CELL, 0.0)
+                x, y, z, _ = gather4(pointer(line), i * CELL + BETWEEN, counted, CELL, 0.0)
+                store(out, MASS * cells + row + i, m)
+                store3(out, MOMENTUM * cells + row + i, cells, u, v, w)
+                store3(out, BETWEEN * cells + row + i, cells, x, y, z)
+                found = max(found, m)
             most[o, n] = reduce_max(found)
         else:
             most[o, n] = 0
             for c in range(CELL):
                 for i in range(0, wide, LANES):
                     store(out, c * cells + row + i, 0.0)
-
-
-@device
-def part_columns(line, at, out, place, cells):
-    """Write a vector of cells, one after the other, to the planes of columns; return their metres."""
-    counted = load(pointer(COUNTED), 0)
-    m, u, v, w = gather4(line, at, counted, CELL, 0.0)
-    x, y, z, _ = gather4(line, at + BETWEEN, counted, CELL, 0.0)
-    store(out, MASS * cells + place, m)
-    store3(out, MOMENTUM * cells + place, cells, u, v, w)
-    store3(out, BETWEEN * cells + place, cells, x, y, z)
-    return m
 
 
 @device
