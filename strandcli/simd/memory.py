@@ -54,14 +54,15 @@ def fused_pointers(typingctx: Any, arrays: Any) -> Any:
     """A named tuple of contiguous arrays as one of the `fused_pointer` of each."""
     if not isinstance(arrays, types.BaseNamedTuple):
         return None
-    kinds = [PointerType(one.dtype, False, VECTOR, fused=True) for one in arrays]
+    form: Any = arrays
+    kinds = [PointerType(one.dtype, False, VECTOR, fused=True) for one in form]
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         pairs = zip(sig.args[0], cgutils.unpack_tuple(builder, args[0]), strict=True)
         starts = [context.make_array(kind)(context, builder, value=one).data for kind, one in pairs]
         return context.make_tuple(builder, sig.return_type, starts)
 
-    return types.BaseTuple.from_types(kinds, arrays.instance_class)(arrays), emit
+    return types.BaseTuple.from_types(kinds, form.instance_class)(arrays), emit
 
 
 @intrinsic
