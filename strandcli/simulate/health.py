@@ -8,7 +8,7 @@ plain Python, and the particle is examined after every rule.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,12 @@ from ..constants import W
 from ..groom.emit import emit
 from ..groom.record import Groom
 from ..scene.specs import LARGEST
+from .kernels.measure import carried
+from .rod.kernels.arrays import PACK
 from .rules import Moment, Pass, passes_of
+
+if TYPE_CHECKING:
+    from .rod.solver import RodSolver
 
 STRETCH_MOST = {"thesis": 100.0, "rod": 0.01}
 """Greatest error of a segment's length, as a share. The source's strands are tested if a preset lists elasticity; rules
@@ -118,6 +123,43 @@ def crowding(solver: Any) -> str:
         f"{grid.given_density:g} allows, and could not part; they may stay as dense as {grid.density:.2g}; spread "
         "their roots, or give that density"
     )
+
+
+def errors_between_strands(solver: RodSolver) -> dict[str, float | None]:
+    """Return the errors that a ``solver`` has by its rules. ``density_max``, where strands interact: the greatest
+    density when the last step began, over the one allowed; ``strand_penetration_max``, with contact: by how much
+    strands were closer than their thickness, or than their roots allow, at its end, metres; with either,
+    `momentum_lost`."""
+    out: dict[str, float | None] = {}
+    grid, contact = solver.grid, solver.contact
+    if grid is not None and grid.density is not None:
+        out["density_max"] = grid.found / grid.density
+    if contact is not None:
+        out["strand_penetration_max"] = contact.penetration
+    return out if grid is None and contact is None else {**out, "momentum_lost": momentum_lost(solver)}
+
+
+def momentum_lost(solver: RodSolver) -> float:
+    """Return the size of the sum of all that strands of a ``solver`` have handed to each other in the last frame, over
+    the sizes of it and of the momentum that they have, both added up strand by strand: 0 where none has any.
+
+    What strands hand to each other, by the rules interaction and contact, one gets and others lose. So its sum, with
+    what the emitter takes up at their roots, is nothing but rounding, unless a force is wrong. It is measured where it
+    acts: on the accelerations of particles. The wind that strands take from those behind them is no momentum that
+    others get, and is subtracted as cells have it."""
+    total, size = np.zeros(3), 0.0
+    each, metres = 1.0, np.zeros((len(solver.state.edges), PACK))
+    metres.reshape(-1)[: solver.strands] = solver.lengths.reshape(-1)[: solver.strands]
+    if solver.grid is not None:
+        each = solver.grid.stands_for
+        total, size = solver.grid.momentum()
+    if solver.contact is not None:
+        total = total + each * solver.contact.handed[:3]
+        size += each * float(solver.contact.handed[3])
+    speeds = np.empty(metres.shape, solver.state.velocity.dtype)
+    carried(solver.state.velocity, solver.mass, speeds)
+    size += each * float((metres * speeds).sum())
+    return float(np.linalg.norm(total)) / size if size > 0 else 0.0
 
 
 def stretches(solver: Any) -> NDArray[np.float64]:

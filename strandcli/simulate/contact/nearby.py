@@ -31,7 +31,7 @@ class Nearby:
         side = cell_side(boxes[:, :3], boxes[:, 3:])
         buckets = 1 << max(4, int(len(boxes) * 4).bit_length())
         starts = np.zeros(buckets + 2, np.int64)
-        contact_pairs.count_cells(boxes, side, starts)
+        contact_pairs.fill_cells(boxes, side, starts, None, None)
         np.cumsum(starts, out=starts)
         entries, cells = np.empty(starts[-1], np.int64), np.empty((starts[-1], 3), np.int64)
         contact_pairs.fill_cells(boxes, side, starts, entries, cells)

@@ -21,11 +21,12 @@ from ...groom.blocks import aligned
 from ...groom.record import Groom
 from ...scene.touched import touched
 from ...solids import Solids
-from ..rod.kernels.arrays import PACK, State
+from ..rod.kernels.arrays import AXES, PACK, State
 from ..rod.material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
 from .box import extent_of, lay_boxes, moved
 from .kernels import records
 from .kernels.forces import accelerate, act
+from .kernels.nodes import note
 from .kernels.pressure import find_room, work_shape
 from .kernels.records import Lattice, Moving, Room
 from .kernels.shelter import layer_size
@@ -108,7 +109,9 @@ class StrandGrid:
         dt, strands = moment.step, self.strands
         moving = strands.moving(state, roots, mass)
         lattice = strands.lattice(self.cell, dt, self._last_step)
-        strands.note(moving, lattice, self.parts, self._last_step == 0)
+        note(moving, lattice, self.parts)
+        if self._last_step == 0:  # nothing is known of a step before
+            strands.others[...] = moving.nodes[:, :, AXES:]
         if not self._press(moving, lattice, moment):
             state.acceleration[...], state.jolted[...] = 0, 0
             self._last_step = 0.0
@@ -159,7 +162,7 @@ class StrandGrid:
 
     def begin_anew(self) -> None:
         """Forget what moved strands in the last step, for they have been stopped or put elsewhere."""
-        self._last_step, self.strands.noted = 0.0, False
+        self._last_step = 0.0
 
     def _set_numbers(self, found: float, moment: Moment) -> None:
         """Set the numbers of a step, as `records.FULL` and the others; ``found``: the density that is greatest
@@ -196,7 +199,7 @@ class StrandGrid:
         self._empty_grid()
         for name in ("others", "pushed", "handed"):
             getattr(self.strands, name)[...] = state[name]
-        self.given[...], self.strands.noted = state["given"], False
+        self.given[...] = state["given"]
         density, self.found, self._last_step = state["numbers"].tolist()
         self.density, self._started = None if math.isnan(density) else density, True
 

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ...groom.blocks import on_large_pages
 from ...solids import Solids
 from ..rod.kernels.arrays import AXES, PACK, State
-from .kernels.nodes import note
 from .kernels.pressure import HELD
 from .kernels.records import HANDED, NODE, Lattice, Moving
 
@@ -31,8 +30,6 @@ class GridStrands:
         self._nodes = on_large_pages((packs, count, NODE * PACK), dtype)
         self.ends = np.empty((packs, 6), dtype)
         """As `Moving` has them."""
-        self.noted = False
-        """Whether nodes and ends are of strands as they are, for the last step has set them."""
         self.others = on_large_pages((packs, count, AXES), dtype)
         """(P, M, 3 S) after a step, of nodes: velocity at its begin, and `1 - HELD` of what strands around have added,
         m/s."""
@@ -55,14 +52,6 @@ class GridStrands:
         steps = kind(dt), kind(dt / before if before else 1.0), kind(1 - HELD)
         sampled = samples.first, samples.counts, self._weights, self._mass
         return Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
-
-    def note(self, moving: Moving, lattice: Lattice, parts: NDArray[np.int64], anew: bool) -> None:
-        """Set nodes and ends where the last step has not; ``anew``: nothing is known of a step before."""
-        if not self.noted:
-            note(moving, lattice, parts)
-        self.noted = False
-        if anew:
-            self.others[...] = self._nodes[:, :, AXES:]
 
     def shares(self, lattice: Lattice, mass: NDArray[Any]) -> NDArray[Any]:
         """Return (samples, greatest count) the shares of a sample's change that its particles have, 1/s."""

@@ -22,7 +22,7 @@ from ...groom.record import Groom
 from ...scene.motion import Pose
 from ..contact.between_strands import StrandContact, in_parts
 from ..grid.strand_grid import Moment, StrandGrid
-from ..momentum import errors_between_strands
+from ..health import errors_between_strands
 from ..solver import Solver
 from .kernels.arrays import PACK, Step
 from .material import torsion
@@ -277,7 +277,7 @@ class RodSolver(Solver):
 
     def errors(self, frame: int) -> dict[str, float | None]:
         """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
-        precision the last digit is 6e-8 m a metre from the origin. `momentum.errors_between_strands` adds to them."""
+        precision the last digit is 6e-8 m a metre from the origin. `health.errors_between_strands` adds to them."""
         out = super().errors(frame)
         edges = self.state.edges
         if edges.shape[1] > FEWEST_BY_EDGES or self.dtype == np.float64:

@@ -26,6 +26,24 @@ def form_of(solids):
     return found if hasattr(found, "distance") else None
 
 
+def _has(part):
+    """A function that tells whether the shapes of `Solids` have a part."""
+
+    def found(solids):
+        there = getattr(form_of(solids), part, None) is not None
+        return lambda solids: there
+
+    return by_type(found)
+
+
+has_look = _has("look")
+"""Whether any of the shapes of these has a look of its own."""
+takes_vectors = _has("distances_in_own")
+"""Whether `walk` can be called: all of these have distances of vectors."""
+has_slopes = _has("slopes_in_own")
+"""Whether `nearest_slope` can be called: all of these have distances of vectors with their gradients."""
+
+
 @by_type
 def count(solids):
     """How many of the `Solids` there are of these."""
@@ -117,14 +135,6 @@ def normal(solids, m, x, y, z):
 
 
 @by_type
-def has_look(solids):
-    """Whether any of the shapes of these has a look of its own."""
-    form = form_of(solids)
-    found = form is not None and form.look is not None
-    return lambda solids: found
-
-
-@by_type
 def look(solids, m, x, y, z, eye, width, before):
     """The normal, the place and the colour of number m of these, and a number, as `SolidShape.look_after`, in the
     world."""
@@ -177,14 +187,6 @@ def parts_of(form):
 
 
 @by_type
-def takes_vectors(solids):
-    """Whether `walk` can be called: all of these have distances of vectors."""
-    form = form_of(solids)
-    found = form is not None and form.distances_in_own is not None
-    return lambda solids: found
-
-
-@by_type
 def outside(solids, x, y, z, clear):
     """A point, moved to `clear` metres off the surfaces of these."""
     form = form_of(solids)
@@ -224,14 +226,6 @@ def deepen(solids, x, y, z, most):
     if distances is not None:
         return lambda solids, x, y, z, most: segment_depth.deepen_vectors(distances, among(solids), x, y, z, most)
     return lambda solids, x, y, z, most: segment_depth.deepen_lanes(distance, among(solids), x, y, z, most)
-
-
-@by_type
-def has_slopes(solids):
-    """Whether `nearest_slope` can be called: all of these have distances of vectors with their gradients."""
-    form = form_of(solids)
-    found = form is not None and form.slopes_in_own is not None
-    return lambda solids: found
 
 
 @partial(by_type, jit_options={"forceinline": True})

@@ -30,21 +30,10 @@ def bucket_of(x, y, z, buckets):
 
 
 @function
-def count_cells(boxes, side, starts):
-    """Add to ``starts`` (buckets + 2,) int64, from its third on, how many boxes lie in the cells of each bucket."""
-    buckets = len(starts) - 2
-    for i in range(len(boxes)):
-        box = boxes[i]
-        for x in range(cell_at(box, LOW, 0, side), cell_at(box, HIGH, 0, side) + 1):
-            for y in range(cell_at(box, LOW, 1, side), cell_at(box, HIGH, 1, side) + 1):
-                for z in range(cell_at(box, LOW, 2, side), cell_at(box, HIGH, 2, side) + 1):
-                    starts[bucket_of(x, y, z, buckets) + 2] += 1
-
-
-@function
 def fill_cells(boxes, side, starts, entries, cells):
     """Set the boxes of each bucket in their order, ``entries`` (m,), and the cells that they are there for, ``cells``
-    (m, 3). ``starts``: from its second on, where each bucket begins; these are moved on to where it ends."""
+    (m, 3). ``starts`` (buckets + 2,) int64: from its second on, where each bucket begins; these are moved on to where
+    it ends. Without entries, add to it from its third on how many boxes lie in the cells of each bucket."""
     buckets = len(starts) - 2
     for i in range(len(boxes)):
         box = boxes[i]
@@ -52,6 +41,9 @@ def fill_cells(boxes, side, starts, entries, cells):
             for y in range(cell_at(box, LOW, 1, side), cell_at(box, HIGH, 1, side) + 1):
                 for z in range(cell_at(box, LOW, 2, side), cell_at(box, HIGH, 2, side) + 1):
                     bucket = bucket_of(x, y, z, buckets) + 1
+                    if entries is None:
+                        starts[bucket + 1] += 1
+                        continue
                     at = starts[bucket]
                     starts[bucket] = at + 1
                     entries[at] = i

@@ -1,9 +1,7 @@
-"""Nodes: what the grid of strands that interact knows of each strand, found while a step has it in the caches.
+"""Nodes: what the grid of strands that interact knows of each strand.
 
 A node is a mean over neighbouring particles, or a particle, and samples are nodes or lie between two of them
-(`samples`). A step ends by setting the nodes of the next one, pack by pack, which that would have to fetch three
-arrays of all particles for; where something else has moved strands, `note` sets all of them.
-"""
+(`samples`)."""
 
 from __future__ import annotations
 
