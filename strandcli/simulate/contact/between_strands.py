@@ -4,7 +4,7 @@ A step is made without contact. Where strands would come too close or pass throu
 found with each strand's response linearised (`kernels.contact_response`, `kernels.contact_solve`), and the step is made
 anew from its begin with these forces among its loads, until it keeps strands apart: Newton's method on step and contact
 together. Lengths are exact and bending takes part, as in any step. Nothing but the strands' own state lasts from a step
-to the next, and which pressed each other, which tells impacts (`impacts`). What is done here is done in the order of
+to the next, and which pressed each other, which tells impacts. What is done here is done in the order of
 emission, on one thread.
 """
 
@@ -22,9 +22,8 @@ from ...groom.record import Groom
 from ..health import RESIDUAL_MOST
 from ..rod.kernels.arrays import State
 from ..rod.material import MARGIN, contact_thickness
-from .contacts import NOTHING, Contacts
+from .contacts import NOTHING, Contacts, Impacts
 from .forces import Forces
-from .impacts import Impacts
 from .kernels import contact_approach
 from .kernels.contact_columns import BEGIN, COUNTS, FIRST, GAP, IMPACT, NUMBERS, SAME, SECOND, VECTORS
 from .nearby import Nearby

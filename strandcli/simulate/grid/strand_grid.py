@@ -23,7 +23,6 @@ from ...scene.touched import touched
 from ...solids import Solids
 from ..rod.kernels.arrays import AXES, PACK, State
 from ..rod.material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
-from .box import extent_of, lay_boxes, moved
 from .kernels import records
 from .kernels.forces import accelerate, act
 from .kernels.nodes import note
@@ -31,7 +30,7 @@ from .kernels.pressure import find_room, work_shape
 from .kernels.records import Lattice, Moving, Room
 from .kernels.shelter import layer_size
 from .kernels.transfer import deposit
-from .strands import GridStrands, Moment, samples_of
+from .strands import GridStrands, Moment, extent_of, lay_boxes, moved, samples_of
 
 if TYPE_CHECKING:
     from ...scene.model import Scene

@@ -30,7 +30,7 @@ from ...groom.deforming import at_start
 from ...groom.emit import emit
 from ...scene.model import Scene
 from ...simulate import solver_of
-from ...simulate.grid.box import extent_of
+from ...simulate.grid.strands import extent_of
 from ...simulate.rod.material import CELLS_ACROSS, require_between
 from ..axes import Experiment, Request
 from ..points import Knobs, Limit, Point, described, grid, limit
