@@ -118,10 +118,14 @@ class StrandContact:
         """As `step`, but for velocities after impacts."""
         state: State = solver.state
         if solver.grid is not None:
-            self._begin_with(state, dt, solver)
+            # its change of velocity, so that BDF2 goes on without: the kernel has `State.acceleration` for contact
+            change = state.acceleration.dtype.type(dt) * state.acceleration
+            for one in (state.velocity, state.before, state.ahead):
+                one += change
         state.acceleration[...] = 0
         before = {name: one.copy() for name, one in state._asdict().items()}
-        start, velocities = self._particles(state), self._velocities(state)
+        start = self._particles(state)
+        velocities = np.pad(self._forces.emitted(state.velocity), ((0, 0), (1, 0), (0, 0)))  # those of roots follow
         held, forces, past = NOTHING, np.zeros((0, 3)), math.inf
         for iteration in range(self.iterations + 1):
             run()
@@ -153,14 +157,6 @@ class StrandContact:
                 one[...] = before[name]
             self._load(held, forces, solver)
         return True
-
-    @staticmethod
-    def _begin_with(state: State, dt: float, solver: Any) -> None:
-        """Begin a step of ``dt`` seconds with velocities that the grid of strands that interact has changed, and those
-        of the steps before, so that BDF2 goes on without. The kernel has `State.acceleration` for contact."""
-        change = state.acceleration.dtype.type(dt) * state.acceleration
-        for one in (state.velocity, state.before, state.ahead):
-            one += change
 
     def _load(self, held: Contacts, forces: Floats, solver: Any) -> None:
         """Have the next round made with these forces."""
@@ -235,10 +231,6 @@ class StrandContact:
     def _particles(self, state: State) -> Floats:
         """Return (S, N + 1, 3) particles with their roots."""
         return self._forces.emitted(state.positions[:, 1:], W)
-
-    def _velocities(self, state: State) -> Floats:
-        """Return (S, N + 1, 3) velocities of particles, m/s, but for roots."""
-        return np.pad(self._forces.emitted(state.velocity), ((0, 0), (1, 0), (0, 0)))
 
 
 def in_parts(solver: Any, step: Callable[[float, float], bool], time: float, dt: float, halvings: int = 0) -> None:

@@ -11,10 +11,8 @@ from ...jit import function, parallel, prange
 from ...simd import any_lane, broadcast, half_width_pointer, lane_count, load, load3, pointer, reduce_max, sqrt, store
 from ...solids.kernels import box, capsule, other, plane, sphere
 from ...solids.kernels.built_in import device_if_built_in
-from ..rod.kernels.arrays import AXES, PACK
+from ..rod.kernels.arrays import AXES, PACK, ROW
 
-ROW = 3 * W
-"""Numbers of a row of positions."""
 STRETCH, NOT_FINITE = 0, 1
 """Columns of what `strands` writes."""
 PARTICLES, SEGMENTS = 0, 1

@@ -13,13 +13,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...constants import W
 from ...groom.blocks import aligned, lanes, on_large_pages
 from ...groom.record import Groom
 from ...scene.motion import Pose
 from .kernels.arrays import PACK, Drive, Material, Needs, State
 from .material import matter_along, stiffness, torsion
-from .precision import needs_double
 from .rest_shape import coiled, hold, straight, transported, unit_edges
 from .surroundings import gravity
 
@@ -89,11 +87,6 @@ def matter_of(scene: Scene, groom: Groom) -> Matter:
     n = scene.emitter.particles - 1
     lengths = groom.lengths.astype(np.float64) / n
     return Matter(lengths, stiffness(scene.rod, lengths), *matter_along(scene.rod, n))
-
-
-def precision_of(scene: Scene, matter: Matter) -> Any:
-    """The floating type to compute in."""
-    return np.float64 if needs_double(scene, float(matter.lengths.min())) else np.float32
 
 
 def shape_of(scene: Scene, groom: Groom, dtype: Any) -> Shape:
@@ -216,12 +209,6 @@ HEAVY = 1e6
 """Factor of a pinned particle's mass."""
 TOLERANCE = 1e-6
 """Error of |e|² at which iterations stop, in single precision: what is left moves tips off their places."""
-
-
-def tips(state: State) -> NDArray[np.float64]:
-    """(P, 3, `PACK`) where the last particles of strands are, metres."""
-    rows = state.positions[:, -1].reshape(-1, 3, W // PACK, PACK).transpose(0, 2, 1, 3).reshape(-1, 3, PACK)
-    return np.asarray(rows[: len(state.edges)], np.float64)
 
 
 class Pins:

@@ -26,6 +26,7 @@ from ..health import errors_between_strands
 from ..solver import Solver
 from .kernels.arrays import PACK, Step
 from .material import torsion
+from .precision import needs_double
 from .roots import Roots, begin_before_roots, carry, stop, turned, velocity_of_roots
 from .setup import (
     ANCHOR,
@@ -37,7 +38,6 @@ from .setup import (
     material_of,
     matter_of,
     needs_of,
-    precision_of,
     rest_of,
     shape_of,
     state_of,
@@ -77,7 +77,8 @@ class RodSolver(Solver):
                     "take it out, or use solver: thesis"
                 )
         rod, matter = scene.rod, matter_of(scene, groom)
-        self.dtype = np.float64 if double else precision_of(scene, matter)
+        exact = double or needs_double(scene, float(matter.lengths.min()))
+        self.dtype = np.float64 if exact else np.float32
         self.surroundings = Surroundings(scene, self.dtype)
         self.pose = self.surroundings.pose(0.0)
         shape = shape_of(scene, groom, self.dtype)

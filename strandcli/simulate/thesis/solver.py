@@ -167,7 +167,7 @@ class ThesisSolver(Solver):
     def announce(self, ends: Sequence[float], dt: float) -> None:
         """As for any solver."""
         if self._steady:
-            self._known = {(time, dt): [kept(one) for one in self._prepared(time, dt)] for time in ends}
+            self._known = {(time, dt): self._prepared(time, dt, copied=True) for time in ends}
 
     def step(self, time: float, dt: float) -> None:
         """Simulate a step of ``dt`` seconds that ends at ``time``."""
@@ -176,10 +176,13 @@ class ThesisSolver(Solver):
             prepared = self._known.get((time, dt)) or self._prepared(time, dt)
             self._step(self.positions, self.lengths, self.rest, *prepared)
 
-    def _prepared(self, time: float, dt: float) -> list[Any]:
-        """Return the numbers of all passes for a step of ``dt`` seconds that ends at ``time``."""
+    def _prepared(self, time: float, dt: float, copied: bool = False) -> list[Any]:
+        """Return the numbers of all passes for a step of ``dt`` seconds that ends at ``time``; ``copied``: a rule may
+        write over its own at the next moment."""
         moment = Moment(time, dt * self._stretched(time, dt), self.scene)
         prepared = [one.prepare(moment) for one in self._distinct]
+        if copied:
+            prepared = [one.copy() if isinstance(one, np.ndarray) else one for one in prepared]
         return [prepared[place] for place in self._places]
 
     def _stretched(self, time: float, dt: float) -> float:
@@ -218,8 +221,3 @@ class ThesisSolver(Solver):
         lengths = self.lengths.reshape(-1)[: self.strands, None]
         self.rest[:, 0] = lanes(roots - lengths * directions)
         self.rest[:, 1] = lanes(roots)
-
-
-def kept(prepared: Any) -> Any:
-    """Numbers of a pass that its rule may write over at the next moment."""
-    return prepared.copy() if isinstance(prepared, np.ndarray) else prepared

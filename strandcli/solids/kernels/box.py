@@ -4,17 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from ...constants import W
 from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load3, sqrt, where
 from ..shapes.box import HALF, ROW_X, ROW_Y, ROW_Z, X, Y, Z
+from .sphere import INF, ONE, TINY, ZERO
 
-ZERO = np.float32(0.0)
-ONE = np.float32(1.0)
-INF = np.float32(np.inf)
-TINY = np.float32(1e-20)
 NONE = 1e-30
 """Least divisor: slope along a segment."""
 EQUAL = 1e-3

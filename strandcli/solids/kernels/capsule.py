@@ -13,12 +13,9 @@ from ...jit import device, inlined
 from ...simd import any_lane, broadcast, load3, sqrt, where
 from ..shapes.capsule import AXIS_X, AXIS_Y, AXIS_Z, LEAST, PER_SQUARE, RADIUS, X, Y, Z
 from . import sphere
+from .sphere import INF, ONE, TINY, ZERO
 
-ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
-ONE = np.float32(1.0)
-INF = np.float32(np.inf)
-TINY = np.float32(1e-20)
 PARALLEL = 1e-12
 """Squared sine of the angle below which two segments count as parallel."""
 ROUNDING = 2e-6

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from ...constants import W
 from ...jit import device
 from ...simd import broadcast, load3
 from ..shapes.plane import HEIGHT, X, Y, Z
-
-ZERO = np.float32(0.0)
-INF = np.float32(np.inf)
+from .sphere import INF, ZERO
 
 
 @device

@@ -12,6 +12,7 @@ import math
 from ....jit import device, function
 from .contact_columns import (
     ALPHA,
+    AXES,
     BEGIN,
     BETA,
     COUNTS,
@@ -50,7 +51,6 @@ OBLIQUE = 0.05
 TINY = 1e-30
 PARALLEL = 1e-9
 """Square of the sine between segments below which they count as parallel."""
-AXES = 3
 
 
 @device

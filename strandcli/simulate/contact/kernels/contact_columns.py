@@ -20,3 +20,4 @@ VECTORS = 9
 the begin of the step and at its end."""
 LOW, HIGH = 0, 3
 """Of a box: its least and its greatest corner."""
+AXES = 3

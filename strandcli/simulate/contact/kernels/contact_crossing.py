@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 
 from ....jit import device
-from .contact_columns import FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
+from .contact_columns import AXES, FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
 
 BISECTIONS = 52
 """As many as a share in [0, 1] has bits."""
-AXES = 3
 
 
 @device

@@ -11,10 +11,9 @@ import math
 import numpy as np
 
 from ....jit import device, function
-from .contact_columns import FIRST, FIRST_SEGMENT, HIGH, LOW, SECOND, SECOND_SEGMENT
+from .contact_columns import AXES, FIRST, FIRST_SEGMENT, HIGH, LOW, SECOND, SECOND_SEGMENT
 
 PRIMES = np.array([73856093, 19349663, 83492791])
-AXES = 3
 
 
 @device

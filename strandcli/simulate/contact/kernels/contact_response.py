@@ -9,13 +9,12 @@ definite (tension only is kept of it, not compression) and edges are independent
 from __future__ import annotations
 
 from ....jit import device, function
-from .contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
+from .contact_columns import ALPHA, AXES, BETA, FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
 
 BLOCK, BAND = 4, 12
 """Unknowns of a particle, three coordinates and a multiplier; numbers of a row of the lower band: entry k is that k
 columns left of the diagonal."""
 MULTIPLIER = 3
-AXES = 3
 HELD = 2.0
 """Masses that a solid which a particle touches adds to it along its normal: solids do not hold what is led away from
 them, so that a response far too small would make rounds overshoot, and one twice too large lets them converge."""

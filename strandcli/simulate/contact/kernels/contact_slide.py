@@ -18,9 +18,8 @@ import math
 from typing import Any, NamedTuple
 
 from ....jit import device
-from .contact_columns import NORMAL, START
+from .contact_columns import AXES, NORMAL, START
 
-AXES = 3
 TINY = 1e-30
 MOST_STEPS, EXACT = 60, 1e-10
 """Steps to the root at the most, and µ λ_n / |λ_t| − 1 with which it is found."""

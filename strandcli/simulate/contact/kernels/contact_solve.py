@@ -12,6 +12,7 @@ import math
 from ....jit import device, function
 from .contact_columns import (
     ALPHA,
+    AXES,
     BETA,
     END,
     FIRST,
@@ -25,7 +26,6 @@ from .contact_columns import (
 )
 from .contact_slide import slide
 
-AXES = 3
 TINY = 1e-30
 SOFT = 1e-7
 """Share of a contact's own response that is added to it, so that it can be inverted."""

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
-from ...rod.kernels.arrays import AXES, PACK
-from ...rod.kernels.begin import ROW
+from ...rod.kernels.arrays import AXES, PACK, ROW
 from ...rod.kernels.vectors import add_scaled, dot, scaled, select
 from . import law, search
 

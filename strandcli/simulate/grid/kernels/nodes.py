@@ -21,11 +21,9 @@ from ....simd import (
     store3,
     where,
 )
-from ...rod.kernels.arrays import AXES, PACK
+from ...rod.kernels.arrays import AXES, PACK, ROW
 from .records import FIRST, LAST, NODE
 
-ROW = 3 * W
-"""Numbers of a row of positions."""
 CHANGE = np.float32(0.25)
 """Share of what strands around have accelerated a strand by that this changes by from a step to the next, from which on
 it is jolted: BDF2 would go on with that, and tips would never come to rest. Strands that hold each other off while they

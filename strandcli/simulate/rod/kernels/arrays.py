@@ -9,10 +9,14 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from ....constants import W
+
 PACK = 16
 """Strands whose state lies together: in single precision a cache line each."""
 AXES = 3 * PACK
 """Numbers in a row of three coordinates of all strands of a pack."""
+ROW = 3 * W
+"""Numbers of a row of positions, which are drawn and lie in blocks."""
 MOTION = 12
 """Columns that follow a packed solid's: its rigid motion in this step, rotation by rows and then translation."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ....constants import W
 from ....jit import device, inlined
 from ....simd import load, load3, no_fma, store, store3, where
-from .arrays import AXES, PACK, Coefficients
+from .arrays import AXES, PACK, ROW, Coefficients
 
 BLEND = 0.8
 """θ: share of BDF3 in the difference formula of velocities, the rest is BDF2. Two such steps, BDF2 for displacements
@@ -17,8 +17,6 @@ OLD_GAIN = BLEND / 3 / VELOCITY_RATE
 """Shares of the last change of velocity that v̂ goes on by, and of the one before it that it stays behind by."""
 FARTHEST = 1e10
 """Segments that a free particle moves in a step at the most."""
-ROW = 3 * W
-"""Numbers of a row of positions, which are drawn and lie in blocks."""
 
 
 @device

@@ -20,8 +20,8 @@ from ....simd import (
 )
 from ...contact.kernels import depenetrate
 from ...contact.kernels.search import Past
-from .arrays import AXES, PACK
-from .begin import GAIN, OLD_GAIN, ROW
+from .arrays import AXES, PACK, ROW
+from .begin import GAIN, OLD_GAIN
 from .vectors import scaled
 
 HUGE = 1e18

@@ -13,8 +13,7 @@ from ....simd import any_lane, broadcast, load, load3, store, store3, where
 from ...contact.kernels import find
 from ...contact.kernels.search import Contact
 from . import begin, finish, newton, rest_shape
-from .arrays import AXES, PACK, Needs
-from .begin import ROW
+from .arrays import AXES, PACK, ROW, Needs
 from .vectors import add_scaled, scaled, select
 
 LOST = 2e-3
@@ -148,13 +147,6 @@ def add_to_means(s, at, state, needs, part):
             store(state.tension, number, t)
             if needs.solids:
                 store3(state.force, row, PACK, force[0], force[1], force[2])
-
-
-@device
-def keep_twist(s, at, state):
-    """Keep the twist that the step begins with: iterations overwrite it."""
-    for j in range(at.segments):
-        store(s.begun, KEPT * j + TWIST, load(state.twist, at.number + j * PACK))
 
 
 @device

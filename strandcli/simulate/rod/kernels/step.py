@@ -26,8 +26,7 @@ from ....simd import (
 )
 from ...contact.kernels.search import Contact
 from . import begin, finish, newton, parts
-from .arrays import AXES, PACK, Place
-from .begin import ROW
+from .arrays import AXES, PACK, ROW, Place
 from .scratch import scratch_at
 from .work_queue import TASKS, take
 
@@ -90,7 +89,8 @@ def move(s, at, next_pack, state, material, drive, step, needs, contact):
     if needs.pinned:
         begin.aim_tip(s, at, drive, c, 1, still)
     if needs.curled:
-        parts.keep_twist(s, at, state)
+        for j in range(at.segments):  # iterations overwrite the twist that the step begins with
+            store(s.begun, parts.KEPT * j + parts.TWIST, load(state.twist, at.number + j * PACK))
     worst, depth, near, path = newton.iterate(s, at, state, material, step, needs, c, contact, root)
     bad = parts.badness(s, at, state, worst, depth, path)
     again = any_lane(bad > 1.0)
