@@ -66,7 +66,7 @@ def _counted(
     import numpy as np
 
     from ..groom.emit import emit
-    from ..simulate.contact.cells import cell_side
+    from ..simulate.contact.nearby import cell_side
     from ..simulate.rod.material import MARGIN, matter
 
     groom = emit(emitter, seed)

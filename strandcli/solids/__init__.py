@@ -19,7 +19,7 @@ from ..scene.solid_shape import add as register
 from .shapes import box, capsule, other, other_code, plane, sphere
 
 __all__ = [
-    "COLUMNS", "SHAPES", "Solids", "in_order", "joined", "joined_with", "numbers", "others", "pack",
+    "COLUMNS", "SHAPES", "Solids", "in_order", "joined_with", "numbers", "others", "pack",
     "pack_all", "register",
 ]  # fmt: skip
 
@@ -47,16 +47,11 @@ class Solids(NamedTuple):
 
 def pack_all(solids: Sequence[Any], emitter: Any, time: float, dtype: Any = np.float32) -> Solids:
     """Solids of every kind packed at a time in seconds; with a fifth field where there are `others`."""
-    return joined([pack(kind, list(solids), emitter, time, dtype) for kind in SHAPES], solids, emitter, time, dtype)
-
-
-def joined(shipped: Sequence[NDArray[Any]], solids: Sequence[Any], emitter: Any, time: float, dtype: Any) -> Solids:
-    """The packed solids of strandcli's own kinds together with the `others` among ``solids``."""
-    found = others(solids)
+    rows, found = [pack(kind, list(solids), emitter, time, dtype) for kind in SHAPES], others(solids)
     if not found:
-        return joined_with(solids, shipped)
-    rows = other.pack(found, [solid_pose(one, emitter, time) for one in found], dtype)
-    return joined_with(solids, [*shipped, rows], other.data_of(found, time))
+        return Solids(*rows)
+    rows.append(other.pack(found, [solid_pose(one, emitter, time) for one in found], dtype))
+    return joined_with(solids, rows, other.data_of(found, time))
 
 
 def joined_with(solids: Sequence[Any], rows: Sequence[NDArray[Any]], data: Sequence[NDArray[Any]] = ()) -> Solids:

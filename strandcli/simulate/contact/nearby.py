@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .cells import cell_side
-from .kernels import contact_pairs
 from .kernels.contact_columns import FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
 
+MOST_ENTRIES = 16
+"""Cells a box lies in at the most, as a mean: larger cells are taken otherwise."""
 ROOM = 1.3
 """Pairs that arrays have room for, over those found the last time."""
 
@@ -27,6 +27,8 @@ class Nearby:
         """Return (m, 4) pairs, as `contact_columns` has them, by strands and segments in ascending order, of segments
         of which some points come closer than ``reach`` on straight ways from ``start`` to ``end`` (S, N + 1, 3). They
         are valid until the next call."""
+        from .kernels import contact_pairs  # which `plan` does without, where it counts cells
+
         boxes = _boxes(start, end, reach)
         side = cell_side(boxes[:, :3], boxes[:, 3:])
         buckets = 1 << max(4, int(len(boxes) * 4).bit_length())
@@ -62,3 +64,11 @@ def _boxes(start: Floats, end: Floats, reach: float) -> Floats:
     """Return (m, 6) boxes that segments stay in on their ways, wider by half of a reach."""
     ends = np.stack([start[:, :-1], start[:, 1:], end[:, :-1], end[:, 1:]])
     return np.concatenate([ends.min(0) - reach / 2, ends.max(0) + reach / 2], -1).reshape(-1, 6)
+
+
+def cell_side(low: Floats, high: Floats) -> float:
+    """Return the side of cells for boxes with such corners (m, 3), metres."""
+    side = float((high - low).mean() * 1.5)
+    while (np.floor(high / side) - np.floor(low / side) + 1).prod(1).mean() > MOST_ENTRIES:
+        side *= 1.5
+    return side

@@ -50,8 +50,12 @@ def find_targets(box, o, near, grid, room, numbers, pressure, targets, others):
             if any_lane(counted(at, grid) > 0.0):
                 found = targets_of(at, sides, grid, room.aperture, numbers, pointer(pressure))
                 if len(room.left) > 0:
+                    # what strands that have so much of the wind left do not take of it
                     left = left_at(box, main, (o, n, i), room.left)
-                    found = sheltered(found, left, numbers)
+                    lost = left - 1.0
+                    rate, u, v, w, near_x, near_y, near_z = found
+                    u, v, w = u + lost * numbers[CHANGE], v + lost * numbers[CHANGE + 1], w + lost * numbers[CHANGE + 2]
+                    found = rate, u, v, w, near_x, near_y, near_z
                     less += load(cells, MASS * grid.shape[1] + at) * (left - 1.0)
                 keep(at, grid, found, targets)
             else:
@@ -86,16 +90,6 @@ def keep(at, grid, found, targets):
         where(counts, e, 0.0), where(counts, f, 0.0), where(counts, g, 0.0), broadcast(a, 0.0),
     )  # fmt: skip
     store_records(pointer(targets), CELL * at, kept)
-
-
-@device
-def sheltered(found, left, numbers):
-    """Targets less what strands that have so much of the wind left do not take of it."""
-    rate, u, v, w, x, y, z = found
-    lost = left - 1.0
-    return (
-        rate, u + lost * numbers[CHANGE], v + lost * numbers[CHANGE + 1], w + lost * numbers[CHANGE + 2], x, y, z
-    )  # fmt: skip
 
 
 @device

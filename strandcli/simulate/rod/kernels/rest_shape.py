@@ -25,7 +25,7 @@ from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from ....simd.turning import cosine_sine
 from .arrays import AXES, PACK
-from .vectors import cross, dot
+from .vectors import cross, dot, matrix_product
 
 GREATEST_TWIST_CHANGE = 3.0
 """Radians that ψ changes by in an iteration at the most."""
@@ -76,7 +76,7 @@ def transport_frames(s, at, state, material, step):
     eliminate the torques about edges, linear in ψ."""
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
     tx, ty, tz = load3(s.edge, -3, 1)
-    ax, ay, az = first_normal(step.rotation, bends, bend)
+    ax, ay, az = matrix_product(step.rotation, load3(bends, bend, PACK))
     zero = broadcast(s.pivot, 0.0)
     angle = zero
     a = zero
@@ -199,16 +199,6 @@ def torque(x, y, v, w):
     majorization in one dimension"); sin φ / φ is at most (2 + cos φ) / 3 (Cusa and Huygens)."""
     f, g = v * y - w * x, v * x + w * y
     return f, (2.0 * sqrt(f * f + g * g) + g) * (1.0 / 3.0)
-
-
-@inlined
-def first_normal(turn, bends, bend):
-    """The normal that frames begin with at the clamp, in the world."""
-    x, y, z = load3(bends, bend, PACK)
-    return (
-        turn[0] * x + turn[1] * y + turn[2] * z, turn[3] * x + turn[4] * y + turn[5] * z,
-        turn[6] * x + turn[7] * y + turn[8] * z,
-    )  # fmt: skip
 
 
 @inlined

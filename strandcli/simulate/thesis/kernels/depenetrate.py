@@ -61,7 +61,10 @@ def bring_out(x, parent, length, solids):
     rest length from their parents, or where ``parent`` is None at any. x, parent (3 W,), length (W,) float32."""
     rows, lengths = pointer(x), pointer(length)
     lanes = lane_count(rows)
-    some = nobody(rows)
+    # of as many strands as a vector has lanes: their lanes in x, and of each particle its place, its parent's, the
+    # segment's rest length, the depth, and a depth than which none is much less; metres
+    zero, one = broadcast(rows, 0.0), broadcast(rows, 1.0)
+    some = zero, (zero, zero, zero), (zero, zero, zero), one, zero, one
     count = 0
     for k in range(0, W, lanes):
         at = load3(rows, k, W)
@@ -89,14 +92,6 @@ def found_for(parent, solids, some):
     if parent is None:
         return led_out(solids, some)
     return turned(solids, some)
-
-
-@inlined
-def nobody(rows):
-    """Return places for as many strands as a vector has lanes: their lanes in x, and of each particle its place, its
-    parent's, the segment's rest length, the depth, and a depth than which none is much less; metres."""
-    zero, one = broadcast(rows, 0.0), broadcast(rows, 1.0)
-    return zero, (zero, zero, zero), (zero, zero, zero), one, zero, one
 
 
 @device
