@@ -28,8 +28,7 @@ class GridStrands:
         self._samples, self._metres, self._kind = samples, metres, np.dtype(dtype).type
         nodes = nodes_of(samples, segments)
         self._lattice = [one.astype(dtype) if one.dtype.kind == "f" else one for one in nodes]
-        self._weights, self._mass = samples.weights.astype(dtype), samples.mass.astype(dtype)
-        self._origins = np.empty((boxes, 3), dtype)
+        self._weights, self._origins = samples.weights.astype(dtype), np.empty((boxes, 3), dtype)
         packs, count = len(metres), len(nodes.node_first)
         self._nodes = on_large_pages((packs, count, NODE * PACK), dtype)
         self.ends = np.empty((packs, 6), dtype)
@@ -54,7 +53,7 @@ class GridStrands:
         origins are to be set."""
         kind, samples = self._kind, self._samples
         steps = kind(dt), kind(dt / before if before else 1.0), kind(1 - HELD)
-        sampled = samples.first, samples.counts, self._weights, self._mass
+        sampled = samples.first, samples.counts, self._weights, samples.mass.astype(kind)
         return Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
 
     def shares(self, lattice: Lattice, mass: NDArray[Any]) -> NDArray[Any]:
