@@ -167,10 +167,10 @@ def kept_of_study(data: Any) -> Any:
     for study in data["studies"]:
         metric, least = study["metric"], {}
         for point in study["points"]:
-            knobs, error = point["knobs"], point["error"].get(metric)
-            if knobs["solver"] != "rod" or error is None:
+            parameters, error = point["parameters"], point["error"].get(metric)
+            if parameters["solver"] != "rod" or error is None:
                 continue
-            count = knobs.get("emitter.particles", 1) - 1
+            count = parameters.get("emitter.particles", 1) - 1
             least[count] = min(error, least.get(count, error))
         line = max((one["line"] for one in study["orders"] if one["line"].startswith("rod")), default="", key=better)
         orders = {one["in"]: one["order"] for one in study["orders"] if (one["line"], one["metric"]) == (line, metric)}
@@ -186,10 +186,10 @@ def better(line: str) -> bool:
 
 def kept_of_quality(data: Any) -> Any:
     """Of a study of qualities the points with names."""
-    named = {one["knobs"]["quality"]: one for one in data["points"] if "quality" in one["knobs"]}
+    named = {one["parameters"]["quality"]: one for one in data["points"] if "quality" in one["parameters"]}
     finest = {"image.supersample": 6, "curves.tolerance": 0.1}
     for one in data["points"]:
-        if finest.items() <= one["knobs"].items():
+        if finest.items() <= one["parameters"].items():
             named["6 × 6 samples, curves within 1/10 sample"] = one
     of = {name: {**one["error"], "seconds": one["seconds"]} for name, one in named.items()}
     return {"name": data["name"], "title": data["title"], "qualities": of}
@@ -199,7 +199,7 @@ def kept_of_axis(data: Any) -> Any:
     """Of a study of one axis the settings of which none is both faster and nearer, from the fastest on."""
     front = [one for one in data["points"] if one["pareto"] and one["error"].get(data["metric"]) is not None]
     front.sort(key=lambda one: one["seconds"])
-    told = [(", ".join(f"{name.rpartition('.')[2]} {value}" for name, value in one["knobs"].items()),
+    told = [(", ".join(f"{name.rpartition('.')[2]} {value}" for name, value in one["parameters"].items()),
              one["error"][data["metric"]]) for one in front]  # fmt: skip
     return {**{key: data[key] for key in ("axis", "title", "metric", "unit")}, "front": told}
 

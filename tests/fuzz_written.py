@@ -145,7 +145,7 @@ def attempt_checkpoint(content: bytes, folder: Path) -> str:
     return "read"
 
 
-POINT = {"error": {"tip": 0.1, "rmse": 0.01, "flip": 0.02}, "knobs": {"time.substeps": 2}, "seconds": 1.0}
+POINT = {"error": {"tip": 0.1, "rmse": 0.01, "flip": 0.02}, "parameters": {"time.substeps": 2}, "seconds": 1.0}
 LIMITS = {"limits": {"rod": {"converges": True}}}
 OF_MOTION = {"points": [POINT, POINT], "metric": "tip", "margin": 0.01, "reference": LIMITS}
 PICTURE = {"what": "a picture", "windows": [[0, 0, 2, 2]], "width": {"rmse": 0.1, "flip": 0.1}}

@@ -33,12 +33,14 @@ class Synthetic(Experiment):
     def settings(self) -> list[dict[str, Any]]:
         return grid({"solver": ("one", "two"), "emitter.particles": (5, 9, 17, 33), "dt": (0.04, 0.02, 0.01, 0.005)})
 
-    def measure(self, knobs: Any) -> Point:
-        n, dt = knobs["emitter.particles"], knobs["dt"]
-        power = {"one": 1, "two": 2}[knobs["solver"]]
+    def measure(self, parameters: Any) -> Point:
+        n, dt = parameters["emitter.particles"], parameters["dt"]
+        power = {"one": 1, "two": 2}[parameters["solver"]]
         error = 0.3 * (10 * dt) ** power + 0.3 / (n - 1) ** 2
         seconds = n / dt * (1e-4 if power == 1 else 4e-4)
-        return Point(knobs, seconds, {"tip": error, "other": None}, knobs["solver"], {"dt": dt, "segment": 1 / (n - 1)})
+        return Point(
+            parameters, seconds, {"tip": error, "other": None}, parameters["solver"], {"dt": dt, "segment": 1 / (n - 1)}
+        )
 
 
 def made(max_error: float | None = None, margin: float = 0.0) -> sweep.Study:

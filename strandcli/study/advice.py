@@ -29,8 +29,8 @@ from .report import share
 
 MOVING = ("seed", "solver", "rod", "time", "emitter", "rules", "solids")
 """The settings of a scene that its motion depends on."""
-KNOBS = ("time.substeps", "rod.iterations", "emitter.particles")
-"""The knobs that are turned, unless the user has set them."""
+ADVISED = ("time.substeps", "rod.iterations", "emitter.particles")
+"""The parameters that are turned, unless the user has set them."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +65,8 @@ def advise(
 ) -> Advice:
     """The cheapest setting of the scene's solver whose error is at most ``max_error``, a share of the strands' length.
 
-    ``fixed`` are knobs that the user has set and that stay. Where no usual setting will do, but the solver has a limit,
-    finer ones are tried. Raises `MismatchError` where none of these does either.
+    ``fixed`` are parameters that the user has set and that stay. Where no usual setting will do, but the solver has a
+    limit, finer ones are tried. Raises `MismatchError` where none of these does either.
     """
     own = settled(scene, fixed)
     for more in ({}, {**finer(scene), **own}):
@@ -111,7 +111,7 @@ def choose(
             f"'strandcli study {name}' shows all"
         )
     best = min(fit, key=lambda one: float(one["seconds"]))
-    settings = {path: value for path, value in best["knobs"].items() if path in KNOBS and path not in fixed}
+    settings = {path: value for path, value in best["parameters"].items() if path in ADVISED and path not in fixed}
     return Advice(settings, best["error"][metric], margin, reused)
 
 
@@ -121,7 +121,7 @@ def folder() -> Path:
 
 
 def key(scene: Scene, chosen: dict[str, Any]) -> str:
-    """What a study is cached by: everything that moves the strands, the code that does, and the knobs of the study."""
+    """What a study is cached by: everything that moves the strands, the code that does, and the study's parameters."""
     parts = {name: plain(getattr(scene, name)) for name in MOVING}
     return digest([STRANDS, parts, chosen])
 
@@ -165,7 +165,7 @@ def read(
         sound = is_sound(data) and isinstance(points, list)
         for point in points:
             sound = sound and all(is_number_or_none(point["error"].get(metric)) for metric in metrics(data))
-            sound = sound and isinstance(point["knobs"], dict) and is_number(point["seconds"])
+            sound = sound and isinstance(point["parameters"], dict) and is_number(point["seconds"])
     except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError):
         return None
     return data if sound else None

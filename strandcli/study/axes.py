@@ -13,7 +13,7 @@ from typing import Any
 
 from ..errors import UsageError
 from ..scene.model import Scene
-from .points import Knobs, Point
+from .points import Parameters, Point
 
 SOLVERS = ("thesis", "rod")
 STRANDS = 256
@@ -59,8 +59,8 @@ class Request:
 
 
 class Experiment(ABC):
-    """A subject that can be measured at any setting of its knobs; a class of it is an axis, a kind of error with the
-    settings that buy it off."""
+    """A subject that can be measured at any setting of its parameters; a class of it is an axis, a kind of error with
+    the settings that buy it off."""
 
     axis: str
     """By which a person asks for it."""
@@ -89,23 +89,23 @@ class Experiment(ABC):
         return {}
 
     @abstractmethod
-    def settings(self) -> Sequence[Knobs]:
+    def settings(self) -> Sequence[Parameters]:
         """All that is to be measured."""
 
     @abstractmethod
-    def measure(self, knobs: Knobs) -> Point:
+    def measure(self, parameters: Parameters) -> Point:
         """One of them."""
 
 
 def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:
-    """What a request has to hold so that settings at dotted paths keep the scene's own values; other paths are no knobs
-    of motion."""
-    knobs: dict[str, tuple[str, Any]] = {
+    """What a request has to hold so that settings at dotted paths keep the scene's own values; other paths are no
+    parameters of motion."""
+    parameters: dict[str, tuple[str, Any]] = {
         "time.substeps": ("substeps", scene.time.substeps),
         "rod.iterations": ("iterations", scene.rod.iterations),
         "emitter.particles": ("particles", scene.emitter.particles),
     }
-    return {name: (value,) for path, (name, value) in knobs.items() if path in set(paths)}
+    return {name: (value,) for path, (name, value) in parameters.items() if path in set(paths)}
 
 
 def chosen_solvers(request: Request) -> list[str]:

@@ -22,7 +22,7 @@ OTHERS = tuple((COLOURS[i % 6], ("disc", "square", "triangle", "diamond")[i % 4]
 """Of lines without a style of their own; no two look the same."""
 SHORT = {"emitter.particles": "n", "time.substeps": "sub", "rod.iterations": "it"}
 PLAIN = {"emitter.strands": "guides", "rules.interaction.cell": "cell"}
-"""The same of knobs whose short name needs no explanation."""
+"""The same of parameters whose short name needs no explanation."""
 KEY = "n: particles, sub: steps a frame, it: iterations"
 
 
@@ -53,7 +53,7 @@ class Scale:
 def chart(study: Study, max_error: float | None = None) -> str:
     """The text of an SVG file. Points without an error, or with none at all, are left out."""
     what = f"error ({study.metric}, a share {study.unit}) against run time. Ringed: on the Pareto front"
-    if any(knob in point.knobs for point in study.points for knob in SHORT):
+    if any(parameter in point.parameters for point in study.points for parameter in SHORT):
         what += f". {KEY}"
     what += "; star: recommended" if max_error else ""
     styles = styles_of(study.points)
@@ -90,8 +90,8 @@ def _plot(
             items.append(marker("disc", places[id(point)], 9.0, "#ffffff", INK, 1.4))
         colour, kind = styles[point.line]
         items.append(marker(kind, places[id(point)], 5.0, colour, "#ffffff", 0.8))
-    named = [one["knobs"] for one in study.recommended] if max_error else []
-    chosen = [point for point in shown if dict(point.knobs) in named]
+    named = [one["parameters"] for one in study.recommended] if max_error else []
+    chosen = [point for point in shown if dict(point.parameters) in named]
     items += [marker("star", places[id(point)], 8.0, "#f2b705", INK, 1.0) for point in chosen]
     return items + _labels([*chosen, *front], places)
 
@@ -139,11 +139,15 @@ def marker(kind: str, at: XY, size: float, fill: str, edge: str = "none", width:
 
 def brief(point: Point) -> str:
     """A setting in a few letters."""
-    parts = [f"{word}={point.knobs[knob]}" for knob, word in {**SHORT, **PLAIN}.items() if knob in point.knobs]
-    if "dt" in point.knobs:
-        parts.append(step(point.knobs["dt"]))
+    parts = [
+        f"{word}={point.parameters[parameter]}"
+        for parameter, word in {**SHORT, **PLAIN}.items()
+        if parameter in point.parameters
+    ]
+    if "dt" in point.parameters:
+        parts.append(step(point.parameters["dt"]))
     if not parts:
-        parts = [f"{name.rpartition('.')[2]} {value}" for name, value in point.knobs.items() if name != "solver"]
+        parts = [f"{name.rpartition('.')[2]} {value}" for name, value in point.parameters.items() if name != "solver"]
     return ", ".join(parts)
 
 

@@ -105,7 +105,7 @@ def choose(data: Mapping[str, Any], name: str, asked: Mapping[str, float], reuse
     finest = min((one["error"]["rmse"] for one in known), default=None)
     told = {"what": reference["what"], "frame": FRAME, "windows": reference["windows"], "nearest": finest}
     errors = {metric: best["error"][metric] for metric in SAID}
-    settings = {**best["knobs"], **reference["width"]}
+    settings = {**best["parameters"], **reference["width"]}
     return PictureAdvice(settings, dict(asked), errors, best["seconds"], told, untried, reused)
 
 
@@ -118,7 +118,7 @@ def _missed(known: Sequence[Mapping[str, Any]], name: str, asked: Mapping[str, f
     metric = max(asked, key=lambda one: min(point["error"][one] for point in known) / asked[one])
     best = min(known, key=lambda point: (point["error"][metric], point["seconds"]))
     words += f"the least is {share(best['error'][metric])} in {seconds(best['seconds'])} a frame"
-    words += f" ({described(best['knobs']) or 'the settings it has'})"
+    words += f" ({described(best['parameters']) or 'the settings it has'})"
     return words + (f"; {untried} more were not tried, for lack of time" if untried else "")
 
 
@@ -150,8 +150,8 @@ def check(
 
 
 def key(scene: Scene, fixed: Sequence[str]) -> str:
-    """What a study is cached by: everything that changes the picture, the knobs that were fixed, and the threads that
-    it was timed with."""
+    """What a study is cached by: everything that changes the picture, the parameters that were fixed, and the
+    threads that it was timed with."""
     import numba
 
     whole = replace(scene, image=replace(scene.image, aovs=()))

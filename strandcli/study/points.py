@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Knobs = Mapping[str, Any]
+Parameters = Mapping[str, Any]
 
 
 @dataclass
 class Point:
     """One setting, measured."""
 
-    knobs: Knobs
+    parameters: Parameters
     """Settings by the path that `--set` takes; ``dt`` where it is not made of others."""
     seconds: float
     error: dict[str, float | None]
@@ -121,27 +121,31 @@ SHAPED_BY: Mapping[str, tuple[str, ...]] = {
     "dt": ("dt", "time.substeps"), "segment": ("emitter.particles",), "cell": ("rules.interaction.cell",),
     "spacing": ("emitter.strands", "children.count"),
 }  # fmt: skip
-"""Knobs behind each thing that is refined."""
+"""Parameters behind each thing that is refined."""
 
 
 def _apart(a: Point, b: Point) -> set[str]:
-    """In what two points differ: names of sizes, and of knobs that are behind none."""
-    behind = {knob: name for name, knobs in SHAPED_BY.items() for knob in knobs}
-    return {behind.get(knob, knob) for knob in {**a.knobs, **b.knobs} if a.knobs.get(knob) != b.knobs.get(knob)}
+    """In what two points differ: names of sizes, and of parameters that are behind none."""
+    behind = {parameter: name for name, parameters in SHAPED_BY.items() for parameter in parameters}
+    return {
+        behind.get(parameter, parameter)
+        for parameter in {**a.parameters, **b.parameters}
+        if a.parameters.get(parameter) != b.parameters.get(parameter)
+    }
 
 
 def grid(choices: Mapping[str, Sequence[Hashable]]) -> list[dict[str, Any]]:
-    """Every combination, the last knob changing fastest."""
+    """Every combination, the last parameter changing fastest."""
     out: list[dict[str, Any]] = [{}]
     for name, values in choices.items():
         out = [{**one, name: value} for one in out for value in values]
     return out
 
 
-def described(knobs: Knobs) -> str:
+def described(parameters: Parameters) -> str:
     """A setting in a few words, such as "rod, 16 particles, 8 substeps"."""
-    words = [str(knobs["solver"])] if "solver" in knobs else []
-    for path, value in knobs.items():
+    words = [str(parameters["solver"])] if "solver" in parameters else []
+    for path, value in parameters.items():
         name = path.rpartition(".")[2]
         if path == "dt":
             words.append(f"steps of {value:.3g} s")
@@ -153,7 +157,7 @@ def described(knobs: Knobs) -> str:
 
 
 COUNTED = ("emitter.particles", "emitter.strands", "rod.iterations", "time.substeps")
-"""Knobs that are numbers of what their name says."""
+"""Parameters that are numbers of what their name says."""
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from .points import Knobs, by_line
+from .points import Parameters, by_line
 from .sweep import Study
 
 HEADS = {
@@ -40,9 +40,9 @@ def step(dt: float) -> str:
     return f"1/{round(per)} s" if per > 1.5 and abs(per - round(per)) < 1e-6 * per else f"{dt:.3g} s"
 
 
-def setting(knobs: Knobs) -> str:
+def setting(parameters: Parameters) -> str:
     """A setting as it is written after `--set`."""
-    return " ".join(f"step {step(value)}" if name == "dt" else f"{name}={value}" for name, value in knobs.items())
+    return " ".join(f"step {step(value)}" if name == "dt" else f"{name}={value}" for name, value in parameters.items())
 
 
 def order_words(orders: Sequence[dict[str, Any]], line: str, metric: str) -> list[str]:
@@ -69,16 +69,20 @@ def columns(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:
 
 
 def to_csv(study: Study) -> str:
-    """A row a point: its knobs, step, seconds, every error, and whether it is on the front."""
-    knobs = list(dict.fromkeys(name for point in study.points for name in point.knobs if name != "dt"))
+    """A row a point: its parameters, step, seconds, every error, and whether it is on the front."""
+    parameters = list(dict.fromkeys(name for point in study.points for name in point.parameters if name != "dt"))
     metrics = list(dict.fromkeys(name for point in study.points for name in point.error))
     counts = list(dict.fromkeys(name for point in study.points for name in point.counts))
     steps = ["dt"] if any("dt" in point.sizes for point in study.points) or not study.points else []
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow([*knobs, *steps, "seconds", *metrics, *counts, "pareto"])
+    writer.writerow([*parameters, *steps, "seconds", *metrics, *counts, "pareto"])
     for point in study.points:
-        cells = [*(point.knobs.get(name) for name in knobs), *(point.sizes.get(name) for name in steps), point.seconds]
+        cells = [
+            *(point.parameters.get(name) for name in parameters),
+            *(point.sizes.get(name) for name in steps),
+            point.seconds,
+        ]
         cells += [*(point.error.get(name) for name in metrics), *(point.counts.get(name) for name in counts)]
         writer.writerow(["" if cell is None else cell for cell in cells] + [int(point.pareto)])
     return out.getvalue()
@@ -102,7 +106,7 @@ def to_text(study: Study) -> str:
     for one in study.recommended:
         margin = f", with the limit known to {share(one['margin'])}" if one["margin"] else ""
         lines.append(
-            f"under {share(one['max_error'])}: {setting(one['knobs'])} in {seconds(one['seconds'])} "
+            f"under {share(one['max_error'])}: {setting(one['parameters'])} in {seconds(one['seconds'])} "
             f"(error {share(one['error'])}{margin})"
         )
     return "\n".join(lines)
@@ -129,15 +133,16 @@ def _known(study: Study) -> list[str]:
 
 def _rows(study: Study) -> list[str]:
     known = ("solver", *HEADS)
-    found = dict.fromkeys(name for point in study.points for name in point.knobs)
-    knobs = [name for name in known if name in found] + [name for name in found if name not in known]
+    found = dict.fromkeys(name for point in study.points for name in point.parameters)
+    parameters = [name for name in known if name in found] + [name for name in found if name not in known]
     metrics = list(dict.fromkeys([study.metric, *(name for point in study.points for name in point.error)]))
     metrics = metrics[:MOST_METRICS]
-    table = [["", *[HEADS.get(name, name) for name in knobs], "time", *metrics]]
+    table = [["", *[HEADS.get(name, name) for name in parameters], "time", *metrics]]
     for point in study.points:
         row = ["*" if point.pareto else ""]
-        row += [step(point.knobs["dt"]) if name == "dt" and "dt" in point.knobs else _cell(point.knobs.get(name))
-                for name in knobs]  # fmt: skip
+        for name in parameters:
+            value = point.parameters.get(name)
+            row.append(_cell(value) if name != "dt" or value is None else step(value))
         row += [seconds(point.seconds), *(_error(name, point.error.get(name)) for name in metrics)]
         table.append(row)
     return columns(table, (0, 1))  # the mark, and the solver's name
@@ -185,7 +190,9 @@ def _suggestion(studies: Sequence[Study]) -> str:
         return "allow a greater error"
     for study in studies:
         bend = study.reference.get("bend")
-        tried = [point.knobs["emitter.particles"] for point in study.points if "emitter.particles" in point.knobs]
+        tried = [
+            point.parameters["emitter.particles"] for point in study.points if "emitter.particles" in point.parameters
+        ]
         if bend and tried and bend * (max(tried) - 1) < 1:
             need = math.ceil(1 / bend) + 1
             return (

@@ -9,7 +9,7 @@ from ..scene.fields import settings_of
 from ..scene.model import Scene
 from ..scene.paths import made, with_value
 from ..scene.specs import ChoiceSpec
-from .points import Knobs
+from .points import Parameters
 
 
 def silhouette(scene: Scene) -> Scene:
@@ -22,7 +22,7 @@ def silhouette(scene: Scene) -> Scene:
     return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})
 
 
-def changed(scene: Scene, settings: Knobs) -> Scene:
+def changed(scene: Scene, settings: Parameters) -> Scene:
     """A scene with settings at dotted paths replaced, items of lists by their number. Values are not validated."""
     for path, value in settings.items():
         scene = with_value(scene, path, value)

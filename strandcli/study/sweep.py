@@ -41,7 +41,7 @@ class Study:
             "reference": self.reference,
             "points": [
                 {
-                    "knobs": dict(point.knobs),
+                    "parameters": dict(point.parameters),
                     "dt": point.sizes.get("dt"),
                     "seconds": point.seconds,
                     "error": point.error,
@@ -70,11 +70,11 @@ def run(
     reference = experiment.prepare(step)
     metric = experiment.metric
     points = []
-    for knobs in settings:
-        point = experiment.measure(knobs)
+    for parameters in settings:
+        point = experiment.measure(parameters)
         points.append(point)
         error = point.error.get(metric)
-        step(f"{described(knobs)}: {point.seconds:.3g} s, {metric} {'-' if error is None else f'{error:.3g}'}")
+        step(f"{described(parameters)}: {point.seconds:.3g} s, {metric} {'-' if error is None else f'{error:.3g}'}")
     front = pareto([point.seconds for point in points], [rounded(point.error.get(metric)) for point in points])
     for point, on_front in zip(points, front, strict=True):
         point.pareto = on_front
@@ -110,7 +110,7 @@ def recommendations(
             out.append(
                 {
                     "max_error": most,
-                    "knobs": dict(found.knobs),
+                    "parameters": dict(found.parameters),
                     "seconds": found.seconds,
                     "error": found.error[metric],
                     "margin": margins.get(solver, 0.0),

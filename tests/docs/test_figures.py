@@ -67,7 +67,7 @@ def test_numbers_have_two_digits(value: float, text: str) -> None:
 
 def test_of_a_study_rods_alone_are_kept() -> None:
     def point(solver: str, particles: int, error: float) -> dict[str, Any]:
-        return {"knobs": {"solver": solver, "emitter.particles": particles}, "error": {"tip": error}}
+        return {"parameters": {"solver": solver, "emitter.particles": particles}, "error": {"tip": error}}
 
     points = [point("rod", 6, 0.1), point("rod", 6, 0.05), point("rod", 11, 0.02), point("foil", 6, 0.001)]
     lines = (("rod", "segment", 1.9), ("rod", "dt", None), ("foil", "segment", 3.0))

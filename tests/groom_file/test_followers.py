@@ -213,7 +213,9 @@ def test_motion_of_guides_is_studied_and_pictures_are_not(tmp_path: Path) -> Non
     given = moving(write(tmp_path / "a.data", hanging([8] * 20)))
     wishes: dict[str, Any] = {"solvers": ("rod",), "substeps": (1, 2), "iterations": (200,), "span": 0.1}
     study = sweep.run(find("motion"), Request(given, "a", strands=5, particles=(4, 7), **wishes))
-    errors = {(p.knobs["emitter.particles"], p.knobs["time.substeps"]): p.error["median"] for p in study.points[:4]}
+    errors = {
+        (p.parameters["emitter.particles"], p.parameters["time.substeps"]): p.error["median"] for p in study.points[:4]
+    }
     assert set(errors) == {(4, 1), (4, 2), (7, 1), (7, 2)}
     assert 0 < errors[7, 2] < errors[4, 2]  # type: ignore[operator]
     assert len(Motion(Request(given, "a", strands=5)).lengths) == 5

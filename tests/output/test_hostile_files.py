@@ -85,7 +85,7 @@ def test_archives_that_say_they_are_encrypted_or_packed_oddly_are_refused(
 
 
 SOUND = {
-    "points": [{"error": {"tip": 0.1}, "knobs": {"substeps": 2}, "seconds": 1.0}],
+    "points": [{"error": {"tip": 0.1}, "parameters": {"substeps": 2}, "seconds": 1.0}],
     "metric": "tip", "margin": 0.01, "reference": {"limits": {"rod": {"converges": True}}},
 }  # fmt: skip
 

@@ -72,7 +72,7 @@ def test_what_is_set_by_hand_is_not_turned(run: Runner) -> None:
     done = run("study", "still.yaml", *few, "--set", "time.substeps=3", "--set", "emitter.particles=7")
     assert done.code == 0, done.err
     (point,) = json.loads(done.out)["points"]
-    assert point["knobs"] == {"solver": "thesis", "emitter.particles": 7, "time.substeps": 3}
+    assert point["parameters"] == {"solver": "thesis", "emitter.particles": 7, "time.substeps": 3}
 
 
 def test_json_stands_alone_on_stdout(run: Runner) -> None:

@@ -40,9 +40,9 @@ def test_all_settings_have_the_same_hair() -> None:
     study = opened(guides=(16, 32), cells=(0.02, 0.03))
     assert study.total == 64 * 8
     assert len(study.settings()) == 4
-    for knobs in (*study.settings(), *study.finer(study.turned[0])):
-        assert knobs["emitter.strands"] * knobs["children.count"] == 512
-        scene = study.scene_with(knobs)
+    for parameters in (*study.settings(), *study.finer(study.turned[0])):
+        assert parameters["emitter.strands"] * parameters["children.count"] == 512
+        scene = study.scene_with(parameters)
         assert scene.drawn_strands == 512
         solver_metres = emit(scene.emitter, scene.seed).lengths.sum() * scene.children.count  # type: ignore[union-attr]
         assert solver_metres == pytest.approx(512 * 0.12, rel=1e-5)
@@ -58,8 +58,8 @@ def test_one_is_turned_and_the_other_stays() -> None:
     assert opened(guides=(8,)).settings() == [{"emitter.strands": 8, "children.count": 64}]
     usual = opened()
     each = usual.settings()
-    assert [knobs["rules.interaction.cell"] for knobs in each[:5]] == [0.08, 0.0566, 0.04, 0.0283, 0.02]
-    assert [knobs["emitter.strands"] for knobs in each[5:8]] == [16, 32, 64]
+    assert [parameters["rules.interaction.cell"] for parameters in each[:5]] == [0.08, 0.0566, 0.04, 0.0283, 0.02]
+    assert [parameters["emitter.strands"] for parameters in each[5:8]] == [16, 32, 64]
     assert each[8:] == [{"rod.iterations": count} for count in (1, 2, 4, 8)]
     assert [usual.finer(one)[-1] for one in usual.turned] == [
         {"rules.interaction.cell": 0.01}, {"emitter.strands": 128, "children.count": 4}, {"rod.iterations": 16}

@@ -97,7 +97,7 @@ def data(*points: tuple[float | None, float | None, float]) -> dict[str, Any]:
     return {
         "reference": {"what": "a finer one", "windows": [[0, 0, 4, 4]], "width": {}},
         "points": [
-            {"knobs": {"image.supersample": n}, "error": {"rmse": rmse, "flip": flip}, "seconds": seconds}
+            {"parameters": {"image.supersample": n}, "error": {"rmse": rmse, "flip": flip}, "seconds": seconds}
             for n, (rmse, flip, seconds) in enumerate(points, 1)
         ],
     }

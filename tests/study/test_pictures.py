@@ -103,8 +103,8 @@ def test_shadow_is_measured_apart_from_how_strands_scatter(tmp_path: Path) -> No
         scene = strandcli.load(str(tmp_path / "brush.yaml"), overrides=["material.model=chiang", *more])
         study = ShadowStudy(Request(scene=scene, name="brush"))
         study.prepare(lambda text: None)
-        knobs = {"lights.0.shadow.model": "opacity", "lights.0.shadow.size": 64}
-        found.append((study.truth.mean(), study.errors(knobs, study.subject.draw(study.scene, draws=1))))
+        parameters = {"lights.0.shadow.model": "opacity", "lights.0.shadow.size": 64}
+        found.append((study.truth.mean(), study.errors(parameters, study.subject.draw(study.scene, draws=1))))
     assert found[0] == found[1]
     assert found[0][1]["transmittance"] < 0.1
 
@@ -146,7 +146,7 @@ def test_every_axis_of_a_small_groom(run: Runner, axis: str) -> None:
     assert all(error is not None and error >= 0 for error in errors)
     assert any(point["pareto"] for point in data["points"])
     assert all(point["seconds"] > 0 for point in data["points"])
-    by_name = {json.dumps(point["knobs"], sort_keys=True): error
+    by_name = {json.dumps(point["parameters"], sort_keys=True): error
                for point, error in zip(data["points"], errors, strict=True)}  # fmt: skip
     if axis == "coverage":
         fine = [error for name, error in by_name.items() if '"image.supersample": 8' in name]
@@ -162,7 +162,7 @@ def test_every_axis_of_a_small_groom(run: Runner, axis: str) -> None:
 def test_what_is_set_by_hand_is_not_turned_and_what_does_not_fit_is_refused(run: Runner) -> None:
     done = run("study", "brush.yaml", "--axis", "coverage", "--set", "image.supersample=3", "--json", "-q")
     assert done.code == 0, done.err
-    assert {point["knobs"]["image.supersample"] for point in json.loads(done.out)["points"]} == {3}
+    assert {point["parameters"]["image.supersample"] for point in json.loads(done.out)["points"]} == {3}
     for options, word in (
         (("--axis", "coverage", "--dt", "1/24"), "--dt"),
         (("--axis", "coverage", "--frame", "900"), "--frame 900"),
@@ -190,8 +190,8 @@ def test_an_error_that_nothing_keeps_under(run: Runner) -> None:
 
 
 def test_a_quality_stands_beside_the_cheapest_setting_that_is_as_near() -> None:
-    def point(seconds: float, error: float | None, **knobs: object) -> Point:
-        return Point(knobs=knobs, seconds=seconds, error={"rmse": error, "flip": error})
+    def point(seconds: float, error: float | None, **parameters: object) -> Point:
+        return Point(parameters=parameters, seconds=seconds, error={"rmse": error, "flip": error})
 
     points = [
         point(4.0, 0.100, quality="default"), point(1.0, 0.103, samples=1), point(3.0, 0.101, samples=2),

@@ -70,9 +70,9 @@ def test_a_floor_of_another_making_is_left_out() -> None:
     assert fitted_order([1.0, 0.5], [0.0, 0.0]) is None
 
 
-def made(solver: str, particles: int, dt: float, error: float | None, **knobs: object) -> Point:
+def made(solver: str, particles: int, dt: float, error: float | None, **parameters: object) -> Point:
     sizes = {"dt": dt, "segment": 1 / (particles - 1)}
-    settings = {"solver": solver, "emitter.particles": particles, "dt": dt, **knobs}
+    settings = {"solver": solver, "emitter.particles": particles, "dt": dt, **parameters}
     return Point(settings, 1 / dt, {"e": error}, solver, sizes)
 
 

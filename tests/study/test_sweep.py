@@ -36,9 +36,11 @@ def test_every_run_is_counted() -> None:
 
 def test_the_cheapest_under_an_error_is_recommended() -> None:
     study = made(0.1)
-    assert [one["knobs"]["solver"] for one in study.recommended] == ["one", "two"]
+    assert [one["parameters"]["solver"] for one in study.recommended] == ["one", "two"]
     for one in study.recommended:
-        fit = [point for point in study.points if point.solver == one["knobs"]["solver"] and point.error["tip"] <= 0.1]  # type: ignore[operator]
+        fit = [
+            point for point in study.points if point.solver == one["parameters"]["solver"] and point.error["tip"] <= 0.1
+        ]  # type: ignore[operator]
         assert one["seconds"] == min(point.seconds for point in fit)
         assert one["error"] <= 0.1
     assert made(1e-5).recommended == []
@@ -46,18 +48,18 @@ def test_the_cheapest_under_an_error_is_recommended() -> None:
 
 
 def test_without_an_error_a_ladder_is_climbed() -> None:
-    rungs = [(one["knobs"]["solver"], one["max_error"]) for one in made().recommended]
+    rungs = [(one["parameters"]["solver"], one["max_error"]) for one in made().recommended]
     assert rungs == sorted(rungs, key=lambda pair: (pair[0], -pair[1]))
     assert {"one", "two"} == {solver for solver, _ in rungs}
-    settings = [json.dumps(one["knobs"]) for one in made().recommended]
+    settings = [json.dumps(one["parameters"]) for one in made().recommended]
     assert len(settings) == len(set(settings))
 
 
 def test_json_has_the_documented_keys() -> None:
     data = json.loads(json.dumps(made(0.1).as_dict()))
     assert {"axis", "reference", "points", "recommended"} <= set(data)
-    assert {"knobs", "seconds", "error", "pareto"} <= set(data["points"][0])
-    assert {"max_error", "knobs", "seconds"} <= set(data["recommended"][0])
+    assert {"parameters", "seconds", "error", "pareto"} <= set(data["points"][0])
+    assert {"max_error", "parameters", "seconds"} <= set(data["recommended"][0])
     assert data["not_represented"] == [{"solver": "thesis", "why": "not represented: inertia"}]
     assert any(point["pareto"] for point in data["points"])
 
@@ -75,7 +77,7 @@ def test_the_registry_has_every_axis_by_its_name() -> None:
 def test_solvers_that_cannot_are_told_and_not_run() -> None:
     opened = References(axes.Request(name="catenary"))
     assert [one["solver"] for one in opened.absent] == ["thesis"]
-    assert {knobs["solver"] for knobs in opened.settings()} == {"rod"}
+    assert {parameters["solver"] for parameters in opened.settings()} == {"rod"}
     spring = References(axes.Request(name="spring", solvers=("thesis",)))
     assert spring.settings() == []
     assert all("not represented" in one["why"] and "twist" in one["why"] for one in spring.absent)
@@ -111,8 +113,8 @@ def motion(**wishes: Any) -> Motion:
 def test_the_limit_is_sought_twice_as_fine_as_all_that_is_tried() -> None:
     opened = motion(solvers=("thesis",), substeps=(1, 4), particles=(5, 9), strands=10)
     finer = opened.finer(opened.solvers[0])
-    assert [knobs["time.substeps"] for knobs in finer] == [2, 4, 8]
-    assert [knobs["emitter.particles"] for knobs in finer] == [5, 9, 17]
+    assert [parameters["time.substeps"] for parameters in finer] == [2, 4, 8]
+    assert [parameters["emitter.particles"] for parameters in finer] == [5, 9, 17]
     assert opened.references == 3
     assert len(opened.lengths) == 10
     assert opened.frames[0] == 1
@@ -195,7 +197,11 @@ def test_knobs_change_nothing_else() -> None:
 
 def data(margin: float | None) -> dict[str, Any]:
     points = [
-        {"knobs": {"solver": "rod", "time.substeps": n, "emitter.particles": 9}, "seconds": n, "error": {"median": e}}
+        {
+            "parameters": {"solver": "rod", "time.substeps": n, "emitter.particles": 9},
+            "seconds": n,
+            "error": {"median": e},
+        }
         for n, e in ((1, 0.03), (2, 0.008), (4, 0.002), (8, None))
     ]
     return {"metric": "median", "margin": margin, "points": points}

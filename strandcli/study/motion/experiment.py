@@ -23,7 +23,7 @@ from ...simulate import solver_of
 from ...simulate.rod.material import rigidity
 from ...simulate.rod.surroundings import gravity
 from ..axes import STRANDS, Experiment, Request, chosen_solvers
-from ..points import Knobs, Limit, Point, described, grid, limit
+from ..points import Limit, Parameters, Point, described, grid, limit
 from ..settings import changed
 from .runs import apart, guides_of, least, resample, warm, with_fewer_guides
 
@@ -131,15 +131,15 @@ class Motion(Experiment):
         told: dict[str, Any] = {}
         for name in self.solvers:
             runs = []
-            for knobs in self.finer(name):
-                (strands, _), seconds = self.run(knobs)
+            for parameters in self.finer(name):
+                (strands, _), seconds = self.run(parameters)
                 runs.append(strands)
-                step(f"limit of {described(knobs)}: {seconds:.3g} s")
+                step(f"limit of {described(parameters)}: {seconds:.3g} s")
             gaps = [apart(a, b, self.lengths)[self.metric] for a, b in pairwise(runs)]
             gaps = [gap if np.isfinite(gap) else math.inf for gap in gaps]
             self.limits[name] = limit(gaps[0], gaps[1], NOISE)
             self.finest[name] = runs[-1]
-            told[name] = {"knobs": knobs, "gaps": gaps, **asdict(self.limits[name])}
+            told[name] = {"parameters": parameters, "gaps": gaps, **asdict(self.limits[name])}
         own = self.finest.get(self.scene.solver)
         for name, strands in self.finest.items():
             away = None if own is None else apart(strands, own, self.lengths)[self.metric]
@@ -158,21 +158,21 @@ class Motion(Experiment):
         """The uncertainty of each solver's limit."""
         return {name: one.uncertainty for name, one in self.limits.items()}
 
-    def measure(self, knobs: Knobs) -> Point:
+    def measure(self, parameters: Parameters) -> Point:
         """One run."""
-        (strands, worst), seconds = least(lambda: self.run(knobs))
+        (strands, worst), seconds = least(lambda: self.run(parameters))
         error: dict[str, float | None] = dict.fromkeys(("median", "p95", "rms", "max"))
-        finest = self.finest[knobs["solver"]]
+        finest = self.finest[parameters["solver"]]
         if np.isfinite(strands).all() and np.isfinite(finest).all():
             error.update(apart(strands, finest, self.lengths))
-        dt = 1 / (self.scene.time.fps * knobs["time.substeps"])
-        sizes = {"dt": dt, "segment": 1 / (knobs["emitter.particles"] - 1)}
-        return Point(knobs, seconds, {**error, **worst}, knobs["solver"], sizes)
+        dt = 1 / (self.scene.time.fps * parameters["time.substeps"])
+        sizes = {"dt": dt, "segment": 1 / (parameters["emitter.particles"] - 1)}
+        return Point(parameters, seconds, {**error, **worst}, parameters["solver"], sizes)
 
-    def run(self, knobs: Knobs) -> tuple[tuple[NDArray[np.float64], dict[str, float | None]], float]:
+    def run(self, parameters: Parameters) -> tuple[tuple[NDArray[np.float64], dict[str, float | None]], float]:
         """(T, strands, places, 3) metres at the frames that are compared, the greatest stretch and penetration as
         shares of the mean length, and the seconds that the steps took."""
-        scene = changed(self.scene, knobs)
+        scene = changed(self.scene, parameters)
         groom = self._groom(scene)
         solver, watch = warm(lambda: solver_of(scene)(scene, groom), 1 / (scene.time.fps * scene.time.substeps))
         found = []

@@ -33,7 +33,7 @@ from ...simulate import solver_of
 from ...simulate.grid.strands import extent_of
 from ...simulate.rod.material import CELLS_ACROSS, require_between
 from ..axes import Experiment, Request
-from ..points import Knobs, Limit, Point, described, grid, limit
+from ..points import Limit, Parameters, Point, described, grid, limit
 from ..settings import changed
 from .experiment import MOST_ITERATIONS, NOISE, PLACES, frames_of
 from .hairs import Array, Hairs, Ruler, elsewhere
@@ -57,7 +57,7 @@ NAMES = ("elsewhere", "mean", "too_dense", *FRAMES, "p95", "median", "rms")
 
 @dataclass(frozen=True)
 class Turned:
-    """What is turned together, against one reference: values by knob, `COUNT` following from `GUIDES`."""
+    """What is turned together, against one reference: values by parameter, `COUNT` following from `GUIDES`."""
 
     name: str
     values: Mapping[str, tuple[Any, ...]]
@@ -100,10 +100,10 @@ class Interaction(Experiment):
         self.title = f"{request.name}: hair against finer cells, more guides and more iterations"
         self.frames = frames_of(scene, request.span)
         finest = [self.finer(one)[-1] for one in self.turned]
-        for knobs in (*self.settings(), *finest):
-            made = self.scene_with(knobs)
+        for parameters in (*self.settings(), *finest):
+            made = self.scene_with(parameters)
             require_between(made, emit(made.emitter, made.seed, made.emitter.strands))
-        most = max(finest, key=lambda knobs: knobs.get(GUIDES, 0))
+        most = max(finest, key=lambda parameters: parameters.get(GUIDES, 0))
         self.hairs = Hairs(self.scene_with(most), min(most.get(GUIDES, scene.emitter.strands), MOST_HAIRS))
         density = None if self.rule is None else self.rule.density
         self._ruler = Ruler(self.cell, density, float(self.hairs.lengths.max()) / 2)
@@ -155,7 +155,7 @@ class Interaction(Experiment):
             ITERATIONS: tuple(sorted(request.iterations or ())),
         }  # fmt: skip
         names = {CELL: "cells", GUIDES: "guides", ITERATIONS: "iterations"}
-        named = {knob: values for knob, values in given.items() if values}
+        named = {parameter: values for parameter, values in given.items() if values}
         if named:
             return [Turned(names[next(iter(named))] if len(named) == 1 else scene.solver, named)]
         widest = max(self.cell, float(emit(scene.emitter, scene.seed).lengths.max()))
@@ -165,51 +165,53 @@ class Interaction(Experiment):
             GUIDES: () if self.touching else tuple(sorted({max(own // part, 1) for part in (4, 2, 1)})),
             ITERATIONS: ITERATED,
         }
-        return [Turned(names[knob], {knob: values}) for knob, values in usual.items() if values]
+        return [Turned(names[parameter], {parameter: values}) for parameter, values in usual.items() if values]
 
     def settings(self) -> list[dict[str, Any]]:
         """All combinations of what is turned together."""
-        return [self._standing(knobs) for one in self.turned for knobs in grid(one.values)]
+        return [self._standing(parameters) for one in self.turned for parameters in grid(one.values)]
 
-    def _standing(self, knobs: Knobs) -> dict[str, Any]:
+    def _standing(self, parameters: Parameters) -> dict[str, Any]:
         """Settings with which their guides stand for all strands."""
-        if GUIDES not in knobs:
-            return dict(knobs)
-        return {GUIDES: knobs[GUIDES], COUNT: round(self.total / knobs[GUIDES]), **knobs}
+        if GUIDES not in parameters:
+            return dict(parameters)
+        return {GUIDES: parameters[GUIDES], COUNT: round(self.total / parameters[GUIDES]), **parameters}
 
     def finer(self, one: Turned) -> list[dict[str, Any]]:
         """Settings of the runs that show how well the reference, the last, is known."""
         found = []
         for step in (2.0, 1.0, 0.5):
-            knobs: dict[str, Any] = {}
-            for knob, values in one.values.items():
-                if knob == CELL:
-                    knobs[knob] = min(values) * step
+            parameters: dict[str, Any] = {}
+            for parameter, values in one.values.items():
+                if parameter == CELL:
+                    parameters[parameter] = min(values) * step
                 else:
-                    most = MOST_ITERATIONS if knob == ITERATIONS else self.total
-                    knobs[knob] = min(max(1, int(max(values) / step)), most)
-            found.append(self._standing(knobs))
+                    most = MOST_ITERATIONS if parameter == ITERATIONS else self.total
+                    parameters[parameter] = min(max(1, int(max(values) / step)), most)
+            found.append(self._standing(parameters))
         return found
 
-    def scene_with(self, knobs: Knobs) -> Scene:
+    def scene_with(self, parameters: Parameters) -> Scene:
         """The preset with settings."""
         paths = {CELL: f"rules.{self.place}.parameters.cell"}
-        return changed(self.scene, {paths.get(path, path): value for path, value in knobs.items()})
+        return changed(self.scene, {paths.get(path, path): value for path, value in parameters.items()})
 
     def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
         """Run the references, and two coarser ones of each."""
         told = {}
         for one in self.turned:
             runs: list[Found] = []
-            for knobs in self.finer(one):
-                found, seconds = self._runs[self._key(knobs)] = self._runs.get(self._key(knobs)) or self.run(knobs)
+            for parameters in self.finer(one):
+                found, seconds = self._runs[self._key(parameters)] = self._runs.get(self._key(parameters)) or self.run(
+                    parameters
+                )
                 runs.append(found)
-                step(f"reference {described(knobs)}: {seconds:.3g} s")
+                step(f"reference {described(parameters)}: {seconds:.3g} s")
             apart = [errors_of(a, b)[self.metric] for a, b in pairwise(runs)]
             gaps = [math.inf if gap is None else gap for gap in apart]
             ratio = math.sqrt(2) if set(one.values) == {GUIDES} else 2.0
             self._limits[one.name], self._finest[one.name] = limit(gaps[0], gaps[1], NOISE, ratio), runs[-1]
-            told[one.name] = {"knobs": knobs, "gaps": gaps, **asdict(self._limits[one.name])}
+            told[one.name] = {"parameters": parameters, "gaps": gaps, **asdict(self._limits[one.name])}
         return {
             "name": self.name, "frames": self.frames, "hairs": len(self.hairs.lengths), "cell": self.cell,
             "limits": told,
@@ -219,26 +221,28 @@ class Interaction(Experiment):
         """How well each reference is known."""
         return {name: one.uncertainty for name, one in self._limits.items()}
 
-    def measure(self, knobs: Knobs) -> Point:
+    def measure(self, parameters: Parameters) -> Point:
         """One run, or what a reference has found already."""
-        found, seconds = self._runs.get(self._key(knobs)) or least(lambda: self.run(knobs))
-        turned = next(one for one in self.turned if set(one.values) == set(knobs) - {COUNT})
-        sizes = {"cell": knobs[CELL]} if CELL in knobs else {}
+        found, seconds = self._runs.get(self._key(parameters)) or least(lambda: self.run(parameters))
+        turned = next(one for one in self.turned if set(one.values) == set(parameters) - {COUNT})
+        sizes = {"cell": parameters[CELL]} if CELL in parameters else {}
         series = ""
-        if GUIDES in knobs:
-            sizes["spacing"] = math.sqrt(1 / knobs[GUIDES])
-            series = f"{turned.name} {knobs[GUIDES]:,} guides" if CELL in knobs else ""
-        return Point(knobs, seconds, errors_of(found, self._finest[turned.name]), turned.name, sizes, series=series)
+        if GUIDES in parameters:
+            sizes["spacing"] = math.sqrt(1 / parameters[GUIDES])
+            series = f"{turned.name} {parameters[GUIDES]:,} guides" if CELL in parameters else ""
+        return Point(
+            parameters, seconds, errors_of(found, self._finest[turned.name]), turned.name, sizes, series=series
+        )
 
-    def _key(self, knobs: Knobs) -> tuple[Any, ...]:
+    def _key(self, parameters: Parameters) -> tuple[Any, ...]:
         """What a run is known by: one of the preset's own settings is the same whatever is turned."""
         scene = self.scene
         own = self._standing({GUIDES: scene.emitter.strands, ITERATIONS: scene.rod.iterations, CELL: self.cell})
-        return tuple({**own, **knobs}.values())
+        return tuple({**own, **parameters}.values())
 
-    def run(self, knobs: Knobs) -> tuple[Found, float]:
+    def run(self, parameters: Parameters) -> tuple[Found, float]:
         """Return a run and the seconds that its steps took. Raises `UsageError` for cells that do not fit."""
-        scene = self.scene_with(knobs)
+        scene = self.scene_with(parameters)
         groom = at_start(scene, arranged(emit(scene.emitter, scene.seed)))
         worst: dict[str, float] = {}
         points, cells = [], []

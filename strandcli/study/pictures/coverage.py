@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..points import Knobs
+from ..points import Parameters
 from ..settings import changed, silhouette
 from .experiment import Pictures
 from .subject import Picture, differences
@@ -18,15 +18,15 @@ class CoverageStudy(Pictures):
 
     axis, stages = "coverage", ("raster", "shade", "film")
 
-    def choices(self) -> list[Knobs]:
+    def choices(self) -> list[Parameters]:
         """Every resolver with its own useful range of samples."""
-        out: list[Knobs] = [{"image.resolver": "zbuffer", "image.supersample": n} for n in (1, 2, 3, 4, 6, 8)]
+        out: list[Parameters] = [{"image.resolver": "zbuffer", "image.supersample": n} for n in (1, 2, 3, 4, 6, 8)]
         out += [{"image.resolver": "sorted", "image.supersample": n} for n in (1, 2, 3, 4)]
         return out
 
-    def series(self, knobs: Knobs) -> str:
+    def series(self, parameters: Parameters) -> str:
         """The resolver."""
-        return str(knobs.get("image.resolver", "zbuffer"))
+        return str(parameters.get("image.resolver", "zbuffer"))
 
     def reference(self) -> dict[str, Any]:
         """Opaque strands need no more than who is in front; others are sorted."""
@@ -37,11 +37,11 @@ class CoverageStudy(Pictures):
         return {"what": f"{SAMPLES}×{SAMPLES} samples a pixel", "mean": float(self.fine.image.mean()),
                 "counts": self.fine.counts, "covered": float(self.covered.image.mean())}  # fmt: skip
 
-    def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
+    def errors(self, parameters: Parameters, picture: Picture) -> dict[str, float | None]:
         """Of the picture; and of white strands before black their whole area, signed, and the root mean square of a
         pixel's share that they cover."""
         error = differences(picture.image, self.fine.image)
-        white = self.subject.draw(silhouette(changed(self.scene, knobs)), draws=1)
+        white = self.subject.draw(silhouette(changed(self.scene, parameters)), draws=1)
         shape = differences(white.image, self.covered.image)
         error["area"] = shape["bias"]
         off = white.image - self.covered.image

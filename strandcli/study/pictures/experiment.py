@@ -10,7 +10,7 @@ from ...errors import UsageError
 from ...scene.model import Scene
 from ...scene.paths import value_at
 from ..axes import Experiment, Request
-from ..points import Knobs, Point
+from ..points import Parameters, Point
 from ..settings import changed, knows
 from .subject import Picture, Subject, total
 
@@ -40,31 +40,31 @@ class Pictures(Experiment):
         return self.subject.scene
 
     @abstractmethod
-    def choices(self) -> Sequence[Knobs]:
+    def choices(self) -> Sequence[Parameters]:
         """Settings to be tried. Those that the program does not have are left out by `settings`."""
 
     @abstractmethod
-    def series(self, knobs: Knobs) -> str:
+    def series(self, parameters: Parameters) -> str:
         """The line of the chart that a setting belongs to."""
 
-    def settings(self) -> list[Knobs]:
+    def settings(self) -> list[Parameters]:
         """The choices that there are, and that leave what was set by hand as it is. Raises `UsageError` for none."""
         scene = self.scene
         found = []
-        for knobs in self.choices():
-            paths = self.paths(knobs)
+        for parameters in self.choices():
+            paths = self.paths(parameters)
             own = {path: value for path, value in paths.items() if path in self.request.fixed}
             if all(knows(scene, path, value) for path, value in paths.items()) and all(
                 value_at(scene, path) == value for path, value in own.items()
             ):
-                found.append(knobs)
+                found.append(parameters)
         if not found:
-            raise UsageError(f"--set: leaves nothing to be tried of {self.axis}; set fewer of its knobs")
+            raise UsageError(f"--set: leaves nothing to be tried of {self.axis}; set fewer of its parameters")
         return found
 
-    def paths(self, knobs: Knobs) -> Knobs:
+    def paths(self, parameters: Parameters) -> Parameters:
         """The settings by dotted path that a choice stands for."""
-        return knobs
+        return parameters
 
     def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
         """Move the strands, and draw the reference."""
@@ -81,16 +81,16 @@ class Pictures(Experiment):
     def reference(self) -> dict[str, Any]:
         """Make the reference; what the report says of it, ``what`` for people."""
 
-    def measure(self, knobs: Knobs) -> Point:
+    def measure(self, parameters: Parameters) -> Point:
         """Draw one setting."""
-        picture = self.subject.draw(changed(self.scene, self.paths(knobs)))
-        return self.point(knobs, picture, self.errors(knobs, picture))
+        picture = self.subject.draw(changed(self.scene, self.paths(parameters)))
+        return self.point(parameters, picture, self.errors(parameters, picture))
 
     @abstractmethod
-    def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
+    def errors(self, parameters: Parameters, picture: Picture) -> dict[str, float | None]:
         """How far a picture of these settings is off."""
 
-    def point(self, knobs: Knobs, picture: Picture, error: dict[str, float | None]) -> Point:
+    def point(self, parameters: Parameters, picture: Picture, error: dict[str, float | None]) -> Point:
         """The figures of a setting."""
         seconds = total(picture.seconds, self.stages)
-        return Point(knobs, seconds, error, series=self.series(knobs), counts=picture.counts)
+        return Point(parameters, seconds, error, series=self.series(parameters), counts=picture.counts)

@@ -21,7 +21,7 @@ from ...plan import checked_plan
 from ...scene.look import LOOKS
 from ...scene.quality import QUALITIES, settings_for, shadowed
 from ..axes import Request
-from ..points import Knobs, Point, described, grid
+from ..points import Parameters, Point, described, grid
 from ..settings import changed
 from .experiment import Pictures
 from .subject import Picture
@@ -46,7 +46,7 @@ ADAPTIVE = {"curves.mode": "adaptive", "curves.level": FINEST}
 
 
 class FrameStudy(Pictures):
-    """Knobs of drawing that a preset's picture may be had cheaper or finer by, strands and their number untouched."""
+    """Parameters of drawing that make a preset's picture cheaper or finer, strands and their number untouched."""
 
     axis = "frame"
 
@@ -56,7 +56,7 @@ class FrameStudy(Pictures):
         self.windows.given = positions
         super().__init__(request, self.windows)
 
-    def choices(self) -> list[Knobs]:
+    def choices(self) -> list[Parameters]:
         """The finest, so that what can be reached is known however long the others take; the preset's own settings, the
         qualities, and samples and tolerances between them."""
         draft, default, best = (settings_for(name, self.scene) for name in ("draft", "default", "best"))
@@ -67,16 +67,25 @@ class FrameStudy(Pictures):
             return {**fine, "image.supersample": samples, "curves.tolerance": tolerance}
 
         finest = {**self.converged(), "image.supersample": SAMPLES // 2}
-        found: list[Knobs] = [finest, {}, made(4, 0.05), made(2, 0.05), best, default, made(1, 0.05), made(6, 0.05)]
+        found: list[Parameters] = [
+            finest,
+            {},
+            made(4, 0.05),
+            made(2, 0.05),
+            best,
+            default,
+            made(1, 0.05),
+            made(6, 0.05),
+        ]
         found += [made(3, 0.05), made(2, 0.25)]
         found += [draft, made(1, 0.25), {**made(1, 1.0), "detail.pixels": 0.25}, {**made(1, 1.0), "detail.pixels": 0.5}]
         if self.scene.image.resolver == "zbuffer":
             found += [{"image.supersample": samples} for samples in (2, 3, 4, 6, 8)]
         return found
 
-    def series(self, knobs: Knobs) -> str:
+    def series(self, parameters: Parameters) -> str:
         """The resolver."""
-        return str(knobs.get("image.resolver", self.scene.image.resolver))
+        return str(parameters.get("image.resolver", self.scene.image.resolver))
 
     def converged(self) -> dict[str, Any]:
         """The settings of the reference: sorted, which converges sooner, and with no fewer layers than the preset
@@ -89,28 +98,28 @@ class FrameStudy(Pictures):
             fine[f"lights.{i}.shadow.size"] = TEXELS
         return fine
 
-    def settings(self) -> list[Knobs]:
+    def settings(self) -> list[Parameters]:
         """The choices that are left by what was set by hand, by the look and by the memory that is free."""
         looks, drawn = LOOKS.get(self.scene.look, ()), []
         allowed = {one.path.replace("*", str(i)): one.values for one in looks for i in range(len(self.scene.lights))}
         found = []
         for chosen in super().settings():
-            knobs = self._fitting(chosen)
-            if knobs is None:
+            parameters = self._fitting(chosen)
+            if parameters is None:
                 continue
-            scene = changed(self.scene, knobs)
-            if scene not in drawn and all(value in allowed.get(path, (value,)) for path, value in knobs.items()):
+            scene = changed(self.scene, parameters)
+            if scene not in drawn and all(value in allowed.get(path, (value,)) for path, value in parameters.items()):
                 drawn.append(scene)
-                found.append(knobs)
+                found.append(parameters)
         return found
 
-    def _fitting(self, knobs: Knobs) -> Knobs | None:
+    def _fitting(self, parameters: Parameters) -> Parameters | None:
         """A choice with the highest level of curves that the whole frame has memory for; None where it has none."""
         assert self.request.scene is not None
         for level in (None, 5, 4, 3, 2):
-            made = dict(knobs)
+            made = dict(parameters)
             if level is not None:
-                if not knobs.get("curves.level", 0) > level:
+                if not parameters.get("curves.level", 0) > level:
                     continue
                 made["curves.level"] = level
             with suppress(RefusedError):
@@ -141,14 +150,16 @@ class FrameStudy(Pictures):
             return {}
         return {"material.width": self.scene.material.width, "material.taper": self.scene.material.drawn_taper}
 
-    def measure(self, knobs: Knobs) -> Point:
+    def measure(self, parameters: Parameters) -> Point:
         """Draw one setting; after `PATIENCE` none but the first two, and the point has no error."""
         self._measured += 1
         if self._measured > ALWAYS and time.monotonic() - self._began > PATIENCE:
-            return Point(knobs=knobs, seconds=0.0, error={"rmse": None, "flip": None}, series=self.series(knobs))
-        return super().measure(knobs)
+            return Point(
+                parameters=parameters, seconds=0.0, error={"rmse": None, "flip": None}, series=self.series(parameters)
+            )
+        return super().measure(parameters)
 
-    def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
+    def errors(self, parameters: Parameters, picture: Picture) -> dict[str, float | None]:
         """Of the picture: root mean square in linear light, and ꟻLIP."""
         assert picture.pixels is not None
         return {"rmse": self.rmse(picture.image), "flip": self.flip(picture.pixels)}
@@ -178,37 +189,38 @@ class QualityStudy(FrameStudy):
         super().__init__(Request(scene=scene, name=request.name, frame=request.frame, fixed=request.fixed))
         self.windows.of_processor = True
 
-    def choices(self) -> list[Knobs]:
+    def choices(self) -> list[Parameters]:
         """Those by name, then the grid."""
-        found: list[Knobs] = [{"quality": name} for name in ("preset", *QUALITIES)]
+        found: list[Parameters] = [{"quality": name} for name in ("preset", *QUALITIES)]
         samples, tolerances = (1, 2, 3, 4, 6), (0.1, 0.25, 1.0)
         found += [
-            {**ADAPTIVE, **knobs} for knobs in grid({"image.supersample": samples, "curves.tolerance": tolerances})
+            {**ADAPTIVE, **parameters}
+            for parameters in grid({"image.supersample": samples, "curves.tolerance": tolerances})
         ]
         return found + [{**ADAPTIVE, "curves.tolerance": 1.0, "detail.pixels": pixels} for pixels in (0.25, 0.5, 0.75)]
 
-    def settings(self) -> list[Knobs]:
+    def settings(self) -> list[Parameters]:
         """Those that the preset has."""
         return Pictures.settings(self)
 
-    def paths(self, knobs: Knobs) -> Knobs:
+    def paths(self, parameters: Parameters) -> Parameters:
         """Of a name what it stands for; of the grid what it changes of `default`."""
-        name = knobs.get("quality", "default")
+        name = parameters.get("quality", "default")
         own = {} if name == "preset" else settings_for(name, self.scene)
-        return {**own, **{path: value for path, value in knobs.items() if path != "quality"}}
+        return {**own, **{path: value for path, value in parameters.items() if path != "quality"}}
 
-    def series(self, knobs: Knobs) -> str:
+    def series(self, parameters: Parameters) -> str:
         """By name, or of the grid."""
-        return "by name" if "quality" in knobs else "grid"
+        return "by name" if "quality" in parameters else "grid"
 
     def reference(self) -> dict[str, Any]:
         """As in `FrameStudy`."""
         told = super().reference()
         return {**told, "what": f"{told['what']}; seconds are the processor's, of a whole frame"}
 
-    def measure(self, knobs: Knobs) -> Point:
+    def measure(self, parameters: Parameters) -> Point:
         """Draw one setting."""
-        return Pictures.measure(self, knobs)
+        return Pictures.measure(self, parameters)
 
 
 def quality_text(points: Sequence[Point]) -> str:
@@ -217,12 +229,12 @@ def quality_text(points: Sequence[Point]) -> str:
     lines = ["beside the cheapest setting that is at most a fiftieth farther off:"]
     known = [(point, point.error["rmse"]) for point in points]
     for point, error in known:
-        if "quality" not in point.knobs or error is None:
+        if "quality" not in point.parameters or error is None:
             continue
         best = min((one for one, off in known if off is not None and off <= 1.02 * error), key=lambda one: one.seconds)
-        other = f"{described(best.knobs)} takes {best.seconds / (point.seconds or 1.0):.0%} of its time"
+        other = f"{described(best.parameters)} takes {best.seconds / (point.seconds or 1.0):.0%} of its time"
         if best is point:
             other = "it is the cheapest"
-        name, flip = point.knobs["quality"], point.error["flip"]
+        name, flip = point.parameters["quality"], point.error["flip"]
         lines.append(f"  {name:<9}{error:6.1%}, ꟻLIP {flip:.3f}, {point.seconds:.2f} s: {other}")
     return "\n".join(lines)

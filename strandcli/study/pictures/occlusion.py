@@ -18,7 +18,7 @@ from ...draw.lighting import occlusion
 from ...draw.solids.kernels import rays
 from ...errors import UsageError
 from ...scene.model import AmbientOcclusion, DirectionalLight
-from ..points import Knobs
+from ..points import Parameters
 from ..settings import changed
 from .experiment import Pictures
 from .shadow import bundle, transmittance
@@ -38,18 +38,18 @@ class OcclusionStudy(Pictures):
     axis = "occlusion"
     metric, unit, stages = "share", "of the sky", ("shadow", "shade")
 
-    def choices(self) -> list[Knobs]:
+    def choices(self) -> list[Parameters]:
         """None at all, cells, and directions with the usual cells."""
         usual = AmbientOcclusion()
-        out: list[Knobs] = [{"ambient_occlusion": None}]
+        out: list[Parameters] = [{"ambient_occlusion": None}]
         out += [_knobs(cells, usual.directions) for cells in CELLS]
         return out + [_knobs(usual.cells, ways) for ways in WAYS]
 
-    def series(self, knobs: Knobs) -> str:
-        """By which of the two knobs is turned."""
-        if "ambient_occlusion" in knobs:
+    def series(self, parameters: Parameters) -> str:
+        """By which of the two parameters is turned."""
+        if "ambient_occlusion" in parameters:
             return "none"
-        usual = knobs["ambient_occlusion.directions"] == AmbientOcclusion().directions
+        usual = parameters["ambient_occlusion.directions"] == AmbientOcclusion().directions
         return "cells" if usual else "directions"
 
     def reference(self) -> dict[str, Any]:
@@ -74,15 +74,15 @@ class OcclusionStudy(Pictures):
                         "against cylinders and solids",
                 "mean": float(self.truth.mean()), "noise": noise, "spacing": spacing}  # fmt: skip
 
-    def measure(self, knobs: Knobs) -> Any:
+    def measure(self, parameters: Parameters) -> Any:
         """Timed without lamps."""
         even = {"lights": (), "ambient": (1.0, 1.0, 1.0), "environment": None}
-        picture = self.subject.draw(changed(self.scene, {**even, **knobs}))
-        return self.point(knobs, picture, self.errors(knobs, picture))
+        picture = self.subject.draw(changed(self.scene, {**even, **parameters}))
+        return self.point(parameters, picture, self.errors(parameters, picture))
 
-    def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
+    def errors(self, parameters: Parameters, picture: Picture) -> dict[str, float | None]:
         """Mean of the absolute difference of the share that is seen, signed mean, 95th percentile."""
-        settings = changed(self.scene, knobs).ambient_occlusion
+        settings = changed(self.scene, parameters).ambient_occlusion
         found = np.ones(len(self.truth))
         if settings is not None:
             scene, subject = self.scene, self.subject
@@ -118,5 +118,5 @@ def seen_of_sky(
     return found
 
 
-def _knobs(cells: int, ways: int) -> Knobs:
+def _knobs(cells: int, ways: int) -> Parameters:
     return {"ambient_occlusion.cells": cells, "ambient_occlusion.directions": ways}

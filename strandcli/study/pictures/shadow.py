@@ -21,7 +21,7 @@ from ...groom.emit import PLASTIC
 from ...scene.model import DirectionalLight, Light, Scene
 from ..axes import Request
 from ..kernels import cylinders
-from ..points import Knobs
+from ..points import Parameters
 from ..settings import changed, knows
 from .experiment import Pictures
 from .subject import Picture, Vertices
@@ -51,7 +51,7 @@ class ShadowStudy(Pictures):
         self.path = f"lights.{self.light}.shadow"
         self.title += f" of light {self.light}"
 
-    def choices(self) -> list[Knobs]:
+    def choices(self) -> list[Parameters]:
         """Every model, coarse to fine; of deep maps the layers as well."""
 
         def spacing() -> float:
@@ -59,11 +59,11 @@ class ShadowStudy(Pictures):
             return float(self.subject.spacing())
 
         names = sorted(SHADOWS.names(), key=lambda name: name != "off")  # the picture without shadows first
-        return [knobs for name in names for knobs in SHADOWS[name].study(self.path, spacing)]
+        return [parameters for name in names for parameters in SHADOWS[name].study(self.path, spacing)]
 
-    def series(self, knobs: Knobs) -> str:
+    def series(self, parameters: Parameters) -> str:
         """The model."""
-        return str(knobs[f"{self.path}.model"])
+        return str(parameters[f"{self.path}.model"])
 
     def reference(self) -> dict[str, Any]:
         """Rays from points that are seen and lit."""
@@ -86,29 +86,31 @@ class ShadowStudy(Pictures):
                 "light": self.light, "mean": float(self.truth.mean()), "noise": noise,
                 "spacing": float(np.median(spacing)), "radius": BUNDLE * float(np.median(spacing))}  # fmt: skip
 
-    def measure(self, knobs: Knobs) -> Any:
+    def measure(self, parameters: Parameters) -> Any:
         """One map: timed with the strands' own material, compared on white ones."""
-        picture = self.subject.draw(changed(alone(self.scene, self.light), knobs))
-        point = self.point(knobs, picture, self.errors(knobs, picture))
-        shadow, model = changed(self.scene, knobs).lights[self.light].shadow, SHADOWS[point.series]
+        picture = self.subject.draw(changed(alone(self.scene, self.light), parameters))
+        point = self.point(parameters, picture, self.errors(parameters, picture))
+        shadow, model = changed(self.scene, parameters).lights[self.light].shadow, SHADOWS[point.series]
         flat = model.casts_map(True) and model.layers(shadow) == 0
         point.counts = {**picture.counts, "map_bytes": 8 * model.side_of(shadow) ** 2} if flat else picture.counts
         return point
 
-    def errors(self, knobs: Knobs, picture: Picture) -> dict[str, float | None]:
+    def errors(self, parameters: Parameters, picture: Picture) -> dict[str, float | None]:
         """Mean of the absolute difference of transmittance, signed mean, 95th percentile."""
         found = np.ones(len(self.truth))
-        if knobs[f"{self.path}.model"] != "off":
-            light = self._light(knobs)
+        if parameters[f"{self.path}.model"] != "off":
+            light = self._light(parameters)
             found = light.light[np.searchsorted(light.numbers, self.places)] / self.lit
         off = found - self.truth
         return {"transmittance": float(np.abs(off).mean()), "bias": float(off.mean()),
                 "p95": float(np.percentile(np.abs(off), 95))}  # fmt: skip
 
-    def _light(self, knobs: Knobs) -> Vertices:
+    def _light(self, parameters: Parameters) -> Vertices:
         """The vertices that the light could reach and the picture shows. With a map's shade some may be dark."""
-        picture = self.subject.draw(changed(matt(alone(self.scene, self.light)), knobs), draws=1, keep_shading=True)
-        return picture.vertices(0.0 if f"{self.path}.bias" not in knobs else 1e-6)
+        picture = self.subject.draw(
+            changed(matt(alone(self.scene, self.light)), parameters), draws=1, keep_shading=True
+        )
+        return picture.vertices(0.0 if f"{self.path}.bias" not in parameters else 1e-6)
 
 
 def bundle(rays: int, radius: float, rng: np.random.Generator) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from ...scene.model import Rod, Scene
 from ...simulate.rod.solver import RodSolver
 from ..axes import Experiment, Request, chosen_solvers
 from ..motion.runs import follow, least
-from ..points import Knobs, Point, grid
+from ..points import Parameters, Point, grid
 from . import REFERENCES, Case, Track
 
 FRAME = 1 / 24
@@ -55,32 +55,32 @@ class References(Experiment):
             "rod.iterations": request.iterations or usual, "dt": steps,
         })  # fmt: skip
 
-    def measure(self, knobs: Knobs) -> Point:
+    def measure(self, parameters: Parameters) -> Point:
         """One run."""
         reference = self.reference
-        case = reference.case(knobs["emitter.particles"])
-        scene = scene_of(case, knobs)
+        case = reference.case(parameters["emitter.particles"])
+        scene = scene_of(case, parameters)
 
         def run() -> tuple[Track, float]:
             times, positions, seconds = follow(
-                lambda: solver_for(scene, case), knobs["dt"], reference.span, reference.moving
+                lambda: solver_for(scene, case), parameters["dt"], reference.span, reference.moving
             )
             return Track(times, positions), seconds
 
         track, seconds = least(run)
-        sizes = {"dt": knobs["dt"], "segment": 1 / (knobs["emitter.particles"] - 1)}
-        return Point(knobs, seconds, reference.measure(track), "rod", sizes)
+        sizes = {"dt": parameters["dt"], "segment": 1 / (parameters["emitter.particles"] - 1)}
+        return Point(parameters, seconds, reference.measure(track), "rod", sizes)
 
 
-def scene_of(case: Case, knobs: Knobs) -> Scene:
+def scene_of(case: Case, parameters: Parameters) -> Scene:
     """The preset of a case as rods are handed it."""
     from ...scene import loads
     from ...simulate.rules import registry
 
     data: dict[str, Any] = json.loads(json.dumps(case.settings))
     data["solver"] = "rod"
-    if "rod.iterations" in knobs:
-        data["rod"]["iterations"] = knobs["rod.iterations"]
+    if "rod.iterations" in parameters:
+        data["rod"]["iterations"] = parameters["rod.iterations"]
     return loads(json.dumps(data), rules=registry(), name="reference")
 
 
