@@ -97,18 +97,7 @@ def arranged(groom: Groom, ends: Sequence[int] = ()) -> Groom:
     cuts = sorted({0, *(end for end in ends if end < groom.strands), groom.strands})
     parts = [begin + spatial_order(groom.roots[begin:end]) for begin, end in pairwise(cuts)]
     order = np.concatenate(parts).astype(np.int32)
-    return replace(
-        groom,
-        roots=groom.roots[order],
-        directions=groom.directions[order],
-        lengths=groom.lengths[order],
-        tones=groom.tones[order],
-        bend=None if groom.bend is None else groom.bend._replace(inward=groom.bend.inward[order]),
-        phases=None if groom.phases is None else groom.phases[order],
-        grown=None if groom.grown is None else groom.grown[order],
-        anchors=None if groom.anchors is None else groom.anchors.of(order),
-        places=order if groom.places is None else groom.places[order],
-    )
+    return replace(groom.of(order), places=order if groom.places is None else groom.places[order])
 
 
 def spatial_order(points: NDArray[np.floating]) -> NDArray[np.int32]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -100,6 +100,21 @@ class Groom:
     film: Any = None
     """`strandcli.groom_file.film.Film` of strands of a file that move, of simulated ones with their rows (n,) in it;
     None: they do not."""
+
+    def of(self, order: Any) -> Groom:
+        """Return some of the strands, or all in another order; those that are not of a file."""
+        return replace(
+            self,
+            roots=self.roots[order],
+            directions=self.directions[order],
+            lengths=self.lengths[order],
+            tones=self.tones[order],
+            places=None if self.places is None else self.places[order],
+            grown=None if self.grown is None else self.grown[order],
+            bend=None if self.bend is None else self.bend._replace(inward=self.bend.inward[order]),
+            phases=None if self.phases is None else self.phases[order],
+            anchors=None if self.anchors is None else self.anchors.of(order),
+        )
 
     def edge(self, j: int, edges: int) -> NDArray[np.float64]:
         """Return (strands, 3) unit directions of edge j of ``edges``, root to tip, at its middle. Curled strands are

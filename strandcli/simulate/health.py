@@ -7,7 +7,6 @@ plain Python, and the particle is examined after every rule.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -15,7 +14,6 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..groom.emit import emit
-from ..groom.record import Groom
 from ..scene.specs import LARGEST
 from .kernels.measure import carried
 from .rod.kernels.arrays import PACK
@@ -201,7 +199,7 @@ def diverging_rule(solver: Any, frame: int, strand: int) -> tuple[str, str]:
     steps = before + (frame - 1) * time.substeps
     if not 0 < steps <= MOST_STEPS:
         return "", ""
-    alone = type(solver)(scene, one_of(emit(scene.emitter, scene.seed, strand + 1), strand))
+    alone = type(solver)(scene, emit(scene.emitter, scene.seed, strand + 1).of([strand]))
     dt = 1.0 / (time.fps * time.substeps)
     kept = None
     worst = 0.0
@@ -219,20 +217,6 @@ def diverging_rule(solver: Any, frame: int, strand: int) -> tuple[str, str]:
         return "", ""
     with np.errstate(all="ignore"):
         return _rule_by_rule(kept[0][0], alone.rest[0], alone.lengths[0], passes_of(scene), Moment(kept[1], dt, scene))
-
-
-def one_of(groom: Groom, strand: int) -> Groom:
-    """Return a groom of one strand of another groom."""
-    one = slice(strand, strand + 1)
-    return replace(
-        groom,
-        roots=groom.roots[one],
-        directions=groom.directions[one],
-        lengths=groom.lengths[one],
-        tones=groom.tones[one],
-        bend=None if groom.bend is None else groom.bend._replace(inward=groom.bend.inward[one]),
-        phases=None if groom.phases is None else groom.phases[one],
-    )
 
 
 def _stretch(solver: Any) -> float:

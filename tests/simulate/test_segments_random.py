@@ -12,7 +12,6 @@ from strandcli.constants import W
 from strandcli.groom.emit import emit
 from strandcli.scene import Scene, loads
 from strandcli.simulate import solver_of
-from strandcli.simulate.health import one_of
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis.kernels import depenetrate as way_out
 from strandcli.solids import pack_all
@@ -160,7 +159,7 @@ def test_a_strand_is_led_out_alone_as_among_others(elasticity: str, seed: int) -
     if elasticity == "last":
         assert together.errors(scene.time.frames)["stretch_max"] < 1e-5
     for strand in range(0, groom.strands, 9):
-        alone = solver_of(scene)(scene, one_of(groom, strand))
+        alone = solver_of(scene)(scene, groom.of([strand]))
         alone.advance(scene.time.frames)
         np.testing.assert_array_equal(alone.particles()[0], together.groom.placed(together.particles())[strand])
 
