@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-PACKAGE = Path(__file__).parents[2] / "strandcli"
+PACKAGE = Path(__file__).parents[1] / "strandcli"
 TESTS = PACKAGE.parent / "tests"
 LINES_OF_FILE = 300
 """Of the package and of the tests."""
