@@ -16,8 +16,6 @@ import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from strandcli.calibration import profile
-
 MEMORY, TIME = 1.15, 2.0
 """Times by which planned figures may be off."""
 PRESETS = (
@@ -100,7 +98,6 @@ def measured(case: tuple[str, ...], folder: Path, keep: Path | None = None, time
     usual = case if whole else (*case, "--set", "time.preroll=0", "--threads", "1")
     command = [sys.executable, "-m", "strandcli", "plan", *(usual if "--aov" not in usual else without_aov(usual))]
     if timed:
-        forget()
         command.append("--time")
     asked = subprocess.run([*command, "--json"], capture_output=True, text=True)
     if asked.returncode:
@@ -126,12 +123,6 @@ def measured(case: tuple[str, ...], folder: Path, keep: Path | None = None, time
     if len(report["frames"]) == 1:  # which has loaded kernels: the run alone tells
         frame = plan["time"]["frame"]
     return Measured(plan["memory_bytes"], peak, plan["time"]["frame"], frame, plan["time"]["total"], seconds)
-
-
-def forget() -> None:
-    """Leave of this machine's profile what `--time` has measured."""
-    if (known := profile.read()) is not None:
-        profile.write(profile.Profile(known.factor, known.measured))
 
 
 def without_aov(arguments: tuple[str, ...]) -> tuple[str, ...]:

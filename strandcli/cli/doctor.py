@@ -55,14 +55,13 @@ def _report(check: str, state: str, text: str, advice: str) -> None:
 
 def _calibrate(talk: Talk) -> None:
     """Measure, keep and tell the speed of this machine."""
-    from ..calibration import profile
-    from ..calibration.measure import measure
+    from .. import calibration
     from ..compiling import runtime
 
     runtime.start(1)
     with talk.progress(1, "calibration") as progress:
-        found = measure(progress.note)
-    kept = profile.write(found)
+        found = calibration.measure(progress.note)
+    kept = calibration.write(found)
     if talk.as_json:
         talk.data({"factor": found.factor, "measured": found.measured, "kept": kept})
     elif not talk.quiet:

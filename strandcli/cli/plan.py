@@ -16,7 +16,6 @@ from .say import say
 from .talk import print_json
 
 if TYPE_CHECKING:
-    from ..calibration.speed import Foretold
     from ..plan import Plan
     from ..scene.model import Scene
 
@@ -43,8 +42,7 @@ def command(
     are probably mistakes. Runs nothing of it.
 
     Memory is estimated within 15 %, and time within a factor of 2 on an otherwise idle machine with compiled kernels.
-    For time the machine's speed must be known: --time or 'strandcli doctor --calibrate' measures it once, and later
-    runs refine it.
+    For time the machine's speed must be known: --time or 'strandcli doctor --calibrate' measures it once.
     """
     scene = options.load_scene(preset, **scene_settings, roughly=True)
     # a million frames as numbers are 40 MB
@@ -52,7 +50,6 @@ def command(
 
     from ..output.room import frame_bytes
     from ..plan import make_plan
-    from ..plan.libraries import look
     from ..scene.named_files import naming_files
 
     for drawn in scene.panels or (scene,):
@@ -62,9 +59,8 @@ def command(
             with naming_files(scene):
                 read(drawn.environment.image)
     threads = threads or options.available_cores()
-    look()
     plan = make_plan(scene, numbers, threads=threads)
-    foretold = _foretold(plan, scene, threads, measure)
+    time = _expected(plan, scene, threads, measure)
     with naming_files(scene):
         try:
             warnings = [*_warnings(scene, numbers), *plan.warnings]
@@ -74,7 +70,7 @@ def command(
             warnings = [*plan.warnings, f"solids and meshes were not looked at: {runtime.NO_COMPILER}"]
     written = frame_bytes(plan.pixels, scene.image.aovs)
     if as_json:
-        sizes, time = plan.sizes and plan.sizes._asdict(), foretold and foretold._asdict()
+        sizes = plan.sizes and plan.sizes._asdict()
         more = {"warnings": warnings, "sizes": sizes, "frame_bytes": written, "time": time}
         data = {**dataclasses.asdict(plan), **more}
         del data["parts"]
@@ -89,7 +85,7 @@ def command(
         if not part:
             say("  nothing")
     _totals(plan, written)
-    _time(plan, foretold)
+    _time(plan, time)
     for words in warnings:
         say(f"warning: {words}", err=True)
 
@@ -146,24 +142,27 @@ def _totals(plan: Plan, written: int) -> None:
     say(f"  at most about {megabytes(written)} of files a frame, {whole} for {counted(plan.frames, 'frame')}")
 
 
-def _foretold(plan: Plan, scene: Scene, threads: int, measure: bool) -> Foretold | None:
+def _expected(plan: Plan, scene: Scene, threads: int, measure: bool) -> dict[str, Any] | None:
     """How long it takes, where the machine's speed is known or to be measured."""
-    from ..calibration import profile, speed
+    from .. import calibration
+    from ..plan.cost import run_seconds
 
-    known = profile.read()
+    known = calibration.read()
     if known is None and measure:
-        from ..calibration.measure import measure as measured
-
         with Progress(1, "calibration") as progress:
-            known = measured(progress.note)
-        profile.write(known)
-    return None if known is None else speed.foretell(plan, scene, known, threads)
+            known = calibration.measure(progress.note)
+        calibration.write(known)
+    if known is None:
+        return None
+    frame, total = run_seconds(plan, scene, known.factor, threads)
+    source = f"by a calibration of this machine on {known.measured}"
+    return {"frame": frame, "total": total, "threads": threads, "within": calibration.WITHIN, "source": source}
 
 
-def _time(plan: Plan, found: Foretold | None) -> None:
+def _time(plan: Plan, found: dict[str, Any] | None) -> None:
     if found is None:
         say("  time is not known: add --time, or run 'strandcli doctor --calibrate', to measure this machine once")
         return
-    run = f"{counted(plan.frames, 'frame')} on {counted(found.threads, 'thread')}"
-    say(f"  about {pace(1, found.frame)}, {duration(found.total)} for {run}, within a factor of {found.within:g}, "
-        f"{found.source}; compiling is not counted")  # fmt: skip
+    run = f"{counted(plan.frames, 'frame')} on {counted(found['threads'], 'thread')}"
+    say(f"  about {pace(1, found['frame'])}, {duration(found['total'])} for {run}, within a factor of "
+        f"{found['within']:g}, {found['source']}; compiling is not counted")  # fmt: skip

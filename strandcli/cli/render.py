@@ -20,7 +20,7 @@ from .look import Look
 from .positions import open_cache
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
-from .render_frames import Motion, Watch, frame_writer, frames_of, learn_speed
+from .render_frames import Motion, frame_writer, frames_of
 from .render_words import frame_line, interrupted, tell
 from .sweep import run as run_sweep
 from .sweep import sweep_option
@@ -128,14 +128,13 @@ def command(
     report = RunReport(label, scene.sha256, plan, writer.scene)
     page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
     look = Look(Preview(preview), folder)
-    motion = Motion(positions, checkpoint, keep_going, dask, Watch())
+    motion = Motion(positions, checkpoint, keep_going, dask)
     with (
         page or nullcontext(),
         talk.progress(len(writer.wanted), label) as progress,
         look.signalled(progress),
     ):
         data = _run(scene, writer, report, motion, threads, talk.quiet, progress, bound, look)
-    learn_speed(plan, scene, data, motion)
     made = animations.animate(writer, data, animate or (), overwrite or resume, scene.time.fps, ground, talk)
     if page is not None:
         page.write(data, made)

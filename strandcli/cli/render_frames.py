@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..calibration.speed import Watch, learn
-from ..plan.libraries import keep_mapped
 from . import dask, positions
 
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
     from ..output.positions import PositionCache
-    from ..plan import Plan
     from ..run.checkpoints import Checkpoints
     from ..run.frame import Frame
     from ..scene.model import Scene
@@ -30,8 +27,6 @@ class Motion(NamedTuple):
     keep_going: bool
     dask: str | None
     """A cluster's address, or local; None: this process draws."""
-    watch: Watch
-    """Of the processor's time."""
 
 
 def frames_of(
@@ -47,22 +42,11 @@ def frames_of(
     from ..run import pipeline
     from ..run.first_frame import FirstFrame
 
-    found = pipeline.render(
+    return pipeline.render(
         scene, numbers, threads=threads, positions=motion.positions, keep_going=motion.keep_going,
         keep_positions=keep_positions, notify=progress.note, warn=warn,
         checkpoints=FirstFrame(kept, progress.note),
     )  # fmt: skip
-    return motion.watch.over(found)
-
-
-def learn_speed(plan: Plan, scene: Scene, data: Mapping[str, Any], motion: Motion) -> None:
-    """Refine what is known of this machine's speed by a run that has drawn all itself, unless it compiled kernels; and
-    of what libraries take, more of which compiling maps."""
-    if motion.dask is None and data.get("frames") and not data.get("compile_seconds"):
-        keep_mapped()
-    here = motion.dask is None and motion.positions is None
-    if here and data.get("status") == "complete" and not data.get("compile_seconds"):
-        learn(plan, scene, motion.watch)
 
 
 def frame_writer(

@@ -152,11 +152,3 @@ def _begin_seconds(panels: list[tuple[Plan, Scene]]) -> float:
         for part, scene in panels
     )
     return BEGIN + (READ_MESH if meshes else 0.0) + strands
-
-
-def kind_of(scene: Scene) -> str:
-    """Return in a word what scenes have in common whose frames take alike for each element: solver, resolver, shadows,
-    fibres."""
-    one = scene.panels[0] if scene.panels else scene
-    shadows = sorted({light.shadow.model for light in shining(one)})
-    return "-".join([one.solver, one.image.resolver, one.material.model, one.material.scatter, *shadows])

@@ -12,9 +12,7 @@ from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, 
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
 from ..simulate.rod.precision import needs_double, shortest_segment
-from .crowding import crowding_of
-from .grid import grid_bytes
-from .libraries import known_bytes
+from .crowding import crowding_of, grid_bytes
 from .sizes import map_rows, share_in_maps, side_of
 
 if TYPE_CHECKING:
@@ -22,8 +20,10 @@ if TYPE_CHECKING:
     from .make import Plan
     from .sizes import Sizes
 
-PRIVATE = 57_500_000
-"""Bytes of the interpreter, of what libraries hold besides their files, and of kernels of a plain scene."""
+RESIDENT, UNDRAWN = 173_500_000, 18_000_000
+"""Bytes of a process that draws a plain scene, without the scene, and less where nothing is drawn: 57 million of the
+interpreter, of what libraries hold and of kernels; the rest are libraries' files, most of it LLVM's, of which a system
+maps 60 million less or more by how its page cache holds them."""
 SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 5_000_000, 25_000_000
 """Of the further kernels, and of what reads meshes, where a scene has them."""
 
@@ -59,15 +59,10 @@ def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
     return total + (picture_bytes(plan, scene) if draw else plan.strands * scene.emitter.particles * 24)
 
 
-def resident() -> int:
-    """Return the bytes of a process that draws a plain scene, without the scene."""
-    return PRIVATE + known_bytes()
-
-
 def program_bytes(scene: Scene, draw: bool = True) -> int:
     """Return the bytes of the program, its libraries and kernels."""
     meshes = isinstance(scene.emitter.shape, MeshShape) or any(solid.kind == "mesh" for solid in scene.solids)
-    total = resident() if draw else resident() - 18_000_000
+    total = RESIDENT if draw else RESIDENT - UNDRAWN
     total += SORTING if draw and scene.image.resolver != "zbuffer" else 0
     total += RODS if scene.solver == "rod" else 0
     total += CHILDREN if draw and scene.children is not None else 0

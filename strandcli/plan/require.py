@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from ..errors import RefusedError
-from .libraries import look
 from .limits import SHARE, available_memory
 from .make import Plan, make_plan
 
@@ -22,7 +21,6 @@ LEAST_STRANDS, LEAST_SIDE = 10, 16
 def checked_plan(scene: Scene, frames: Sequence[int], draw: bool = True, check: bool | None = None) -> Plan:
     """Return the plan of a run; raises `RefusedError` where it would take too much of what is free. ``check``: as of
     `require_memory`."""
-    look()
     plan = make_plan(scene, frames, draw)
     require_memory(plan, scene, frames, draw, check)
     return plan

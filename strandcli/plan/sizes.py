@@ -78,8 +78,7 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
     length = mean_length(scene)
     area, extent = surface(scene)
     emitter = scene.emitter
-    hangs = emitter.comb is not None or emitter.tie is not None or isinstance(emitter.shape, MeshShape)
-    radius = extent + (HANGING if hangs else 1.0) * length if emitter.extent is None else emitter.extent.radius
+    radius = reach_of(scene)
     height = scene.image.size[1] * scene.image.supersample
     tall = 2 * radius * (1.0 if emitter.extent is None else UPRIGHT)
     share_seen = min(1.0, height / max(scale * tall, 1e-9))
@@ -95,6 +94,15 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
         apart = min(apart, PRESSED / math.sqrt(pressed))  # the weight of what hangs brings them as near
     made = round(drawn * share) if scene.children is not None else drawn
     return Sizes(drawn, made, points, segments, ahead * (CROSSED + FOR_WIDTH * width) * shown, scale, radius, apart)
+
+
+def reach_of(scene: Scene) -> float:
+    """Return the radius of a ball about all strands, metres."""
+    emitter = scene.emitter
+    if emitter.extent is not None:
+        return emitter.extent.radius
+    hangs = emitter.comb is not None or emitter.tie is not None or isinstance(emitter.shape, MeshShape)
+    return surface(scene)[1] + (HANGING if hangs else 1.0) * mean_length(scene)
 
 
 def _in_file(scene: Scene) -> int:

@@ -50,7 +50,7 @@ KINDS = ("even", "uneven", "faults", "widths", "widths that are none", "colour o
 def test_plan_says_the_same(kind: str, tmp_path: Path, run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     # free memory changes from one run to the next, and seconds follow from sizes that are rough
     monkeypatch.setattr("strandcli.plan.limits.available_memory", lambda: 8_000_000_000)
-    monkeypatch.setattr("strandcli.calibration.profile.read", lambda: None)
+    monkeypatch.setattr("strandcli.calibration.read", lambda: None)
     path = made(kind, tmp_path)
     some = run("plan", path)
     monkeypatch.setattr(read, "ROUGHLY", COUNT)

@@ -1,4 +1,4 @@
-"""Memory that libraries' files take: read of the system, kept for each environment, reckoned with by plans."""
+"""What libraries are told in a process of our own: threads that wait sleep, and memory goes back."""
 
 from __future__ import annotations
 
@@ -8,32 +8,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
-from strand_kit import scene_of
-from strandcli.compiling.folder import cache
-from strandcli.plan import libraries, make_plan
-
-
-@pytest.mark.parametrize("content", ["", "[]", "{", '{"a": "x"}', '{"a": 1}'])
-def test_plans_reckon_with_what_was_kept(content: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cache, "_path", tmp_path)
-    monkeypatch.setattr(libraries._Known, "bytes", libraries.USUAL)
-    scene = scene_of("emitter: {strands: 10, particles: 3}")
-    before = make_plan(scene, [1]).memory_bytes
-    (tmp_path / libraries.FILE).write_text(content)
-    libraries.look()
-    assert make_plan(scene, [1]).memory_bytes == before
-    libraries.keep(1)  # not to be believed
-    libraries.keep(libraries.USUAL + 7_000_000)
-    libraries.look()
-    assert make_plan(scene, [1]).memory_bytes == before + 7_000_000
-    for no_news in (libraries.USUAL + 7_500_000, libraries.USUAL):
-        libraries.keep(no_news)
-        assert libraries._kept() == {libraries._environment(): libraries.USUAL + 7_000_000}
-    libraries.keep(libraries.USUAL - 13_000_000)  # a quarter of the way, for pages may have been taken back
-    assert libraries._kept() == {libraries._environment(): libraries.USUAL + 2_000_000}
-    libraries.keep(libraries.USUAL + 9_000_000)
-    assert libraries._kept() == {libraries._environment(): libraries.USUAL + 9_000_000}
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="counts threads as Linux lists them")

@@ -17,10 +17,10 @@ from strand_kit import scene_of
 from strandcli.errors import RefusedError
 from strandcli.groom.blocks import arranged
 from strandcli.groom.emit import emit
-from strandcli.plan import available_memory, checked_plan, libraries, limits, make_plan
+from strandcli.plan import available_memory, checked_plan, limits, make_plan
 from strandcli.plan import make as making
 from strandcli.plan import require as planning
-from strandcli.plan.grid import grid_bytes
+from strandcli.plan.crowding import grid_bytes
 from strandcli.simulate.rod.precision import needs_double, shortest_segment
 from strandcli.simulate.rod.solver import RodSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
@@ -60,8 +60,6 @@ def test_level_of_detail_saves_memory_only_where_frames_are_drawn() -> None:
 
 def test_more_than_four_fifths_of_what_is_free_is_refused_with_what_fits(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = scene_of(EVERYTHING.replace("strands: 80", "strands: 2000000").replace("[40, 32]", "[4000, 3200]"))
-    monkeypatch.setattr(libraries, "_kept", dict)  # whatever was measured here
-    libraries.look()
     plan = make_plan(scene, [1])
     free = [plan.memory_bytes / 0.8, None, plan.memory_bytes / 0.8 - 2]
     monkeypatch.setattr(planning, "available_memory", lambda: free.pop(0))
