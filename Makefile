@@ -9,7 +9,7 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz guesses mesh-distances test test-long test-oldest lint types check docs figures figures-of-docs gallery changelog claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz guesses test test-long test-oldest lint types check docs figures figures-of-docs gallery changelog claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -34,11 +34,10 @@ help:
 	@echo "make check-against-mitsuba   the same strands by a path tracer, in an environment of its own; best beside libllvm19"
 	@echo "make check-against-blender   .abc and .usd in Blender and back, in an environment of its own; 400 MB, Python 3.11 or 3.13"
 	@echo "make faults     every place where a command writes fails once in every way; some minutes"
-	@echo "make kills      200 renders killed at random moments, 20 ended by SIGTERM, 1,000 damaged kernel caches, 200 cold starts; half an hour"
+	@echo "make kills      200 renders killed at random moments, 20 ended by SIGTERM; some minutes"
 	@echo "make dask       workers of real Dask clusters, one of them killed, in an environment of its own"
 	@echo "make plan-figures   memory and time as planned beside those that runs take; some minutes"
 	@echo "make fuzz       read damaged files of all that strandcli reads, 100,000 of each format and kind; hours"
-	@echo "make mesh-distances  time, memory and error of grids of signed distances"
 	@echo "make guesses    how often guesses of roots, up axis and unit are right, on a thousand made grooms both ways round"
 	@echo "make golden     compare small pictures of all presets with tests/golden"
 
@@ -178,9 +177,6 @@ stress: $(READY)
 
 guesses: $(READY)
 	$(BIN)/python tests/guesses.py
-
-mesh-distances: $(READY)
-	$(BIN)/python tests/mesh_distances.py
 
 fuzz: $(READY)
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python tests/fuzz.py $(or $(FUZZ),100000)

@@ -30,9 +30,9 @@ import numpy as np
 
 from fuzz_changes import checksums_right, mutated, mutated_header
 from fuzz_guard import guarded
-from fuzz_kinds import KINDS
 from fuzz_presets import remember_shipped
 from fuzz_seeds import CAMERA, COLMAP, MESH, seeds
+from fuzz_written import KINDS
 from strandcli.cameras.read import views_of
 from strandcli.compiling.folder import cache
 from strandcli.errors import StrandError

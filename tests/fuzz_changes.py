@@ -50,25 +50,9 @@ def mutated(content: bytes, generator: np.random.Generator) -> bytes:
 
 
 OTHERS: tuple[object, ...] = (
-    *WORDS,
-    -1,
-    -(10**20),
-    10**20,
-    10**400,
-    float("inf"),
-    float("nan"),
-    1.5,
-    None,
-    True,
-    "",
-    "x",
-    [],
-    [[]],
-    [0],
-    {},
-    [{}],
-    {"a": 0},
-)
+    *WORDS, -1, -(10**20), 10**20, 10**400, float("inf"), float("nan"), 1.5, None, True, "", "x", [], [[]], [0], {},
+    [{}], {"a": 0},
+)  # fmt: skip
 """What values of a header become."""
 
 

@@ -1,5 +1,5 @@
-"""Files that strandcli has written and reads again, which `fuzz` damages: positions, checkpoints, studies, reports,
-kernels."""
+"""Kinds of files that `fuzz` damages besides strands, meshes and cameras: presets, pictures, and what strandcli has
+written and reads again: positions, checkpoints and reports."""
 
 from __future__ import annotations
 
@@ -8,33 +8,25 @@ import json
 import shutil
 import struct
 import tempfile
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from pathlib import Path
-from types import SimpleNamespace
+from typing import NamedTuple
 from unittest.mock import patch
 
-import numba
 import numpy as np
-from numba.core.registry import cpu_target
 
-from fuzz_changes import mutated
-from fuzz_presets import command
+from fuzz_changes import mutated, mutated_archive, mutated_json, mutated_png
+from fuzz_pictures import attempt_picture, pictures
+from fuzz_presets import attempt_preset, command, files, mutated_preset
 from strandcli.cli.main import main
-from strandcli.compiling.folder import Folder
-from strandcli.compiling.folder import cache as compiled
-from strandcli.compiling.written import module_of
-from strandcli.errors import MismatchError
 from strandcli.groom.emit import emit
-from strandcli.jit import cache as cache_of_kernels
-from strandcli.jit import function
-from strandcli.jit.dispatcher import KernelDispatcher
 from strandcli.output import positions, state_file
 from strandcli.run.checkpoints import FOLDER, Checkpoints
 from strandcli.scene import loads
 from strandcli.simulate.grid import strands as grid_strands
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
-from strandcli.study import advice, picture_advice
 
 TINY = """\
 time: {frames: 3}
@@ -145,33 +137,6 @@ def attempt_checkpoint(content: bytes, folder: Path) -> str:
     return "read"
 
 
-POINT = {"error": {"tip": 0.1, "rmse": 0.01, "flip": 0.02}, "parameters": {"time.substeps": 2}, "seconds": 1.0}
-LIMITS = {"limits": {"rod": {"converges": True}}}
-OF_MOTION = {"points": [POINT, POINT], "metric": "tip", "margin": 0.01, "reference": LIMITS}
-PICTURE = {"what": "a picture", "windows": [[0, 0, 2, 2]], "width": {"rmse": 0.1, "flip": 0.1}}
-OF_PICTURES = {"points": [POINT, POINT], "reference": PICTURE}
-
-
-def studies() -> list[bytes]:
-    """Remembered studies of both types."""
-    return [json.dumps(one).encode() for one in (OF_MOTION, OF_PICTURES)]
-
-
-def attempt_study(content: bytes, folder: Path) -> str:
-    """Have it advise."""
-    path = folder / "study.json"
-    path.write_bytes(content)
-    data, pictured = advice.read_motion(path, "rod"), picture_advice.read_picture(path)
-    try:
-        if data is not None:
-            advice.choose(data, "x", "rod", 0.2, (), True).text()
-        if pictured is not None:
-            picture_advice.choose(pictured, "x", {"rmse": 0.1}, True).text()
-    except MismatchError:
-        return "read"
-    return "refused" if data is None and pictured is None else "read"
-
-
 def attempt_report(content: bytes, folder: Path) -> str:
     """Resume a run all of whose frames are there: the report is read, and written anew with a page."""
     preset, out = laid(folder, "render", "report.json", content)
@@ -185,43 +150,32 @@ def attempt_report(content: bytes, folder: Path) -> str:
     return found
 
 
-@function
-def plus_one(x):  # type: ignore[no-untyped-def]
-    return x + 1
+class Kind(NamedTuple):
+    """Whole files, a way to damage one, and what is done with it, in a folder."""
+
+    files: Callable[[], list[bytes]]
+    mutated: Callable[[bytes, np.random.Generator], bytes]
+    attempt: Callable[[bytes, Path], str]
+    """What becomes of one with this content: "read", "refused", or what is wrong."""
 
 
-def dispatcher() -> KernelDispatcher:
-    """A kernel that is not loaded yet."""
-    return KernelDispatcher(plus_one.py_func, plus_one._cache._options)
+def kind_of_picture(end: str) -> Kind:
+    """Pictures by the end of their names."""
+    return Kind(
+        lambda: pictures()[end], mutated_png if end == ".png" else mutated, partial(attempt_picture, suffix=end)
+    )
 
 
-def entry() -> tuple[str, bytes]:
-    """The name of a kernel's entry, and its key."""
-    return dispatcher()._cache._entry((numba.int64,), cpu_target.target_context.codegen())
+def kind_of_run(name: str, change: Callable[[bytes, np.random.Generator], bytes]) -> Kind:
+    """One file of a folder of positions."""
+    return Kind(lambda: [files_of_run("simulate")[name]], change, partial(attempt_positions, name=name))
 
 
-@cache
-def kernel() -> tuple[str, bytes]:
-    """The name and the content of a kernel's entry."""
-    assert dispatcher()(1) == 2
-    name, _ = entry()
-    return name, compiled.find(name).read_bytes()
-
-
-def attempt_kernel(content: bytes, folder: Path) -> str:
-    """Load it, and have it stand for a module that strandcli writes."""
-    name, whole = kernel()
-    path = folder / name
-    path.write_bytes(content)
-    place = Folder()
-    place.use(folder)
-    with patch.object(cache_of_kernels, "folder", SimpleNamespace(cache=place)):
-        found = dispatcher()._cache._find((numba.int64,), cpu_target.target_context)
-    if found is not None:
-        return "read" if content == whole else "a damaged one was loaded"
-    if path.exists():
-        return "a damaged one was left there"
-    text = "value = 1\n"
-    module = module_of(text, "fuzzed", folder)
-    Path(module.__file__).write_bytes(content)
-    return "refused" if module_of(text, "fuzzed", folder).value == 1 else "another module was run"
+KINDS: dict[str, Kind] = {
+    "preset": Kind(files, mutated_preset, attempt_preset),
+    **{f"picture{end}": kind_of_picture(end) for end in (".png", ".jpg", ".hdr", ".any")},
+    "positions": kind_of_run("positions_0001.npz", mutated_archive),
+    "manifest": kind_of_run("manifest.json", mutated_json),
+    "checkpoint": Kind(lambda: [rods()[1]], mutated_state, attempt_checkpoint),
+    "report": Kind(lambda: [files_of_run("render")["report.json"]], mutated_json, attempt_report),
+}

@@ -9,24 +9,36 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import subprocess
 import sys
-from typing import Any
-
-from answering import Answering
+from typing import Any, Self
 
 THREADS = tuple(range(1, 1 + int(os.environ.get("STRANDCLI_TEST_THREADS", "3"))))
 """Three in CI; `make threads` takes four."""
 
 
-class Drawer(Answering):
-    """The process that draws; a context."""
+class Drawer:
+    """The process that draws; a context, at whose end it ends."""
 
-    def __init__(self) -> None:
-        super().__init__(__file__, {"NUMBA_NUM_THREADS": str(max(THREADS))})
+    def __enter__(self) -> Self:
+        env = os.environ | {"NUMBA_NUM_THREADS": str(max(THREADS))}
+        self._process = subprocess.Popen(
+            [sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=env
+        )
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._process.communicate()
 
     def hashes(self, **job: Any) -> list[str]:
         """What `draw` finds with each number of threads."""
-        return list(self.ask(job))
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(json.dumps(job) + "\n")
+        self._process.stdin.flush()
+        line = self._process.stdout.readline()
+        assert line, "the process has ended: its error is above"
+        return list(json.loads(line))
 
 
 def draw(preset: str, overrides: list[str], settings: dict[str, Any], shadow_size: int | None, threads: int) -> str:
@@ -46,12 +58,7 @@ def draw(preset: str, overrides: list[str], settings: dict[str, Any], shadow_siz
     return found.hexdigest()
 
 
-def main() -> None:
-    """Answer every line of the standard input."""
+if __name__ == "__main__":
     for line in sys.stdin:
         job = json.loads(line)
         print(json.dumps([draw(**job, threads=threads) for threads in THREADS]), flush=True)
-
-
-if __name__ == "__main__":
-    main()
