@@ -62,47 +62,6 @@ def obj(strands: Sequence[Strand], segments: bool = False, back: bool = False) -
     return text.encode()
 
 
-def gltf(
-    strands: Sequence[Strand], mode: int = 3, index: str = "<u2", **node: object
-) -> tuple[dict[str, object], bytes]:
-    """The tree of a glTF of lines and its buffer: strips (3), pairs (1) or loops (2), a primitive a strand."""
-    codes = {"<u1": 5121, "<u2": 5123, "<u4": 5125}
-    buffer, views, accessors, primitives = b"", [], [], []
-    for one in strands:
-        rows = np.arange(len(one))
-        rows = np.stack([rows[:-1], rows[1:]], 1).reshape(-1) if mode == 1 else rows
-        for values, kind, width in ((one.astype("<f4"), 5126, "VEC3"), (rows.astype(index), codes[index], "SCALAR")):
-            buffer += bytes(-len(buffer) % 4)
-            views.append({"buffer": 0, "byteOffset": len(buffer), "byteLength": values.nbytes})
-            accessors.append({"bufferView": len(views) - 1, "componentType": kind, "count": len(values), "type": width})
-            buffer += values.tobytes()
-        attributes = {"POSITION": len(accessors) - 2}
-        primitives.append({"mode": mode, "attributes": attributes, "indices": len(accessors) - 1})
-    tree = {
-        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, **node}],
-        "meshes": [{"primitives": primitives}], "accessors": accessors, "bufferViews": views,
-        "buffers": [{"byteLength": len(buffer)}],
-    }  # fmt: skip
-    return tree, buffer
-
-
-def tfx4(strands: Sequence[Strand], uv: bool = True) -> bytes:
-    """`.tfx` of version 4."""
-    each = len(strands[0])
-    points = b"".join(struct.pack("<4f", *p, float(j > 1)) for one in strands for j, p in enumerate(one))
-    texture = b"".join(struct.pack("<2f", i, 0.5) for i in range(len(strands))) if uv else b""
-    places = (160, 160 + len(points) if uv else 0, 0, 0, 0)
-    return struct.pack("<f2I5I32I", 4.0, len(strands), each, *places, *[0] * 32) + points + texture
-
-
-def tfx3(strands: Sequence[Strand], followers: int = 3) -> bytes:
-    """`.tfx` of version 3."""
-    each = len(strands[0])
-    points = b"".join(one.astype("<f4").tobytes() for one in strands)
-    header = struct.pack("<f4I31I", 3.0, len(strands), each, followers, 1, *[0] * 31)
-    return header + struct.pack("<6I32I", 296, 0, 0, 0, 0, 0, *[0] * 32) + points + b""
-
-
 def ply(strands: Sequence[Strand], order: str = "<", *, told: str = "strand", kind: str = "float") -> bytes:
     """`.ply`; ``order``: "<", ">" or "" for text; ``told``: strand, edge or nothing; ``kind`` of the coordinates."""
     encoding = {"<": "binary_little_endian", ">": "binary_big_endian", "": "ascii"}[order]

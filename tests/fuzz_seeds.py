@@ -62,7 +62,6 @@ def seeds() -> dict[str, list[bytes]]:
         ".hair": [kit.hair(even), kit.hair(uneven), kit.hair(none), kit.hair(even, more=colours, flags=16)],
         ".data": [kit.data(even), kit.data(uneven), kit.data(none)],
         ".bin": [kit.data(even, 4), kit.data(uneven, 4)],
-        ".tfx": [kit.tfx3(even), kit.tfx4(even), kit.tfx4(even, uv=False)],
         ".ply": [
             *(kit.ply(groom, order, told=told) for groom in (even, uneven) for order in ("<", ">", "")
               for told in ("strand", "edge")),
@@ -76,7 +75,6 @@ def seeds() -> dict[str, list[bytes]]:
         ".abc": [abc_kit.rich(even), abc_kit.archive(uneven), abc_kit.rich(uneven), abc_kit.FROM_BLENDER.read_bytes()],
         ".npy": [npy(positions), npy(np.asfortranarray(positions.astype(">f8"))), npy(np.ones((4, 3, 4), "<f2"))],
         ".obj": [kit.obj(even), kit.obj(uneven), kit.obj(even, segments=True), kit.obj(uneven, back=True)],
-        ".glb": [mesh_kit.glb(*kit.gltf(some, mode)) for some in (even, uneven[2:3]) for mode in (1, 2, 3)],
         **mesh_seeds(),
         **camera_seeds(),
     }  # fmt: skip

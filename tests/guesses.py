@@ -1,8 +1,7 @@
 """How often guesses about strands are right: ``python tests/guesses.py [seeds] [FILE ...]``.
 
 Made grooms of all kinds of `ends_kit`, and files of strands that have roots first, as they are and with all strands
-turned around, in random units and up axes; single strands turned around as well; and how many points a strand has,
-from the points alone. Exit code 1 where a guess is wrong.
+turned around, in random units and up axes. Exit code 1 where a guess is wrong.
 """
 
 from __future__ import annotations
@@ -12,38 +11,24 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
 import ends_kit
-from strandcli.exchange.edit.fix import reversed_all, turned_around
+from strandcli.exchange.edit.fix import reversed_all
 from strandcli.exchange.ends import ends, head, up_axis
 from strandcli.exchange.files import ReadOptions, read
 from strandcli.exchange.strands import Strands
-from strandcli.exchange.stride import guess
-
-TURNED = 3
-"""Strands that are turned around by themselves."""
 
 
 def judged(right: bool | None) -> str:
     return "undecided" if right is None else "right" if right else "wrong"
 
 
-def tally(strands: Strands, up: str | None, unit: float | None, seed: int) -> Counter[str]:
+def tally(strands: Strands, up: str | None, unit: float | None) -> Counter[str]:
     """How guesses of strands, roots first, come out both ways round; ``up``, ``unit`` None where not known."""
     found: Counter[str] = Counter()
-    few = np.zeros(strands.count, np.bool_)
-    few[np.random.default_rng(seed).choice(strands.count, min(TURNED, strands.count), replace=False)] = True
     for truth in ("first", "last"):
         given = strands if truth == "first" else reversed_all(strands)[0]
         known = ends(given)
         found[f"root {judged(None if not known.root else known.root == truth)}"] += 1
-        mixed = turned_around(strands, few if truth == "first" else ~few)
-        others = ends(mixed).others
-        for right, some in ((True, others & few), (False, others & ~few), (None, few & ~others)):
-            found[f"strand {judged(right)}"] += int(some.sum())
-        stride = guess(given.points) or None
-        found[f"stride {judged(None if stride is None else stride == given.equal())}"] += 1
         axis, human = up_axis(given, known), head(given, known)
         if up is not None:
             found[f"up {judged(None if axis is None else axis[0] == up)}"] += 1
@@ -57,10 +42,10 @@ def cases(seeds: int, files: list[str]) -> Iterator[tuple[str, Counter[str]]]:
         counts: Counter[str] = Counter()
         for seed in range(seeds):
             made = ends_kit.made(kind, seed)
-            counts += tally(made.strands, made.up, made.unit, seed)
+            counts += tally(made.strands, made.up, made.unit)
         yield kind, counts
     for file in files:
-        yield Path(file).name, tally(read(Path(file), ReadOptions(lenient=True)), None, None, 0)
+        yield Path(file).name, tally(read(Path(file), ReadOptions(lenient=True)), None, None)
 
 
 def main() -> int:

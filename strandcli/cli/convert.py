@@ -13,7 +13,6 @@ from . import options, strand_files
 from .frame_range import FrameRange
 from .say import say
 from .talk import Talk
-from .values import Parsed
 
 if TYPE_CHECKING:
     from ..exchange.edit.moving import Change, Step
@@ -34,20 +33,6 @@ class FiniteType(click.FloatRange):
         return found
 
 
-def matrix(text: str) -> list[float]:
-    """A matrix of three rows of four numbers, as a list of twelve."""
-    try:
-        found = [float(one) for one in text.replace(",", " ").split()]
-    except ValueError:
-        found = []
-    if len(found) != 12 or not all(abs(one) < float("inf") for one in found):
-        raise ValueError(f"'{text}' is not twelve numbers, three rows of four, the last of each a shift")
-    return found
-
-
-MATRIX = Parsed("matrix", matrix)
-
-
 @click.command()
 @click.argument("source", type=options.PathType(), metavar="IN")
 @click.argument("target", type=options.PathType(), metavar="OUT")
@@ -64,25 +49,16 @@ MATRIX = Parsed("matrix", matrix)
 @click.option("--up", type=AXIS, help="The up axis of IN, to be turned to that of OUT.")
 @click.option("--to-up", type=AXIS, default="y", show_default=True, help="The up axis of OUT, with --up.")
 @click.option("--scale", type=FiniteType(min=0, min_open=True), metavar="X", help="Multiply lengths: .01 for cm to m.")
-@click.option("--matrix", type=MATRIX, metavar="'12 NUMBERS'", help="An affine map, three rows of four.")
 @click.option("--min-length", type=FiniteType(min=0), metavar="X", help="Leave out strands shorter than this.")
 @click.option("--max-length", type=FiniteType(min=0), metavar="X", help="Leave out strands longer than this.")
-@click.option("--every", type=options.Whole(1), metavar="N", help="Select every N-th strand.")
 @click.option(
-    "--share", type=FiniteType(min=0, max=1), metavar="X",
-    help="Select this fraction of the strands by --seed; a smaller one is a subset of a larger one.",
-)  # fmt: skip
-@click.option("--strands", type=options.COUNT_STRANDS, metavar="N", help="Select so many strands by --seed.")
+    "--strands", type=options.COUNT_STRANDS, metavar="N", help="Select so many by --seed, fewer of them in more."
+)
 @click.option("--seed", type=options.Whole(0, 2**63 - 1), default=0, show_default=True, metavar="N", help="Seed.")
-@click.option("--smooth", type=options.Whole(1, 10_000), metavar="N", help="Smooth strands in N passes.")
 @click.option("--resample", type=options.Whole(2, 65_536), metavar="N", help="N points a strand, by arc length.")
 @click.option(
     "--simplify", type=FiniteType(min=0), metavar="X",
     help="Leave out points that lie within X of the strand without them.",
-)  # fmt: skip
-@click.option(
-    "--basis", type=click.Choice(("linear", "catmullRom")), default="linear", show_default=True,
-    help="How other programs join the points of a file of USD: by straight segments, or smoothly.",
 )  # fmt: skip
 @options.overwrite
 @options.brief
@@ -93,7 +69,6 @@ def command(
     array: str | None,
     objects: tuple[str, ...],
     frames: FrameRange | None,
-    basis: str,
     overwrite: bool,
     talk: Talk,
     **edits: Any,
@@ -108,7 +83,6 @@ def command(
 
     _check(edits)
     writer = files.writer_of(target)
-    files.require_basis(target, basis)
     options.refuse_existing(target, overwrite)
     how = files.ReadOptions(stride, array, lenient=edits["fix"], objects=objects)
     strands = files.read(moments.files_of(source)[0], how)
@@ -120,7 +94,7 @@ def command(
     samples = None
     if again is not None:
         samples = (TimeSample(one.seconds, again.points(one.points)) for one in moments.samples_of(source, how, chosen))
-    lost = files.write(target, strands, samples, basis=basis)
+    lost = files.write(target, strands, samples)
     if frames is None and len(chosen) < there:
         lost.append(f"{writer.name} has one moment: the first of {there:,} is written, --frames chooses another")
     _report(source, target, (before, strands), skipped, changes, lost, talk)
@@ -141,8 +115,6 @@ def _moments(source: Path, there: int, frames: FrameRange | None, moving: bool) 
 
 def _check(edits: dict[str, Any]) -> None:
     """Raise `UsageError` for options that exclude each other."""
-    names = ("every", "share", "strands")
-    options.exclusive(**{name: edits[name] is not None for name in names})
     options.exclusive(resample=edits["resample"] is not None, simplify=edits["simplify"] is not None)
     if edits["to_up"] != "y" and edits["up"] is None:
         raise UsageError("--to-up: give the up axis of IN with --up as well")
@@ -150,8 +122,6 @@ def _check(edits: dict[str, Any]) -> None:
 
 def _edits(chosen: dict[str, Any]) -> list[Step]:
     """What is to be done, in order."""
-    import numpy as np
-
     from ..exchange.edit import fix, resample, transform
     from ..exchange.edit.moving import Step
 
@@ -164,27 +134,16 @@ def _edits(chosen: dict[str, Any]) -> list[Step]:
         found.append(Step(lambda strands: transform.turned(strands, chosen["up"], chosen["to_up"])))
     if chosen["scale"] is not None:
         found.append(Step(lambda strands: transform.scaled(strands, chosen["scale"])))
-    if chosen["matrix"] is not None:
-        found.append(Step(lambda strands: transform.moved(strands, np.array(chosen["matrix"]).reshape(3, 4))))
     least, most = chosen["min_length"], chosen["max_length"]
     if least is not None or most is not None:
         bounds = (least or 0.0, float("inf") if most is None else most)
         found.append(Step(lambda strands: resample.between(strands, *bounds), chooses=True))
-    if chosen["every"] is not None:
-        found.append(Step(lambda strands: resample.every(strands, chosen["every"]), chooses=True))
-    if chosen["share"] is not None:
-        found.append(Step(lambda strands: resample.share(strands, chosen["share"], chosen["seed"]), chooses=True))
     if chosen["strands"] is not None:
         found.append(Step(lambda strands: resample.some(strands, chosen["strands"], chosen["seed"]), chooses=True))
-    if chosen["smooth"] is not None:
-        found.append(Step(lambda strands: resample.smoothed(strands, chosen["smooth"])))
-    if chosen["resample"] is not None or chosen["simplify"] is not None:
-        from ..exchange.edit import resample
-
-        if chosen["resample"] is not None:
-            found.append(Step(lambda strands: resample.resampled(strands, chosen["resample"])))
-        else:
-            found.append(Step(lambda strands: resample.simplified(strands, chosen["simplify"]), chooses=True))
+    if chosen["resample"] is not None:
+        found.append(Step(lambda strands: resample.resampled(strands, chosen["resample"])))
+    if chosen["simplify"] is not None:
+        found.append(Step(lambda strands: resample.simplified(strands, chosen["simplify"]), chooses=True))
     return found
 
 
@@ -198,7 +157,7 @@ def _report(
     talk: Talk,
 ) -> None:
     """Say what was done; ``strands``: how many were read, and what was written."""
-    from ..exchange.control import note_of
+    from ..exchange.splines import note_of
 
     before, after = strands
     note = note_of(after.source.facts)

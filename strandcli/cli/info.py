@@ -42,7 +42,7 @@ def command(
     overwrite: bool,
     as_json: bool,
 ) -> None:
-    """Describe a FILE of strands: counts, lengths, box, curvature, guesses of roots, up axis and unit; faults, with the
+    """Describe a FILE of strands: counts, lengths, box, guesses of roots, up axis and unit; faults, with the
     option of 'convert' that mends each. Of a mesh (.obj, .ply, .stl, .glb or .gltf with faces): counts, box,
     area, volume, attributes, faults."""
     from ..exchange.facts import facts_of_file

@@ -214,7 +214,7 @@ def load_scene(
         settings["emitter.groom.file"] = preset
         preset = GROOM
     elif Path(preset).suffix.lower() in SUFFIXES:
-        from ..exchange.polylines import IS_MESH
+        from ..exchange.formats.obj import IS_MESH
 
         raise UsageError(f"{preset}: {IS_MESH}")
     return strandcli.load(preset, overrides=overrides, settings=settings, roughly=roughly, option="--set")

@@ -39,10 +39,9 @@ def say_facts(found: Facts) -> None:
     if counts is not None:
         each = f"{counts['min']:,}" if counts["min"] == counts["max"] else f"{counts['min']:,} to {counts['max']:,}"
         say(f"  points     {data['points']:,}, {each} a strand")
-    for name, unit in (("length", ""), ("segment", ""), ("curvature", " radians a unit")):
-        if data[name] is not None:
-            one = data[name]
-            say(f"  {name:<10} {one['min']:.4g} to {one['max']:.4g}, median {one['median']:.4g}{unit}")
+    if data["length"] is not None:
+        one = data["length"]
+        say(f"  length     {one['min']:.4g} to {one['max']:.4g}, median {one['median']:.4g}")
     if data["box"] is not None:
         box = data["box"]
         spans = [f"{'xyz'[i]} {box['min'][i]:.4g} to {box['max'][i]:.4g}" for i in range(3)]
@@ -63,8 +62,6 @@ def say_facts(found: Facts) -> None:
     for name, value in data["header"].items():
         if value not in ("", None):
             say(f"  header     {name.replace('_', ' ')}: {value}")
-    if data["root"] is not None:
-        say(f"  root       {data['root']}, as the file says")
     for text in _guesses(data["guess"]):
         say(f"  guess      {text}")
     if data["strands"] and _as_it_is(data):
@@ -75,13 +72,12 @@ def say_facts(found: Facts) -> None:
 
 def _moments(found: Mapping[str, Any]) -> str:
     """When strands are known."""
-    each = "of the same strands" if found["same_strands"] else "of strands that come and go"
     if found["unit"] == "s":
         span = f"{found['first']:.4g} to {found['last']:.4g} s, {found['frames_a_second']:.4g} a second"
     else:
         span = f"files {found['first']:.0f} to {found['last']:.0f}"
         span += f", {found['missing']:,} of them missing" if found["missing"] else ""
-    return f"{found['count']:,} {each}, {span}"
+    return f"{found['count']:,}, {span}"
 
 
 def _guesses(guess: Mapping[str, Any]) -> list[str]:
@@ -98,7 +94,7 @@ def _guesses(guess: Mapping[str, Any]) -> list[str]:
 def _as_it_is(data: Mapping[str, Any]) -> str:
     """What holds because neither the file nor its strands tell otherwise, "" where they tell all."""
     guess = data["guess"]
-    taken = {"roots are first": (data["root"], guess["root"]), "up is y": (data["up"], guess["up"]),
+    taken = {"roots are first": (None, guess["root"]), "up is y": (data["up"], guess["up"]),
              "units are metres": (data["unit"], guess["head"])}  # fmt: skip
     found = ", ".join(words for words, known in taken.items() if known == (None, None))
     return found and f"{found}: there is no evidence for a guess"

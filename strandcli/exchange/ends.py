@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .edit.transform import AXES, axis
-from .strands import CHUNK, Mask, Offsets, Strands
+from .strands import Mask, Offsets, Strands
 
 Floats = npt.NDArray[np.float64]
 
@@ -40,8 +40,6 @@ OUTSIDE = 0.85
 CLEARER, LARGER = 0.7, 0.4
 """Distances of roots from their sphere are at most so much of those of tips from theirs; and roots are spread at least
 so much as tips: hair that is drawn to a knot ends on a sphere, too."""
-ON, OFF = 0.1, 0.5
-"""How far from the head an end is on it, and off it, radii: roots at the nape, on the neck, are .36 from the sphere."""
 HANGS = 0.7
 """Cosine between hanging hair and down, at least, and between up and the way from the head's middle to the scalp's."""
 CAP = 0.2
@@ -49,8 +47,6 @@ CAP = 0.2
 HEAD, LIKE = 0.1, 1.3
 """Radius of a human head about the scalp, metres; within that factor, a unit is believed."""
 UNITS = {"metres": 1.0, "centimetres": 0.01, "millimetres": 0.001}
-STATED = 0.99
-"""Share of the strands whose one end is held, and of those whose other is free, where a file states the root."""
 
 
 class Sphere(NamedTuple):
@@ -104,60 +100,33 @@ class End:
 
 @dataclass(frozen=True, slots=True)
 class Ends:
-    """Which end is the root: "first", "last" or "" where nothing tells; whether the file states it; the sphere of the
-    scalp, None where roots lie on none; strands (S,) that run the opposite way to the rest."""
+    """Which end is the root: "first", "last" or "" where nothing tells; the sphere of the scalp, None where roots lie
+    on none."""
 
-    root: str
-    stated: bool
-    scalp: Sphere | None
-    others: Mask
+    root: str = ""
+    scalp: Sphere | None = None
 
-    @property
-    def why(self) -> str:
-        """What tells that roots are last."""
-        if self.stated:
-            return "the file fixes strands at their last points"
-        return "there strands fan out from a scalp, and clearly less at their first points"
+
+WHY = "there strands fan out from a scalp, and clearly less at their first points"
+"""What tells that roots are last."""
 
 
 def ends(strands: Strands) -> Ends:
     """Which end of finite strands is the root."""
-    stated, others = held_end(strands), np.zeros(strands.count, np.bool_)
     if strands.count < LEAST_STRANDS:
-        return Ends(stated, bool(stated), None, others)
+        return Ends()
     rows = _some(strands)
     reach = float(np.median(np.linalg.norm(_at(strands, rows, 1, False) - _at(strands, rows, 0, False), axis=1)))
     first, last = _end(strands, rows, False), _end(strands, rows, True)
-    scalps = [name for name, one, rest in (("first", first, last), ("last", last, first))
-              if one.like_scalp(reach) and one.clearer(rest)]  # fmt: skip
-    root = stated or (scalps[0] if scalps else "")
-    if root not in scalps:
-        return Ends(root, bool(stated), None, others)
-    sphere, back = (first if root == "first" else last).sphere, root == "last"
-    for begin in range(0, strands.count, CHUNK):
-        near = np.arange(begin, min(begin + CHUNK, strands.count))
-        one, other = _at(strands, near, 0, back), _at(strands, near, 1, back)
-        on = np.flatnonzero((sphere.height(one) > OFF) & (np.abs(sphere.height(other)) < ON))
-        leaving = _leaving(strands, near[on], not back, sphere.radius)
-        others[near[on]] = _cosines(sphere, other[on], leaving) >= LEAVES
-    return Ends(root, bool(stated), sphere, others)
+    for name, one, rest in (("first", first, last), ("last", last, first)):
+        if one.like_scalp(reach) and one.clearer(rest):
+            return Ends(name, one.sphere)
+    return Ends()
 
 
 def _some(strands: Strands) -> Offsets:
     """The strands that are looked at, evenly chosen."""
     return np.arange(0, strands.count, -(-strands.count // ENOUGH))
-
-
-def held_end(strands: Strands) -> str:
-    """The end at which a file states that strands are held, "" where it does not state it, or of both."""
-    movable = strands.attributes.get("movable")
-    if movable is None or movable.domain != "point" or not strands.count:
-        return ""
-    first = float(np.mean(movable.values[strands.first[:-1]] == 0))
-    last = float(np.mean(movable.values[strands.first[1:] - 1] == 0))
-    if max(first, last) < STATED or min(first, last) > 1 - STATED:
-        return ""
-    return "first" if first > last else "last"
 
 
 def _end(strands: Strands, rows: Offsets, back: bool) -> End:

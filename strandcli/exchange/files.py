@@ -7,7 +7,7 @@ A format is a module in `formats/`, or an entry point of another package (group 
 - ``read(path, options) -> Strands``;
 - ``write(path, strands, samples) -> lines``, where it can be written: the file whole or not at all, and a line for what
   it cannot hold. ``moving``: whether it takes ``samples``, the points at several times. ``staged``: whether it takes
-  ``beside`` and ``basis`` of `write` below, and ``bases``, which those are;
+  ``beside`` of `write` below;
 - ``moments(path, options) -> samples``, where it tells several times: at each the points of what ``read`` finds;
   `read` then obeys ``options.at``. ``interpolates``: whether it does so between these times.
 """
@@ -26,7 +26,6 @@ from ..errors import UsageError, about
 from ..files.inputs import reading
 from .bounded import opened
 from .objects import chosen, only
-from .splines import LINEAR
 from .strands import Layer, Strands, TimeSample
 
 FORMATS = Registry(
@@ -40,15 +39,13 @@ HEAD = 64
 class ReadOptions:
     """How a file is read: points a strand, and name of the array, where it does not say them; ``lenient`` lets in
     numbers that are not finite; ``objects``: names of those whose strands are wanted, () of all; ``at``: the last
-    moment that is not after so many seconds, None for the first one; ``pieces``: as `Source.pieces` was at another
-    moment, so that curves have as many points."""
+    moment that is not after so many seconds, None for the first one."""
 
     stride: int | None = None
     array: str | None = None
     lenient: bool = False
     objects: tuple[str, ...] = ()
     at: float | None = None
-    pieces: tuple[int, ...] = ()
 
 
 def read(path: Path, options: ReadOptions | None = None) -> Strands:
@@ -78,20 +75,18 @@ def moments_of(path: Path, options: ReadOptions, numbers: Sequence[int]) -> Iter
 
 
 def write(
-    path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None, beside: Layer | None = None,
-    basis: str = LINEAR,
-) -> list[str]:  # fmt: skip
+    path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None, beside: Layer | None = None
+) -> list[str]:
     """Write strands in the format that the name ends in, whole or not at all; returns a line for all that this format
     does not hold. ``samples``: their points at several times; ``beside``: what else goes into a stage of USD, and
-    nowhere else; ``basis``: how other programs are to join the points, "linear" or another that the format has."""
+    nowhere else."""
     driver = writer_of(path)
-    require_basis(path, basis)
     if samples is not None and not getattr(driver, "moving", False):
         moving = [one.name for one in drivers() if getattr(one, "moving", False)]
         where = f"; write {' or '.join(moving)}" if moving else ""
         raise UsageError(f"{path}: {driver.name} has one moment only{where}")
     if getattr(driver, "staged", False):
-        return list(driver.write(path, strands, samples, beside, basis))
+        return list(driver.write(path, strands, samples, beside))
     return list(driver.write(path, strands, samples))
 
 
@@ -112,15 +107,6 @@ def format_of(path: Path) -> Any:
     if not found:
         raise UsageError(f"{path}: is no file of strands that is known; read are {_listed(drivers())}")
     return found[0]
-
-
-def require_basis(path: Path, basis: str) -> None:
-    """Raise `UsageError` where the format that a name ends in does not have such curves."""
-    if basis == LINEAR or basis in getattr(writer_of(path), "bases", ()):
-        return
-    able = [one for one in drivers() if basis in getattr(one, "bases", ())]
-    raise UsageError(f"{path}: {writer_of(path).name} is written with straight segments; curves of the basis {basis} "
-                     f"are written to {_listed(able) or 'no format'}")  # fmt: skip
 
 
 def writer_of(path: Path) -> Any:

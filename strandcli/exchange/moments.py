@@ -35,8 +35,6 @@ class Moments:
     clock: npt.NDArray[np.float64]
     rate: float
     """Frames a second."""
-    steady: bool
-    """Whether the file says that all moments have the same strands."""
     interpolates: bool
     """Whether the file itself tells what is between moments."""
     files: Mapping[int, Path]
@@ -67,18 +65,12 @@ class Moments:
         span = self.clock[-1] - (self.clock[0] if start is None else start)
         return max(round(span * (1.0 if self.files else fps)), 0) + 1
 
-    def facts(self, first: Strands) -> dict[str, Any]:
-        """What there is to know, for programs; reads all moments where the file does not say that all have the strands
-        of the ``first``."""
+    def facts(self) -> dict[str, Any]:
+        """What there is to know, for programs."""
         begin, end = self.clock[[0, -1]].tolist()
-        counts = first.counts()
-        same = self.steady or all(
-            np.array_equal(self.read(value).counts(), counts) for value in self.clock[1:].tolist()
-        )
-        missing = round(end - begin) + 1 - len(self.files) if self.files else 0
         return {
             "count": self.clock.size, "first": begin, "last": end, "unit": "file" if self.files else "s",
-            "frames_a_second": self.rate, "same_strands": same, "missing": missing,
+            "frames_a_second": self.rate, "missing": round(end - begin) + 1 - len(self.files) if self.files else 0,
         }  # fmt: skip
 
     def require(self, value: float) -> None:
@@ -139,10 +131,8 @@ def read_first(path: Path, options: ReadOptions, start: float | None = None) -> 
     if len(times) < 2:
         return strands, None
     clock = np.array(times)
-    pieces = replace(options, pieces=strands.source.pieces)
     moments = Moments(
-        path, pieces, clock, strands.source.rate or (USUAL if files else _rate(clock)),
-        not files and strands.source.steady,
+        path, options, clock, strands.source.rate or (USUAL if files else _rate(clock)),
         not files and getattr(format_of(path), "interpolates", False), files,
     )  # fmt: skip
     if start is None:

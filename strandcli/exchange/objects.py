@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
-from .strands import CHUNK, OBJECT, Attribute, Mask, Offsets, Points, Strands, offsets
+from .strands import OBJECT, Attribute, Mask, Offsets, Points, Strands, offsets
 
 UNNAMED = "strands"
 """Name of an object that has none."""
@@ -116,28 +116,15 @@ def only(strands: Strands, wanted: Sequence[str], path: Path) -> Strands:
     return replace(strands, attributes=attributes, objects=tuple(strands.objects[place] for place in there))
 
 
-class Table(Sequence[dict[str, Any]]):
-    """Of each object its name, short where it can be, its name in full, its strands and points; each is made when it is
-    asked for, for there may be many."""
-
-    def __init__(self, strands: Strands) -> None:
-        count = len(strands.objects)
-        self._names, self._short = strands.objects, short_names(strands.objects)
-        self._strands, self._points = np.zeros((2, count), np.int64)
-        of = numbers(strands)
-        for begin in range(0, strands.count if count else 0, CHUNK):
-            part, first = of[begin : begin + CHUNK], strands.first[begin : begin + CHUNK + 1]
-            self._strands += np.bincount(part, minlength=count)
-            self._points += np.bincount(part, weights=np.diff(first), minlength=count).astype(np.int64)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-    def __getitem__(self, place: Any) -> Any:
-        if isinstance(place, slice):
-            return [self[one] for one in range(*place.indices(len(self)))]
-        found = {"name": self._short[place], "path": self._names[place]}
-        return {**found, "strands": int(self._strands[place]), "points": int(self._points[place])}
+def table(strands: Strands) -> list[dict[str, Any]]:
+    """Of each object its name, short where it can be, its name in full, its strands and points."""
+    of, count = numbers(strands), len(strands.objects)
+    own = np.bincount(of, minlength=count)
+    points = np.bincount(of, weights=strands.counts(), minlength=count)
+    return [
+        {"name": short, "path": name, "strands": int(own[k]), "points": int(points[k])}
+        for k, (short, name) in enumerate(zip(short_names(strands.objects), strands.objects, strict=True))
+    ]
 
 
 def pieces(strands: Strands, legal: Callable[[str], str]) -> Pieces:

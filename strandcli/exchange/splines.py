@@ -1,44 +1,41 @@
 """Points on the curves that files of Alembic and USD describe by control points.
 
-Weights are those of Bezier and Hermite curves, uniform cubic B-splines and Catmull-Rom splines as the schemas
-UsdGeomBasisCurves and AbcGeom's ICurves have them, both after RenderMan's RiCurves; a piece is a cubic polynomial
-between two values of its parameter, 0 and 1.
+Weights are those of Bezier curves, uniform cubic B-splines and Catmull-Rom splines as UsdGeomBasisCurves and AbcGeom
+have them, both after RenderMan's RiCurves; a piece is a cubic polynomial between two values of its parameter, 0 and 1.
 """
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .strands import Offsets, offsets
+from ..errors import UsageError
+from .strands import Attribute, Domain, Offsets, Points, offsets
 
 LINEAR, CUBIC = "linear", "cubic"
-BEZIER, BSPLINE, CATMULL_ROM, HERMITE = "bezier", "bspline", "catmullRom", "hermite"
+BEZIER, BSPLINE, CATMULL_ROM = "bezier", "bspline", "catmullRom"
 MATRICES = {
     BEZIER: np.array([[1, 0, 0, 0], [-3, 3, 0, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], np.float64),
     BSPLINE: np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]], np.float64) / 6,
     CATMULL_ROM: np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], np.float64) / 2,
-    HERMITE: np.array([[1, 0, 0, 0], [0, 1, 0, 0], [-3, -2, 3, -1], [2, 1, -2, 1]], np.float64),
 }
-"""(4, 4) of each basis: row i has what each of the four control points gives to the power i of the parameter. Those of
-Hermite curves are in turn a point and the tangent there."""
-STEPS = {BEZIER: 3, HERMITE: 2}
-"""Control points from a piece to the next one, where they are not 1."""
+"""(4, 4) of each basis: row i has what each of the four control points gives to the power i of the parameter."""
+NURBS, STRAIGHT = "NURBS", "joined straight"
 WRAPS = ("nonperiodic", "periodic", "pinned")
-FINE = 1e-3
-"""Distance of a strand's segments from its curve, over the median length of the control polygons, that is aimed at."""
-MOST = 16
-"""Points of a piece, at most."""
-MOST_OUTLIERS = 0.01
-"""Share of the strands that may be off by more than `FINE`."""
-SLICE = 1 << 18
-"""Points that are made at once."""
-
-Floats = npt.NDArray[np.float64]
+EACH = 4
+"""Points of a piece; fewer where they would take more memory than a file of its size may."""
+SLICE = 1 << 16
+"""Pieces that are evaluated at once."""
+SPARE = 1 << 26
+"""Bytes of points that are made of a file beyond twice its size."""
+INTERPOLATIONS: dict[str, Domain] = {
+    "vertex": "point", "varying": "point", "uniform": "strand", "constant": "groom",
+}  # fmt: skip
+"""What a value belongs to, and the domain that it has here: a control point, a joint of pieces, a curve, all of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,170 +51,186 @@ class Basis:
     @property
     def text(self) -> str:
         """In words."""
-        if self.label:
-            return self.label
-        kind = LINEAR if self.linear else f"{CUBIC} {self.name}"
-        return kind if self.wrap == "nonperiodic" else f"{kind}, {self.wrap}"
-
-    @property
-    def linear(self) -> bool:
-        """Whether control points are joined by straight segments."""
-        return self.type == LINEAR
-
-    @property
-    def periodic(self) -> bool:
-        """Whether curves end where they begin."""
-        return self.wrap == "periodic"
+        kind = self.label or (LINEAR if self.type == LINEAR else f"{CUBIC} {self.name}")
+        return kind if self.label or self.wrap == "nonperiodic" else f"{kind}, {self.wrap}"
 
     @property
     def plain(self) -> bool:
         """Whether control points are the points."""
-        return self.linear and not self.periodic
+        return self.type == LINEAR and self.wrap != "periodic"
+
+    @property
+    def size(self) -> int:
+        """Control points of a piece."""
+        return 2 if self.type == LINEAR else 4
 
     @property
     def step(self) -> int:
         """Control points from a piece to the next one."""
-        return 1 if self.linear else STEPS.get(self.name, 1)
+        return 3 if self.type == CUBIC and self.name == BEZIER else 1
 
     @property
-    def shared(self) -> int:
-        """Control points that a piece has in common with the next one."""
-        return 4 - self.step
+    def extended(self) -> bool:
+        """Whether a control point is added at each end, so that curves reach those that there are."""
+        return self.wrap == "pinned" and self.type == CUBIC and self.step == 1
 
     def pieces(self, counts: Offsets) -> Offsets:
-        """Pieces of curves of so many control points each (S,): 0 where they are too few, -1 where they do not
-        divide into pieces."""
-        if self.linear:
-            found = counts if self.periodic else counts - 1
-            return np.where(counts >= 2, found, 0)
-        if self.step > 1:
-            left = counts if self.periodic else counts - self.shared
-            return np.where(left < self.step, 0, np.where(left % self.step, -1, left // self.step))
-        if self.wrap == "pinned":
-            return np.where(counts >= 2, counts - 1, 0)
-        return np.where(counts >= 3, counts, 0) if self.periodic else np.maximum(counts - 3, 0)
+        """Pieces of curves of so many control points each (S,): 0 where they are too few, -1 where they do not divide
+        into pieces."""
+        if self.wrap == "periodic":
+            whole = np.where(counts >= 3, counts, 0)
+        else:
+            whole = np.maximum(counts - self.size + self.step + 2 * self.extended * (counts >= 2), 0)
+        return np.where(whole < self.step, 0, np.where(whole % self.step, -1, whole // self.step))
 
-    def varying(self, counts: Offsets) -> Offsets:
+    def joints(self, counts: Offsets) -> Offsets:
         """Values of each curve (S,) that belong to where pieces begin and end."""
         pieces = self.pieces(counts)
-        return np.where(pieces > 0, pieces + (not self.periodic), np.maximum(counts, 0) if self.plain else 0)
+        return np.where(pieces > 0, pieces + (self.wrap != "periodic"), counts if self.plain else 0)
+
+    def weights(self, each: int) -> npt.NDArray[np.float64]:
+        """(each + 1, 4) or (each + 1, 2): what control points give at parameters 0, 1 / each … 1."""
+        t = np.arange(each + 1) / each
+        if self.type == LINEAR:
+            return np.stack([1 - t, t], axis=1)
+        return np.asarray(np.stack([t**0, t, t * t, t**3], axis=1) @ MATRICES[self.name])
 
 
-def extended(values: Floats, basis: Basis) -> Floats:
-    """Values of control points (k, n, m), with those that the wrap adds before and behind them."""
-    if basis.periodic:
-        more = 1 if basis.linear else basis.shared
-        return np.concatenate([values, values[:, :more]], axis=1)
-    if basis.wrap == "pinned" and not basis.linear and basis.step == 1:
-        before, behind = 2 * values[:, :1] - values[:, 1:2], 2 * values[:, -1:] - values[:, -2:-1]
-        return np.concatenate([before, values, behind], axis=1)
-    return values
+def is_clamped(knots: npt.NDArray[Any]) -> bool:
+    """Whether the first knots of cubic NURBS are the same, so that curves reach their first control points."""
+    return bool(knots.size > 2 and knots[0] == knots[2])
 
 
-def windows(values: Floats, basis: Basis) -> Floats:
-    """The control points (k, pieces, m, 4) of each piece, of those of curves (k, n, m)."""
-    every = np.lib.stride_tricks.sliding_window_view(extended(values, basis), 4, axis=1)
-    return every[:, :: basis.step]
+@dataclass(frozen=True, slots=True, eq=False)
+class ControlCurves:
+    """Curves of an object: its path, control points of each (S,), what they mean, and points of each piece."""
+
+    path: str
+    counts: Offsets
+    basis: Basis
+    each: int = 1
+
+    def point_counts(self) -> Offsets:
+        """Points of each curve (S,); 0 of those without a piece."""
+        if self.basis.plain:
+            return self.counts
+        pieces = self.basis.pieces(self.counts)
+        return np.where(pieces > 0, pieces * self.each + 1, 0)
+
+    def points(self, control: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Points (Q, 3) on the curves of control points (P, 3), or values there of those of control points."""
+        if self.basis.plain:
+            return control
+        counts = self.counts
+        if self.basis.extended:
+            control, counts = _extended(control, counts)
+        return self._evaluated(control, counts, self.basis)
+
+    def between(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Values (Q, m) at the points, linear between those where pieces begin and end (V, m)."""
+        return self._evaluated(values, self.basis.joints(self.counts), Basis(LINEAR, wrap=self.basis.wrap))
+
+    def _evaluated(self, values: npt.NDArray[Any], counts: Offsets, basis: Basis) -> npt.NDArray[np.float32]:
+        """Values (Q, m) along curves, whose control points in a basis have values, so many of each (S,)."""
+        pieces = np.maximum(self.basis.pieces(self.counts), 0)
+        curve = np.repeat(np.arange(counts.size), pieces)
+        number = np.arange(curve.size) - offsets(pieces)[curve]
+        first, after = offsets(counts), offsets(self.point_counts())
+        out = np.empty((int(after[-1]), values.shape[1]), np.float32)
+        weights, place = basis.weights(self.each), np.arange(basis.size)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for begin in range(0, curve.size, SLICE):
+                of, at = curve[begin : begin + SLICE, None], number[begin : begin + SLICE, None]
+                rows = basis.step * at + place
+                rows = first[of] + (rows % np.maximum(counts[of], 1) if basis.wrap == "periodic" else rows)
+                made = np.einsum("tw,nwm->ntm", weights, values[rows].astype(np.float64))
+                out[after[of] + self.each * at + np.arange(self.each + 1)] = made
+        return out
+
+    def attribute(self, name: str, interpolation: str, values: npt.NDArray[Any]) -> Attribute | None:
+        """Values (rows, m), single precision where they are floating-point, at points, curves or all; None where
+        nothing has so many rows, and of whole numbers between which there would have to be others. What has as many
+        rows decides where ``interpolation``, a key of `INTERPOLATIONS` or "", does not fit."""
+        joints = int(self.basis.joints(self.counts).sum())
+        rows = {"vertex": int(self.counts.sum()), "varying": joints, "uniform": self.counts.size, "constant": 1}
+        if rows.get(interpolation) != values.shape[0]:
+            interpolation = next((kind for kind, count in rows.items() if count == values.shape[0]), "")
+        if not interpolation:
+            return None
+        if values.dtype.kind == "f":
+            with np.errstate(over="ignore"):
+                values = values.astype(np.float32, copy=False)
+        domain = INTERPOLATIONS[interpolation]
+        if domain == "point" and not self.basis.plain:
+            if values.dtype.kind != "f":
+                return None
+            values = self.between(values) if interpolation == "varying" else self.points(values)
+            if name == "width":
+                values = np.maximum(values, 0)
+        return Attribute(domain, values[:, 0] if values.shape[1] == 1 else values)
 
 
-def weights(basis: Basis, each: int) -> Floats:
-    """(each + 1, 4): what control points give at parameters 0, 1 / each … 1."""
-    t = np.arange(each + 1) / each
-    return np.asarray(np.stack([t**0, t, t * t, t**3], axis=1) @ MATRICES[basis.name])
-
-
-def on_curves(values: Floats, basis: Basis, each: int) -> Floats:
-    """Values (k, pieces each + 1, m) along curves whose control points have values (k, n, m)."""
-    if basis.linear:
-        return at_joints(extended(values, basis), each)
-    control, weight = windows(values, basis), weights(basis, each)
-    inner = np.einsum("kpmw,tw->kptm", control, weight[:-1])
-    last = np.einsum("kmw,w->km", control[:, -1], weight[-1])[:, None]
-    return np.concatenate([inner.reshape(inner.shape[0], -1, inner.shape[-1]), last], axis=1)
-
-
-def at_joints(values: Floats, each: int) -> Floats:
-    """Values (k, pieces each + 1, m) between those where pieces begin and end (k, pieces + 1, m)."""
-    t = (np.arange(each) / each)[:, None]
-    inner = values[:, :-1, None] * (1 - t) + values[:, 1:, None] * t
-    return np.concatenate([inner.reshape(inner.shape[0], -1, inner.shape[-1]), values[:, -1:]], axis=1)
-
-
-def points_a_piece(counts: Offsets, points: npt.NDArray[Any], basis: Basis, most: int = MOST) -> tuple[int, float]:
-    """How many points each piece gets, and how far the curves are from the segments between them, at most.
-
-    A cubic is off its chord by no more than an eighth of the largest second derivative, which is at one of its ends.
-    """
-    if basis.linear:
-        return 1, 0.0
-    off, long = np.zeros(counts.shape[0]), np.zeros(counts.shape[0])
-    second = np.stack([[0, 0, 2, 0], [0, 0, 2, 6]]) @ MATRICES[basis.name]
-    with np.errstate(over="ignore", invalid="ignore"):  # of points that are not finite
-        for rows, values in _alike(counts, points, basis):
-            bends = np.einsum("kpmw,tw->kptm", windows(values, basis), second)
-            off[rows] = np.sqrt(np.einsum("kptm,kptm->kpt", bends, bends).max(axis=(1, 2))) / 8
-            through = extended(values, basis)[:, :: 2 if basis.name == HERMITE else 1]
-            long[rows] = np.sqrt((np.diff(through, axis=1) ** 2).sum(axis=2)).sum(axis=1)
-    drawn = np.isfinite(off) & np.isfinite(long) & (basis.pieces(counts) > 0)
-    if not drawn.any():
-        return 1, 0.0
-    aim = max(FINE * float(np.median(long[drawn])), 1e-300)
-    worst = float(np.quantile(off[drawn], 1 - MOST_OUTLIERS))
-    each = min(max(math.ceil(math.sqrt(min(worst / aim, 1e9))), 1), most)
-    return each, float(off[drawn].max()) / each**2
-
-
-def evaluated(counts: Offsets, values: npt.NDArray[Any], basis: Basis, each: int) -> npt.NDArray[np.float32]:
-    """Values (Q, m) at the points of curves, of those of their control points (P, m)."""
-    return _made(counts, counts, values, basis, each)
-
-
-def between(counts: Offsets, values: npt.NDArray[Any], basis: Basis, each: int) -> npt.NDArray[np.float32]:
-    """Values (Q, m) at the points of curves, of those where their pieces begin and end (V, m)."""
-    return _made(counts, basis.varying(counts), values, basis, each, joints=True)
-
-
-def new_counts(counts: Offsets, basis: Basis, each: int) -> Offsets:
-    """Points of each curve (S,); 0 of those without a piece."""
-    if basis.plain and each == 1:
-        return counts
-    pieces = basis.pieces(counts)
-    return np.where(pieces > 0, pieces * each + 1, 0)
-
-
-def _made(
-    counts: Offsets, rows_of: Offsets, values: npt.NDArray[Any], basis: Basis, each: int, joints: bool = False
-) -> npt.NDArray[np.float32]:
-    after = offsets(new_counts(counts, basis, each))
-    out = np.empty((int(after[-1]), values.shape[1]), np.float32)
-    first = offsets(rows_of)
-    with np.errstate(over="ignore", invalid="ignore"):
-        for rows, count in _groups(counts, basis, each):
-            some = values[first[rows][:, None] + np.arange(int(rows_of[rows[0]]))].astype(np.float64)
-            if joints and basis.periodic:
-                some = np.concatenate([some, some[:, :1]], axis=1)
-            made = at_joints(some, each) if joints else on_curves(some, basis, each)
-            out[after[rows][:, None] + np.arange(count)] = made
-    return out
-
-
-def _groups(counts: Offsets, basis: Basis, each: int) -> Any:
-    """Curves of as many control points, some at once: their rows (k,), and their points."""
-    pieces = basis.pieces(counts)
-    order = np.argsort(counts, kind="stable")
-    order = order[pieces[order] > 0]
-    ends = np.flatnonzero(np.diff(counts[order], append=-1)) + 1
-    begin = 0
-    for end in ends:
-        count = int(pieces[order[begin]]) * each + 1
-        some = max(1, SLICE // (4 * count))
-        for at in range(begin, int(end), some):
-            yield order[at : min(at + some, int(end))], count
-        begin = int(end)
-
-
-def _alike(counts: Offsets, points: npt.NDArray[Any], basis: Basis) -> Any:
-    """Curves of as many control points, some at once: their rows (k,), and control points (k, n, 3)."""
+def _extended(values: npt.NDArray[Any], counts: Offsets) -> tuple[npt.NDArray[Any], Offsets]:
+    """Values of control points (P, m) with one more before and behind those of each curve, on the line through its
+    first two and its last two, and how many each has then."""
     first = offsets(counts)
-    for rows, _ in _groups(counts, basis, 1):
-        yield rows, points[first[rows][:, None] + np.arange(int(counts[rows[0]]))].astype(np.float64)
+    more = np.where(counts >= 2, counts + 2, counts)
+    begins, has = offsets(more)[:-1], counts >= 2
+    found = np.empty((int(more.sum()), values.shape[1]))
+    found[np.arange(len(values)) + np.repeat(begins + has - first[:-1], counts)] = values
+    low, high = begins[has], begins[has] + more[has] - 1
+    with np.errstate(over="ignore", invalid="ignore"):
+        found[low] = 2 * found[low + 1] - found[low + 2]
+        found[high] = 2 * found[high - 1] - found[high - 2]
+    return found, more
+
+
+class Fitter:
+    """Says how many points curves of a file get, within the memory that a file of its size may take."""
+
+    def __init__(self, size: int) -> None:
+        """``size``: bytes of the file."""
+        self._followed: set[tuple[str, int]] = set()
+        self.room = 2 * size + SPARE
+        """Bytes that points on curves may take."""
+
+    def fitted(
+        self, path: str, counts: Offsets, control: Points, basis: Basis, fault: Callable[[str], UsageError]
+    ) -> ControlCurves:
+        """Curves of control points (P, 3). Raises ``fault`` of the words that say why where they are none."""
+        if counts.size and int(counts.min()) < 0:
+            raise fault(f"{path}: curve {int(np.argmin(counts)):,} has {int(counts.min()):,} points; is damaged")
+        if int(counts.sum()) != control.shape[0]:
+            raise fault(f"{path}: {control.shape[0]:,} points, the curves have {int(counts.sum()):,}; is damaged")
+        each = 1
+        if not basis.plain:
+            pieces = basis.pieces(counts)
+            if (pieces < 0).any():
+                worst = int(np.argmin(pieces))
+                raise fault(f"{path}: curve {worst:,} has {counts[worst]:,} points, which make no whole pieces of "
+                            f"{basis.text}; is damaged")  # fmt: skip
+            needs = 12 * max(int(pieces.sum()), 1)
+            each = min(EACH if basis.type == CUBIC else 1, self.room // needs)
+            if each < 1:
+                raise fault(f"{path}: declares more curves than a file of its size can have; is damaged")
+            self.room -= each * needs
+        self._followed.add((basis.text, each if basis.type == CUBIC else 0))
+        return ControlCurves(path, counts, basis, each)
+
+    def facts(self) -> dict[str, Any]:
+        """Of all curves so far the bases and, where there are cubic ones, the points of a piece."""
+        facts: dict[str, Any] = {"basis": sorted({text for text, _ in self._followed})}
+        cubic = sorted({each for _, each in self._followed if each})
+        return {**facts, **({"points_a_piece": cubic} if cubic else {})}
+
+
+def note_of(facts: Mapping[str, Any]) -> str | None:
+    """A line that says what is taken of curves that are not straight segments; None where all are."""
+    bases = facts.get("basis", ())
+    if all(one == LINEAR for one in bases):
+        return None
+    text = f"curves are {' and '.join(bases)}"
+    if "points_a_piece" not in facts:
+        return text
+    each = " or ".join(str(one) for one in facts["points_a_piece"])
+    return f"{text}; points on them are taken, {each} a piece"

@@ -45,8 +45,7 @@ class Source:
     up axis where the format says them, and how many strands were skipped, by reason.
 
     times: seconds at which strands of a file that moves are known, rising; rate: frames a second, where the file says
-    so; steady: whether the file says that all moments have the same strands; pieces: points that each object of cubic
-    curves has a piece."""
+    so."""
 
     format: str = ""
     version: str = ""
@@ -56,8 +55,6 @@ class Source:
     skipped: Mapping[str, int] = field(default_factory=dict)
     times: tuple[float, ...] = ()
     rate: float | None = None
-    steady: bool = True
-    pieces: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -42,7 +42,7 @@ def test_the_mend_that_is_told_mends(run: Runner) -> None:
 
 
 def test_convert_says_what_it_changed(run: Runner) -> None:
-    edits = ["--min-length", "20", "--share", ".5", "--smooth", "1", "--resample", "9"]
+    edits = ["--min-length", "20", "--strands", "50", "--resample", "9"]
     words = run("convert", "a.hair", "b.ply", *edits)
     assert words.code == 0
     assert words.out == ""
@@ -59,10 +59,9 @@ def test_convert_says_what_it_changed(run: Runner) -> None:
     (("a.hair", "b.png"), 2, "let the name end in one of .hair, "),
     (("a.hair", "a.hair"), 2, "is there already; add --overwrite"),
     (("none.hair", "b.ply"), 2, "none.hair: no such file"),
-    (("a.hair", "b.ply", "--every", "2", "--share", ".1"), 2, "--every and --share exclude each other"),
+    (("a.hair", "b.ply", "--resample", "2", "--simplify", ".1"), 2, "--resample and --simplify exclude each other"),
     (("a.hair", "b.ply", "--scale", "0"), 2, "--scale"),
     (("a.hair", "b.ply", "--scale", "1e38"), 2, "too far out for single precision"),
-    (("a.hair", "b.ply", "--matrix", "1 2 3"), 2, "twelve numbers"),
     (("a.hair", "b.ply", "--to-up", "z"), 2, "--up as well"),
     (("a.hair", "none/b.ply"), 4, "cannot be written"),
     (("/dev/zero", "b.ply"), 2, "no file but a pipe or a device"),
@@ -74,11 +73,6 @@ def test_faults_are_one_line(run: Runner, arguments: tuple[str, ...], code: int,
     assert not Path("b.ply").exists()
 
 
-def test_a_matrix_is_three_rows(run: Runner) -> None:
-    assert run("convert", "a.hair", "b.data", "--matrix", "0 1 0 5, 1 0 0 0, 0 0 1 0").code == 0
-    assert np.allclose(read(Path("b.data")).points[:, 0], head().reshape(-1, 3)[:, 1] + 5)
-
-
 def test_a_file_that_is_its_own_target_is_whole(run: Runner) -> None:
-    assert run("convert", "a.hair", "a.hair", "--every", "2", "--overwrite").code == 0
+    assert run("convert", "a.hair", "a.hair", "--strands", "100", "--overwrite").code == 0
     assert read(Path("a.hair")).count == 100

@@ -17,7 +17,6 @@ from hypothesis import strategies as st
 
 import abc_kit
 import exchange_kit as kit
-import mesh_kit
 from strandcli.errors import UsageError
 from strandcli.exchange.files import ReadOptions, read, write
 from strandcli.exchange.strands import Attribute, Strands
@@ -66,13 +65,9 @@ WRITERS: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "obj": (".obj", kit.obj),
     "obj of segments": (".obj", lambda strands: kit.obj(strands, segments=True)),
     "obj that counts back": (".obj", lambda strands: kit.obj(strands, back=True)),
-    "glb of strips": (".glb", lambda strands: mesh_kit.glb(*kit.gltf(strands))),
-    "glb of pairs": (".glb", lambda strands: mesh_kit.glb(*kit.gltf(strands, 1, "<u4"))),
 }
 EVEN: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "hair": (".hair", lambda strands: kit.hair(strands, segments=False)),
-    "tfx 3": (".tfx", kit.tfx3),
-    "tfx 4": (".tfx", kit.tfx4),
     "npz": (".npz", lambda strands: npz(positions=np.stack(strands))),
     "npz of big-endian doubles": (".npz", lambda strands: npz(anything=np.stack(strands).astype(">f8"))),
     "npy": (".npy", npy),
@@ -145,11 +140,13 @@ def test_data_and_bin_are_told_apart_by_size(name: str) -> None:
     assert found.attributes["extra"].values[5].tolist() == [0, 1, 2, 3]
 
 
-def test_strands_of_tressfx_keep_what_they_carry() -> None:
-    found = read_bytes(kit.tfx4(EQUAL), ".tfx")
-    assert found.attributes["uv"].values.tolist() == [[0, 0.5], [1, 0.5], [2, 0.5]]
-    assert found.attributes["movable"].values.reshape(3, 4).tolist() == [[0, 0, 1, 1]] * 3
-    assert read_bytes(kit.tfx3(EQUAL), ".tfx").source.facts["followers_a_guide"] == 3
+def test_vertices_alone_ask_for_the_stride() -> None:
+    content = kit.ply(EQUAL, told="nothing")
+    with pytest.raises(UsageError, match=r"12 of them, .*--stride N \(they divide into strands of 2, 3, 4, 6, 12\)"):
+        read_bytes(content, ".ply")
+    check(read_bytes(content, ".ply", ReadOptions(stride=4)), EQUAL)
+    with pytest.raises(UsageError, match="5 does not divide them"):
+        read_bytes(content, ".ply", ReadOptions(stride=5))
 
 
 def test_arrays_beside_the_positions_are_kept(tmp_path: Path) -> None:
@@ -176,11 +173,11 @@ def test_of_several_arrays_of_strands_one_is_asked_for() -> None:
 
 def test_a_format_is_told_by_the_first_bytes(tmp_path: Path) -> None:
     check(read_bytes(kit.hair(EQUAL), ".data"), EQUAL)
-    check(read_bytes(kit.tfx4(EQUAL), ".anything"), EQUAL)
+    check(read_bytes(kit.ply(EQUAL), ".anything"), EQUAL)
     with pytest.raises(UsageError, match="no file of strands that is known"):
         read_bytes(b"\x89PNG\r\n", ".png")
     with pytest.raises(UsageError, match="let the name end in one of"):
-        write(tmp_path / "a.tfx", kit.of(EQUAL))
+        write(tmp_path / "a.png", kit.of(EQUAL))
 
 
 def test_what_a_format_does_not_hold_is_told(tmp_path: Path) -> None:
@@ -246,10 +243,6 @@ def nan_at(content: bytes, at: int) -> bytes:
         (nan_at(kit.data(EQUAL), 4 + 4 + 48 + 4 + 24), ".data", "byte 84: points: number 6 is not finite"),
         (struct.pack("<2i", 1, 2**31 - 1) + bytes(24), ".data", "byte 4: points of strand 0: 2,147,483,647"),
         (kit.data(EQUAL)[:-4], ".data", "byte 108: points of strand 2: 4, the file has 3 more"),
-        (struct.pack("<f", 2.5) + bytes(200), ".tfx", "byte 0: version: 2.5 is not known"),
-        (struct.pack("<f2I", 3.0, 2**24, 0) + bytes(300), ".tfx", "byte 8: vertices a strand: 0"),
-        (kit.tfx4(EQUAL)[:170], ".tfx", "byte 4: strands: 12 need 192 bytes"),
-        (kit.tfx4(EQUAL)[:12] + b"\xff" * 4 + kit.tfx4(EQUAL)[16:], ".tfx", "byte 12: offset of positions"),
         (kit.ply(EQUAL)[:-1], ".ply", "element strand: 3 need 6 bytes, the file has 5 bytes"),
         (b"ply\nformat ascii 2.0\n", ".ply", "byte 4: header: 'format ascii 2.0'"),
         (npz(positions=np.full((2, 3, 3), np.inf)), ".npz", "byte 0: positions: number 0 is not finite, and 5 more"),

@@ -97,8 +97,8 @@ def test_one_moment_of_several_is_told(source: Source) -> None:
 @pytest.mark.parametrize(
     "edits",
     [
-        ["--fix"], ["--every", "2", "--reverse"],
-        ["--min-length", "3", "--matrix", "1 2 3 4 0 1 0 0 0 0 1 5"], ["--resample", "7"],
+        ["--fix"], ["--strands", "3", "--reverse"],
+        ["--min-length", "3", "--scale", "2"], ["--resample", "7"],
     ],
 )  # fmt: skip
 def test_edits_are_those_of_each_moment_alone(source: Source, edits: list[str]) -> None:

@@ -112,16 +112,15 @@ def test_objects_that_move_keep_their_points(suffix: str, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize(
     "edit",
-    [lambda strands: fix.fixed(strands, turn=False), fix.reversed_all, lambda strands: resample.every(strands, 2),
+    [lambda strands: fix.fixed(strands, turn=False), fix.reversed_all,
      lambda strands: resample.some(strands, 4, 1), lambda strands: transform.turned(strands, "z", "y"),
-     lambda strands: resample.resampled(strands, 5), lambda strands: resample.simplified(strands, 1e-3),
-     lambda strands: resample.smoothed(strands, 2)],
+     lambda strands: resample.resampled(strands, 5), lambda strands: resample.simplified(strands, 1e-3)],
 )  # fmt: skip
 def test_edits_keep_which_strand_is_of_which_object(edit: Any) -> None:
     changed, _ = edit(hair())
     assert changed.objects == hair().objects
     np.testing.assert_array_equal(objects.numbers(changed), changed.roots()[:, 0].astype(int))
-    told = objects.Table(changed)
+    told = objects.table(changed)
     assert sum(one["strands"] for one in told) == changed.count
     assert sum(one["points"] for one in told) == changed.points.shape[0]
 

@@ -9,64 +9,55 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..control import ControlCurves, Fitter, Knots
 from ..parts import Part, moved, moved_attribute
-from ..splines import BEZIER, BSPLINE, CATMULL_ROM, CUBIC, LINEAR, MATRICES, Basis
+from ..splines import (
+    BSPLINE,
+    CATMULL_ROM,
+    CUBIC,
+    LINEAR,
+    MATRICES,
+    NURBS,
+    STRAIGHT,
+    Basis,
+    ControlCurves,
+    Fitter,
+    is_clamped,
+)
 from ..strands import Attribute, Offsets, Points
 from . import layout
 from .archive import CLOSE, Archive, Object, Property
 from .xform import Transform, chain, world
 
 Geometry = dict[str, Property]
-STRAIGHT = "joined straight"
 
 
-def basis_of(archive: Archive, path: str, geometry: Geometry, curves: int) -> tuple[Basis, Knots | None]:
-    """What the control points of so many curves mean, and the knots of NURBS. Raises `UsageError` for curves that are
-    not read. Cubic ones without a basis are joined straight, as Blender and Houdini do."""
+def basis_of(archive: Archive, path: str, geometry: Geometry) -> Basis:
+    """What control points mean. Raises `UsageError` for curves that are not read. Cubic ones without a basis are joined
+    straight, as Blender and Houdini do; NURBS of order 4 are taken as uniform B-splines, which reach their ends where
+    knots clamp them, and others joined straight."""
     told = geometry.get("curveBasisAndType")
     if told is None or told.kind == layout.COMPOUND or told.extent < 3 or not told.samples or not told.dtype:
-        return Basis(LINEAR), None
+        return Basis(LINEAR)
     curve, periodic, number = (int(one) for one in archive.values(told).reshape(-1)[:3])
     wrap = "periodic" if periodic else "nonperiodic"
     name = layout.BASES[number] if 0 <= number < len(layout.BASES) else f"of number {number}"
     if curve == layout.LINEAR:
-        return Basis(LINEAR, wrap=wrap), None
+        return Basis(LINEAR, wrap=wrap)
     at = geometry["P"].child.at
     orders, knots, weights = (_numbers(archive, geometry.get(name)) for name in (".orders", ".knots", "w"))
     if weights.size and (weights != weights[0]).any():
         raise archive.file.fault(f"{path}: NURBS with weights that differ are not read", at)
-    if knots.size:
-        return Basis(CUBIC, BEZIER, label="NURBS"), Knots(
-            np.full(curves, 4) if curve == layout.CUBIC else orders, knots
-        )
-    if curve != layout.CUBIC:
-        found, uniform = _variable(name, wrap, orders)
-        if found is None:
-            raise archive.file.fault(f"{path}: periodic NURBS without knots are read of orders 2 and 4 alone", at)
-        return found, uniform
-    if not name:
-        return Basis(LINEAR, wrap=wrap, label=f"cubic without a basis, {STRAIGHT}"), None
+    if knots.size or (curve != layout.CUBIC and name == BSPLINE):
+        if curve == layout.CUBIC or (orders.size and (orders == 4).all()):
+            return Basis(CUBIC, BSPLINE, "pinned" if is_clamped(knots) else wrap, NURBS)
+        return Basis(LINEAR, wrap=wrap, label=f"{NURBS} of other orders than 4, {STRAIGHT}")
+    if curve != layout.CUBIC and name == CATMULL_ROM:  # Blender's, which go through all points
+        return Basis(CUBIC, name, wrap if periodic else "pinned")
+    if not name or curve != layout.CUBIC:
+        return Basis(LINEAR, wrap=wrap, label=f"cubic without a basis, {STRAIGHT}" if curve == layout.CUBIC else "")
     if name not in MATRICES:
         raise archive.file.fault(f"{path}: cubic curves of the basis {name} are not read", at)
-    return Basis(CUBIC, name, wrap), None
-
-
-def _variable(name: str, wrap: str, orders: npt.NDArray[Any]) -> tuple[Basis | None, Knots | None]:
-    """What control points of curves of any order without knots mean; None of what is not read.
-
-    Blender writes such: polygons of no basis; Catmull-Rom splines, which it has go through all points; and NURBS with
-    their orders, whose knots are uniform.
-    """
-    if name == CATMULL_ROM and wrap != "periodic":
-        return Basis(CUBIC, name, "pinned"), None
-    if name != BSPLINE or not orders.size:
-        return Basis(LINEAR, wrap=wrap, label=f"{name} of no orders, {STRAIGHT}" if name else ""), None
-    if (orders == 2).all():
-        return Basis(LINEAR, wrap=wrap), None
-    if (orders == 4).all():
-        return Basis(CUBIC, BSPLINE, wrap), None
-    return (None, None) if wrap == "periodic" else (Basis(CUBIC, BEZIER, label="NURBS"), Knots(orders, np.zeros(0)))
+    return Basis(CUBIC, name, wrap)
 
 
 def _numbers(archive: Archive, found: Property | None) -> npt.NDArray[Any]:
@@ -101,8 +92,6 @@ class Clock:
     def __init__(self) -> None:
         self._times: set[float] = set()
         self._cycles: set[float] = set()
-        self.steady = True
-        """Whether all moments have the same curves."""
         self.changing: set[str] = set()
         """Attributes, by our names, that change with time."""
 
@@ -113,7 +102,6 @@ class Clock:
             self._times.update(archive.times(told))
             if told.last and 0 < told.sampling.cycle < layout.ACYCLIC:
                 self._cycles.add(told.sampling.cycle)
-        self.steady &= not one.counts.last
         self.changing.update(name for name, told in attributes.items() if _changes(archive, told))
 
     @property
@@ -185,11 +173,8 @@ def control_of(
     """What curves are at a time or in the first sample, and their control points. Raises `UsageError` where these make
     no curves."""
     counts, control = counts_of(archive, one, seconds), _control(archive, one, seconds)
-    basis, knots = basis_of(archive, one.path, one.geometry, counts.size)
-    at = one.points.child.at
-    return fitter.fitted(
-        one.path, counts, control, basis, lambda words: archive.file.fault(words, at), knots
-    ), control  # fmt: skip
+    basis, at = basis_of(archive, one.path, one.geometry), one.points.child.at
+    return fitter.fitted(one.path, counts, control, basis, lambda words: archive.file.fault(words, at)), control
 
 
 def part_of(

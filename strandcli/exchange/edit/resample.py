@@ -1,5 +1,5 @@
-"""Other points on the same strands: so many of each by arc length, or as few as a tolerance allows, or smooth ones; and
-fewer strands: those within bounds of length, every n-th, a share of them, or so many."""
+"""Other points on the same strands: so many of each by arc length, or as few as a tolerance allows; and fewer strands:
+those within bounds of length, or so many."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from ...common.counted import counted
 from ..faults import GOLDEN, mixed
 from ..kernels import along
-from ..strands import CHUNK, Attribute, Mask, Offsets, Strands, even_offsets, spans
+from ..strands import CHUNK, Attribute, Offsets, Strands, even_offsets, spans
 from .moving import Change
 
 AT_ONCE = 1 << 20
@@ -117,45 +117,9 @@ def between(strands: Strands, least: float, most: float) -> tuple[Strands, Chang
     return changed, Change("length", text, {"too_short": short, "too_long": long, "kept": changed.count})
 
 
-def smoothed(strands: Strands, passes: int) -> tuple[Strands, Change]:
-    """Strands after so many passes of (1, 2, 1)/4 along each; roots and tips stay where they are."""
-    points = strands.points.copy()
-    ends = np.zeros(points.shape[0], np.bool_)
-    ends[strands.first[:-1]] = True
-    ends[strands.first[1:] - 1] = True
-    for _ in range(passes):
-        before = points[:1].copy()
-        for begin in range(1, points.shape[0] - 1, CHUNK):
-            part = points[begin : min(begin + CHUNK, points.shape[0] - 1)]
-            behind = np.concatenate([before, part[:-1]])
-            before = part[-1:].copy()
-            new = (behind + 2 * part + points[begin + 1 : begin + 1 + part.shape[0]]) * np.float32(0.25)
-            fixed = ends[begin : begin + part.shape[0], None]
-            part[:] = np.where(fixed, part, new)
-    worst = 0.0
-    for begin in range(0, points.shape[0], CHUNK):
-        step = points[begin : begin + CHUNK] - strands.points[begin : begin + CHUNK]
-        worst = max(worst, float(np.sqrt(np.einsum("ij,ij->i", step, step).max(initial=0))))
-    text = f"smoothed in {counted(passes, 'pass', 'passes')}, points moved by at most {worst:.4g}"
-    return replace(strands, points=points), Change("smooth", text, {"passes": passes, "moved_max": worst})
-
-
-def every(strands: Strands, step: int) -> tuple[Strands, Change]:
-    """Every ``step``-th strand, from the first."""
-    keep = np.zeros(strands.count, np.bool_)
-    keep[::step] = True
-    return _kept(strands, keep, f"every {step}-th", {"every": step})
-
-
-def share(strands: Strands, part: float, seed: int) -> tuple[Strands, Change]:
-    """About a part of the strands. Whether strand i stays depends on the seed and on i alone, and a smaller part is
-    held in a larger one."""
-    keep = dice(strands.count, seed) < part
-    return _kept(strands, keep, f"a share of {part:g}", {"share": part, "seed": seed})
-
-
 def some(strands: Strands, count: int, seed: int) -> tuple[Strands, Change]:
-    """So many strands, those with the lowest dice; fewer are held in more."""
+    """So many strands, those with the lowest dice, of which whether strand i stays depends on the seed and on i alone;
+    fewer are part of more."""
     thrown = dice(strands.count, seed)
     if count < thrown.size:
         last = np.partition(thrown, count)[count]
@@ -164,7 +128,9 @@ def some(strands: Strands, count: int, seed: int) -> tuple[Strands, Change]:
         keep[ties[: count - np.count_nonzero(keep)]] = True
     else:
         keep = np.ones(strands.count, np.bool_)
-    return _kept(strands, keep, f"{count:,} of them", {"strands": count, "seed": seed})
+    changed = strands.select(keep)
+    text = f"{counted(changed.count, 'strand')} of {strands.count:,} selected"
+    return changed, Change("subsample", text, {"strands": count, "seed": seed, "kept": changed.count})
 
 
 def dice(count: int, seed: int) -> npt.NDArray[np.float64]:
@@ -177,11 +143,3 @@ def dice(count: int, seed: int) -> npt.NDArray[np.float64]:
             z = (np.arange(low + 1, high + 1, dtype=np.uint64) + begin) * np.uint64(GOLDEN)
             found[low:high] = (mixed(z) >> np.uint64(11)).astype(np.float64) * 2.0**-53
     return found
-
-
-def _kept(strands: Strands, keep: Mask, how: str, facts: dict[str, object]) -> tuple[Strands, Change]:
-    changed = strands.select(keep)
-    text = f"{counted(changed.count, 'strand')} of {strands.count:,} selected, {how}"
-    return changed, Change(
-        "subsample", text, {**facts, "kept": changed.count, "left_out": strands.count - changed.count}
-    )

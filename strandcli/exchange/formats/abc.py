@@ -13,9 +13,9 @@ from ..alembic.archive import Archive
 from ..alembic.curves import Clock, all_curves, at_times, attributes_of, control_of, part_of
 from ..alembic.export import write as write
 from ..bounded import opened
-from ..control import Fitter
 from ..files import ReadOptions
 from ..parts import Part, joined
+from ..splines import Fitter
 from ..strands import SHORTEST, Source, Strands, TimeSample, without_short
 
 name = ".abc"
@@ -35,7 +35,7 @@ def read(path: Path, options: ReadOptions) -> Strands:
     points on them."""
     with opened(path, WHAT, options.lenient) as file:
         archive = Archive(file)
-        fitter, clock = Fitter(file.size, options.pieces), Clock()
+        fitter, clock = Fitter(file.size), Clock()
         parts: list[Part] = []
         for one in all_curves(archive):  # whose headers take more than the points of a few strands
             attributes = attributes_of(archive, one)
@@ -50,10 +50,7 @@ def read(path: Path, options: ReadOptions) -> Strands:
             facts["changing"] = sorted(clock.changing)
         if archive.metadata.get("_ai_Application"):
             facts["application"] = archive.metadata["_ai_Application"]
-        source = Source(
-            name, archive.version, facts, times=tuple(times), rate=clock.rate, steady=clock.steady,
-            pieces=tuple(fitter.pieces),
-        )  # fmt: skip
+        source = Source(name, archive.version, facts, times=tuple(times), rate=clock.rate)
         strands, lost = joined(parts, source)
     if lost:
         facts["attributes_not_read"] = lost

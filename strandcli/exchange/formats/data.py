@@ -9,16 +9,16 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ...common.counted import counted
 from ...output.files import write_pieces
-from ..bounded import Bounded, opened
+from ..bounded import opened
 from ..files import ReadOptions
-from ..strands import SHORT, SHORTEST, Attribute, Offsets, Source, Strands, TimeSample, even_offsets, offsets, spans
+from ..strands import Attribute, Offsets, Source, Strands, TimeSample, offsets, spans, without_short
 from ..written import left_out, raw
 
 name = ".data"
@@ -29,9 +29,6 @@ PLAIN, MORE = 3, 7
 NAMES = {PLAIN: ".data", MORE: ".bin"}
 EXTRA = "extra"
 """The attribute of a point's four numbers more, of which the format says nothing."""
-
-AT_ONCE = 1 << 16
-"""Points that are gathered at once."""
 
 
 def sniff(head: bytes, size: int) -> bool:
@@ -45,61 +42,37 @@ def read(path: Path, options: ReadOptions) -> Strands:
         if file.size < 4 or file.size % 4:
             raise file.damaged(f"the file has {file.size:,} bytes, no whole number of 4-byte numbers")
         words = file.array("file", "<i4", (file.size // 4,))
-        found = _layout(file, words)
-        begins, first = found.begins, found.first
-        numbers, count = words.view("<f4"), int(first[-1])
-        points, more = numbers[: PLAIN * count].reshape(count, PLAIN), np.empty((0, MORE - PLAIN), "<f4")
-        if found.width == MORE:
-            points, more = np.empty_like(points), np.empty((count, MORE - PLAIN), "<f4")
-        _gather(numbers, found, (points, more))
+        order = (MORE, PLAIN) if path.suffix.lower() == ".bin" else (PLAIN, MORE)
+        faults = []
+        for width in order:
+            counts = _counts(words, width)
+            if isinstance(counts, array):
+                break
+            faults.append(counts)
+        else:
+            at, message = faults[0]
+            raise file.damaged(message, 4 * at)
+        first = offsets(np.frombuffer(counts, np.int32))
+        numbers = _numbers(words, first, width)
+        del words
+        points = numbers if width == PLAIN else np.ascontiguousarray(numbers[:, :PLAIN])
 
         def byte(row: int) -> int:
-            strand = int(np.searchsorted(first, row, side="right")) - 1
-            return int(4 * (begins[strand] + found.width * (row - first[strand])))
+            return 4 * (1 + int(np.searchsorted(first, row, side="right")) + width * row)
 
         file.finite("points", points, byte)
-        file.finite(EXTRA, more, byte)
-    attributes = {EXTRA: Attribute("point", more)} if found.width == MORE else {}
-    skipped = {SHORT: found.skipped} if found.skipped else {}
-    return Strands(first, points, attributes, Source(NAMES[found.width], skipped=skipped))
+        file.finite(EXTRA, numbers[:, PLAIN:], byte)
+    attributes = {EXTRA: Attribute("point", numbers[:, PLAIN:])} if width == MORE else {}
+    return without_short(Strands(first, points, attributes, Source(NAMES[width])))
 
 
-class _Layout(NamedTuple):
-    """Numbers a point; of strands of at least two points the first word, and the first point (S + 1,); how many others
-    there are; and whether all have as many points."""
-
-    width: int
-    begins: Offsets
-    first: Offsets
-    skipped: int
-    even: bool = False
-
-
-def _layout(file: Bounded, words: npt.NDArray[np.int32]) -> _Layout:
-    """Where the strands are. Raises `UsageError` where the size of the file agrees with neither of the two layouts."""
-    order = (MORE, PLAIN) if file.path.suffix.lower() == ".bin" else (PLAIN, MORE)
-    faults = []
-    for width in order:
-        found = _walk(words, width)
-        if isinstance(found, _Layout):
-            return found
-        faults.append(found)
-    at, message = faults[0]
-    raise file.damaged(message, 4 * at)
-
-
-def _walk(words: npt.NDArray[np.int32], width: int) -> _Layout | tuple[int, str]:
-    """Where the strands are, from count to count; or at which word that fails, and why."""
+def _counts(words: npt.NDArray[np.int32], width: int) -> array[int] | tuple[int, str]:
+    """How many points of so many numbers each strand has; or at which word that fails, and why."""
     view = words.data
     size, strands, at = len(view), view[0], 1
-    begins, counts = array("q"), array("q")
+    counts = array("i")
     if not 0 <= strands < size:
         return 0, f"strands: {strands:,}, with a count each; the file has {counted(size - 1, 'number')}"
-    each = 1 + width * view[1] if strands else 0
-    if each > SHORTEST * width and strands * each == size - 1 and (words[1::each] == view[1]).all():
-        begins_of_all = even_offsets(strands - 1, each)
-        begins_of_all += 2
-        return _Layout(width, begins_of_all, even_offsets(strands, view[1]), 0, even=True)
     for strand in range(strands):
         if at >= size:
             return at, f"points of strand {strand:,} of {strands:,}: the file ends before"
@@ -108,47 +81,21 @@ def _walk(words: npt.NDArray[np.int32], width: int) -> _Layout | tuple[int, str]
         if points < 0 or step > size - at:
             left = (size - at - 1) // width
             return at, f"points of strand {strand:,}: {points:,}, the file has {left:,} more"
-        if points >= SHORTEST:
-            begins.append(at + 1)
-            counts.append(points)
+        counts.append(points)
         at += step
     if at != size:
         return at, f"{4 * (size - at):,} bytes follow the {strands:,} strands that the file declares"
-    first = offsets(np.frombuffer(counts, np.int64))
-    return _Layout(width, np.frombuffer(begins, np.int64), first, strands - len(begins))
+    return counts
 
 
-def _gather(
-    numbers: npt.NDArray[np.float32],
-    found: _Layout,
-    out: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]],
-) -> None:
-    """Copy what lies between the counts. ``out``: the points, and the numbers more; points alone may take the place of
-    the words from the first on, which is never behind that of what is still to be copied."""
-    _, begins, first, _, even = found
-    at, width = 0, found.width
-    while at < begins.size:  # some strands at once: an index for each number would take more than the file
-        stop = max(at + 1, int(np.searchsorted(first, first[at] + AT_ONCE, side="right")) - 1)
-        low, high = int(first[at]), int(first[stop])
-        step = int(begins[at + 1] - begins[at]) if stop > at + 1 else 0
-        if stop == at + 1:
-            rows = numbers[begins[at] : begins[at] + width * (high - low)]
-        elif even or ((np.diff(begins[at:stop]) == step).all() and high - low == (step - 1) // width * (stop - at)):
-            heads = numbers[begins[at] - 1 : begins[at] - 1 + step * (stop - at)]  # all with as many points
-            rows = heads.reshape(stop - at, step)[:, 1:]
-            if width == PLAIN:
-                out[0][low:high].reshape(rows.shape)[:] = rows
-                at = stop
-                continue
-        else:
-            shift = begins[at:stop] - width * first[at:stop]
-            places_in = np.arange(width * low, width * high)
-            rows = numbers[places_in + np.repeat(shift, width * np.diff(first[at : stop + 1]))]
-        rows = rows.reshape(high - low, width)
-        out[0][low:high] = rows[:, :PLAIN]
-        if width == MORE:
-            out[1][low:high] = rows[:, PLAIN:]
-        at = stop
+def _numbers(words: npt.NDArray[np.int32], first: Offsets, width: int) -> npt.NDArray[np.float32]:
+    """The numbers (P, width) of all points, which stand between the counts."""
+    inner = np.ones(words.size, np.bool_)
+    inner[0] = False
+    heads = first[:-1] * width
+    heads += np.arange(1, first.size)
+    inner[heads] = False
+    return words.view("<f4")[inner].reshape(-1, width)
 
 
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:

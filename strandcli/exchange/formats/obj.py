@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,8 +17,7 @@ from ..bounded import Bounded, Growing, not_finite, opened
 from ..files import ReadOptions
 from ..obj_lines import MENDS, blocks, line_of, no_numbers, numbers, shown
 from ..objects import UNNAMED, pieces, renamed
-from ..polylines import IS_MESH, OF_POINT, Lines, at_rows, joined_lines
-from ..strands import OBJECT, Attribute, Source, Strands, TimeSample, counts_in, spans, without_short
+from ..strands import CHUNK, OBJECT, Attribute, Offsets, Source, Strands, TimeSample, counts_in, spans, without_short
 from ..written import left_out
 
 name = ".obj"
@@ -29,6 +28,12 @@ OTHERS = re.compile(rb"(?<=\d)/(?:[-+]?\d+)?")
 """The row of a texture that may stand behind that of a vertex."""
 AT_ONCE = 1 << 16
 """Points that are written at once."""
+OF_POINT = 16
+"""Bytes that a point of a strand and its row take; lines may name one point often."""
+IS_MESH = (
+    "is a mesh, neither a preset nor strands: it has no lines; 'strandcli info' draws it with --picture, "
+    "emitter.shape of a preset has strands grow on it, and solids have it drawn"
+)
 
 
 class _Found:
@@ -86,6 +91,55 @@ def read(path: Path, options: ReadOptions) -> Strands:
     not_read = {what: many for what, many in not_read.items() if many}
     facts: dict[str, Any] = {"not_read": not_read} if not_read else {}
     return without_short(Strands(first, points, attributes, Source(name, facts=facts), names))
+
+
+class Lines(NamedTuple):
+    """Lines of a file."""
+
+    lengths: npt.NDArray[np.int32]
+    """(L,) rows that each names."""
+    rows: npt.NDArray[np.int32]
+    """(I,) of the table, one line after the other."""
+    objects: npt.NDArray[np.int32]
+    """(L,) number of the object that each is of."""
+
+
+def joined_lines(lines: Lines) -> tuple[Offsets, npt.NDArray[np.int32], npt.NDArray[np.int32]]:
+    """Offsets (S + 1,) of strands, the row of each of their points, and the number of each one's object; the rows of
+    the lines are of no use afterwards. A line that begins at the row where the one before it ends goes on with it: many
+    programs write a line a segment."""
+    first, objects = Growing(np.int64), Growing(np.int32)
+    begin = done = 0
+    last = np.array([0, -1, -1])
+    """Of the line before: its rows, the last of them, and its object."""
+    for at in range(0, lines.lengths.size, CHUNK):
+        lengths, of = lines.lengths[at : at + CHUNK].astype(np.int64), lines.objects[at : at + CHUNK]
+        lengths, of = lengths[lengths > 0], of[lengths > 0]
+        if not lengths.size:
+            continue
+        ends = np.cumsum(lengths)
+        rows, begin = lines.rows[begin : begin + int(ends[-1])], begin + int(ends[-1])
+        lines_of = np.stack([lengths, rows[ends - 1], of], axis=1)
+        before = np.concatenate([last[None], lines_of[:-1]])
+        goes_on = (rows[ends - lengths] == before[:, 1]) & (lengths > 1) & (before[:, 0] > 1) & (of == before[:, 2])
+        last = lines_of[-1]
+        keep = np.ones(rows.size, np.bool_)
+        keep[(ends - lengths)[goes_on]] = False
+        first.add((done + ends - lengths - np.cumsum(goes_on))[~goes_on])
+        objects.add(of[~goes_on])
+        kept = rows[keep]
+        lines.rows[done : done + kept.size] = kept
+        done += kept.size
+    first.add([done])
+    return first.taken(), lines.rows[:done], objects.taken()
+
+
+def at_rows(table: npt.NDArray[Any], rows: npt.NDArray[np.int32]) -> npt.NDArray[Any]:
+    """The rows of a table (V, k) that strands name one after the other (P,); the table itself where they name it so."""
+    steps = range(0, rows.size, CHUNK)
+    if all((rows[at : at + CHUNK] == np.arange(at, min(at + CHUNK, rows.size))).all() for at in steps):
+        return table[: rows.size]
+    return table[rows]
 
 
 def _objects(found: _Found, objects: npt.NDArray[np.int32]) -> tuple[tuple[str, ...], dict[str, Attribute]]:

@@ -2,7 +2,7 @@
 
 Strands are told by an element ``strand`` with the property ``nsegs`` (segments of each, as hairutil writes it), by an
 element ``edge`` that joins successive vertices, or not at all: then all strands have as many points, which
-`ReadOptions.stride` tells, or the jumps between strands where they leave no doubt. Comments ``object "NAME"`` name the
+`ReadOptions.stride` tells. Comments ``object "NAME"`` name the
 objects that the property ``object`` of strands numbers.
 """
 
@@ -36,7 +36,6 @@ from ..strands import (
     offsets,
     without_short,
 )
-from ..stride import divisors, guess
 from ..written import edges_of, left_out, records, with_width_each
 
 name = ".ply"
@@ -44,6 +43,8 @@ suffixes = (".ply",)
 
 NUMBERS = {"alpha": "transparency", **{name: name for name in WIDTHS}, "thickness": "width"}
 """Properties of a vertex that become attributes of one number."""
+MOST_POINTS = 4096
+"""Of a strand, as messages propose them."""
 MOST_OBJECTS = 500
 """Objects that a header names; it has a line for each."""
 XYZ, RGB = ("x", "y", "z"), ("red", "green", "blue")
@@ -73,7 +74,7 @@ def read(path: Path, options: ReadOptions) -> Strands:
         names, comments = object_names(comments)
         if comments:
             facts["comments"] = comments[:8]
-        first = _first(file, vertex, found, points, options, facts)
+        first = _first(file, vertex, found, options)
         attributes = _attributes(file, found["vertex"], begin)
         objects = _objects(file, vertex, found, names, first.size - 1, attributes)
     unread = [one for one in vertex.properties if one not in {*XYZ, *RGB, *NUMBERS}]
@@ -146,9 +147,7 @@ def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[s
     return found
 
 
-def _first(
-    file: Bounded, vertex: Element, found: dict[str, Columns], points: Any, options: ReadOptions, facts: dict[str, Any]
-) -> Offsets:
+def _first(file: Bounded, vertex: Element, found: dict[str, Columns], options: ReadOptions) -> Offsets:
     """Where each strand begins."""
     count = vertex.count
     if "nsegs" in found.get("strand", {}):
@@ -162,14 +161,10 @@ def _first(
     edges = found.pop("edge", {})
     if {"vertex1", "vertex2"} <= edges.keys() and edges["vertex1"].size:
         return _joined(file, count, edges["vertex1"], edges["vertex2"])
-    if options.stride is None:
-        stride = guess(points)
-        if stride:
-            facts["stride_guessed"] = stride
-    else:
-        stride = options.stride
+    stride = options.stride or 0
     if stride < 1 or count % stride:
-        known = ", ".join(str(one) for one in divisors(count)[:40])
+        divisors = [one for one in range(2, min(count, MOST_POINTS) + 1) if count % one == 0]
+        known = ", ".join(map(str, divisors[:40]))
         why = f"{stride} does not divide them" if stride else "the file does not say how many make a strand"
         raise UsageError(
             f"{file.path}: vertices alone, {count:,} of them, and {why}; give it with --stride N"

@@ -9,7 +9,6 @@ from typing import Any
 from ..bounded import opened
 from ..files import ReadOptions
 from ..parts import joined
-from ..splines import CATMULL_ROM, LINEAR
 from ..strands import Source, Strands, TimeSample, without_short
 from ..usd.curves import Reader
 from ..usd.export import write as write
@@ -17,7 +16,6 @@ from ..usd.export import write as write
 name = ".usd"
 suffixes = (".usd", ".usda", ".usdc")
 moving = staged = interpolates = True
-bases = (LINEAR, CATMULL_ROM)
 
 MAGIC = {b"PXR-USDC": "binary", b"#usda ": "text", b"#sdf ": "text"}
 """How files begin."""
@@ -33,13 +31,12 @@ def read(path: Path, options: ReadOptions) -> Strands:
     """The strands of a file, of all prims of BasisCurves that are visible, where their transforms put them at the first
     time, or another. Cubic curves become points on them."""
     encoding = _encoding(path)
-    reader = Reader(path, options.lenient, encoding == "text", options.pieces)
+    reader = Reader(path, options.lenient, encoding == "text")
     stage = reader.stage(options.at)
     header = stage.header
     facts = {"encoding": encoding, **reader.fitter.facts(), **_facts(header)}
     source = Source(
         name, "", facts, header["unit"] or None, header["up"], times=tuple(header["times"]), rate=header["rate"],
-        steady=header["steady"], pieces=tuple(reader.fitter.pieces),
     )  # fmt: skip
     strands, lost = joined(stage.parts, source)
     if lost:

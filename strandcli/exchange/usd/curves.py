@@ -13,9 +13,8 @@ import numpy.typing as npt
 from ...errors import UsageError, one_line
 from .. import splines
 from ..bounded import not_finite
-from ..control import ControlCurves, Fitter, Knots
 from ..parts import Matrix, Part, moved, moved_attribute
-from ..splines import Basis
+from ..splines import Basis, ControlCurves, Fitter
 from ..strands import SHORTEST, Attribute, TimeSample
 from .messages import Message
 from .process import ask
@@ -39,10 +38,10 @@ class Stage:
 class Reader:
     """Reads a file, and checks what the worker says of it."""
 
-    def __init__(self, path: Path, lenient: bool, text: bool, pieces: tuple[int, ...] = ()) -> None:
-        """``lenient``: NaN and infinity are let in; ``text``: it is a file of text; ``pieces``: as of `ReadOptions`."""
+    def __init__(self, path: Path, lenient: bool, text: bool) -> None:
+        """``lenient``: NaN and infinity are let in; ``text``: it is a file of text."""
         self.path, self.lenient, self.text = path, lenient, text
-        self.fitter = Fitter(path.stat().st_size, pieces)
+        self.fitter = Fitter(path.stat().st_size)
 
     def stage(self, at: float | None = None) -> Stage:
         """All that is read, at the first time or ``at`` so many seconds. Raises `UsageError` for a file that is
@@ -80,11 +79,8 @@ class Reader:
     def _add(self, stage: Stage, message: Message) -> None:
         header, (counts, points, *values) = message
         prim = header["prim"]
-        basis, knots = self._basis(prim, header["basis"]), None
-        if basis.label:
-            orders, of_curves, *values = values
-            knots = Knots(orders, of_curves)
-        one = self.fitter.fitted(prim, counts.astype(np.int64), points, basis, self.fault, knots)
+        basis = self._basis(prim, header["basis"])
+        one = self.fitter.fitted(prim, counts.astype(np.int64), points, basis, self.fault)
         self._check_finite(f"{prim}: points", points)
         matrix = _matrix(header["matrix"])
         attributes: dict[str, Attribute] = {}
@@ -105,10 +101,8 @@ class Reader:
 
     def _basis(self, prim: str, named: list[str]) -> Basis:
         """What control points of a prim mean."""
-        if named[0] == "nurbs":
-            return Basis(splines.CUBIC, label="NURBS")
         basis = Basis(*named)
-        known = basis.linear or (basis.type == splines.CUBIC and basis.name in splines.MATRICES)
+        known = basis.type == splines.LINEAR or (basis.type == splines.CUBIC and basis.name in splines.MATRICES)
         if not known or basis.wrap not in splines.WRAPS:
             raise self.fault(f"{prim}: curves of type {basis.type}, basis {basis.name}, wrap {basis.wrap} are not read")
         return basis

@@ -12,7 +12,6 @@ import numpy.typing as npt
 from ...errors import UsageError
 from ...output.files import placed
 from ..objects import Pieces, pieces, renamed
-from ..splines import CATMULL_ROM, CUBIC, LINEAR
 from ..strands import Attribute, Domain, Layer, Points, Strands, TimeSample
 from ..written import box_of, checked, left_out
 from .curves import NAMES
@@ -26,8 +25,6 @@ EXTENTS = {"width": 1, "colour": 3, "transparency": 1, "normal": 3, "uv": 2, "ro
 """Numbers that these have a row; they are floating-point."""
 KINDS = {"B": "B", "i": "i", "q": "q", "l": "q"}
 """Integers that USD has, by those of numpy."""
-BASES = {LINEAR: (LINEAR, "", "nonperiodic"), CATMULL_ROM: (CUBIC, CATMULL_ROM, "pinned")}
-"""Type, basis and wrap of curves whose first and last control points are their ends."""
 Attributes = list[tuple[str, str, npt.NDArray[Any]]]
 """Of each attribute its name, interpolation and values (rows, m), as USD holds it."""
 RATE = 24.0
@@ -36,11 +33,8 @@ NEAR = 1e-6
 """Time codes by which a moment may be off a whole one that is meant."""
 
 
-def write(
-    path: Path, strands: Strands, samples: Iterable[TimeSample] | None, beside: Layer | None = None,
-    basis: str = LINEAR,
-) -> list[str]:  # fmt: skip
-    """Write strands as curves of a basis; ``samples``: their points at several times, rising; ``beside``: other prims.
+def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None, beside: Layer | None = None) -> list[str]:
+    """Write strands as linear curves; ``samples``: their points at several times, rising; ``beside``: other prims.
     Returns lines for what is left out. Raises `RefusedError` where it cannot be written."""
     there = pieces(strands, legal)
     attributes = [_attributes(one) for one in there.strands]
@@ -50,9 +44,8 @@ def write(
         temporary.write_bytes(b"")
         temporary.unlink()
         request = {"do": "write", "temporary": str(temporary.absolute()), "format": kind}
-        for _ in ask(
-            path, request, _messages(path, strands, (there, [held for held, _ in attributes]), samples, (beside, basis))
-        ):
+        messages = _messages(path, strands, (there, [held for held, _ in attributes]), samples, beside)
+        for _ in ask(path, request, messages):
             pass
     return left_out(strands, ".usd", strands.attributes.keys() - lost) + renamed(strands, legal, ".usd")
 
@@ -65,11 +58,10 @@ def legal(name: str) -> str:
 
 def _messages(
     path: Path, strands: Strands, objects: tuple[Pieces, list[Attributes]], samples: Iterable[TimeSample] | None,
-    more: tuple[Layer | None, str],
+    beside: Layer | None,
 ) -> Iterator[Message]:  # fmt: skip
     """What the worker is to write: all but points, then these at each time; ``objects``: each with its attributes;
-    ``more``: other prims, and the basis."""
-    beside, basis = more
+    ``beside``: other prims."""
     there, attributes = objects
     moments = checked(path, strands, samples, ".usd")
     first = next(moments)
@@ -80,7 +72,7 @@ def _messages(
     if up not in ("y", "z"):
         raise UsageError(f"{path}: USD knows y and z as up axes, not {up}; turn it with --up {up}")
     header = {
-        "rate": rate, "up": up.upper(), "unit": source.unit or 1.0, "basis": BASES[basis],
+        "rate": rate, "up": up.upper(), "unit": source.unit or 1.0,
         "prims": [
             {"name": name, "attributes": [[theirs, interpolation] for theirs, interpolation, _ in held]}
             for name, held in zip(there.names, attributes, strict=True)

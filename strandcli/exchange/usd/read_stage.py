@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from ..splines import BSPLINE, CUBIC, LINEAR, NURBS, STRAIGHT, is_clamped
 from .messages import Fill, Message, RefusedFileError
 from .open_stage import layers_of, opened
 
@@ -35,8 +36,6 @@ def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
         "up": str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else None,
         "unit": UsdGeom.GetStageMetersPerUnit(stage) if UsdGeom.StageHasAuthoredMetersPerUnit(stage) else None,
         "times": [time / rate for time in times], "rate": frame_rate_of(stage),
-        "steady": not any(UsdGeom.BasisCurves(prim).GetCurveVertexCountsAttr().GetNumTimeSamples() > 1
-                          for prim in prims),
         "changing": _changing(prims),
         "application": str((stage.GetRootLayer().customLayerData or {}).get("creator", "")),
         "not_found": len(stage.GetCompositionErrors()),
@@ -141,13 +140,7 @@ def curves_of(stage: Usd.Stage) -> tuple[list[Usd.Prim], dict[str, Any]]:
 
 def times_of(prims: list[Usd.Prim]) -> list[float]:
     """Time codes at which points change, or where they are put, rising."""
-    found: set[float] = set()
-    for prim in prims:
-        moving = [UsdGeom.Curves(prim).GetPointsAttr()]
-        if prim.IsA(UsdGeom.HermiteCurves):
-            moving.append(UsdGeom.HermiteCurves(prim).GetTangentsAttr())
-        found.update(times_along(prim, moving))
-    return sorted(found)
+    return sorted({time for prim in prims for time in times_along(prim, [UsdGeom.Curves(prim).GetPointsAttr()])})
 
 
 def times_along(prim: Usd.Prim, attributes: list[Usd.Attribute]) -> list[float]:
@@ -170,44 +163,33 @@ def _matrix(prim: Usd.Prim, places: UsdGeom.XformCache) -> list[float]:
 
 
 def _counts(prim: Usd.Prim, moment: Usd.TimeCode) -> Any:
-    """Control points of each curve (S,); of Hermite curves a tangent follows each point."""
+    """Control points of each curve (S,)."""
     values = UsdGeom.Curves(prim).GetCurveVertexCountsAttr().Get(moment)
-    found = _array(prim, "curveVertexCounts", values, "iu", 1)
-    return 2 * found if prim.IsA(UsdGeom.HermiteCurves) else found
+    return _array(prim, "curveVertexCounts", values, "iu", 1)
 
 
 def _points(prim: Usd.Prim, moment: Usd.TimeCode) -> Any:
-    """Control points (P, 3), as `_counts` has them."""
-    points = _array(prim, "points", UsdGeom.Curves(prim).GetPointsAttr().Get(moment), "f", 2)
-    if not prim.IsA(UsdGeom.HermiteCurves):
-        return points
-    tangents = _array(prim, "tangents", UsdGeom.HermiteCurves(prim).GetTangentsAttr().Get(moment), "f", 2)
-    if points.shape != tangents.shape:
-        raise RefusedFileError(f"{prim.GetPath()}: {len(points):,} points have {len(tangents):,} tangents")
-    return np.stack([points, tangents], axis=1).reshape(-1, 3)
+    """Control points (P, 3)."""
+    return _array(prim, "points", UsdGeom.Curves(prim).GetPointsAttr().Get(moment), "f", 2)
 
 
 def _basis(prim: Usd.Prim, moment: Usd.TimeCode) -> list[str]:
-    """Type, basis and wrap of curves."""
+    """Type, basis and wrap of curves, and what they are where these do not say it. NURBS of order 4 are taken as
+    uniform B-splines, which reach their ends where knots clamp them; others are joined straight."""
     if prim.IsA(UsdGeom.NurbsCurves):
-        return ["nurbs", "", ""]
-    if prim.IsA(UsdGeom.HermiteCurves):
-        return ["cubic", "hermite", "nonperiodic"]
+        curves = UsdGeom.NurbsCurves(prim)
+        weights = np.asarray(curves.GetPointWeightsAttr().Get(moment) or [])
+        if weights.size and (weights != weights[0]).any():
+            raise RefusedFileError(f"{prim.GetPath()}: NURBS with weights that differ are not read")
+        if any(order != 4 for order in curves.GetOrderAttr().Get(moment) or [0]):
+            return [LINEAR, "", "nonperiodic", f"{NURBS} of other orders than 4, {STRAIGHT}"]
+        clamped = is_clamped(np.asarray(curves.GetKnotsAttr().Get(moment) or []))
+        return [CUBIC, BSPLINE, "pinned" if clamped else "nonperiodic", NURBS]
+    if not prim.IsA(UsdGeom.BasisCurves):
+        return [LINEAR, "", "nonperiodic", f"{prim.GetTypeName()}, {STRAIGHT}"]
     curves = UsdGeom.BasisCurves(prim)
     stated = [curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()]
     return [str(one.Get(moment)) for one in stated]
-
-
-def _knots(prim: Usd.Prim, moment: Usd.TimeCode) -> list[Any]:
-    """Orders and knots of NURBS; nothing of other curves."""
-    if not prim.IsA(UsdGeom.NurbsCurves):
-        return []
-    curves = UsdGeom.NurbsCurves(prim)
-    weights = np.asarray(curves.GetPointWeightsAttr().Get(moment) or [])
-    if weights.size and (weights != weights[0]).any():
-        raise RefusedFileError(f"{prim.GetPath()}: NURBS with weights that differ are not read")
-    orders, knots = curves.GetOrderAttr().Get(moment), curves.GetKnotsAttr().Get(moment)
-    return [np.asarray([] if orders is None else orders, "i4"), np.asarray([] if knots is None else knots, "f8")]
 
 
 def _array(prim: Usd.Prim, name: str, values: Any, kinds: str, dimensions: int) -> Any:
@@ -220,9 +202,9 @@ def _array(prim: Usd.Prim, name: str, values: Any, kinds: str, dimensions: int) 
 
 
 def _curves(curves: UsdGeom.Curves, moment: Usd.TimeCode, places: UsdGeom.XformCache) -> Message:
-    """Of a prim what its control points mean, those, the knots of NURBS, and its attributes."""
+    """Of a prim what its control points mean, those, and its attributes."""
     prim = curves.GetPrim()
-    arrays = [_counts(prim, moment), _points(prim, moment), *_knots(prim, moment)]
+    arrays = [_counts(prim, moment), _points(prim, moment)]
     listed, unread = [], []
     for name, interpolation, values in _attributes(curves, moment):
         if values is None:

@@ -103,7 +103,7 @@ def _prims(layer: Sdf.Layer, message: dict[str, Any], arrays: list[Any]) -> list
     places = []
     for one in message["prims"]:
         prim = Sdf.PrimSpec(holder, one["name"], Sdf.SpecifierDef, "BasisCurves")
-        _curves(prim, message["basis"], next(rest))
+        _curves(prim, next(rest))
         _set(prim, one["attributes"], [next(rest) for _ in one["attributes"]])
         places.append(prim.path)
     layer.defaultPrim = layer.rootPrims[0].name
@@ -131,13 +131,11 @@ def _attribute(prim: Sdf.PrimSpec, name: str, kind: Sdf.ValueTypeName, value: An
         found.SetInfo("interpolation", interpolation)
 
 
-def _curves(prim: Sdf.PrimSpec, message: list[str], counts: Any) -> None:
-    """Add the attributes of curves of a basis, without points."""
+def _curves(prim: Sdf.PrimSpec, counts: Any) -> None:
+    """Add the attributes of linear curves, without points."""
     types, tokens = Sdf.ValueTypeNames, UsdGeom.Tokens
-    kind, basis, wrap = message
-    for name, token in ((tokens.type, kind), (tokens.basis, basis), (tokens.wrap, wrap)):
-        if token:
-            _attribute(prim, name, types.Token, token)
+    _attribute(prim, tokens.type, types.Token, tokens.linear)
+    _attribute(prim, tokens.wrap, types.Token, tokens.nonperiodic)
     _attribute(prim, tokens.points, types.Point3fArray, None)
     _attribute(prim, tokens.extent, types.Float3Array, None)
     _attribute(prim, tokens.curveVertexCounts, types.IntArray, Vt.IntArray.FromNumpy(counts))
