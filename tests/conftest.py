@@ -29,12 +29,6 @@ def one_thread() -> None:
     numba.set_num_threads(1)
 
 
-@pytest.fixture(autouse=True)
-def no_power_cuts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Tests wait for no disk: what they write may be lost with the power."""
-    monkeypatch.setattr(os, "fsync", lambda file: None)
-
-
 @pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
     """The command line, in a folder of its own with a small preset."""

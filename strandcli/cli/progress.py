@@ -17,12 +17,10 @@ from . import signals
 from .say import printable, say
 
 _TICK = 0.2
-_LONG = 2.0
-"""Seconds of compiling from which on a run that draws no line says so."""
+_LONG, _AGAIN = 2.0, 10.0
+"""Seconds of compiling from which on a run that draws no line says so, and between two such lines."""
 _SILENT = 30.0
 """Seconds without a line after which a run of lines says that it goes on."""
-_AGAIN = 10.0
-"""Seconds between two such lines."""
 COMPILING = "(only on first use)"
 """Ends each line that tells of compiling."""
 
@@ -51,22 +49,16 @@ class Progress:
         self.lines = lines and not hidden and not self.live
         self.done = 0
         self._note = ""
-        self._note_since = 0.0
-        self._first = 0.0
-        self._stepped = 0.0
-        self._lock = threading.Lock()
+        self._note_since = self._first = self._stepped = 0.0
+        self._compiling_since = self._heard = 0.0
+        self._lock = threading.RLock()
         self._stop = threading.Event()
-        self._late: threading.Timer | None = None
-        self._heard = threading.Event()
         self._thread: threading.Thread | None = None
 
     def __enter__(self) -> Self:
-        self._first = time.monotonic()
-        if self.live:
+        self._first = self._heard = time.monotonic()
+        if not self.hidden:
             self._thread = threading.Thread(target=self._tick, name="progress", daemon=True)
-        elif self.lines:
-            self._thread = threading.Thread(target=self._beat, name="progress", daemon=True)
-        if self._thread is not None:
             self._thread.start()
         return self
 
@@ -77,8 +69,6 @@ class Progress:
         if self._thread is not None:
             self._thread.join()
             self._clear()
-        if self._late is not None:
-            self._late.cancel()
 
     def note(self, text: str) -> None:
         """Tell what is going on: compiling, pre-roll. An empty text ends it. Handed to the pipeline as ``notify``."""
@@ -87,37 +77,17 @@ class Progress:
             if _kind(text) != _kind(self._note):
                 self._first += self._pause(now)
                 self._note_since = now
+                self._compiling_since = now if _kind(text) == "compiling" else 0.0
             self._note = printable(text)
         if text and self.verbose and not self.live:
             say(text, err=True)
-        elif not (self.hidden or self.live):
-            self._report_late(_kind(text) == "compiling")
-
-    def _report_late(self, compiling: bool) -> None:
-        """Say that kernels compile, now and again, if they do for so long."""
-        if compiling and self._late is None:
-            self._begin_late(_LONG)
-        elif not compiling and self._late is not None:
-            self._late.cancel()
-            self._late = None
-
-    def _begin_late(self, seconds: float) -> None:
-        self._late = threading.Timer(seconds, self._say_compiling)
-        self._late.daemon = True
-        self._late.start()
-
-    def _say_compiling(self) -> None:
-        self.line(f"{self.label}: {compiling()} {COMPILING}")
-        if self._late is threading.current_thread():  # else compiling has ended meanwhile
-            self._begin_late(_AGAIN)
 
     def step(self, text: str = "", count: int = 1) -> None:
         """One more frame is done, or ``count`` more; ``text`` is its line for --verbose."""
-        self._report_late(False)
         now = time.monotonic()
         with self._lock:
             self._first += self._pause(now)
-            self._note = ""
+            self._note, self._compiling_since = "", 0.0
             self._stepped = now
             before, self.done = self.done, self.done + count
         if text and (self.verbose or self.lines):
@@ -142,21 +112,23 @@ class Progress:
         """Print a line above the progress line."""
         with self._lock:
             self._clear()
-            self._heard.set()
+            self._heard = time.monotonic()
             say(text, err=True)
 
     def _tick(self) -> None:
+        """Redraw the line; or say now and again, where there is none, what takes long."""
         while not self._stop.wait(_TICK):
             with self._lock:
-                columns = shutil.get_terminal_size().columns
-                self.stream.write("\r\x1b[K" + self.text(time.monotonic())[: max(1, columns - 1)])
-                self.stream.flush()
-
-    def _beat(self) -> None:
-        while not self._stop.wait(_SILENT):
-            if not self._heard.is_set():
-                self.line(f"{self.label}: at work on {self.each} {self.done + 1:,} of {self.total:,}")
-            self._heard.clear()
+                now = time.monotonic()
+                if self.live:
+                    columns = shutil.get_terminal_size().columns
+                    self.stream.write("\r\x1b[K" + self.text(now)[: max(1, columns - 1)])
+                    self.stream.flush()
+                elif self._compiling_since and now - self._compiling_since > _LONG and not self.verbose:
+                    self._compiling_since = now + _AGAIN - _LONG
+                    self.line(f"{self.label}: {compiling()} {COMPILING}")
+                elif self.lines and now - self._heard > _SILENT:
+                    self.line(f"{self.label}: at work on {self.each} {self.done + 1:,} of {self.total:,}")
 
     def _clear(self) -> None:
         if self.live:

@@ -16,8 +16,8 @@ from . import animations, camera_files, garbage, html_page, options
 from . import dask as clusters
 from .frame_range import FrameRange
 from .layers import layer_options, with_layers
-from .look import Look
 from .positions import open_cache
+from .preview import Preview, preview_option
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
 from .render_frames import Motion, frame_writer, frames_of
@@ -25,7 +25,6 @@ from .render_words import frame_line, interrupted, tell
 from .sweep import run as run_sweep
 from .sweep import sweep_option
 from .talk import Talk
-from .terminal_pictures import Preview, preview_option
 from .watch import run as run_watch
 from .watch import watch_option
 
@@ -127,14 +126,10 @@ def command(
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
     page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
-    look = Look(Preview(preview), folder)
+    shown = Preview(preview)
     motion = Motion(positions, checkpoint, keep_going, dask)
-    with (
-        page or nullcontext(),
-        talk.progress(len(writer.wanted), label) as progress,
-        look.signalled(progress),
-    ):
-        data = _run(scene, writer, report, motion, threads, talk.quiet, progress, bound, look)
+    with page or nullcontext(), talk.progress(len(writer.wanted), label) as progress:
+        data = _run(scene, writer, report, motion, threads, talk.quiet, progress, bound, shown)
     made = animations.animate(writer, data, animate or (), overwrite or resume, scene.time.fps, ground, talk)
     if page is not None:
         page.write(data, made)
@@ -157,7 +152,7 @@ def _run(
     quiet: bool,
     progress: Progress,
     bound: PictureError | None,
-    look: Look,
+    shown: Preview,
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
     from ..compiling import runtime
@@ -183,7 +178,8 @@ def _run(
                     if bound is not None:
                         bound.keep(frame)
                     if frame.image is not None:  # it is, where draw is not turned off
-                        look.hand_on(writer, frame)
+                        writer.submit(frame.number, frame.image, frame.aovs)
+                        shown.next(frame.image)
                     progress.checked_step(frame_line(frame.number, frame.report))
                     garbage.resume()
             if bound is not None:

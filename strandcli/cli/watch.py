@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import gc
 import sys
+import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -16,12 +17,11 @@ import click
 from ..errors import MismatchError, StrandError, UsageError
 from ..files import inputs
 from . import options, signals
+from .preview import Preview
 from .progress import Progress
 from .say import say
-from .terminal_pictures import Preview
 
 if TYPE_CHECKING:
-    from ..run.remembered import Remembered
     from ..scene.model import Scene
 
 FILE = "watch.png"
@@ -47,36 +47,27 @@ def run(given: Mapping[str, Any]) -> None:
     frame = given["frames"].numbers()[0] if given["frames"] is not None else 1
     from ..compiling import runtime
     from ..output.files import prepare_folder
-    from ..run.remembered import Remembered
 
     prepare_folder(folder, 0)
-    preview, motion = Preview(given["preview"]), Remembered(frame)
+    preview = Preview(given["preview"])
     watcher = Watcher(given["preset"])
     runtime.start(given["threads"])
     if not given["quiet"]:
         say(f"{given['preset']}: drawn into {path} whenever it is saved; Ctrl-C ends", err=True)
-    tidied = False
     try:
-        while True:
-            if watcher.changed():
-                gc.disable()  # to look at all that libraries hold takes a tenth of a second, and is done after
-                _round(given, watcher, path, frame, preview, motion)
-                tidied = _tidy(tidied)
-            signals.check()
-            time.sleep(PAUSE)
+        with tempfile.TemporaryDirectory(prefix="strandcli-watch-", ignore_cleanup_errors=True) as states:
+            while True:
+                if watcher.changed():
+                    gc.disable()  # to look at all that libraries hold takes a tenth of a second, and is done after
+                    _round(given, watcher, path, frame, preview, Path(states))
+                    gc.collect()
+                    gc.freeze()
+                    gc.enable()
+                signals.check()
+                time.sleep(PAUSE)
     except KeyboardInterrupt as end:
         if type(end) is not KeyboardInterrupt:  # SIGTERM and SIGHUP
             raise
-
-
-def _tidy(again: bool) -> bool:
-    """Collect garbage while nothing waits; what is there after the first picture, libraries and kernels, stays and is
-    not looked at ``again``."""
-    gc.collect()
-    if not again:
-        gc.freeze()
-    gc.enable()
-    return True
 
 
 def _require_ours(path: Path, overwrite: bool) -> None:
@@ -86,15 +77,13 @@ def _require_ours(path: Path, overwrite: bool) -> None:
         raise UsageError(f"{path}: was not written by strandcli; add --overwrite to replace it")
 
 
-def _round(
-    given: Mapping[str, Any], watcher: Watcher, path: Path, frame: int, preview: Preview, motion: Remembered
-) -> None:
+def _round(given: Mapping[str, Any], watcher: Watcher, path: Path, frame: int, preview: Preview, states: Path) -> None:
     """Draw once; faults are told in place, and the picture before stays."""
     start = time.perf_counter()
     quiet = given["quiet"]
     try:
         with watcher.round():
-            image, compiling = _drawn(_scene(given), frame, given, motion)
+            image, compiling = _drawn(_scene(given), frame, given, states)
         from ..output.files import write_pieces
         from ..output.png import encode
 
@@ -132,21 +121,25 @@ def _with_one_turn(scene: Scene) -> Scene:
     return dataclasses.replace(scene, time=dataclasses.replace(time, preroll=preroll))
 
 
-def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], motion: Remembered) -> tuple[Any, float]:
+def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], states: Path) -> tuple[Any, float]:
     """The picture, and the seconds that compiling took."""
     quiet = given["quiet"]
     from ..compiling import runtime
     from ..plan import checked_plan
     from ..run import pipeline
+    from ..run.checkpoints import Checkpoints
+    from ..run.first_frame import FirstFrame
 
     if frame > scene.time.frames:
         raise UsageError(f"-f/--frames asks for frame {frame}, but the animation has {scene.time.frames}")
     checked_plan(scene, [frame])
-    before = runtime.compile_seconds()
+    every = max(1, frame - 1) if scene.camera.shutter > 0 else frame  # what moves is drawn between two frames
+    before, kept = runtime.compile_seconds(), Checkpoints(states, every)
     with Progress(1, options.preset_name(given["preset"]), hidden=quiet or given["no_progress"]) as progress:
         (found,) = pipeline.render(
             scene, [frame], threads=given["threads"], notify=progress.note, keep_going=given["keep_going"],
-            warn=lambda text: None if quiet else progress.line(f"warning: {text}"), checkpoints=motion,
+            warn=lambda text: None if quiet else progress.line(f"warning: {text}"),
+            checkpoints=FirstFrame(kept, progress.note),
         )  # fmt: skip
     return found.image, runtime.compile_seconds() - before
 

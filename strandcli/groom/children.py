@@ -176,12 +176,6 @@ class Children:
     def _solids(self, at: float) -> solids.Solids:
         return solids.pack_all(touched(self.scene), self.scene.emitter, at)
 
-    def adopt(self, others: Children) -> None:
-        """Take over what other children have found, whose emitter, settings, seed and number of guides are the same."""
-        for name in ("every", "family"):
-            if name in vars(others):
-                setattr(self, name, vars(others)[name])
-
     @cached_property
     def every(self) -> Groom:
         """The children as emitted."""

@@ -38,39 +38,38 @@ class Claim:
         Raises ``RefusedError`` where another run has claimed one of them and does not let go within ``patience``
         seconds.
         """
-        self._path = directory / f".{what}.lock"
+        self._path, self._file = directory / f".{what}.lock", -1
         spans = [_ALL] if numbers is None else _spans(numbers)
-        self._file = self._lock(spans, what, time.monotonic() + patience) if spans and fcntl is not None else None
-        if not spans and fcntl is not None:
-            _remove_unheld(self._path)
+        deadline = time.monotonic() + patience
+        while spans and fcntl is not None and self._file < 0:
+            try:
+                self._file = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o666)
+                for span in spans:
+                    _hold(self._file, span)
+            except BlockingIOError:
+                self._close()
+                if time.monotonic() >= deadline:
+                    raise RefusedError(
+                        f"{directory}: another run is writing the same {what} there just now; wait until it has ended, "
+                        "or choose another folder with -o"
+                    ) from None
+                time.sleep(_PAUSE)
+            except OSError:  # no locks on this file system, or a file of another user's
+                self._close()
+                return
 
     def release(self) -> None:
         """Let go, and remove the file where nobody else holds a part of it."""
-        if self._file is None:
-            return
-        with suppress(OSError):
-            _hold(self._file, _ALL)
-            self._path.unlink()
-        os.close(self._file)
-        self._file = None
+        if self._file >= 0:
+            with suppress(OSError):
+                _hold(self._file, _ALL)
+                self._path.unlink()
+            self._close()
 
-    def _lock(self, spans: list[tuple[int, int]], what: str, deadline: float) -> int | None:
-        """The open file; None where there are no locks."""
-        while True:
-            try:
-                while (file := _locked(self._path, spans)) is None:
-                    pass
-                return file
-            except BlockingIOError:
-                if time.monotonic() >= deadline:
-                    break
-                time.sleep(_PAUSE)
-            except OSError:  # no locks on this file system, or a file of another user's
-                return None
-        raise RefusedError(
-            f"{self._path.parent}: another run is writing the same {what} there just now; wait until it has ended, "
-            "or choose another folder with -o"
-        )
+    def _close(self) -> None:
+        if self._file >= 0:
+            os.close(self._file)
+        self._file = -1
 
 
 def _spans(numbers: Iterable[int]) -> list[tuple[int, int]]:
@@ -87,30 +86,3 @@ def _spans(numbers: Iterable[int]) -> list[tuple[int, int]]:
 def _hold(file: int, span: tuple[int, int]) -> None:
     first, count = span
     fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, count, first)
-
-
-def _remove_unheld(path: Path) -> None:
-    """Remove a file that a killed run has left, for one that has nothing to claim."""
-    with suppress(OSError):
-        file = os.open(path, os.O_RDWR)
-        try:
-            _hold(file, _ALL)
-            path.unlink()
-        finally:
-            os.close(file)
-
-
-def _locked(path: Path, spans: list[tuple[int, int]]) -> int | None:
-    """The open file with these bytes locked; None where its last owner removed it meanwhile."""
-    file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-    try:
-        for span in spans:
-            _hold(file, span)
-        with suppress(FileNotFoundError):
-            if os.path.samestat(os.fstat(file), os.stat(path)):
-                return file
-    except BaseException:
-        os.close(file)
-        raise
-    os.close(file)
-    return None

@@ -1,8 +1,8 @@
-"""What files of earlier runs tell, taken for no more than it can be: anybody may have written or damaged them."""
+"""Whether files of earlier runs are as strandcli writes them: anybody may have written or damaged them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from .frames import frame_file
@@ -10,8 +10,6 @@ from .frames import frame_file
 LARGEST = 1e300
 """Numbers beyond it, and integers that no float holds, are none that strandcli writes."""
 MOST_FRAMES = 10**9
-NUMBERS = ("seconds", "error", "counts")
-"""What a frame tells by name in numbers."""
 
 
 def is_number(value: object) -> bool:
@@ -24,56 +22,53 @@ def is_number_or_none(value: object) -> bool:
     return value is None or is_number(value)
 
 
-def sound_report(data: object) -> dict[str, Any] | None:
-    """The report.json that this is, without what is of another type or names other files than frames' own; None
-    where it is none."""
-    if not isinstance(data, dict) or not isinstance(data.get("frames", []), list):
-        return None
-    checks: dict[str, Callable[[Any], Any]] = {
-        "frames": lambda found: [_sound_frame(one) for one in found if _is_frame(one)],
-        "preset": lambda found: {"name": "", **_texts(found, "name", "sha256")},
-        "machine": lambda found: {key: one for key, one in _mapping(found).items() if is_told(one)} or None,
-        "plan": lambda found: {part: _stages(_mapping(found).get(part)) for part in ("used", "left_out")},
-        "totals": _numbers,
-        "failure": lambda found: _texts(found, "message", "cause") or None,
-        "warnings": lambda found: [one for one in found if isinstance(one, str)] if isinstance(found, list) else [],
-        "compile_seconds": lambda found: found if is_number(found) else None,
-        "picture_error": lambda found: _mapping(found) or None,
-        **{key: lambda found: found if isinstance(found, str) else "" for key in ("strandcli", "status", "scene")},
-    }
-    return {key: checks[key](one) if key in checks else one for key, one in data.items()}
+def _is_text(value: object) -> bool:
+    return value is None or isinstance(value, str)
 
 
-def is_told(value: object) -> bool:
-    """Whether it is one of what a machine is told by: text, a number, or None."""
-    return isinstance(value, str) or is_number_or_none(value)
+def _mapping(inner: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    """A check of mappings whose values are all of a kind, or of None."""
+    return lambda value: value is None or (isinstance(value, dict) and all(map(inner, value.values())))
 
 
-def _is_frame(entry: object) -> bool:
+def _list(inner: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, list) and all(map(inner, value))
+
+
+def _is_told(value: object) -> bool:
+    return _is_text(value) or is_number(value)
+
+
+def _is_frame(entry: Any) -> bool:
     """Whether it tells of a frame by its number and the name of its file, which is the frame's own."""
     if not isinstance(entry, dict) or type(entry.get("frame")) is not int or not 0 <= entry["frame"] < MOST_FRAMES:
         return False
-    return bool(entry.get("file") == frame_file(entry["frame"]))
+    numbers = _mapping(is_number_or_none)
+    return bool(entry.get("file") == frame_file(entry["frame"])) and all(
+        numbers(entry.get(name)) for name in ("seconds", "error", "counts")
+    )
 
 
-def _sound_frame(entry: Mapping[str, Any]) -> dict[str, Any]:
-    parts = {key: _numbers(entry[key]) for key in NUMBERS if key in entry}
-    return {**{key: one for key, one in entry.items() if key not in parts}, **parts}
+CHECKS: dict[str, Callable[[Any], bool]] = {
+    "frames": _list(_is_frame),
+    "preset": lambda value: (
+        isinstance(value, dict) and isinstance(value.get("name"), str) and _mapping(_is_text)(value)
+    ),
+    "machine": _mapping(_is_told),
+    "plan": _mapping(_list(lambda one: isinstance(one, dict) and {"stage", "why"} <= one.keys())),
+    "totals": _mapping(is_number_or_none),
+    "failure": _mapping(_is_told),
+    "warnings": _list(lambda one: isinstance(one, str)),
+    "compile_seconds": is_number_or_none,
+    "picture_error": lambda value: value is None or isinstance(value, dict),
+    **dict.fromkeys(("strandcli", "status", "scene"), _is_text),
+}
+"""By the keys of report.json."""
 
 
-def _mapping(value: object) -> Mapping[str, Any]:
-    return value if isinstance(value, dict) else {}
-
-
-def _numbers(value: object) -> dict[str, Any]:
-    return {key: one for key, one in _mapping(value).items() if is_number_or_none(one)}
-
-
-def _texts(value: object, *keys: str) -> dict[str, str]:
-    found = _mapping(value)
-    return {key: found[key] for key in keys if isinstance(found.get(key), str)}
-
-
-def _stages(value: object) -> list[dict[str, str]]:
-    stages = [_texts(one, "stage", "why") for one in (value if isinstance(value, list) else [])]
-    return [one for one in stages if len(one) == 2]
+def sound_report(data: Any) -> dict[str, Any] | None:
+    """The report.json that this is; None where a part of it is of another kind or names other files than frames'
+    own."""
+    if not isinstance(data, dict):
+        return None
+    return data if all(CHECKS[key](one) for key, one in data.items() if key in CHECKS) else None

@@ -19,8 +19,8 @@ import time
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -75,27 +75,10 @@ def _discard_all(temporary: Path) -> None:
 
 @contextmanager
 def atomic(path: Path) -> Iterator[BinaryIO]:
-    """A binary file that takes the name ``path`` when the block ends well and all is on the disk, and vanishes when it
-    does not. Raises `RefusedError` as `placed` does."""
+    """A binary file that takes the name ``path`` when the block ends well, and vanishes when it does not. Raises
+    `RefusedError` as `placed` does."""
     with placed(path) as temporary, open(temporary, "wb") as file:
         yield file
-        file.flush()
-        _to_disk(file)
-
-
-def _begin_to_disk(file: BinaryIO) -> None:
-    """Let the disk begin with a file without waiting: Linux writes what a program says it will not read again."""
-    with suppress(AttributeError, OSError):
-        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
-
-
-def _to_disk(file: BinaryIO) -> None:
-    """Wait until the disk has a file: else it could be empty under its final name after the power has failed."""
-    try:
-        os.fsync(file.fileno())
-    except OSError as error:
-        if error.errno not in (errno.EINVAL, errno.ENOTSUP):  # of file systems that know no such thing
-            raise
 
 
 _swept: set[Path] = set()
@@ -113,18 +96,6 @@ def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
     with atomic(path) as file:
         for piece in pieces:
             file.write(piece)
-
-
-def begin_pieces(path: Path, pieces: Iterable[bytes]) -> Callable[[], None]:
-    """Write ``pieces`` as `write_pieces` does, and do not wait for the disk: the returned function does, and gives the
-    file its name. Both raise `RefusedError` as `placed` does, and leave nothing then."""
-    with ExitStack() as stack:
-        file = stack.enter_context(atomic(path))
-        for piece in pieces:
-            file.write(piece)
-        file.flush()
-        _begin_to_disk(file)
-        return stack.pop_all().close
 
 
 def write_json(path: Path, data: Any) -> None:

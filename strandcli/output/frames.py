@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import queue
-import threading
 import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections import deque
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -19,16 +17,12 @@ from ..errors import RefusedError, UsageError
 from ..files.inputs import unrecorded
 from . import png
 from .claim import Claim
-from .files import begin_pieces, prepare_folder, refuse_present, require_own, with_whole
+from .files import prepare_folder, refuse_present, require_own, with_whole, write_pieces
 from .layers import Layers, is_of, is_whole, layer_files, write_layers
 from .room import frame_bytes
 
-_TOGETHER = 8
-"""Pictures that wait for the disk together, which takes 8 in two and a half times as long as one."""
-_DISK_SECONDS = 0.25
-"""How long the last of them waits for the next one."""
-_PATIENCE = 0.1
-"""Seconds that the thread that draws waits for room in the queue before it writes a picture itself."""
+QUEUED = 2
+"""Pictures that wait for the thread that writes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +44,7 @@ class FrameWriter:
     """Takes pictures and leaves finished PNG files in one folder.
 
     Everything that can be refused is refused by the constructor, before anything is computed. Use it as a context
-    manager: leaving the block, for whatever reason, finishes the frames that were handed in and stops the thread.
+    manager: leaving the block, for whatever reason, finishes the frames that were handed in.
     """
 
     def __init__(
@@ -83,13 +77,7 @@ class FrameWriter:
         self.layers = tuple(layers)
         self.exr = exr
         self.written: dict[int, Written] = {}
-        self._failure: BaseException | None = None
-        self._begun: list[Callable[[], None]] = []
-        self._finishing = False
-        """Whether the disk is waited for, which the thread that draws has to do, too."""
-        self._lock = threading.Lock()  # of the list above, to which the thread that draws adds, too
-        self._queue: queue.Queue[tuple[int, png.Pixels, Layers] | None] = queue.Queue(maxsize=2)
-        self._thread: threading.Thread | None = None
+        self._waiting: deque[Future[None]] = deque()
         width, height = size
         if directory.is_dir():
             self._look(frames, overwrite, resume, also)
@@ -132,99 +120,36 @@ class FrameWriter:
         self.written[frame] = Written(frame, path.name, png.pixels_sha256(np.asarray(image)), None)
 
     def __enter__(self) -> Self:
-        self._thread = threading.Thread(target=self._work, name="frame writer", daemon=True)
-        self._thread.start()
+        self._pool = ThreadPoolExecutor(1, "frame writer")
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._thread is not None:
-            while self._help():
-                pass
-            self._put(None)
-            self._thread.join()
-            self._thread = None
-            self._finish()
+        self._pool.shutdown()
         self._claim.release()
         if kind is None:
-            self._raise()
+            self._wait(0)
 
     def submit(self, frame: int, image: png.Pixels, layers: Layers | None = None) -> None:
         """Hand in a picture: uint8, (height, width, 3), or 4 with alpha, which the caller may reuse at once, and its
-        layers, which the caller may not. Waits while two are queued, and writes one itself where that takes long.
+        layers, which the caller may not. Waits while two are queued.
 
         Raises what went wrong with an earlier frame.
         """
-        self._raise()
         if (image.shape[1], image.shape[0]) != self.size:
             raise ValueError(f"frame {frame} is {image.shape[1]}x{image.shape[0]}, not {self.size[0]}x{self.size[1]}")
-        self._put((frame, np.array(image, copy=True), layers or {}))
+        self._wait(QUEUED)
+        self._waiting.append(self._pool.submit(self._write, frame, np.array(image, copy=True), layers or {}))
 
-    def _put(self, item: tuple[int, png.Pixels, Layers] | None) -> None:
-        """Queue an item, but never wait for a thread that has died."""
-        while self._thread is not None and self._thread.is_alive():
-            with suppress(queue.Full):
-                self._queue.put(item, timeout=_PATIENCE)
-                return
-            if not self._finishing:
-                self._help()
-
-    def _help(self) -> bool:
-        """Write the picture that waits longest on the thread that calls, for the writer's own gets little time where
-        other programs are busy; returns whether one waited."""
-        with suppress(queue.Empty):
-            item = self._queue.get_nowait()
-            if item is not None and self._failure is None:
-                try:
-                    self._write(*item)
-                except BaseException as error:
-                    self._finish(error)
-            return True
-        return False
-
-    def _raise(self) -> None:
-        if self._failure is None:
-            return
-        if isinstance(self._failure, RefusedError):
-            drawn = [self.directory / one.file for one in self.written.values() if one.seconds is not None]
-            raise with_whole(self._failure, drawn)
-        raise self._failure
-
-    def _work(self) -> None:
-        # Kernels run on every core and wait for their slowest thread: this one takes what they leave. Linux keeps a
-        # priority for each thread. What it does not come to, the thread that draws does.
-        with suppress(OSError, AttributeError):
-            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 10)
-        try:
-            while (item := self._next()) is not None:
-                self._write(*item)
-            self._finish()
-        except BaseException as error:
-            self._finish(error)
-
-    def _next(self) -> tuple[int, png.Pixels, Layers] | None:
-        """The next item of the queue; None after a failure. Written pictures get their names when there are enough of
-        them, or when none has come for a while, in which the disk takes them."""
-        if 0 < len(self._begun) < _TOGETHER:
-            with suppress(queue.Empty):
-                return self._queue.get(timeout=_DISK_SECONDS)
-        self._finish()
-        return None if self._failure else self._queue.get()
-
-    def _finish(self, failure: BaseException | None = None) -> None:
-        """Give written pictures their names, and then tell of a failure. The others stay where the disk refuses
-        one, which is a failure too."""
-        with self._lock:
-            begun, self._begun = self._begun, []
-        self._finishing = True
-        for finish in begun:
+    def _wait(self, most: int) -> None:
+        """Wait until so many frames are not written yet; raises what went wrong with one that is done."""
+        while self._waiting and (len(self._waiting) > most or self._waiting[0].done()):
             try:
-                finish()
-            except BaseException as error:
-                failure = failure or error
-        self._finishing = False
-        self._failure = self._failure or failure  # last: whoever sees it counts the frames that are whole
+                self._waiting.popleft().result()
+            except RefusedError as error:
+                drawn = [self.directory / one.file for one in self.written.values() if one.seconds is not None]
+                raise with_whole(error, drawn) from error
 
     def _write(self, frame: int, image: png.Pixels, layers: Layers) -> None:
         start = time.perf_counter()
@@ -235,13 +160,5 @@ class FrameWriter:
         digest = png.pixels_sha256(image)
         # before the picture, which is the sign that all is there
         write_layers(self.directory, frame, layers, self.exr, self.scene)
-        name_it = begin_pieces(path, png.encode(image, text))
-        seconds = time.perf_counter() - start
-
-        def finish() -> None:
-            begun = time.perf_counter()
-            name_it()
-            self.written[frame] = Written(frame, path.name, digest, seconds + time.perf_counter() - begun)
-
-        with self._lock:
-            self._begun.append(finish)
+        write_pieces(path, png.encode(image, text))
+        self.written[frame] = Written(frame, path.name, digest, time.perf_counter() - start)

@@ -1,1 +1,1 @@
-"""A run: the pipeline of stages from a scene to its frames, and what is remembered on the way."""
+"""A run: the pipeline of stages from a scene to its frames, and the states that it goes on from."""

@@ -23,7 +23,6 @@ from ..output.state_file import DamagedError, ForeignError, read_state, write_st
 from .fingerprint import motion_values
 
 if TYPE_CHECKING:
-    from ..groom.children import Children
     from ..scene.model import Scene
 
 FOLDER = "checkpoints"
@@ -93,9 +92,6 @@ class Checkpoints:
             self._prepared = True
         write_state(self.path(frame), self.key(solver.scene), arrays)
         self._bad.discard(frame)
-
-    def share(self, children: Children) -> None:
-        """Do nothing: a run has its children made once."""
 
     def key(self, scene: Scene) -> str:
         """Return the hash of all that a state's bits depend on."""

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 from ..jit import kept
 
 if TYPE_CHECKING:
-    from ..groom.children import Children
     from .checkpoints import Checkpoints
     from .stages import Notify
 
@@ -65,11 +64,6 @@ class FirstFrame:
         if frame == 1 and self._began is not None and time.perf_counter() - self._began >= LEAST:
             kept.keep(KIND, _key(solver), solver.state_arrays())
         self._began = None
-
-    def share(self, children: Children) -> None:
-        """Hand on."""
-        if self._checkpoints is not None:
-            self._checkpoints.share(children)
 
 
 def _key(solver: Any) -> str:

@@ -21,7 +21,6 @@ from .stages import MovedStrands, Notify, Positions, RunOptions, SimulationStage
 if TYPE_CHECKING:
     from .checkpoints import Checkpoints
     from .first_frame import FirstFrame
-    from .remembered import Remembered
 
 Item = TypeVar("Item")
 
@@ -46,7 +45,7 @@ def render(
     keep_going: bool = False,
     notify: Notify | None = None,
     warn: Notify | None = None,
-    checkpoints: Checkpoints | FirstFrame | Remembered | None = None,
+    checkpoints: Checkpoints | FirstFrame | None = None,
 ) -> Iterator[Frame]:
     """Frames of a scene in ascending order (all of them by default); those before the first are simulated unseen.
 

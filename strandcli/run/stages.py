@@ -26,7 +26,6 @@ from .frame import Frame
 if TYPE_CHECKING:
     from .checkpoints import Checkpoints
     from .first_frame import FirstFrame
-    from .remembered import Remembered
 
 Notify = Callable[[str], None]
 Positions = Callable[[int], NDArray[np.float32]]
@@ -46,7 +45,7 @@ class RunOptions:
     """Is handed what is being done."""
     warn: Notify | None = None
     """Is handed what is hardly meant, once for all panels."""
-    checkpoints: Checkpoints | FirstFrame | Remembered | None = None
+    checkpoints: Checkpoints | FirstFrame | None = None
     """From where the simulation goes on, and where it leaves its state."""
     heard: set[str] = field(default_factory=set)
     """What ``warn`` was handed."""
@@ -88,8 +87,6 @@ class SimulationStage:
         """What is drawn in place of the strands that are simulated."""
         if draw and scene.children is not None:
             self.children = Children(scene, self.groom)
-            if options.checkpoints is not None:
-                options.checkpoints.share(self.children)
         self.combed = None
         if draw and scene.emitter.tie is not None:
             drawn = self.children.every if isinstance(self.children, Children) else self.groom

@@ -1,4 +1,4 @@
-"""Looking on: pictures in terminals, --watch, SIGUSR1, and MP4."""
+"""Looking on: pictures in terminals, --watch, and MP4."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ import signal
 import stat
 import subprocess
 import sys
-import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,13 +25,15 @@ from PIL import Image
 
 from cli_runs import TINY, Runner, child, environment
 from strandcli import load
-from strandcli.cli import terminal_pictures as shown
-from strandcli.cli.watch import Watcher, _with_one_turn
+from strandcli.cli import preview as shown
+from strandcli.cli.watch import Watcher, _drawn, _with_one_turn
 from strandcli.errors import RefusedError, UsageError
 from strandcli.files import inputs
 from strandcli.output import png, video
 from strandcli.output.compare import write_image
 from strandcli.output.over import over
+from strandcli.run import pipeline
+from tests.run.test_checkpoints import SMALL, Steps
 
 SIZES = st.tuples(st.integers(1, 40), st.integers(1, 40))
 
@@ -41,32 +43,6 @@ def picture(size: tuple[int, int], seed: int = 1) -> np.ndarray:
     rng = np.random.default_rng(seed)
     colours = rng.choice([0, 51, 102, 204, 255], (7, 3)).astype(np.uint8)
     return colours[rng.integers(0, 7, size)]
-
-
-@given(SIZES, st.integers(0, 9))
-def test_sixels_hold_the_picture(size: tuple[int, int], seed: int) -> None:
-    """Read again by what the manual says: bands of six rows, `$` back to the left, `-` to the next band."""
-    image = picture(size, seed)
-    text = shown.sixel(image)
-    body = re.fullmatch(r'\x1bPq"1;1;(\d+);(\d+)(.*)\x1b\\\n', text, re.DOTALL)
-    assert body is not None
-    assert (int(body[2]), int(body[1])) == size
-    found = np.zeros((*size, 3), np.uint8)
-    palette: dict[int, list[int]] = {}
-    x = y = colour = 0
-    for number, parts, count, sign, move in re.findall(r"#(\d+)((?:;\d+)*)|(?:!(\d+))?([?-~])|([$-])", body[3]):
-        if number:
-            colour = int(number)
-            if parts:
-                palette[colour] = [round(int(one) * 255 / 100) for one in parts.split(";")[2:]]
-        elif move:
-            x, y = 0, y + (6 if move == "-" else 0)
-        else:
-            for row in range(6):
-                if (ord(sign) - 63) >> row & 1:
-                    found[y + row, x : x + int(count or 1)] = palette[colour]
-            x += int(count or 1)
-    assert np.abs(found.astype(int) - image).max() <= 2, "colours are hundredths"
 
 
 @given(SIZES)
@@ -98,7 +74,7 @@ def test_half_blocks_have_two_pixels_each() -> None:
 
 
 @pytest.mark.parametrize(("variables", "kind"), [
-    ({"TERM": "xterm-kitty"}, "kitty"), ({"LC_TERMINAL": "iTerm2"}, "iterm2"), ({"TERM": "foot"}, "sixel"),
+    ({"TERM": "xterm-kitty"}, "kitty"), ({"LC_TERMINAL": "iTerm2"}, "iterm2"),
     ({"TERM": "tmux-256color", "KITTY_WINDOW_ID": "1"}, "blocks"), ({}, "blocks"),
 ])  # fmt: skip
 def test_terminals_are_told_by_their_variables(variables: dict[str, str], kind: str) -> None:
@@ -157,6 +133,25 @@ def test_watch_draws_again_when_the_preset_changes_and_tells_faults(run: Runner)
         process.communicate()
 
 
+def test_watch_simulates_again_only_what_moves_strands(tmp_path: Path) -> None:
+    given = {"preset": "minimal", "threads": 1, "keep_going": False, "quiet": True, "no_progress": True}
+    changes: list[dict[str, Any]] = [
+        {}, {"lights.0.intensity": 1.0}, {"camera.fov": 30.0}, {"wind.strength": 5.0},
+        {"camera.shutter": 0.5, "camera.samples": 2}, {"camera.shutter": 0.25, "camera.samples": 2},
+    ]  # fmt: skip
+    found = []
+    for more in changes:
+        scene = load("hair", settings={**SMALL, **more})
+        with Steps() as steps:
+            image, _ = _drawn(scene, 3, given, tmp_path)
+        found.append(steps.count)
+        (plain,) = pipeline.render(scene, [3], threads=1)
+        assert np.array_equal(image, plain.image), more
+    step = load("hair").time.substeps
+    assert [one > 0 for one in found[:4]] == [True, False, False, True]
+    assert found[4] > found[5] == step  # the frame before is known, and the frame is simulated from there
+
+
 def test_watch_simulates_a_loop_for_one_turn_before_its_first_frame() -> None:
     for loop, preroll, left in ((True, 6, 3), (True, 1, 1), (False, 6, 6)):
         scene = load("hair", settings={"time.loop": loop, "time.preroll": float(preroll)})
@@ -170,28 +165,6 @@ def test_watch_goes_with_no_run_of_many_frames_and_replaces_no_file_of_others(ru
     write_image(Path("w/watch.png"), picture((4, 4)))
     Image.open("w/watch.png").save("w/watch.png")
     assert "was not written by strandcli" in run("render", "tiny.yaml", "--watch", "-o", "w").error()
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGUSR1"), reason="no such signal here")
-def test_a_signal_has_the_newest_frame_written(run: Runner) -> None:
-    Path("long.yaml").write_text(TINY.replace("frames: 12", "frames: 100000"))
-    process = child(run.folder, "render", "long.yaml", "-o", "a", "--no-html", "--threads", 1)
-    try:
-        for _ in range(600):
-            if Path("a/frame_0003.png").exists():
-                break
-            time.sleep(0.1)
-        process.send_signal(signal.SIGUSR1)
-        told = re.search(r"a/now.png: frame (\d+), \d+ of 100000 are done", lines_of(process, "now.png"))
-        assert told is not None
-        now = png.pixels_sha256(png.read(Path("a/now.png")))
-        assert process.poll() is None, "the run goes on"
-        process.send_signal(signal.SIGINT)
-        assert process.wait(30) == 130
-        assert now == png.pixels_sha256(png.read(Path(f"a/frame_{int(told[1]):04d}.png")))
-    finally:
-        process.kill()
-        process.communicate()
 
 
 FFMPEG = f"""\

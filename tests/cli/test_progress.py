@@ -105,6 +105,7 @@ def test_nothing_is_drawn_where_nobody_looks(
 def test_kernels_that_take_long_to_compile_are_told_once_in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
     stream = io.StringIO()
     monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.setattr("strandcli.cli.progress._TICK", 0.01)
     monkeypatch.setattr("strandcli.cli.progress._LONG", 0.02)
     monkeypatch.setattr("strandcli.cli.progress._AGAIN", 0.02)
     for hidden in (True, False):
@@ -151,6 +152,7 @@ def test_how_many_kernels_are_left_and_how_long_that_takes(monkeypatch: pytest.M
 def test_a_long_step_is_told_while_it_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     stream = io.StringIO()
     monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.setattr("strandcli.cli.progress._TICK", 0.01)
     monkeypatch.setattr("strandcli.cli.progress._SILENT", 0.03)
     with Progress(6, "study layer", each="run", lines=True) as progress:
         progress.step("rod: 3 s")

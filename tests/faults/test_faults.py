@@ -75,7 +75,7 @@ class FaultyFile(io.FileIO):
 @contextmanager
 def injected(faults: Faults) -> Iterator[Faults]:
     """A block in which files under the folder are handled by way of ``faults``, whoever does it in this process."""
-    plain = {"open": builtins.open, "os_open": os.open, "replace": os.replace, "mkdir": os.mkdir, "fsync": os.fsync}
+    plain = {"open": builtins.open, "os_open": os.open, "replace": os.replace, "mkdir": os.mkdir}
 
     def opened(file: Any, mode: str = "r", buffering: int = -1, *more: Any, **named: Any) -> Any:
         if not faults.mine(file) or not set(mode) & set("wax+"):
@@ -101,18 +101,9 @@ def injected(faults: Faults) -> Iterator[Faults]:
             faults("mkdir", path)
         plain["mkdir"](path, *more, **named)
 
-    def flushed(file: Any) -> None:
-        try:
-            path = os.readlink(f"/proc/self/fd/{file if isinstance(file, int) else file.fileno()}")
-        except OSError:
-            path = ""
-        if faults.mine(path):
-            faults("fsync", path)
-
     with (
         patch.object(builtins, "open", opened), patch.object(io, "open", opened), patch.object(os, "open", os_opened),
         patch.object(os, "replace", renamed), patch.object(os, "rename", renamed), patch.object(os, "mkdir", made),
-        patch.object(os, "fsync", flushed),
     ):  # fmt: skip
         yield faults
 

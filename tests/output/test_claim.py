@@ -13,7 +13,6 @@ import pytest
 
 from cli_runs import TINY, Runner, environment
 from strandcli.errors import RefusedError
-from strandcli.output import claim as module
 from strandcli.output.claim import Claim
 from strandcli.output.frames import FrameWriter
 
@@ -52,26 +51,9 @@ def test_what_another_process_writes_is_refused_and_all_else_is_not(tmp_path: Pa
         ours = Claim(tmp_path, "frames", [0, 4, 5, 6, 8, 9])
         Claim(tmp_path, "positions").release()
         process.communicate("\n")
-        Claim(tmp_path, "frames", [100])  # the other one has let go, and left the file to us
-        assert os.listdir(tmp_path) == [".frames.lock"]
+        Claim(tmp_path, "frames", [100]).release()  # the other one has let go
         ours.release()
     assert os.listdir(tmp_path) == []
-
-
-def test_an_owner_that_leaves_takes_nobody_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Who has locked a file that is no longer there holds nothing: the next one makes a file of its own."""
-    hold, path = module._hold, tmp_path / ".frames.lock"
-
-    def held_too_late(file: int, span: tuple[int, int]) -> None:
-        hold(file, span)
-        path.unlink()
-        monkeypatch.setattr(module, "_hold", hold)
-
-    monkeypatch.setattr(module, "_hold", held_too_late)
-    claim = Claim(tmp_path, "frames", [1])
-    assert path.exists()  # a file that the next one finds
-    claim.release()
-    assert not path.exists()
 
 
 def test_where_there_are_no_locks_runs_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -32,21 +32,6 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["a.bin"]
 
 
-def test_a_file_that_is_begun_has_its_name_once_the_disk_has_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    done: list[str] = []
-    path = tmp_path / "a.bin"
-    monkeypatch.setattr(os, "posix_fadvise", lambda *_: done.append("begun"), raising=False)
-    monkeypatch.setattr(os, "fsync", lambda _: done.append(f"on the disk {path.exists()}"))
-    finish = files.begin_pieces(path, [b"a"])
-    assert done == ["begun"]
-    assert not path.exists()
-    finish()
-    assert done == ["begun", "on the disk False"]
-    assert path.read_bytes() == b"a"
-
-
 @pytest.mark.parametrize(
     ("number", "words"),
     [(errno.ENOSPC, "disk is full"), (errno.EACCES, "no permission"), (errno.EROFS, "read-only")],

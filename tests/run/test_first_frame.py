@@ -1,5 +1,4 @@
-"""States that an earlier run or, with `--watch`, an earlier picture left: the same bits, and what moves strands
-otherwise begins anew."""
+"""States that an earlier run left: the same bits, and what moves strands otherwise begins anew."""
 
 from __future__ import annotations
 
@@ -12,14 +11,12 @@ import pytest
 
 import strandcli
 from strandcli.compiling import folder
-from strandcli.groom import children
 from strandcli.jit import kept as keeping
 from strandcli.run import first_frame
 from strandcli.run.checkpoints import Checkpoints
 from strandcli.run.first_frame import FirstFrame
 from strandcli.run.frame import Frame
 from strandcli.run.pipeline import render
-from strandcli.run.remembered import Remembered
 from strandcli.scene import Scene
 from tests.run.test_checkpoints import SMALL, Steps, alike
 
@@ -109,46 +106,3 @@ def test_checkpoints_of_the_run_go_before(tmp_path: Path) -> None:
     assert 0 < simulated == scene.time.substeps < whole
     assert again[0].report["went_on_from"] == 2
     alike(plain, again)
-
-
-def small_scene(name: str = "hair", **more: Any) -> Scene:
-    return strandcli.load(name, settings={**SMALL, **more})
-
-
-def drawn(scene: Scene, frame: int, motion: Remembered | None) -> tuple[Any, int]:
-    """The picture, and how many steps were simulated."""
-    with Steps() as steps:
-        (found,) = render(scene, [frame], threads=1, checkpoints=motion)
-    return found.image, steps.count
-
-
-def test_only_what_moves_strands_is_simulated_again(monkeypatch: Any) -> None:
-    placed: list[int] = []
-    monkeypatch.setattr(children, "family_of", _counting(placed, children.family_of))
-    motion = Remembered(2)
-    changes: list[dict[str, Any]] = [
-        {}, {"lights.0.intensity": 1.0}, {"wind.strength": 5.0}, {"children.cut": 0.1}, {"seed": 2},
-        {"camera.shutter": 0.5},
-    ]  # fmt: skip
-    for more, simulated, families in zip(changes, (1, 0, 1, 1, 1, 1), (1, 0, 0, 1, 1, 1), strict=True):
-        scene, before = small_scene(**more), len(placed)
-        image, steps = drawn(scene, 2, motion)
-        assert (steps > 0, len(placed) - before) == (simulated, families), more
-        np.testing.assert_array_equal(image, drawn(scene, 2, None)[0], err_msg=str(more))
-
-
-def test_an_open_shutter_takes_the_frame_before() -> None:
-    scene, motion = small_scene("minimal", **{"camera.shutter": 0.5, "camera.samples": 2}), Remembered(3)
-    whole, steps = drawn(scene, 3, motion)
-    assert steps > 1
-    again, steps = drawn(scene, 3, motion)
-    assert steps == scene.time.substeps
-    np.testing.assert_array_equal(again, whole)
-
-
-def _counting(calls: list[int], function: Any) -> Any:
-    def counted(*words: Any) -> Any:
-        calls.append(1)
-        return function(*words)
-
-    return counted

@@ -13,9 +13,8 @@ import os, signal, sys
 import numba, numpy, PIL.Image, subprocess  # which have their own ways
 for name in ("fcntl", "resource", "termios", "pwd", "grp"):
     sys.modules[name] = None
-for name in ("SIGHUP", "SIGUSR1"):
-    delattr(signal, name)
-for name in ("O_NONBLOCK", "O_CLOEXEC", "sched_getaffinity", "getuid", "setpriority"):
+delattr(signal, "SIGHUP")
+for name in ("O_NONBLOCK", "O_CLOEXEC", "sched_getaffinity", "getuid"):
     delattr(os, name)
 from strandcli.cli.main import main
 for words in (["render", "tiny.yaml", "-f", "1-2", "-o", "a"], ["simulate", "tiny.yaml", "-f", "1", "-o", "b"]):

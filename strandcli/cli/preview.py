@@ -1,7 +1,6 @@
-"""Pictures in a terminal: by the protocols of kitty and iTerm2, as sixels, and elsewhere as half-blocks in colour.
+"""Pictures in a terminal: by the protocols of kitty and iTerm2, and elsewhere as half-blocks in colour.
 
-Sources: kitty's "Terminal graphics protocol"; iTerm2's "Images" (OSC 1337); DEC's VT330/VT340 manual, volume 2, chapter
-14, of sixels.
+Sources: kitty's "Terminal graphics protocol"; iTerm2's "Images" (OSC 1337).
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ import io
 import os
 import shutil
 import sys
+import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 
 CHUNK = 4096
 """Characters of a piece of kitty's protocol at most."""
-COLOURS = 255
 CELL = 10
 """Pixels that a column of a terminal is taken for: pictures are sent no wider than they are seen."""
 UPPER_HALF = "\u2580"
 ITERM2 = ("iTerm.app", "WezTerm", "vscode", "mintty", "WarpTerminal")
 KITTY = ("ghostty", "kitty")
-SIXEL = ("foot", "mlterm", "contour", "sixel", "yaft")
+PAUSE = 1.0
+"""Seconds between two pictures of a film at least."""
 
 
 def detected(environment: Mapping[str, str]) -> str:
@@ -43,8 +43,6 @@ def detected(environment: Mapping[str, str]) -> str:
         return "kitty"
     if program in ITERM2 or environment.get("LC_TERMINAL") == "iTerm2":
         return "iterm2"
-    if any(name in term for name in SIXEL):
-        return "sixel"
     return "blocks"
 
 
@@ -67,40 +65,6 @@ def iterm2(image: Pixels) -> str:
     return f"\x1b]1337;File=inline=1;size={len(data)};preserveAspectRatio=1:{text}\x07\n"
 
 
-def sixel(image: Pixels) -> str:
-    """A picture as sixels: bands of six rows, a pass a colour of the band."""
-    import numpy as np
-    from PIL import Image
-
-    paletted = Image.fromarray(image).quantize(COLOURS, dither=Image.Dither.FLOYDSTEINBERG)
-    palette = paletted.getpalette() or []
-    pixels = np.asarray(paletted)
-    height, width = pixels.shape
-    parts = [f'\x1bPq"1;1;{width};{height}']
-    for colour in np.unique(pixels).tolist():
-        red, green, blue = (round(value * 100 / 255) for value in palette[3 * colour : 3 * colour + 3])
-        parts.append(f"#{colour};2;{red};{green};{blue}")
-    for top in range(0, height, 6):
-        band = pixels[top : top + 6]
-        weights = (1 << np.arange(band.shape[0]))[:, None]
-        lines = [f"#{colour}{_runs(((band == colour) * weights).sum(axis=0))}" for colour in np.unique(band).tolist()]
-        parts.append("$".join(lines) + "-")
-    return "".join(parts) + "\x1b\\\n"
-
-
-def _runs(bits: npt.NDArray[Any]) -> str:
-    """Characters of a row of sixels, those that repeat as ``!`` and their number."""
-    import numpy as np
-
-    ends = np.flatnonzero(np.diff(bits)) + 1
-    found, begin = [], 0
-    for end in [*ends.tolist(), bits.size]:
-        sign, count = chr(63 + int(bits[begin])), end - begin
-        found.append(f"!{count}{sign}" if count > 3 else sign * count)
-        begin = end
-    return "".join(found)
-
-
 def blocks(image: Pixels) -> str:
     """A picture as half-blocks: a character for two pixels, the upper one in its colour before that of the lower."""
     lines = []
@@ -114,7 +78,7 @@ def blocks(image: Pixels) -> str:
     return "".join(lines)
 
 
-KINDS: Mapping[str, Callable[[Any], str]] = {"kitty": kitty, "iterm2": iterm2, "sixel": sixel, "blocks": blocks}
+KINDS: Mapping[str, Callable[[Any], str]] = {"kitty": kitty, "iterm2": iterm2, "blocks": blocks}
 
 
 def drawn(image: Pixels, kind: str, columns: int, rows: int) -> str:
@@ -151,6 +115,14 @@ class Preview:
         """``kind``: one of `KINDS`, ``auto``, or None for none."""
         shown = kind is not None and (kind != "auto" or sys.stdout.isatty())
         self.kind = (detected(os.environ) if kind == "auto" else kind) if shown else None
+        self._last = -PAUSE
+
+    def next(self, image: Pixels) -> None:
+        """Show a picture of a film, unless the last one was shown just before."""
+        now = time.monotonic()
+        if now - self._last >= PAUSE:
+            self._last = now
+            self.show(image)
 
     def show(self, image: Pixels, *, alone: bool = False) -> None:
         """Show a picture (H, W, 3), or one with alpha over grey; ``alone``: on an empty screen."""
@@ -166,5 +138,5 @@ class Preview:
 
 preview_option = click.option(
     "--preview", type=click.Choice(("auto", *KINDS)), is_flag=False, flag_value="auto", metavar="[KIND]",
-    help="Show frames in the terminal: kitty, iterm2, sixel or blocks.  [default KIND: what the terminal can]",
+    help="Show frames in the terminal: kitty, iterm2 or blocks.  [default KIND: what the terminal can]",
 )  # fmt: skip
