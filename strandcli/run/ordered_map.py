@@ -6,9 +6,11 @@ thread each, keep every core busy.
 
 from __future__ import annotations
 
-import threading
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any, TypeVar
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from queue import SimpleQueue
+from typing import TypeVar
 
 Item = TypeVar("Item")
 Job = TypeVar("Job")
@@ -33,92 +35,40 @@ def ordered_map(
     start: Callable[[], None] = lambda: None,
 ) -> Iterator[Result]:
     """Results in the order of ``items``: ``begin`` sees them one after the other, then whichever worker is free
-    finishes the job. ``start`` is called on each worker's thread first. No more than two items a worker are begun
-    ahead of the caller.
+    finishes the job. ``start`` is called on each thread first. No more than two items a worker are begun ahead of the
+    caller.
 
     Raises what ``begin`` or a worker raised, when that item's turn comes. Leaving early stops the threads.
     """
-    state = _State(iter(items), begin, start)
-    pool = [threading.Thread(target=state.work, args=(worker,), name="frames", daemon=True) for worker in workers]
-    state.ahead = 2 * len(pool)
-    for thread in pool:
-        thread.start()
+    free: SimpleQueue[Callable[[Job], Result]] = SimpleQueue()
+    for worker in workers:
+        free.put(worker)
+    count, waiting, failed = free.qsize(), deque[Future[Result]](), list[bool]()
+
+    def begun(item: Item) -> Job:
+        if failed:  # nothing is begun after what went wrong
+            raise CancelledError
+        try:
+            return begin(item)
+        except BaseException:
+            failed.append(True)
+            raise
+
+    def finished(job: Future[Job]) -> Result:
+        worker = free.get()
+        try:
+            return worker(job.result())
+        finally:
+            free.put(worker)
+
+    first, pool = (ThreadPoolExecutor(some, "frames", initializer=start) for some in (1, count))
     try:
-        while True:
-            done, value = state.next()
-            if done:
-                return
-            yield value
+        for item in items:
+            if len(waiting) == 2 * count:
+                yield waiting.popleft().result()
+            waiting.append(pool.submit(finished, first.submit(begun, item)))
+        while waiting:
+            yield waiting.popleft().result()
     finally:
-        state.stop()
-        for thread in pool:
-            thread.join()
-
-
-class _State:
-    """What the threads of a pool share."""
-
-    def __init__(self, items: Iterator[Any], begin: Callable[[Any], Any], start: Callable[[], None]) -> None:
-        self._items = items
-        self._begin = begin
-        self._start = start
-        self._turn = threading.Lock()
-        self._news = threading.Condition()
-        self._finished: dict[int, tuple[bool, Any]] = {}
-        self._begun = 0
-        self._given = 0
-        self._end: int | None = None
-        self.ahead = 1
-
-    def work(self, worker: Callable[[Any], Any]) -> None:
-        self._start()
-        while True:
-            with self._turn:
-                with self._news:
-                    self._news.wait_for(lambda: self._end is not None or self._begun < self._given + self.ahead)
-                    if self._end is not None:
-                        return
-                index = self._begun
-                try:
-                    job = self._begin(next(self._items))
-                except StopIteration:
-                    self._close(index)
-                    return
-                except BaseException as error:
-                    self._put(index, False, error)
-                    self._close(index + 1)
-                    return
-                self._begun += 1
-            try:
-                self._put(index, True, worker(job))
-            except BaseException as error:
-                self._put(index, False, error)
-                self._close(index + 1)
-                return
-
-    def next(self) -> tuple[bool, Any]:
-        """Whether all is done, else the next result; raises where that is an error."""
-        with self._news:
-            self._news.wait_for(lambda: self._given in self._finished or self._given == self._end)
-            if self._given not in self._finished:
-                return True, None
-            fine, value = self._finished.pop(self._given)
-            self._given += 1
-            self._news.notify_all()
-        if not fine:
-            raise value
-        return False, value
-
-    def stop(self) -> None:
-        self._close(0)
-
-    def _put(self, index: int, fine: bool, value: Any) -> None:
-        with self._news:
-            self._finished[index] = (fine, value)
-            self._news.notify_all()
-
-    def _close(self, end: int) -> None:
-        """No item from ``end`` on is begun."""
-        with self._news:
-            self._end = end if self._end is None else min(self._end, end)
-            self._news.notify_all()
+        first.shutdown(cancel_futures=True)
+        pool.shutdown(cancel_futures=True)

@@ -28,10 +28,6 @@ ONE_BY_ONE = (
     "frames are drawn one by one: with OpenMP (on Debian and Ubuntu the package libgomp1) several are drawn at once"
 )
 """What ``notify`` hears where that would take less time."""
-SOONER = 10.0
-"""How many times as long as another frame the first may take to be drawn, which loads kernels and takes memory."""
-ROUNDS = 2
-"""Frames a thread from which on they are drawn at once after the first: the memory of each worker has its price."""
 
 
 def render(
@@ -128,18 +124,12 @@ def _run(
 def _drawn(moved: SimulationStage, frames: Sequence[int], several: bool) -> Iterator[Frame]:
     renderer, rest = FrameRenderer(moved), list(frames)
     simulate = draw = 0.0
-    # All threads on one frame: the first compiles or loads kernels, the second tells what a frame costs, unless that is
-    # known well enough.
+    # all threads on one frame: the first compiles or loads kernels, the second tells what a frame costs
     for alone in frames[:2]:
-        begun = moved.begin(alone)
-        if alone != frames[0] and several and (at_once := _surely_at_once(moved.scene, rest, begun.frame, draw)) > 1:
-            begun.positions = begun.positions.copy()
-            yield from _drawn_at_once(moved, rest, renderer, at_once, begun)
-            return
         if moved.options.notify is not None:
             moved.options.notify(f"drawing frame {alone}")
         waited = runtime.compile_seconds()
-        frame = renderer(begun)
+        frame = renderer(moved.begin(alone))
         simulate, draw = _seconds(frame)
         draw -= runtime.compile_seconds() - waited
         rest.pop(0)
@@ -157,19 +147,15 @@ def _drawn(moved: SimulationStage, frames: Sequence[int], several: bool) -> Iter
 
 
 def _drawn_at_once(
-    moved: SimulationStage, frames: Sequence[int], renderer: FrameRenderer, at_once: int,
-    begun: MovedStrands | None = None,
-) -> Iterator[Frame]:  # fmt: skip
-    """Yield frames of which so many are drawn at once; ``begun``: the first of them, if it has been moved to."""
+    moved: SimulationStage, frames: Sequence[int], renderer: FrameRenderer, at_once: int
+) -> Iterator[Frame]:
+    """Yield frames of which so many are drawn at once."""
     import numba
 
     moved.snapshots = True
     threads = numba.get_num_threads()
     last = frames[len(frames) - len(frames) % at_once :]
     """Fewer than there are workers, that share all threads."""
-
-    def begin(number: int) -> MovedStrands:
-        return begun if begun is not None and number == frames[0] else moved.begin(number)
 
     def drawing(renderer: FrameRenderer) -> Callable[[MovedStrands], Frame]:
         def draw(job: MovedStrands) -> Frame:
@@ -180,18 +166,7 @@ def _drawn_at_once(
         return draw
 
     workers = [drawing(one) for one in (renderer, *(FrameRenderer(moved) for _ in range(at_once - 1)))]
-    yield from ordered_map(frames, begin, workers, start=lambda: numba.set_num_threads(threads // at_once))
-
-
-def _surely_at_once(scene: Scene, frames: Sequence[int], begun: Frame, draw: float) -> int:
-    """Return how many frames to draw at once, the first of which has been begun, where the time that the frame before
-    them took to draw tells: 1 unless all threads are busy however much sooner others are drawn. ``draw``: seconds."""
-    import numba
-
-    if len(frames) < ROUNDS * numba.get_num_threads() or not runtime.entered_by_several():
-        return 1
-    fewest = _frames_at_once(scene, frames, begun.report["seconds"]["simulate"] or 0.0, draw / SOONER)
-    return fewest if fewest == _frames_at_once(scene, frames, 0.0, draw) else 1
+    yield from ordered_map(frames, moved.begin, workers, start=lambda: numba.set_num_threads(threads // at_once))
 
 
 def _frames_at_once(scene: Scene, frames: Sequence[int], simulate: float, draw: float) -> int:
