@@ -13,7 +13,7 @@ import tempfile
 from collections.abc import Mapping
 from typing import Any
 
-from strandcli.compiling.costs import FILE
+from strandcli.compiling.clock import COSTS
 from strandcli.scene import list_presets
 
 
@@ -32,7 +32,7 @@ def main() -> None:
             for kernel, waited in data["waited"].items():
                 seconds[kernel] = round(max(seconds.get(kernel, 0.0), waited / data["kernels"][kernel]), 1)
             found = {"presets": presets, "seconds": dict(sorted(seconds.items()))}
-            FILE.write_text(json.dumps(found, indent=0) + "\n", encoding="utf-8")
+            COSTS.write_text(json.dumps(found, indent=0) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -57,6 +57,7 @@ def _calibrate(talk: Talk) -> None:
     """Measure, keep and tell the speed of this machine."""
     from .. import calibration
     from ..compiling import runtime
+    from ..compiling.folder import cache
 
     runtime.start(1)
     with talk.progress(1, "calibration") as progress:
@@ -69,4 +70,4 @@ def _calibrate(talk: Talk) -> None:
             f"frames take {found.factor:.2f} times as long here as where they were measured for docs/speed.md", err=True
         )
         if not kept:
-            say(f"warning: that cannot be stored: {runtime.cache_trouble()}", err=True)
+            say(f"warning: that cannot be stored: {cache.trouble}", err=True)

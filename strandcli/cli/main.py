@@ -46,9 +46,6 @@ COMMANDS = {
     "warmup": "Compile ahead of the first run.",
 }
 
-LIGHT = ("presets", "schema", "completion", "doctor")
-"""Commands that need no kernels, or tell themselves what is wrong with them."""
-
 
 @dataclass(slots=True)
 class State:
@@ -91,8 +88,6 @@ class LazyGroup(click.Group):
             close = get_close_matches(name, COMMANDS, n=1)
             hint = f"did you mean '{close[0]}'?" if close else f"commands are {', '.join(COMMANDS)}"
             raise click.UsageError(f"no command '{name}'; {hint}", ctx)
-        if name not in LIGHT and not ctx.resilient_parsing and not {"-h", "--help"} & set(args):
-            runtime.require_addresses()
         return super().resolve_command(ctx, args)
 
 
@@ -204,10 +199,8 @@ def _outcome(error: BaseException, debug: bool) -> tuple[int, str]:
         case NotImplementedError() if runtime.lacks_compiler(error):
             return USAGE, runtime.NO_COMPILER
         case MemoryError():
-            limit = runtime.address_limit()
-            least = "" if limit is None else f" ('ulimit -v' leaves {limit / 1e6:,.0f} MB of addresses)"
             smaller = "ask for fewer --strands or --particles or a smaller --size"
-            return REFUSED, f"out of memory{least}; {smaller} ('strandcli plan' estimates the need)"
+            return REFUSED, f"out of memory; {smaller} ('strandcli plan' estimates the need)"
         case OSError() if error.errno in _REFUSALS:
             return REFUSED, _os_error(error)
         case OSError() if error.strerror:

@@ -1,19 +1,24 @@
 """The seconds that a process has waited for kernels to be compiled, and how many it waits for.
 
-Counted by strandcli's own dispatchers: Numba's events would tell of every function of the process.
+Counted by strandcli's own dispatchers: Numba's events would tell of every function of the process. `COSTS` lists which
+kernels the shipped presets need, and the seconds that compiling each took where `make kernel-costs` ran.
 """
 
 from __future__ import annotations
 
+import json
 import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-
-from . import costs
+from pathlib import Path
+from typing import Any
 
 Notify = Callable[[str], None]
+COSTS = Path(__file__).with_name("costs.json")
+USUAL = 1.0
+"""Seconds of a kernel that was not measured."""
 PRIOR = 5.0
 """Seconds of compiling that the measured costs are believed for, before this machine's own tell more."""
 
@@ -70,14 +75,14 @@ class Clock:
         process need, 0 where that is not known, and the seconds left."""
         expected: Counter[str] = Counter()
         for source in list(self._sources):
-            expected |= costs.kernels_of(source)
+            expected |= kernels_of(source)
         present = self._present
         if not expected or present is None:
             return self.ready.total() + 1, 0, 0.0
         ready = self.ready.copy()
         reached = ready + Counter([present[0]])
-        pace = (self.seconds + PRIOR) / (costs.seconds_of(ready) + PRIOR)
-        now, later = costs.seconds_of(expected - ready), costs.seconds_of(expected - reached)
+        pace = (self.seconds + PRIOR) / (seconds_of(ready) + PRIOR)
+        now, later = seconds_of(expected - ready), seconds_of(expected - reached)
         left = max(pace * now - (time.perf_counter() - present[1]), pace * later)
         return reached.total(), (expected | reached).total(), left
 
@@ -94,6 +99,27 @@ class Clock:
             mine.began = None
             self.compiled += 1
         self.ready[mine.name] += 1
+
+
+def kernels_of(source: str) -> Counter[str]:
+    """The kernels of the shipped preset in a file, by how many signatures of each it needs; none of other files, nor of
+    a scene that is of no file, whose source is ""."""
+    presets = _table()["presets"]
+    path = Path(source).as_posix()
+    return next((Counter(found) for name, found in presets.items() if path.endswith(f"presets/{name}.yaml")), Counter())
+
+
+def seconds_of(kernels: Counter[str]) -> float:
+    """What compiling them took."""
+    known = _table()["seconds"]
+    return sum(known.get(name, USUAL) * count for name, count in kernels.items())
+
+
+def _table() -> dict[str, Any]:
+    try:
+        return dict(json.loads(COSTS.read_text(encoding="utf-8")))
+    except (OSError, ValueError):
+        return {"seconds": {}, "presets": {}}
 
 
 clock = Clock()

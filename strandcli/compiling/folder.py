@@ -34,8 +34,8 @@ PART_SECONDS = 600.0
 """A file being written is renamed within milliseconds; one this old was left by a process that was killed."""
 ENTRY = re.compile(r"[\w.<>]+-[0-9a-f]{24}\.(kernel|arrays)|[a-z_]+_[0-9a-f]{16}\.py")
 PART = re.compile(r"\d+-\w+\.part")
-OLD_FOLDER = re.compile(r"kernels-\d+\.\d+\.\w+|\d+\.\d+\.\w+-[0-9a-f]{12}")
-"""Folders of other versions, and of those whose folder's name held a hash of all sources."""
+OLD_FOLDER = re.compile(r"kernels-\d+\.\d+\.\w+")
+"""Folders of other versions."""
 SWEPT = "swept"
 
 

@@ -8,7 +8,7 @@ import time
 import pytest
 
 from strandcli.cli.progress import Progress, compiling
-from strandcli.compiling import costs
+from strandcli.compiling import clock as costs
 from strandcli.compiling.clock import Clock
 
 

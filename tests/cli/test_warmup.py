@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from cli_runs import Runner
-from strandcli.compiling import costs, runtime
+from strandcli.compiling import clock, runtime
 from strandcli.compiling.packs import Pack
 from strandcli.jit import function
 from strandcli.run import pipeline
@@ -86,10 +86,10 @@ def test_warmup_takes_all_shipped_presets_when_none_is_named(run: Runner, monkey
 
 def test_costs_are_of_shipped_presets() -> None:
     """After changes `make kernel-costs` measures anew."""
-    table = json.loads(costs.FILE.read_text(encoding="utf-8"))
+    table = json.loads(clock.COSTS.read_text(encoding="utf-8"))
     assert {"hair", "headline", "minimal"} <= set(table["presets"]) <= {name for name, _ in list_presets()}
     minimal = Counter(table["presets"]["minimal"])
-    assert costs.kernels_of(dict(list_presets())["minimal"].as_posix()) == minimal
-    assert costs.seconds_of(minimal) > len(minimal) / 10
-    assert not costs.kernels_of("/home/me/minimal.yaml")
-    assert not costs.kernels_of("")  # of a scene that comes from no file
+    assert clock.kernels_of(dict(list_presets())["minimal"].as_posix()) == minimal
+    assert clock.seconds_of(minimal) > len(minimal) / 10
+    assert not clock.kernels_of("/home/me/minimal.yaml")
+    assert not clock.kernels_of("")  # of a scene that comes from no file

@@ -206,7 +206,7 @@ def test_what_nobody_has_used_for_long_is_removed_and_nothing_that_is_not_ours(t
         "notes.kernel": (old, False),
         "photo.jpg": (old, False),
     }
-    folders = {"0.0.9-0123456789ab": (old, True), "kernels-0.0.9": (old, True), "kernels-0.0.8": (now, False),
+    folders = {"kernels-0.0.9": (old, True), "kernels-0.0.8": (now, False),
                "photographs": (old, False), "0.0.9": (old, False)}  # fmt: skip
     for name in entries:
         (mine / name).write_text("content", encoding="utf-8")
