@@ -46,7 +46,10 @@ def loss_of(tips: Floats) -> float:
     return float(1 - np.exp(2 * np.polyfit(np.arange(len(sizes)), np.log(sizes), 1)[0]))
 
 
-@pytest.mark.parametrize(("turns", "friction", "most"), [(1.0, 0.5, 0.021), (2.5, 0.0, 0.024), (2.5, 0.5, 0.036)])
+@pytest.mark.parametrize(
+    ("turns", "friction", "most"),
+    [(1.0, 0.5, 0.021), pytest.param(2.5, 0.0, 0.024, marks=pytest.mark.long), (2.5, 0.5, 0.036)],
+)
 def test_strands_that_touch_lose_little_more_than_in_fine_steps(turns: float, friction: float, most: float) -> None:
     """At 24 steps a second, against steps a sixteenth as long. A strand that touches nothing loses .02. Those that met
     anew by Euler's method would lose .12, .07 and .07, those that went on with impacts .06. With friction it matters

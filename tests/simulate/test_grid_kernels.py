@@ -101,6 +101,7 @@ def test_pressure_that_throws_none_stays_as_it_is() -> None:
     assert before.max() == pytest.approx(0.03, rel=0.1)
 
 
+@pytest.mark.long  # in double precision, which nothing else asks the grid's kernels for
 def test_what_is_too_heavy_to_follow_is_not_pushed_without_end() -> None:
     """Tips a million times as heavy in steps of ten seconds: pushes grew a hundred thousandfold each, to infinity."""
     name = "rod/dt=10/n=3/L=1e6/tip=1e6/start=folded/between=grid-fine/twist=sag-free"

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import strandcli
+from strand_kit import solver_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.scene.model import Scene
 from strandcli.simulate.advice import warnings
-from strandcli.simulate.thesis.solver import ThesisSolver
 from strandcli.study.claims import tremble
 
 SETTINGS = {
@@ -23,10 +23,6 @@ def scene(jitter: float, **more: object) -> Scene:
     return strandcli.load("headline", settings={**SETTINGS, "time.jitter": jitter, **more})
 
 
-def solver(of: Scene) -> ThesisSolver:
-    return ThesisSolver(of, emit(of.emitter, of.seed))
-
-
 def test_resting_strands_tremble_by_stiffness_and_steps_that_vary() -> None:
     assert tremble(scene(0.0), 24) < 1e-5
     assert tremble(scene(0.5), 24) > 0.01
@@ -34,15 +30,15 @@ def test_resting_strands_tremble_by_stiffness_and_steps_that_vary() -> None:
 
 
 def test_steps_are_spread_evenly_about_the_given_one() -> None:
-    one = solver(scene(0.5))
+    one = solver_of(scene(0.5))
     steps = np.sort([one._stretched(number / 24, 1 / 24) for number in range(-100, 400)])
     assert np.allclose(steps, np.linspace(0.5, 1.5, 500), atol=0.01)
-    assert solver(scene(0.0))._stretched(3.0, 1 / 24) == 1.0
+    assert solver_of(scene(0.0))._stretched(3.0, 1 / 24) == 1.0
 
 
 def test_a_step_asks_its_rules_for_its_own_length() -> None:
     """Gravity alone moves a particle by g Δt²."""
-    one = solver(scene(0.5, rules=["gravity"]))
+    one = solver_of(scene(0.5, rules=["gravity"]), plain=True)
     before = one.particles()[:, -1, 1]
     one.step(1.0, 1 / 24)
     fallen = before - one.particles()[:, -1, 1]
@@ -50,7 +46,7 @@ def test_a_step_asks_its_rules_for_its_own_length() -> None:
 
 
 def test_announced_steps_are_the_same() -> None:
-    ahead, plain = solver(scene(0.5)), solver(scene(0.5))
+    ahead, plain = solver_of(scene(0.5)), solver_of(scene(0.5))
     plain.announce = lambda ends, dt: None  # type: ignore[method-assign]
     for one in (ahead, plain):
         one.advance(12)
