@@ -16,30 +16,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from kernel_kit import begin, called, plus_three, plus_two
 from strand_kit import scene_of
 from strandcli.compiling import folder, stores, worker, written
 from strandcli.compiling.clock import clock
 from strandcli.compiling.service import service
 from strandcli.doctor import kernels
 from strandcli.doctor.finding import NOTE
-from strandcli.jit import function
-from strandcli.jit.dispatcher import KernelDispatcher
 from strandcli.jit.kept import kept
 from strandcli.run import pipeline
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "getuid"), reason="this system has no such owners")
-
-
-@function
-def plus_three(x):
-    return x + 3
-
-
-def called() -> bool:
-    """Call the kernel as a new process does; return whether it came from the cache."""
-    kernel = KernelDispatcher(plus_three.py_func, plus_three._cache._options)
-    assert kernel(1) == 4
-    return sum(kernel.stats.cache_hits.values()) == 1
 
 
 @pytest.fixture
@@ -50,14 +37,6 @@ def base(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(service, "enabled", False)
     begin(monkeypatch)
     return place
-
-
-def begin(monkeypatch: pytest.MonkeyPatch) -> folder.Folder:
-    """Choose the folder anew, as another process would."""
-    new = folder.Folder()
-    monkeypatch.setattr(folder, "cache", new)
-    monkeypatch.setattr(kernels, "cache", new)
-    return new
 
 
 def mode(path: Path) -> int:
@@ -147,16 +126,6 @@ def test_a_module_in_the_cache_is_run_if_its_hash_is_the_one_in_its_name(
     del sys.modules[name]
 
 
-@function
-def plus_five(x):
-    return x + 5
-
-
-@function
-def plus_seven(x):
-    return x + 7
-
-
 NOBODY = 65534
 
 
@@ -221,13 +190,13 @@ def test_a_folder_that_cannot_be_written_is_read(owner: str, place: Path, monkey
         (found,) = kernels.kept()
         assert "1 kernel or module" not in found.text
         assert "they are read, and cannot be written" in found.text
-        for more, kernel in {5: plus_five, 7: plus_seven}.items():
-            assert KernelDispatcher(kernel.py_func, kernel._cache._options)(1) == 1 + more
+        assert not called(plus_two)
+        assert not called(plus_three)
         assert told == [new.trouble]
         assert str(new.trouble).startswith(f"{inner}: is read and cannot be written: kernels that are not there, or")
         assert mode(new.path) == 0o700
         made = sorted(one.name.partition("-")[0] for one in new.path.glob("*.kernel"))
-        assert made == ["test_private_folder.plus_five", "test_private_folder.plus_seven"]
+        assert made == ["kernel_kit.plus_three", "kernel_kit.plus_two"]
         assert not list(new.path.glob("*.arrays"))
     assert {path.name for path in inner.iterdir()} == before
 
