@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+from numpy.typing import NDArray
+
 from strand_kit import scene_of
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
@@ -27,3 +30,17 @@ def take_steps(solver: RodSolver, rate: float, count: int) -> None:
     """Take so many steps from the beginning on."""
     for _ in each_step(solver, rate, count):
         pass
+
+
+def motion_at_rest(solver: RodSolver, rate: int, seconds: int) -> NDArray[np.float64]:
+    """(frames, strands, particles) how far they move about their roots in each frame of the last second, metres."""
+    seen = []
+    for i in each_step(solver, rate, seconds * rate):
+        if i >= (seconds - 1) * rate - 1:
+            particles = solver.particles().astype(np.float64)
+            seen.append(particles - particles[:, :1])
+    return np.asarray(np.linalg.norm(np.diff(seen, axis=0), axis=-1))
+
+
+def rms(moved: NDArray[np.float64]) -> float:
+    return float(np.sqrt((moved**2).mean()))

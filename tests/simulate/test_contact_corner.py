@@ -6,12 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from rod_kit import each_step, rod_of
+from rod_kit import each_step, motion_at_rest, rms, rod_of
 from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod_contact import slab
-from tests.simulate.test_rod_rest import rms
 
 SECONDS = 8
 STILL = 0.5
@@ -39,23 +37,19 @@ def fallen(solids: str, rate: int = 24, more: str = "", rule: str = "collision",
     )
 
 
-def at_rest(solver: RodSolver, rate: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Motion of each strand's liveliest particle in the last second (root mean square over frames, mm a frame), and
-    where particles are."""
-    seen = []
-    for i in each_step(solver, rate, SECONDS * rate):
-        if i >= (SECONDS - 1) * rate - 1:
-            seen.append(solver.particles().astype(np.float64))
-    steps = np.linalg.norm(np.diff(seen, axis=0), axis=-1)
-    return 1e3 * np.sqrt((steps**2).mean(0)).max(-1), seen[-1]
+def liveliest(solver: RodSolver, rate: int = 24) -> float:
+    """Root mean square over strands of the motion of each one's liveliest particle, mm a frame."""
+    moved = 1e3 * np.sqrt((motion_at_rest(solver, rate, SECONDS) ** 2).mean(0)).max(-1)
+    return rms(moved)
 
 
 @pytest.mark.parametrize("rate", [24, 60])
 @pytest.mark.parametrize("more", ["end: pinned", "end: free", "root: hinged"])
 @pytest.mark.parametrize("angle", [40, 60])
 def test_strands_rest_in_a_groove(angle: int, more: str, rate: int) -> None:
-    moved, places = at_rest(fallen(GROOVE.format(angle), rate, f"friction: 0.2, {more}"), rate)
-    assert rms(moved) < STILL
+    solver = fallen(GROOVE.format(angle), rate, f"friction: 0.2, {more}")
+    assert liveliest(solver, rate) < STILL
+    places = solver.particles().astype(np.float64)
     sides = np.deg2rad(angle) * np.array([1, -1])
     heights = places[..., 1:2] + 0.05
     depth = places[..., :1] * np.sin(sides) - heights * np.cos(sides)
@@ -78,23 +72,20 @@ def test_pinned_tips_stay_where_they_are(low: float) -> None:
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 @pytest.mark.parametrize("end", ["pinned", "free"])
 def test_strands_rest_between_other_solids(end: str, friction: float, solids: str, rule: str) -> None:
-    moved, _ = at_rest(fallen(solids, 24, f"friction: {friction}, end: {end}", rule), 24)
-    assert rms(moved) < STILL
+    assert liveliest(fallen(solids, 24, f"friction: {friction}, end: {end}", rule)) < STILL
 
 
 @pytest.mark.parametrize("end", ["pinned", "free"])
 def test_strands_rest_between_two_meshes(end: str, tmp_path: Path) -> None:
     file = slab(tmp_path, top=-0.05)
     solids = ", ".join(f"{{kind: mesh, file: {file}, rotation: [0, 0, {angle}]}}" for angle in (20, -35))
-    moved, _ = at_rest(fallen(solids, 24, f"friction: 0.2, end: {end}"), 24)
-    assert rms(moved) < STILL
+    assert liveliest(fallen(solids, 24, f"friction: 0.2, end: {end}")) < STILL
 
 
 @pytest.mark.parametrize("rule", ["collision", "{collision: {segments: true}}"], ids=["particles", "segments"])
 def test_pinned_strands_whose_roots_are_in_a_solid_rest(rule: str) -> None:
     ball = "{kind: sphere, position: [0.03, -0.02, 0], radius: 0.05}"
-    moved, _ = at_rest(fallen(f"{ball}, {FLOOR}", 24, "friction: 0.2, end: pinned", rule), 24)
-    assert rms(moved) < STILL
+    assert liveliest(fallen(f"{ball}, {FLOOR}", 24, "friction: 0.2, end: pinned", rule)) < STILL
 
 
 @pytest.mark.parametrize("end", ["pinned", "free"])
