@@ -6,39 +6,94 @@ of a head is of a human's size and stands upright; everything else has any size 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 import exchange_kit
-from grown_kit import DOWN, Floats, Random, cap, grow, jitter, number, plane, trimmed, unit
-from hair_kit import HAIR
 from strandcli.exchange.edit.transform import AXES, turning
 from strandcli.exchange.strands import Strands
 
-UNITS = (1.0, 0.01, 0.001, 0.1, 0.0254)
+Floats = npt.NDArray[np.float64]
+Random = np.random.Generator
+DOWN = np.array([0.0, -1.0, 0.0])
 
 
-class Made(NamedTuple):
-    """A groom as a file has it, roots first, and what is true of it: its up axis, and metres a unit."""
+def unit(vectors: Floats) -> Floats:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
 
-    strands: Strands
-    up: str
-    unit: float
+
+def cap(g: Random, count: int, angle: float) -> Floats:
+    """Directions (count, 3) evenly over the cap about y of a half angle in degrees."""
+    height, turn = g.uniform(np.cos(np.radians(angle)), 1, count), g.uniform(0, 2 * np.pi, count)
+    ring = np.sqrt(1 - height**2)
+    return np.stack([ring * np.cos(turn), height, ring * np.sin(turn)], axis=1)
+
+
+def plane(g: Random, count: int, x: float = 1.0, z: float = 1.0) -> Floats:
+    return g.uniform(-0.5, 0.5, (count, 3)) * [x, 0, z]
+
+
+def grow(
+    g: Random, roots: Floats, way: Floats, length: Floats | float, *, sag: float = 0.0, down: Floats = DOWN,
+    curl: float = 0.0, frizz: float = 0.0,
+) -> Floats:  # fmt: skip
+    """Strands (S, n, 3) that leave roots along ``way`` and bend to ``down`` by ``sag``; ``curl``, ``frizz``: radius of
+    a helix about them, and size of a random path, lengths."""
+    count, points = len(roots), int(g.integers(4, 24))
+    t = np.linspace(0, 1, points)[:, None]
+    length = np.broadcast_to(length, count)[:, None, None]
+    bent = sag * np.minimum(2.5 * t, 1)
+    way = np.broadcast_to(unit(way), (count, 3))
+    steps = unit((1 - bent) * way[:, None] + bent * down)
+    steps[:, 0] = 0
+    found = np.cumsum(steps, axis=1) / (points - 1)
+    if curl:
+        phase = g.uniform(0, 2 * np.pi, (count, 1, 1)) + g.uniform(4, 9) * 2 * t
+        found += curl * np.minimum(3 * t, 1) * np.concatenate([np.cos(phase), 0 * phase, np.sin(phase)], axis=2)
+    if frizz:
+        found += frizz * np.cumsum(g.normal(size=found.shape), axis=1) / np.sqrt(points) * (t > 0)
+    return roots[:, None] + length * found
+
+
+def jitter(g: Random, count: int, low: float = 0.0) -> Floats:
+    """Lengths (count,) of a share that is drawn once, the most being 1."""
+    return 1 - max(low, g.choice([0.02, 0.1, 0.3, 0.6])) * g.uniform(size=count)
+
+
+def outside(strands: Floats, radii: Floats | float) -> Floats:
+    """Strands whose points inside an ellipsoid about the origin are moved onto it."""
+    size = np.linalg.norm(strands / radii, axis=-1, keepdims=True)
+    return np.where(size < 1, strands / np.maximum(size, 1e-9), strands)
+
+
+def trimmed(strands: Floats, off: Callable[[Floats], Floats]) -> Floats:
+    """Strands drawn in to where ``off`` their surface changes its sign, those that never reach it as they are."""
+    t, low, high = np.linspace(0, 1, strands.shape[1]), np.zeros(len(strands)), np.ones(len(strands))
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        inside = off(_at(strands, t, middle)) < 0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return np.stack([_at(strands, t, low * one) for one in t], axis=1)
+
+
+def _at(strands: Floats, t: Floats, place: Floats) -> Floats:
+    i = np.minimum((place * (len(t) - 1)).astype(int), len(t) - 2)
+    part = (place * (len(t) - 1) - i)[:, None]
+    rows = np.arange(len(strands))
+    return (1 - part) * strands[rows, i] + part * strands[rows, i + 1]
+
+
+def number(g: Random) -> int:
+    return int(g.integers(60, 500))
 
 
 def grass(g: Random) -> Floats:
     roots = plane(g, number(g), 1, g.uniform(0.3, 1))
     lean = roots * 0 + [0, 1, 0] + g.uniform(0, 0.4) * g.normal(size=roots.shape)
     return grow(g, roots, lean, g.uniform(0.03, 0.6) * jitter(g, len(roots)), sag=g.uniform(0, 0.5))
-
-
-def rough_grass(g: Random) -> Floats:
-    """Roots are off the plane, and tips are cut to it, or not."""
-    strands = grass(g)
-    size = float(np.linalg.norm(strands[:, -1] - strands[:, 0], axis=1).mean())
-    strands += g.uniform(0.01, 0.5) * size * g.normal(size=(len(strands), 1, 1)) * [0, 1, 0]
-    return trimmed(strands, lambda p: p[:, 1] - 0.6 * size) if g.random() < 0.5 else strands
 
 
 def hill(g: Random) -> Floats:
@@ -53,13 +108,6 @@ def plane_fur(g: Random) -> Floats:
     strands = grow(g, plane(g, number(g)), np.array([[0, 1.0, 0]]), 1.0, sag=g.uniform(0.2, 0.9), down=[1.0, 0.1, 0])  # type: ignore[arg-type]
     high = g.uniform(0.3, 0.9) * strands[:, -1, 1].min()
     return trimmed(strands, lambda p: p[:, 1] - high)
-
-
-def mohawk(g: Random) -> Floats:
-    """On an arc or a part of it, of any width, fanned out."""
-    angle, wide = g.uniform(-1, 1, number(g)) * g.uniform(0.3, 1.6), g.choice([0.0, 0.03, 0.1])
-    out = np.stack([wide * g.normal(size=angle.size), np.cos(angle), np.sin(angle)], axis=1)
-    return grow(g, unit(out), out * [g.uniform(0, 1), 1, 1], g.uniform(0.3, 1.5) * jitter(g, angle.size))
 
 
 def line(g: Random) -> Floats:
@@ -90,18 +138,6 @@ def fur(g: Random) -> Floats:
     return grow(g, out * radii, unit(out / radii), length, sag=g.uniform(0, 0.7), down=comb, frizz=0.02)
 
 
-def box_fur(g: Random) -> Floats:
-    """Of a box, trimmed to a ball or as it is."""
-    way = cap(g, number(g), 180)
-    side = np.abs(way).argmax(axis=1)
-    normal = np.zeros(way.shape)
-    normal[np.arange(len(way)), side] = np.sign(way[np.arange(len(way)), side])
-    roots = way / np.abs(way).max(axis=1, keepdims=True) * [1, *g.uniform(0.5, 1.5, 2)]
-    strands = grow(g, roots, normal + way, g.uniform(0.1, 3) * jitter(g, len(way)))
-    size = np.linalg.norm(roots, axis=1).max() * g.uniform(1, 1.5)
-    return trimmed(strands, lambda p: np.linalg.norm(p, axis=1) - size) if g.random() < 0.5 else strands
-
-
 def brush(g: Random) -> Floats:
     """Bristles on a disc, parted, or drawn to a point."""
     roots = cap(g, number(g), 90) * [1, 0, 1]
@@ -122,13 +158,6 @@ def rope(g: Random) -> Floats:
     return np.concatenate([x + g.uniform(0, 0.5) * t**2, -2 * t, z], axis=2)
 
 
-def lashes(g: Random) -> Floats:
-    x = g.uniform(-1, 1, number(g) // 3 + 20)
-    roots = np.stack([x, 0.2 * x**2, 0.5 * (1 - x**2)], axis=1) + 0.01 * g.normal(size=(len(x), 3))
-    ways = np.stack([0.6 * x, -0.3 + 0 * x, 1 + 0 * x], axis=1)
-    return grow(g, roots, ways, 0.6 * jitter(g, len(x)), sag=0.6, down=[0, 1.0, 0.2])  # type: ignore[arg-type]
-
-
 def star(g: Random) -> Floats:
     """From a point or a small core, even or rough, to all sides; trimmed to a ball or not."""
     out = cap(g, number(g), 180)
@@ -136,26 +165,11 @@ def star(g: Random) -> Floats:
     return grow(g, core, out, jitter(g, len(out)), frizz=g.choice([0, 0.03]))
 
 
-def lining(g: Random) -> Floats:
-    """Fur on the inside of a bowl or a ball."""
-    out = cap(g, number(g), g.uniform(60, 180))
-    return grow(g, out, -out, g.uniform(0.1, 0.7) * jitter(g, len(out)), frizz=g.choice([0, 0.03]))
-
-
 def soup(g: Random) -> Floats:
     """Random paths, in a ball, a box or anywhere."""
     count = number(g)
     roots = [plane(g, count), g.uniform(-1, 1, (count, 3)), g.normal(size=(count, 3))][int(g.integers(3))]
     return grow(g, roots, g.normal(size=roots.shape), g.uniform(0.1, 3) * jitter(g, count), frizz=g.choice([0, 0.5]))
-
-
-def draped(g: Random) -> Floats:
-    """From a rough ceiling down to a ball that lies below, cut where they meet it."""
-    roots = plane(g, number(g), 2, 2)
-    roots[:, 1] += 2.5 + g.choice([0.0, 0.1, 0.3]) * g.normal(size=len(roots))
-    roots = roots[np.linalg.norm(roots[:, [0, 2]], axis=1) < 0.9]
-    strands = grow(g, roots, np.array([DOWN]), 4.0)
-    return trimmed(strands, lambda p: np.where(p[:, 1] < 2, 1 - np.linalg.norm(p, axis=1), -1.0))
 
 
 def combed(g: Random) -> Floats:
@@ -166,14 +180,6 @@ def combed(g: Random) -> Floats:
     end = end if g.random() < 0.5 else unit(begin + np.array([g.uniform(0.5, 2), 0.2, 0]))
     t = np.linspace(0, 1, int(g.integers(6, 24)))[:, None]
     return unit((1 - t) * begin[:, None] + t * end[:, None]) * (1 + g.uniform(0.005, 0.15) * np.sin(np.pi * t))
-
-
-def arm(g: Random) -> Floats:
-    """Fur of a round bar, combed along it."""
-    turn, along = g.uniform(0, 2 * np.pi, number(g)), np.array([0, 0, 1.0])
-    out = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
-    roots = out + g.uniform(-3, 3, (turn.size, 1)) * along
-    return grow(g, roots, out, g.uniform(0.1, 3) * jitter(g, turn.size), sag=g.uniform(0, 0.9), down=along)
 
 
 def body(g: Random) -> Floats:
@@ -187,18 +193,87 @@ def body(g: Random) -> Floats:
     return grow(g, roots[seen], out[seen], length, sag=g.uniform(0.2, 0.8), down=back)
 
 
-def hood(g: Random) -> Floats:
-    """Lining of an oval, trimmed to a ball inside."""
-    out = cap(g, number(g), g.uniform(60, 120))
-    strands = grow(g, out * [1.3, 1.4, 1.6], -out, 3.0)
-    return trimmed(strands, lambda p: 0.8 - np.linalg.norm(p, axis=1))
+def scalp(g: Random) -> tuple[Floats, Floats, Floats]:
+    """Roots on a ball or an oval, normals, and its radii; no roots in the face."""
+    radii = np.array([1, *g.choice([[1, 1], [1.1, 1.25], [1.05, 1.15]])])
+    out = cap(g, number(g) + 60, g.uniform(75, 110))
+    out = out[(out[:, 2] < 0.5) | (out[:, 1] > 0.6)]
+    return out * radii, unit(out / radii), radii
 
 
-THINGS = (
-    grass, rough_grass, hill, plane_fur, mohawk, line, afro, fur, box_fur, brush, rope,
-    lashes, star, lining, hood, soup, draped, combed, arm, body,
-)  # fmt: skip
+def long_hair(g: Random) -> Floats:
+    roots, normals, radii = scalp(g)
+    length = g.uniform(1, 6) * jitter(g, len(roots))
+    return outside(grow(g, roots, normals, length, sag=g.uniform(0.85, 1), frizz=0.01), radii)
+
+
+def curls(g: Random) -> Floats:
+    roots, normals, radii = scalp(g)
+    length = g.uniform(1, 4) * jitter(g, len(roots))
+    return outside(grow(g, roots, normals, length, sag=0.9, curl=g.uniform(0.02, 0.12), frizz=0.02), radii)
+
+
+def bob(g: Random) -> Floats:
+    """Cut at a height, or to a slope."""
+    strands, slope = long_hair(g), g.choice([0.0, 0.4])
+    low = g.uniform(-1.2, 0)
+    return trimmed(strands, lambda p: low + slope * p[:, 2] - p[:, 1])
+
+
+def ponytail(g: Random) -> Floats:
+    roots, normals, radii = scalp(g)
+    tie, count = np.array([0, g.uniform(-0.2, 0.6), -1.25]), len(roots)
+    along = np.linspace(0, 1, 10)[None, :, None]
+    first = outside((1 - along) * roots[:, None] + along * tie + 0.3 * np.sin(np.pi * along) * normals[:, None], radii)
+    spread = tie + 0.06 * g.normal(size=(count, 3))
+    rest = grow(g, spread, np.array([[0, 0.3, -1.0]]), g.uniform(1, 4) * jitter(g, count), sag=0.95, frizz=0.02)
+    return np.concatenate([first, rest[:, 1:]], axis=1)
+
+
+def gathered(g: Random) -> Floats:
+    """Drawn to a knot from all sides, where it ends: at its surface, inside, or all in one place."""
+    roots, normals, radii = scalp(g)
+    size, out = g.uniform(0.1, 0.3), cap(g, len(roots), 180)
+    knot = np.array([0, g.uniform(-0.3, 1), -1]) * 1.3
+    ends = unit(roots + 0.3 * normals - knot) if g.random() < 0.6 else out
+    ends = knot + size * ends * (1 if g.random() < 0.6 else g.uniform(0, 1, (len(roots), 1)))
+    t = np.linspace(0, 1, int(g.integers(6, 24)))[None, :, None]
+    lift = np.sin(np.pi * t) * (g.uniform(0.1, 0.6) * normals[:, None] + 0.02 * g.normal(size=(len(roots), 1, 3)))
+    return outside((1 - t) * roots[:, None] + t * ends[:, None] + lift, radii)
+
+
+def buzz(g: Random) -> Floats:
+    roots, normals, _ = scalp(g)
+    return grow(g, roots, normals, g.uniform(0.02, 0.3) * (1 - g.choice([0, 0.02]) * g.uniform(size=len(roots))))
+
+
+def beard(g: Random) -> Floats:
+    """About the chin, hanging, cut to a curve or not."""
+    out = cap(g, number(g), 75) * [1, -1, 1]
+    out = out[out[:, 2] > -0.2] * [0.8, 1, 0.9]
+    strands = grow(g, out, out, g.uniform(0.1, 3) * jitter(g, len(out)), sag=g.uniform(0.3, 0.9), frizz=0.02)
+    return trimmed(strands, lambda p: np.linalg.norm(p, axis=1) - 1.4) if g.random() < 0.5 else strands
+
+
+def parted(g: Random) -> Floats:
+    """To both sides from a parting."""
+    roots, normals, radii = scalp(g)
+    ways = normals * g.uniform(0.2, 1) + np.sign(roots[:, :1]) * [1, 0, 0]
+    return outside(grow(g, roots, ways, g.uniform(1, 4) * jitter(g, len(roots)), sag=0.9, frizz=0.01), radii)
+
+
+THINGS = (grass, hill, plane_fur, line, afro, fur, brush, rope, star, soup, combed, body)
+HAIR = (long_hair, curls, bob, ponytail, gathered, buzz, beard, parted)
 KINDS = {one.__name__: one for one in (*THINGS, *HAIR)}
+UNITS = (1.0, 0.01, 0.001, 0.1, 0.0254)
+
+
+class Made(NamedTuple):
+    """A groom as a file has it, roots first, and what is true of it: its up axis, and metres a unit."""
+
+    strands: Strands
+    up: str
+    unit: float
 
 
 def made(kind: str, seed: int) -> Made:
