@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -30,7 +29,7 @@ from strandcli.meshes.bvh import make_bvh
 from strandcli.meshes.distance_grid import make_distance_grid
 from strandcli.meshes.make import make_mesh
 from strandcli.meshes.read import read_mesh
-from strandcli.scene.model import Material, Scene
+from strandcli.scene.model import Material
 
 LIKE = {FREE + "many": np.empty(0, np.float32), "few": np.empty((2, 2))}
 CODE = ("strandcli.jit.kept",)
@@ -158,21 +157,32 @@ def same(one: Any, other: Any) -> None:
         assert (np.asarray(a).dtype, np.shape(a)) == (np.asarray(b).dtype, np.shape(b))
 
 
+def require_kept(
+    patch: pytest.MonkeyPatch, get: Callable[[], Any], maker: tuple[Any, str], *others: Callable[[], Any]
+) -> None:
+    """Fail where what was made is not read with its bits and layout, and what follows from other inputs not made.
+    ``maker``: module and name of the function that is to make it."""
+    made = get()
+    patch.setattr(*maker, refuse)
+    same(get(), made)
+    for one, other in zip(get(), made, strict=True):  # kernels are compiled for either order
+        assert np.asarray(one).flags.c_contiguous == np.asarray(other).flags.c_contiguous
+    for other in others:
+        with pytest.raises(AssertionError, match="made again"):
+            other()
+
+
 def test_trees_and_distances_have_the_bits_of_those_that_are_made(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     mesh = make_mesh(*sphere())
     bvh = make_bvh(mesh.vertices, mesh.triangles)
-    grid = make_distance_grid(bvh, mesh.closed, 24)
     same(prepared.tree_of(mesh), bvh)
-    same(prepared.distances_of(bvh, mesh.closed, 24), grid)
-    monkeypatch.setattr(prepared, "make_bvh", refuse)
-    monkeypatch.setattr(prepared, "make_distance_grid", refuse)
-    same(prepared.tree_of(mesh), bvh)
-    same(prepared.distances_of(bvh, mesh.closed, 24), grid)
-    for other in ((bvh, mesh.closed, 25), (bvh, not mesh.closed, 24)):
-        with pytest.raises(AssertionError, match="made again"):
-            prepared.distances_of(*other)
-    with pytest.raises(AssertionError, match="made again"):
-        prepared.tree_of(make_mesh(1.01 * mesh.vertices, mesh.triangles))
+    same(prepared.distances_of(bvh, mesh.closed, 24), make_distance_grid(bvh, mesh.closed, 24))
+    larger = make_mesh(1.01 * mesh.vertices, mesh.triangles)
+    require_kept(monkeypatch, lambda: prepared.tree_of(mesh), (prepared, "make_bvh"), lambda: prepared.tree_of(larger))
+    require_kept(
+        monkeypatch, lambda: prepared.distances_of(bvh, mesh.closed, 24), (prepared, "make_distance_grid"),
+        lambda: prepared.distances_of(bvh, mesh.closed, 25), lambda: prepared.distances_of(bvh, not mesh.closed, 24),
+    )  # fmt: skip
 
 
 def test_a_mesh_is_what_reading_its_file_gives_and_follows_its_content(
@@ -221,17 +231,14 @@ def test_a_mesh_whose_file_may_name_others_is_not_kept(
 def test_tables_of_a_material_have_the_bits_of_those_that_are_made(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    material = Material(model="chiang", scatter="dual")
-    rows, loss = palette._scattered(material, 0.3)
-    for _ in range(2):
+    def tables(**more: Any) -> list[Any]:
         palette._scattered_of.cache_clear()
-        kept_rows, kept_loss = palette._scattered_of(material, 0.3)
-        same([*kept_rows, kept_loss], [*rows, loss])
-        assert len(list(place.iterdir())) == 1
-        monkeypatch.setattr(palette, "_scattered", refuse)
-    palette._scattered_of.cache_clear()
-    with pytest.raises(AssertionError, match="made again"):
-        palette._scattered_of(Material(model="chiang", scatter="dual", beta_m=0.2), 0.3)
+        rows, loss = palette._scattered_of(Material(model="chiang", scatter="dual", **more), 0.3)
+        return [*rows, loss]
+
+    rows, loss = palette._scattered(Material(model="chiang", scatter="dual"), 0.3)
+    same(tables(), [*rows, loss])
+    require_kept(monkeypatch, tables, (palette, "_scattered"), lambda: tables(beta_m=0.2))
     palette._scattered_of.cache_clear()
 
 
@@ -239,27 +246,17 @@ def test_what_children_follow_has_the_bits_and_the_layout_of_what_is_made(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wave = {"radius": 0.001, "length": 0.02}
-    scene = load("brush", settings={"children.count": 4, "children.waves": [wave, {**wave, "share": 0.5}]})
 
-    def found(scene: Scene) -> family.Family:
+    def found(**more: Any) -> family.Family:
+        settings = {"children.count": 4, "children.waves": [wave, {**wave, "share": 0.5}], **more}
+        scene = load("brush", settings=settings)
         return Children(scene, emit(scene.emitter, scene.seed)).family
 
     computed: list[family.Family] = []
     make = family._made
     monkeypatch.setattr(family, "_made", lambda *given: computed.append(make(*given)) or computed[0])
-    made = found(scene)
-    assert len(list(place.iterdir())) == 1
-    monkeypatch.setattr(family, "_made", refuse)
-    again = found(scene)
-    same(made, computed[0])
-    same(again, made)
-    for one, other in zip(again, made, strict=True):  # kernels are compiled for either order
-        assert (one.flags.c_contiguous, one.flags.f_contiguous) == (other.flags.c_contiguous, other.flags.f_contiguous)
-    settings = scene.children
-    assert settings is not None
-    for other in (
-        replace(scene, seed=1), replace(scene, children=replace(settings, cut=0.3)),
-        replace(scene, emitter=replace(scene.emitter, strands=80)),
-    ):  # fmt: skip
-        with pytest.raises(AssertionError, match="made again"):
-            found(other)
+    same(found(), computed[0])
+    require_kept(
+        monkeypatch, found, (family, "_made"), lambda: found(seed=1), lambda: found(**{"children.cut": 0.3}),
+        lambda: found(**{"emitter.strands": 80}),
+    )  # fmt: skip
