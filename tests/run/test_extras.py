@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 import sysconfig
 import tomllib
@@ -15,18 +14,6 @@ from strandcli.common import extras
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of an environment with pip that is not activated."""
-    (tmp_path / "bin").mkdir()
-    monkeypatch.setattr(sys, "prefix", str(tmp_path))
-    monkeypatch.setattr(sys, "base_prefix", "/usr")
-    monkeypatch.setattr(sys, "executable", str(tmp_path / "bin" / "python"))
-    monkeypatch.setattr(extras.shutil, "which", lambda name: None)
-    monkeypatch.setattr(extras.importlib.util, "find_spec", lambda name: object())
-    return tmp_path
-
-
 def test_requirements_are_those_of_the_package() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     declared = project["optional-dependencies"]
@@ -35,28 +22,27 @@ def test_requirements_are_those_of_the_package() -> None:
     }
 
 
-def test_pip_of_an_activated_environment_is_named_shortly(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert extras.install("exr") == f"{home}/bin/python -m pip install 'OpenEXR>=3.3'"
-    monkeypatch.setattr(extras.shutil, "which", lambda name: str(home / "bin" / "pip"))
-    assert extras.install("exr") == "pip install 'OpenEXR>=3.3'"
-    monkeypatch.setattr(extras.shutil, "which", lambda name: "/elsewhere/pip")
-    assert extras.install("exr").startswith(f"{home}/bin/python -m pip")
-
-
-def test_pipx_injects(home: Path) -> None:
-    (home / "pipx_metadata.json").write_text("{}")
-    assert extras.install("dask") == "pipx inject strandcli 'distributed>=2024.1'"
-
-
-def test_uv_installs_where_the_environment_has_no_pip(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(extras.importlib.util, "find_spec", lambda name: None)
-    monkeypatch.setattr(sys, "executable", "/a b/python")
-    assert shlex.split(extras.install("usd")) == ["uv", "pip", "install", "--python", "/a b/python", "usd-core>=24.11"]
-
-
-def test_a_system_that_refuses_pip_is_asked_as_it_wants(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (home / "EXTERNALLY-MANAGED").write_text("")
-    monkeypatch.setattr(sysconfig, "get_path", lambda name: str(home))
-    assert "--break-system-packages" not in extras.install("exr")
-    monkeypatch.setattr(sys, "base_prefix", str(home))
-    assert extras.install("exr").endswith("pip install --break-system-packages 'OpenEXR>=3.3'")
+@pytest.mark.parametrize(
+    ("there", "pip", "which", "command"),
+    [
+        ("", True, None, "{home}/bin/python -m pip install 'OpenEXR>=3.3'"),
+        ("", True, "{home}/bin/pip", "pip install 'OpenEXR>=3.3'"),
+        ("", True, "/elsewhere/pip", "{home}/bin/python -m pip install 'OpenEXR>=3.3'"),
+        ("", False, None, "uv pip install --python {home}/bin/python 'OpenEXR>=3.3'"),
+        ("pipx_metadata.json", True, None, "pipx inject strandcli 'OpenEXR>=3.3'"),
+        ("EXTERNALLY-MANAGED", True, None, "{home}/bin/python -m pip install --break-system-packages 'OpenEXR>=3.3'"),
+    ],
+)
+def test_the_command_is_that_of_the_installation(
+    there: str, pip: bool, which: str | None, command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of an environment; and of a system's Python, which has no prefix of its own, that refuses pip."""
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(sys, "base_prefix", str(tmp_path) if there == "EXTERNALLY-MANAGED" else "/usr")
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "bin" / "python"))
+    monkeypatch.setattr(sysconfig, "get_path", lambda name: str(tmp_path))
+    monkeypatch.setattr(extras.shutil, "which", lambda name: which and which.format(home=tmp_path))
+    monkeypatch.setattr(extras.importlib.util, "find_spec", lambda name: object() if pip else None)
+    if there:
+        (tmp_path / there).write_text("")
+    assert extras.install("exr") == command.format(home=tmp_path)
