@@ -80,8 +80,8 @@ def test_a_collision_holds_only_the_kinds_of_solid_that_there_are() -> None:
     assert "kernels.box import collide" in text
     assert "capsule" not in text
     assert "plane" not in text
-    assert "collision_segments" not in text
-    assert "collision_segments import box" in text_of("collision: {segments: true}")
+    assert "kernels.segments" not in text
+    assert "kernels.segments import box" in text_of("collision: {segments: true}")
 
 
 def test_without_rules_nothing_is_composed_and_nothing_moves() -> None:

@@ -54,7 +54,7 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     A plane that no particle is below is cut by no segment: it needs no pass of its own.
     """
     from ...solids.shapes import other_code
-    from . import collision_segments as segments
+    from ..thesis.kernels import segments
 
     met = chosen(parameters, scene)
     if not parameters.segments:
@@ -65,10 +65,7 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
 
 def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
     """With segments, particles once more at the end of a step: a turned segment may have put its end into another
-    solid, and rules that come later move it. Where elasticity is one of them, solids and lengths take turns. What one
-    solid after the other leaves inside is led out of all together."""
-    from ...solids import pack_all
-    from ..thesis.kernels.depenetrate import leave, turn
+    solid, and rules that come later move it. Where elasticity is one of them, solids and lengths take turns."""
     from . import elasticity
 
     if not parameters.segments:
@@ -76,17 +73,9 @@ def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
     places = [k for k, use in enumerate(scene.rules) if use.parameters is parameters]
     later = scene.rules[places[0] + 1 :] if places else ()
     met = chosen(parameters, scene)
-    ends = _ends(met)
-
-    def all_of(moment: Moment) -> Any:
-        return pack_all(met, moment.scene.emitter, moment.pose_time)
-
     lengths = [one for use in later if use.name == elasticity.name for one in elasticity.passes(use.parameters, scene)]
-    if lengths:
-        return (ends + lengths[:1]) * ROUNDS + [Pass(turn, all_of)]
-    if len(met) > 1:
-        return ends * ROUNDS + [Pass(leave, all_of)]
-    return ends if later else []
+    rounds = ROUNDS if lengths or len(met) > 1 else int(bool(later))
+    return (_ends(met) + lengths[:1]) * rounds
 
 
 def _ends(met: list[Any]) -> list[Pass]:

@@ -127,14 +127,14 @@ def depth(p, m, x, y, z):
 @device
 def segment_depth(p, m, start, edge):
     """Return the depth as `sphere.segment_depth`."""
-    x, y, z = off_axis(p, m, start, edge)
+    (x, y, z), _ = off_axis(p, m, start, edge)
     return sphere.ball_depth(x, y, z, p[m + RADIUS])
 
 
 @inlined
 def off_axis(p, m, start, edge):
-    """Return the shortest vector from capsule m's axis to a segment, from the closest points of two segments (Ericson
-    2005, §5.1.9); vectors of lanes."""
+    """Return the shortest vector from capsule m's axis to a segment, and at which share of that it ends: the closest
+    points of two segments (Ericson 2005, §5.1.9); vectors of lanes."""
     ax, ay, az = p[m + AXIS_X], p[m + AXIS_Y], p[m + AXIS_Z]
     x, y, z = start[0] - p[m + X], start[1] - p[m + Y], start[2] - p[m + Z]
     ee = max(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2], sphere.NONE)
@@ -148,7 +148,7 @@ def off_axis(p, m, start, edge):
     u = min(max((ar + t * ea) / aa, 0.0), 1.0)
     t = min(max((u * ea - er) / ee, 0.0), 1.0)
     u = min(max((ar + t * ea) / aa, 0.0), 1.0)
-    return x + t * edge[0] - u * ax, y + t * edge[1] - u * ay, z + t * edge[2] - u * az
+    return (x + t * edge[0] - u * ax, y + t * edge[1] - u * ay, z + t * edge[2] - u * az), t
 
 
 @device
@@ -185,7 +185,7 @@ def deepest(p, m, x, o, rows):
         doubt = (before + after + ax * ax + ay * ay + az * az) * ROUNDING
         excess = (before - doubt - inner) * (up - down) + down * (before - after + 2.0 * up)
         if any_lane(max(max(down, -up), excess) < 0.0):  # one comparison for three
-            c = off_axis(p, m, a, e)
+            c, _ = off_axis(p, m, a, e)
             inner = min(inner, c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
         before = after
         ends = min(ends, before)
