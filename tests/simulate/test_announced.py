@@ -47,15 +47,6 @@ def test_steps_that_are_announced_move_strands_as_others_do(changes: dict[str, A
         np.testing.assert_array_equal(told.positions, untold.positions)
 
 
-def test_nothing_is_computed_again_of_a_step_that_was_announced(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = solver(**{"time.preroll": 0.1})
-    one.advance(2)
-    monkeypatch.setattr(one, "_prepared", None)
-    one.advance(1 + ANNOUNCED)
-    with pytest.raises(TypeError):
-        one.advance(2 + ANNOUNCED)
-
-
 def test_what_was_announced_before_a_state_was_restored_is_not_used_where_it_does_not_follow() -> None:
     one, other = solver(), solver()
     one.advance(4)

@@ -92,15 +92,6 @@ def test_pressure_is_the_greatest_that_no_face_throws_strands_with(share: float)
     np.testing.assert_allclose(pressure, wanted, rtol=1e-5, atol=1e-6)
 
 
-def test_pressure_that_throws_none_stays_as_it_is() -> None:
-    grid, room, numbers, found = made()
-    pressure = (0.001 * found).astype(np.float32)
-    before = pressure.copy()
-    limit(BOX, np.stack([LIVE, LIVE]), grid, room, numbers, pressure)
-    np.testing.assert_array_equal(pressure, before)
-    assert before.max() == pytest.approx(0.03, rel=0.1)
-
-
 @pytest.mark.long  # in double precision, which nothing else asks the grid's kernels for
 def test_what_is_too_heavy_to_follow_is_not_pushed_without_end() -> None:
     """Tips a million times as heavy in steps of ten seconds: pushes grew a hundred thousandfold each, to infinity."""
@@ -133,15 +124,6 @@ def test_strands_read_of_closed_cells_what_they_leave_in_them() -> None:
         assert brought == pytest.approx(grid[column].astype(float) @ read[:, target], abs=1e-3)
     assert (left[MASS, homes > 0] == 0).all()
     assert room[open_ > 0].sum() == pytest.approx(np.abs(open_[(open_ > 0) | (homes > 0)]).sum(), rel=1e-5)
-
-
-def test_a_box_that_grows_finds_room_in_the_memory_of_the_last_one() -> None:
-    crowd = rod_of(f"emitter: {{{BALL}, strands: 4}}\nrules: [interaction]").grid
-    for wide in range(16, 16 * 200, 16):
-        crowd.boxes[-1, SIZE : SIZE + 3] = wide, 3, 5
-        crowd._empty_grid()
-        for one in (crowd.grid.T, crowd.targets, crowd.shares, *crowd.room):
-            assert len(one) == wide * 15
 
 
 def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(

@@ -50,17 +50,6 @@ def test_nothing_is_left_inside(case: str, dt: float) -> None:
             assert errors["residual_max"] <= 1e-3  # type: ignore[operator]
 
 
-@pytest.mark.parametrize("radius", [0.3, 3.0])
-def test_a_ball_that_swallows_the_root_is_survived(radius: float) -> None:
-    solver = against([ball(radius, 0, 0, 0)])
-    take_steps(solver, 24, 60)
-    errors = solver.errors(1)
-    assert errors["nonfinite"] == 0
-    assert errors["stretch_max"] <= 1e-6  # type: ignore[operator]
-    if radius < 1:  # the tip gets out
-        assert np.linalg.norm(first(solver)[-1]) >= radius - 1e-6
-
-
 def carried(friction: float, shift: float) -> float:
     """How far the tip of a strand goes with a ball, so large that it is nearly flat, which moves under it sideways by
     so many metres in 4 seconds."""

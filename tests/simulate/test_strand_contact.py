@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from typing import Any
 
 import numba
@@ -15,7 +14,6 @@ from rod_kit import rod_of
 from strandcli.errors import UsageError
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
-from strandcli.simulate.contact.between_strands import in_parts
 from strandcli.simulate.contact.kernels import contact_response
 from strandcli.simulate.contact.nearby import Nearby
 from strandcli.simulate.rod.kernels.arrays import PACK
@@ -214,33 +212,6 @@ def test_friction_over_one_is_allowed_and_no_contact_costs_nothing() -> None:
     assert other.contact is None
     assert len(other.state.acceleration) == 1
     assert "strand_penetration_max" not in other.errors(1)
-
-
-def test_a_step_that_is_cut_in_two_keeps_what_it_began_from_no_longer_than_it_has_to() -> None:
-    """Halves of halves keep their own: one state at a time, however often a step is cut."""
-    kept: list[weakref.ref[Any]] = []
-    alive: list[int] = []
-
-    class State:
-        def copy(self) -> Any:
-            found = np.zeros(3)
-            kept.append(weakref.ref(found))
-            return found
-
-    class Solver:
-        def state_arrays(self) -> dict[str, Any]:
-            return {"x": State()}
-
-        def restore(self, state: dict[str, Any]) -> None:
-            assert state
-
-    def step(time: float, dt: float) -> bool:
-        alive.append(sum(one() is not None for one in kept))
-        return dt < 1 / 50
-
-    in_parts(Solver(), step, 1.0, 1.0)
-    assert max(alive) == 1
-    assert len(alive) == 127
 
 
 @pytest.mark.parametrize("thickness", [0.0002, 0.001, 0.005])
