@@ -110,9 +110,9 @@ class Children:
         numbers, centres = self._centres
         paths = scratch.borrow("clump_paths", (len(numbers), size), np.float32)
         kernel.lay_paths(guides, following, numbers, paths)
-        clumps = Clumps(centres, family.pulls[self._pulling], self._ramps(m, size), paths)
+        clumps = Clumps(centres, by_child(family.pulls[self._pulling]), self._ramps(m, size), paths)
         forms = np.array([[wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 2)
-        waves = Waves(forms, family.radii, family.turns, family.phases, across)
+        waves = Waves(forms, by_child(family.radii), by_child(family.turns), by_child(family.phases), across)
         return Leading(m, guides, following, clumps, waves, self._solids(at))
 
     def grow_along(
@@ -200,13 +200,13 @@ class Children:
 
     @cached_property
     def _centres(self) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """The children (K,) at the centres of clumps that pull, and which of them is at that of each child's (C, A)."""
+        """The children (K,) at the centres of clumps that pull, and which of them is at that of each child's (A, C)."""
         middles = self.family.middles[self._pulling]
         marked = np.zeros(self.count, bool)
         marked[middles] = True
         numbers = np.flatnonzero(marked).astype(np.int32)
         standing = np.cumsum(marked, dtype=np.int32) - np.int32(1)
-        return numbers, standing[middles]
+        return numbers, by_child(standing[middles])
 
     @cached_property
     def _parents(self) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
@@ -247,3 +247,9 @@ def _moved(
     for c, (a, b, d) in enumerate(rotation):
         out[:, c] = x * a + y * b + z * d + shift[c]
     return out
+
+
+def by_child(rows: NDArray[Any]) -> NDArray[Any]:
+    """Return (A, n) of (n, A), those of a child next to each other however many there are: else kernels would be
+    compiled for each order in memory."""
+    return np.ascontiguousarray(rows.T)

@@ -38,9 +38,9 @@ def load_children(guides, following, waves, own, begin, scratch, lengths):
             scratch[np.uint64(ACROSS * W) + c * np.uint64(W) + lane] = waves.across[i, c]
         for w in range(np.uint64(waves.forms.shape[0])):
             at = (np.uint64(FIRST_WAVE) + w * np.uint64(TURNING)) * np.uint64(W) + lane
-            scratch[at + np.uint64(RADIUS * W)] = waves.radii[w, i]
-            scratch[at + np.uint64(COSINE * W)] = waves.phases[w, i]
-            scratch[at + np.uint64(TURN_COSINE * W)] = waves.turns[w, i] * rest
+            scratch[at + np.uint64(RADIUS * W)] = waves.radii[i, w]
+            scratch[at + np.uint64(COSINE * W)] = waves.phases[i, w]
+            scratch[at + np.uint64(TURN_COSINE * W)] = waves.turns[i, w] * rest
         lengths[lane] = rest
     rows = pointer(scratch)
     for first in range(FIRST_WAVE * W, (FIRST_WAVE + waves.forms.shape[0] * TURNING) * W, TURNING * W):

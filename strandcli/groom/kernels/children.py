@@ -124,9 +124,9 @@ def pull_path(clumps, i, rows, o):
     """Pull the path of child i, in rows from place o on, to the paths at the centres of its clumps, from the narrowest
     to the widest."""
     centres, ramps, size = pointer(clumps.paths), pointer(clumps.ramps), clumps.paths.shape[1]
-    for level in range(clumps.centres.shape[0] - 1, -1, -1):
-        pull = broadcast(rows, clumps.pulls[np.uint64(level), i])
-        centre, ramp = np.int64(clumps.centres[np.uint64(level), i]) * size, level * size
+    for level in range(clumps.centres.shape[1] - 1, -1, -1):
+        pull = broadcast(rows, clumps.pulls[i, np.uint64(level)])
+        centre, ramp = np.int64(clumps.centres[i, np.uint64(level)]) * size, level * size
         for k in range(0, size, lane_count(rows)):
             x = load(rows, o + k)
             store(rows, o + k, x + pull * load(ramps, ramp + k) * (load(centres, centre + k) - x))

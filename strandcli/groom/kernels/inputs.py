@@ -44,9 +44,9 @@ class Clumps(NamedTuple):
     """Clumps of children."""
 
     centres: NDArray[np.int32]
-    """(C, A) which of the ``paths`` is at the centre of each child's clump."""
+    """(A, C) which of the ``paths`` is at the centre of each child's clump."""
     pulls: NDArray[np.float32]
-    """(C, A) share by which the distance to that child is reduced at the tip."""
+    """(A, C) share by which the distance to that child is reduced at the tip."""
     ramps: NDArray[np.float32]
     """(C, S) factor of the pull at each number of a path; 0 up to the root."""
     paths: NDArray[np.float32]
@@ -60,10 +60,10 @@ class Waves(NamedTuple):
     """(V, 2) `ROUNDNESS`, from 0 for a flat wave to 1 for a helix, and `ONSET`, the share of the length over which its
     amplitude grows from 0."""
     radii: NDArray[np.float32]
-    """(V, A) amplitude, metres; 0 for children without this wave."""
+    """(A, V) amplitude, metres; 0 for children without this wave."""
     turns: NDArray[np.float32]
-    """(V, A) radians a metre."""
+    """(A, V) radians a metre."""
     phases: NDArray[np.float32]
-    """(V, A) radians at the root."""
+    """(A, V) radians at the root."""
     across: NDArray[np.float32]
     """(A, 3) unit vectors perpendicular to the root's direction, at which waves begin."""
