@@ -54,7 +54,7 @@ def facts_of_file(path: Path, options: ReadOptions) -> Facts:
     finite are told as a fault."""
     strands, moments = read_first(path, replace(options, lenient=True))
     told = None if moments is None else moments.facts()
-    found = facts(replace(strands, spent=True))
+    found = facts(strands)
     size = sum(one.stat().st_size for one in files_of(path))
     return Facts({"file": str(path), "bytes": size, **found.data, "moments": told}, found.faults)
 

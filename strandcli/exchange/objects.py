@@ -109,7 +109,7 @@ def only(strands: Strands, wanted: Sequence[str], path: Path) -> Strands:
         return strands
     keep = chosen(strands, wanted, path)
     there = np.unique(numbers(strands)[keep])
-    strands = replace(replace(strands, spent=True).select(keep), spent=False)
+    strands = strands.select(keep)
     attributes = {name: one for name, one in strands.attributes.items() if name != OBJECT}
     if there.size > 1:
         attributes[OBJECT] = Attribute("strand", np.searchsorted(there, numbers(strands)).astype(np.int32))

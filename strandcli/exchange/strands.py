@@ -63,8 +63,7 @@ class Strands:
 
     first: (S + 1,), of each strand its first point, and last the number of points; points: (P, 3), root to tip, units
     of the file; attributes: by name; objects: full names of the objects of the file that they come from, one alone or
-    those that the attribute `OBJECT` (S,) numbers; () where it names none; spent: whether nobody looks at these arrays
-    again but through what is made of them, which then takes their place in memory.
+    those that the attribute `OBJECT` (S,) numbers; () where it names none.
     """
 
     first: Offsets
@@ -72,7 +71,6 @@ class Strands:
     attributes: Mapping[str, Attribute] = field(default_factory=dict)
     source: Source = field(default_factory=Source)
     objects: tuple[str, ...] = ()
-    spent: bool = False
 
     @property
     def count(self) -> int:
@@ -106,39 +104,15 @@ class Strands:
     def lengths(self, kind: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
         """Length of each strand, units of the file, in a type, of which it is the largest number at most."""
         found, most = np.zeros(self.count, kind), float(np.finfo(kind).max)
-        for rows, (long,) in self.sums(lambda _rows, _points, segments: segments.astype(np.float64)[None]):
-            found[rows] = np.minimum(long, most)
-        return found
-
-    def segments(self) -> Iterator[tuple[slice, slice, npt.NDArray[np.float32]]]:
-        """Some strands and points at once, as `spans`, and from each of these points the distance to the next one of
-        its strand, units of the file; 0 at tips."""
-        wide, step, long = np.empty((CACHED + 1, 3)), np.empty((CACHED, 3)), np.empty(CACHED)
         for rows, points in spans(self.first, CACHED):
-            held = self.points[points.start : points.stop + 1]
-            n = held.shape[0] - 1
-            wide[: n + 1] = held
-            np.subtract(wide[1 : n + 1], wide[:n], out=step[:n])
-            np.einsum("ij,ij->i", step[:n], step[:n], out=long[:n])
-            np.sqrt(long[:n], out=long[:n])
-            found = np.zeros(points.stop - points.start, np.float32)
-            found[:n] = np.minimum(long[:n], LARGEST, out=long[:n])
+            steps = np.diff(self.points[points.start : points.stop + 1].astype(np.float64), axis=0)
+            long = np.zeros(points.stop - points.start)
+            long[: len(steps)] = np.minimum(np.sqrt(np.einsum("ij,ij->i", steps, steps)), LARGEST).astype(np.float32)
             tips = self.first[rows.start + 1 : rows.stop + 1] - 1 - points.start
-            found[tips[tips < found.size]] = 0
-            yield rows, points, found
-
-    def sums(
-        self, values: Callable[[slice, slice, npt.NDArray[np.float32]], npt.NDArray[Any]]
-    ) -> Iterator[tuple[slice, npt.NDArray[Any]]]:
-        """Of some whole strands at once (n) the sums (k, n) over their points of ``values``: k numbers of each point,
-        for what `segments` yields."""
-        held: Any = 0
-        for rows, points, segments in self.segments():
-            begins = np.maximum(self.first[rows], points.start) - points.start
-            found = held + np.add.reduceat(values(rows, points, segments), begins, axis=1)
-            held = found if points.stop < self.first[rows.stop] else 0
-            if points.stop == self.first[rows.stop]:
-                yield rows, found
+            long[tips[tips < long.size]] = 0
+            sums = found[rows] + np.add.reduceat(long, np.maximum(self.first[rows] - points.start, 0))
+            found[rows] = np.minimum(sums, most)
+        return found
 
     def roots(self) -> Points:
         """First point of each strand."""
@@ -152,51 +126,20 @@ class Strands:
         """The strands for which ``keep`` (S,) holds, in their order."""
         if keep.all():
             return self
-        first, done = np.zeros(np.count_nonzero(keep) + 1, np.int64), 0
-        for begin in range(0, self.count, CHUNK):
-            counts = np.diff(self.first[begin : begin + CHUNK + 1])[keep[begin : begin + CHUNK]]
-            first[done + 1 : done + 1 + counts.size] = first[done] + np.cumsum(counts)
-            done += counts.size
-        return self._only(first, keep, lambda rows, points: np.repeat(keep[rows], counts_in(self.first, rows, points)))
+        counts = self.counts()
+        return self._only(offsets(counts[keep]), {"point": np.repeat(keep, counts), "strand": keep})
 
     def thinned(self, keep: Mask) -> Strands:
         """All strands, of the points for which ``keep`` (P,) holds."""
-        first = np.zeros(self.first.size, np.int64)
-        for rows, (found,) in self.sums(lambda rows, points, segments: keep[points][None].astype(np.int64)):
-            first[rows.start + 1 : rows.stop + 1] = first[rows.start] + np.cumsum(found)
-        return self._only(first, None, lambda rows, points: keep[points])
+        return self._only(offsets(np.add.reduceat(keep, self.first[:-1], dtype=np.int64)), {"point": keep})
 
-    def _only(self, first: Offsets, keep: Mask | None, points_of: Callable[[slice, slice], Mask]) -> Strands:
-        """Some strands, or all, with the offsets (K + 1,) that they have then; ``points_of``: whether points of some
-        strands stay."""
-        sizes = {"point": int(first[-1]), "strand": first.size - 1}
-        held = [Attribute("point", self.points), *(one for one in self.attributes.values() if one.domain != "groom")]
-        out = [self.room(one.values, sizes[one.domain]) if keep is not None or one.domain == "point" else one.values
-               for one in held]  # fmt: skip
-        begins = {"point": 0, "strand": 0}
-        for rows, points in spans(self.first):
-            own = {"point": (points, points_of(rows, points))}
-            if keep is not None and points.stop == self.first[rows.stop]:  # a strand in parts counts with its last one
-                own["strand"] = (rows, keep[rows])
-            for domain, (some, kept) in own.items():
-                begin, begins[domain] = begins[domain], begins[domain] + int(np.count_nonzero(kept))
-                for one, values in zip(held, out, strict=True):
-                    if one.domain == domain:
-                        values[begin : begins[domain]] = one.values[some][kept]
-        there = iter(out[1:])
+    def _only(self, first: Offsets, rows: Mapping[Domain, Mask]) -> Strands:
+        """What belongs to some of the points and strands, with the offsets (K + 1,) that these have then."""
         attributes = {
-            name: one if one.domain == "groom" else Attribute(one.domain, next(there))
+            name: Attribute(one.domain, one.values[rows[one.domain]]) if one.domain in rows else one
             for name, one in self.attributes.items()
         }
-        return replace(self, first=first, points=out[0], attributes=attributes)
-
-    def room(self, values: npt.NDArray[Any], rows: int | None = None) -> npt.NDArray[Any]:
-        """An array for so many rows that become of these values, which it takes the place of where the strands are
-        spent. What is written to it must not be needed to be read again."""
-        count = values.shape[0] if rows is None else rows
-        if self.spent and values.flags.writeable:
-            return values[:count]
-        return np.empty((count, *values.shape[1:]), values.dtype)
+        return replace(self, first=first, points=self.points[rows["point"]], attributes=attributes)
 
 
 CHUNK = 1 << 17
@@ -217,12 +160,9 @@ class TimeSample:
 def offsets(counts: npt.NDArray[Any], more: int = 0) -> Offsets:
     """Offsets (S + 1,) of strands with so many points each (S,), and ``more``."""
     first = np.zeros(counts.shape[0] + 1, np.int64)
-    for begin in range(0, counts.shape[0], CHUNK):
-        part = counts[begin : begin + CHUNK]
-        found = first[begin + 1 : begin + 1 + part.size]
-        np.cumsum(part.astype(np.int64) + more if more else part, out=found)
-        if begin:
-            found += first[begin]
+    np.cumsum(counts, out=first[1:], dtype=np.int64)
+    if more:
+        first += more * np.arange(first.size)
     return first
 
 
@@ -256,12 +196,9 @@ def counts_in(first: Offsets, rows: slice, points: slice) -> Offsets:
 
 def without_short(strands: Strands) -> Strands:
     """Strands that were just read without those of fewer than two points, which are counted as skipped."""
-    parts = [slice(begin, begin + CHUNK) for begin in range(0, strands.count, CHUNK)]
-    if all(np.diff(strands.first[part.start : part.stop + 1]).min() >= SHORTEST for part in parts):
+    keep = strands.counts(np.int32) >= SHORTEST
+    kept = strands.select(keep)
+    if kept is strands:
         return strands
-    keep = np.empty(strands.count, np.bool_)
-    for part in parts:
-        keep[part] = np.diff(strands.first[part.start : part.stop + 1]) >= SHORTEST
     skipped = {**strands.source.skipped, SHORT: int(keep.size - np.count_nonzero(keep))}
-    kept = replace(strands, spent=True).select(keep)
-    return replace(kept, source=replace(strands.source, skipped=skipped), spent=False)
+    return replace(kept, source=replace(strands.source, skipped=skipped))

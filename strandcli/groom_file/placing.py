@@ -32,7 +32,7 @@ class Placement(NamedTuple):
 def placed(
     strands: Strands, given: GroomFile, notes: list[str], placement: Placement | None = None
 ) -> tuple[Strands, Placement]:  # fmt: skip
-    """Strands where a scene wants them, in the place of those that are spent, and where that is; ``placement``: if it
+    """Strands where a scene wants them, and where that is; ``placement``: if it
     is known."""
     if placement is not None:
         return put(strands, given, placement), placement
@@ -84,7 +84,7 @@ def _moved(strands: Strands, given: GroomFile, placement: Placement) -> Strands:
     factor, middle = placement.factor, placement.middle
     if factor == 1 and not middle.any():
         return strands
-    moved = strands.room(strands.points)
+    moved = np.empty_like(strands.points)
     wide = np.empty((CACHED, 3))
     with np.errstate(over="ignore"):
         for begin in range(0, moved.shape[0], CACHED):

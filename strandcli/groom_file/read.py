@@ -116,7 +116,7 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) ->
         if _tells_all(found, strands, given):
             return replace(found, moments=moments, rows=None)
     if moments is None or rows is None or in_file is None:
-        held = [replace(strands, spent=True)]
+        held = [strands]
         del strands  # which are let go in there as soon as they are packed
         return replace(_made(held.pop(), counts, given, seed, head, notes), rows=None)
     found = _made(strands, counts, given, seed, head, notes)
@@ -169,7 +169,6 @@ def _made(
     """Strands of a file, placed and packed; ``counts``: of all strands, of which these are some; ``placement``: where
     strands of this file are put, if that is known."""
     strands, placement = placed(strands, given, notes, placement)
-    strands = replace(strands, spent=False)
     if head is not None:
         strands = put_on(strands, head, given.file, notes, placement.up, given)
     order = spatial_order(strands.roots())

@@ -5,7 +5,7 @@ mesh = make_mesh(vertices, triangles)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from ..common.counted import counted
 from ..errors import UsageError, one_line
-from ..exchange.faults import keys_of, prints_of, repeats
+from ..exchange.faults import prints_of, repeats
 from .mesh import FileNormals, Indices, MeshFacts, TriangleMesh, Vectors, face_vectors, slices
 from .topology import oriented
 
@@ -191,23 +191,20 @@ def _finite(raw: RawMesh) -> tuple[RawMesh, list[str]]:
 def places(vertices: Vectors) -> Indices:
     """Of each vertex (V,) the first one at the same place."""
     found = np.arange(vertices.shape[0], dtype=np.int32)
-    for first, again in equal_rows(np.ones(found.size, np.bool_), lambda rows: vertices[rows].view(np.uint64)):
-        found[again] = first
+    first, again = equal_rows(found.size, lambda rows: vertices[rows].view(np.uint64))
+    found[again] = first
     return found
 
 
 def equal_rows(
-    among: npt.NDArray[np.bool_], words: Callable[[Any], npt.NDArray[np.uint64]]
-) -> Iterator[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]]:
-    """Of the rows (n,) that are ``among`` them some at once that are equal to a lower one: the lowest, and their own.
-    ``words``: of some rows the numbers (k, m) that tell them apart."""
-    bits, keys = among.size.bit_length(), np.empty(np.count_nonzero(among), np.uint64)
-    done = 0
-    for rows in slices(among.size):
-        own = keys_of(prints_of(words(rows)), range(rows.start, rows.stop), bits)[among[rows]]
-        keys[done : done + own.size] = own
-        done += own.size
-    return repeats(keys, bits, lambda one, other: np.asarray((words(one) == words(other)).all(axis=1)))
+    count: int, words: Callable[[Any], npt.NDArray[np.uint64]]
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Rows, of so many, that are equal to a lower one: the lowest, and their own. ``words``: of some rows the numbers
+    (k, m) that tell them apart."""
+    prints = np.empty(count, np.uint64)
+    for rows in slices(count):
+        prints[rows] = prints_of(words(rows))
+    return repeats(prints, lambda one, other: np.asarray((words(one) == words(other)).all(axis=1)))
 
 
 def _with_area(vertices: Vectors, corners: Indices) -> npt.NDArray[np.bool_]:
@@ -227,9 +224,9 @@ def _with_area(vertices: Vectors, corners: Indices) -> npt.NDArray[np.bool_]:
 
 def _first_of_each(corners: Indices, kept: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     """The triangles (T,), among those that are kept, that repeat no earlier one, whichever way it is wound."""
-    found = kept.copy()
-    for _, again in equal_rows(kept, lambda rows: np.sort(corners[rows], axis=1).astype(np.uint64)):
-        found[again] = False
+    found, rows = kept.copy(), np.flatnonzero(kept).astype(np.int32)
+    _, again = equal_rows(rows.size, lambda some: np.sort(corners[rows[some]], axis=1).astype(np.uint64))
+    found[rows[again]] = False
     return found
 
 

@@ -69,12 +69,12 @@ def _odd(one: Attribute) -> bool:
 
 def _turned(strands: Strands, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Values (P, ...) of points in the order that they have once strands are turned around."""
-    found = strands.room(values)
+    found = np.empty_like(values)
     for rows, points in spans(strands.first):
         first = strands.first[rows.start : rows.stop + 1]
         if points == slice(int(first[0]), int(first[-1])):
             mirror = np.repeat(first[:-1] + first[1:] - 1, np.diff(first))
             found[points] = values[mirror - np.arange(points.start, points.stop)]
         elif points.start == first[0]:  # a strand in parts
-            found[first[0] : first[1]] = values[first[0] : first[1]][::-1].copy()
+            found[first[0] : first[1]] = values[first[0] : first[1]][::-1]
     return found

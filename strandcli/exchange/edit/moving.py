@@ -54,11 +54,10 @@ class Replayed:
 def edited(
     strands: Strands, steps: Sequence[Step], again: bool = True
 ) -> tuple[Strands, list[Change], Replayed | None]:
-    """Strands after all edits, what each did, and the same edits for other moments where they are asked for ``again``;
-    else the strands are spent."""
+    """Strands after all edits, what each did, and the same edits for other moments where they are asked for
+    ``again``."""
     changes: list[Change] = []
     parts: list[Any] = []
-    strands = replace(strands, spent=not again)
     for step in steps:
         before = replace(strands, attributes={}) if again else None
         if again and step.chooses:
@@ -72,4 +71,4 @@ def edited(
             strands = replace(strands, attributes=kept)
         elif before is not None:
             parts.append((step.edit, before))
-    return replace(strands, spent=False), changes, Replayed(parts) if again else None
+    return strands, changes, Replayed(parts) if again else None

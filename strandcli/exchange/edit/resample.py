@@ -107,11 +107,9 @@ def _change(edit: str, text: str, before: Strands, after: Strands, worst: _Worst
 
 def between(strands: Strands, least: float, most: float) -> tuple[Strands, Change]:
     """The strands of a length from ``least`` to ``most``, in units of the points."""
-    keep, short, long = np.empty(strands.count, np.bool_), 0, 0
-    for rows, (lengths,) in strands.sums(lambda rows, points, segments: segments.astype(np.float64)[None]):
-        keep[rows] = (lengths >= least) & (lengths <= most)
-        short += int(np.count_nonzero(lengths < least))
-        long += int(np.count_nonzero(lengths > most))
+    lengths = strands.lengths()
+    short, long = int(np.count_nonzero(lengths < least)), int(np.count_nonzero(lengths > most))
+    keep = (lengths >= least) & (lengths <= most)
     changed = strands.select(keep)
     text = f"{counted(short + long, 'strand')} left out by length: {short:,} too short, {long:,} too long"
     return changed, Change("length", text, {"too_short": short, "too_long": long, "kept": changed.count})

@@ -56,17 +56,18 @@ def _apply(strands: Strands, turn: Matrix, factor: float = 1.0) -> Strands:
     for name, one in strands.attributes.items():
         values: npt.NDArray[Any] = one.values
         if name == "width" and factor != 1:
-            values = np.multiply(values, factor, out=strands.room(values), dtype=np.float64, casting="unsafe")
+            values = np.multiply(values, factor, dtype=np.float64).astype(values.dtype)
         elif name.endswith("normal") and values.shape[-1:] == (3,):
             values = (values @ turn.T).astype(values.dtype)
         found[name] = Attribute(one.domain, values)
-    points = _mapped(strands.points, factor * turn, strands.room(strands.points))
+    points = _mapped(strands.points, factor * turn)
     if not_finite(points)[0]:
         raise UsageError("points are too far out for single precision after --scale")
     return replace(strands, points=points, attributes=found)
 
 
-def _mapped(points: Points, linear: Matrix, out: Points) -> Points:
+def _mapped(points: Points, linear: Matrix) -> Points:
+    out = np.empty_like(points)
     with np.errstate(over="ignore"):
         for begin in range(0, points.shape[0], CHUNK):
             part = points[begin : begin + CHUNK].astype(np.float64)

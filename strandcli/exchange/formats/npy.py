@@ -12,7 +12,7 @@ import numpy as np
 from ...errors import UsageError
 from ...output.files import atomic
 from ..archive import MAGIC, array_header
-from ..bounded import Bounded, amount, opened
+from ..bounded import amount, opened
 from ..files import ReadOptions
 from ..strands import Attribute, Source, Strands, TimeSample, even_offsets, without_short
 from ..written import left_out, values_of
@@ -41,35 +41,17 @@ def read(path: Path, options: ReadOptions) -> Strands:
         if math.prod(shape) * kind.itemsize != file.left:
             raise file.damaged(f"header: shape {shape} of {kind} needs {amount(math.prod(shape) * kind.itemsize)}, the "
                                f"file has {amount(file.left)} there", 0)  # fmt: skip
-        columns = _columns(file, kind, shape, fortran)
-        for column, values in columns.items():
-            place = begin + (3 * kind.itemsize if column == WIDTH else 0)
-            size = 0 if fortran else shape[2] * kind.itemsize
-            file.finite(column, values, lambda row, place=place, size=size: place + size * row)  # type: ignore[misc]
-    points = columns.pop(POINTS)
-    attributes = {column: Attribute("point", values) for column, values in columns.items()}
+        values = file.array(POINTS, kind, shape[::-1] if fortran else shape)
+        values = values.T if fortran else values
+        with np.errstate(over="ignore", invalid="ignore"):
+            points = np.ascontiguousarray(values[..., :3], np.float32).reshape(-1, 3)
+            widths = np.ascontiguousarray(values[..., 3:], np.float32).reshape(-1)
+        size = 0 if fortran else shape[2] * kind.itemsize
+        file.finite(POINTS, points, lambda row: begin + size * row)
+        file.finite(WIDTH, widths, lambda row: begin + 3 * kind.itemsize + size * row)
+    attributes = {WIDTH: Attribute("point", widths)} if shape[2] == 4 else {}
     facts: dict[str, Any] = {"shape": list(shape), "type": str(kind)}
     return without_short(Strands(even_offsets(*shape[:2]), points, attributes, Source(name, facts=facts)))
-
-
-def _columns(file: Bounded, kind: np.dtype[Any], shape: tuple[int, ...], fortran: bool) -> dict[str, Any]:
-    """Points (P, 3), and widths (P,) where there are any, single precision."""
-    count = shape[0] * shape[1]
-    if kind == np.float32 and shape[2] == 3 and not fortran:
-        return {POINTS: file.array(POINTS, kind, (count, 3))}
-    found: dict[str, Any] = {POINTS: np.empty((count, 3), np.float32)}
-    if shape[2] == 4:
-        found[WIDTH] = np.empty(count, np.float32)
-    with np.errstate(over="ignore", invalid="ignore"):
-        if fortran:
-            values = file.array(POINTS, kind, shape[::-1]).T
-            for column, own in ((POINTS, values[..., :3]), (WIDTH, values[..., 3:])):
-                if column in found:
-                    found[column].reshape(own.shape)[:] = own
-        else:
-            record = np.dtype([(column, kind, values.shape[1:]) for column, values in found.items()])
-            file.columns(POINTS, record, count, found)
-    return found
 
 
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
