@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import struct
+from array import array
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,17 +15,14 @@ import numpy.typing as npt
 from ..exchange.bounded import Bounded, Growing, opened
 from ..exchange.ply_file import Element, NumbersOfText, read_header, whole_numbers
 from .beside import Beside
-from .kernels.lists import gather, walk, walk_text
 from .make import RawMesh
-from .mesh import fans_of_lists, linear
+from .mesh import SLICE, fans_of_lists, linear
 
 Numbers = npt.NDArray[Any]
 FACES = ("vertex_indices", "vertex_index")
 UV = (("u", "v"), ("s", "t"), ("texture_u", "texture_v"))
 XYZ, NORMAL, RGB = ("x", "y", "z"), ("nx", "ny", "nz"), ("red", "green", "blue")
 TEXTURE = "texturefile"
-LONGEST_ROW = 4096
-"""Bytes of a row of lists, at most, to be read with others at once."""
 OF_NUMBER = 14
 """Bytes that a number of a text takes."""
 
@@ -73,53 +72,81 @@ def _binary(file: Bounded, elements: dict[str, Element], order: str) -> dict[str
 
 
 def _lists(file: Bounded, element: Element, order: str) -> Rows:
-    """Rows with lists: at once where all are as long as those of the first row, else one by one."""
+    """Rows with lists of a binary file."""
     begin = file.position
     data = np.frombuffer(file.take(f"element {element.name}", file.left), np.uint8)
-    layout, big = _layout(element), order == ">"
-    begins, lengths = (np.empty((min(element.count, 1), len(layout)), np.int64) for _ in range(2))
-    size = int(walk(data, layout, big, begins, lengths))
-    if 0 < size <= min(LONGEST_ROW, data.size // max(element.count, 1)):
-        rows = data[: element.count * size].view(_record(element, order, lengths[0]))
-        if all((rows[f"length {k}"] == lengths[0, k]).all() for k, one in enumerate(element.columns) if one[2]):
-            file.seek(element.name, begin + element.count * size)
-            whole = {name: rows[str(k)].reshape(-1) for k, (name, _, _) in enumerate(element.columns)}
-            return _rows(element, whole, np.broadcast_to(lengths, (element.count, len(layout))))
-    file.room(f"element {element.name}: lengths of its lists", element.count * len(layout), 16)
-    begins, lengths = (np.empty((element.count, len(layout)), np.int64) for _ in range(2))
-    size = int(walk(data, layout, big, begins, lengths))
-    if size < 0:
-        raise file.damaged(f"element {element.name}: row {-1 - size:,} goes beyond the end of the file", begin)
+    sizes = [(np.dtype(kind).itemsize, np.dtype(of).itemsize if of else 0) for _, kind, of in element.columns]
+    readers = [struct.Struct((order or "<") + np.dtype(length or "u1").char) for _, _, length in element.columns]
+
+    def length_at(column: int, at: int) -> int:
+        return int(readers[column].unpack_from(data.data, at)[0])
+
+    file.room(f"element {element.name}: lengths of its lists", element.count * len(sizes), 16)
+    begins, lengths, size = _walk(data, sizes, element.count, length_at)
+    if len(lengths[0]) < element.count:
+        row = len(lengths[-1])
+        raise file.damaged(f"element {element.name}: row {row:,} goes beyond the end of the file", begin)
     file.seek(element.name, begin + size)
     items = {}
     for k, (name, kind, _) in enumerate(element.columns):
-        values = np.empty(int(lengths[:, k].sum()), order + kind)
-        gather(data, begins[:, k], lengths[:, k], values.itemsize, values.view(np.uint8))
-        items[name] = values
-    return _rows(element, items, lengths)
-
-
-def _record(element: Element, order: str, lengths: npt.NDArray[np.int64]) -> np.dtype[Any]:
-    """A row whose lists are so long."""
-    fields: list[Any] = []
-    for k, (_, kind, length) in enumerate(element.columns):
-        if length:
-            fields.append((f"length {k}", order + length))
-        fields.append((str(k), order + kind, (int(lengths[k]),)))
-    return np.dtype(fields)
-
-
-def _rows(element: Element, items: Mapping[str, Numbers], lengths: npt.NDArray[np.int64]) -> Rows:
-    """Rows of these items; lengths: (rows, properties)."""
-    lists = {name: lengths[:, k] for k, (name, _, length) in enumerate(element.columns) if length}
+        each = np.dtype(kind).itemsize
+        every = np.ndarray((max(len(data) - each + 1, 0),), order + kind, data, strides=(1,))
+        items[name] = _gathered(every, begins[k], lengths[k], each)
+    lists = {name: lengths[k] for k, (name, _, length) in enumerate(element.columns) if length}
     return Rows(element.count, items, lists)
 
 
-def _layout(element: Element) -> npt.NDArray[np.int64]:
-    return np.array([
-        (np.dtype(kind).itemsize, np.dtype(length).itemsize if length else 0, length is not None and length[0] == "i")
-        for _, kind, length in element.columns
-    ], np.int64)  # fmt: skip
+def _walk(
+    data: Numbers, sizes: list[tuple[int, int]], count: int, length_at: Callable[[int, int], int]
+) -> tuple[list[Numbers], list[Numbers], int]:
+    """Where the items of each property of rows begin, how many there are, and where the rows end; of fewer rows where
+    they do not fit. ``sizes``: of each property what an item takes, and the length of a list, 0 where it is none."""
+    begins, lengths, size = _one_by_one(data.size, sizes, min(count, 1), length_at)
+    whole = min(count, data.size // max(size, 1))
+    rows = data[: whole * size].reshape(whole, size)
+    heads = [slice(int(one[0]) - wide, int(one[0])) for one, (_, wide) in zip(begins, sizes, strict=True) if len(one)]
+    if size and all((rows[:, head] == rows[0, head]).all() for head in heads):  # rows are alike
+        every = size * np.arange(whole)
+        return [one[0] + every for one in begins], [np.repeat(one, whole) for one in lengths], whole * size
+    return _one_by_one(data.size, sizes, count, length_at)
+
+
+def _one_by_one(
+    end: int, sizes: list[tuple[int, int]], count: int, length_at: Callable[[int, int], int]
+) -> tuple[list[Numbers], list[Numbers], int]:
+    """`_walk` of rows of any lengths, in data that end there."""
+    begins, lengths = ([array("q") for _ in sizes] for _ in range(2))
+    at = done = 0
+    for _ in range(count):
+        place = at
+        for k, (size, of_length) in enumerate(sizes):
+            many = 1
+            if of_length:
+                many = length_at(k, place) if place + of_length <= end else -1
+                place += of_length
+            if many < 0 or place + many * size > end:
+                place = -1
+                break
+            begins[k].append(place)
+            lengths[k].append(many)
+            place += many * size
+        if place < 0:
+            break
+        at, done = place, done + 1
+    found = [[np.frombuffer(one, np.int64)[:done] for one in some] for some in (begins, lengths)]
+    return found[0], found[1], at
+
+
+def _gathered(values: Numbers, begins: Numbers, lengths: Numbers, step: int) -> Numbers:
+    """Items (n,) of runs, one after the other: so many each, that begin there among ``values``, a step apart."""
+    first = np.concatenate([[0], np.cumsum(lengths)])
+    found = np.empty(int(first[-1]), values.dtype)
+    for begin in range(0, len(begins), SLICE):
+        some = slice(begin, begin + SLICE)
+        low, high = int(first[begin]), int(first[min(begin + SLICE, len(begins))])
+        places = np.repeat(begins[some] - step * first[:-1][some], lengths[some]) + step * np.arange(low, high)
+        found[low:high] = values[places]
+    return found
 
 
 def _text(file: Bounded, elements: dict[str, Element]) -> dict[str, Rows]:
@@ -138,24 +165,25 @@ def _text(file: Bounded, elements: dict[str, Element]) -> dict[str, Rows]:
 
 def _text_rows(file: Bounded, element: Element, numbers: NumbersOfText) -> Rows:
     """The rows of an element, some at once."""
-    layout, width, done = _layout(element), len(element.columns), 0
+    width, done = len(element.columns), 0
+    sizes = [(1, int(length is not None)) for _, _, length in element.columns]
     items = [Growing(np.float64 if kind[0] == "f" else kind) for _, kind, _ in element.columns]
     counts = [Growing(np.int32) for _ in element.columns]
     while done < element.count:
-        shape = min(element.count - done, numbers.waiting.size // width), width
-        begins, lengths = np.empty(shape, np.int64), np.empty(shape, np.int64)
-        size = int(walk_text(numbers.waiting, layout, begins, lengths))
-        rows = shape[0] if size >= 0 else -1 - size
+        values = numbers.waiting
+
+        def length_at(column: int, at: int, values: Numbers = values) -> int:
+            return int(values[at]) if 0 <= values[at] <= values.size else -1
+
+        most = min(element.count - done, values.size // width)
+        begins, lengths, end = _walk(values, sizes, most, length_at)
         for k, (name, kind, length) in enumerate(element.columns):
-            values = np.empty(int(lengths[:rows, k].sum()))
-            gather(numbers.waiting, begins[:rows, k], lengths[:rows, k], 1, values)
-            numbers.check(element, name, kind, values)
-            items[k].add(values if kind[0] == "f" else whole_numbers(values, kind))
+            own = _gathered(values, begins[k], lengths[k], 1)
+            numbers.check(element, name, kind, own)
+            items[k].add(own if kind[0] == "f" else whole_numbers(own, kind))
             if length:
-                counts[k].add(lengths[:rows, k])
-        if rows:
-            numbers.waiting = numbers.waiting[int(begins[rows - 1, -1] + lengths[rows - 1, -1]) :]
-        done += rows
+                counts[k].add(lengths[k])
+        numbers.waiting, done = values[end:], done + len(lengths[0])
         if done < element.count and not numbers.more():
             raise numbers.ended(element, done)
         file.room("numbers", sum(one.size for one in items), OF_NUMBER)

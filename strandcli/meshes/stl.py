@@ -5,7 +5,6 @@ Text is read by blocks that end with a facet, so that words of all of it never a
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError, one_line
-from ..exchange.bounded import Bounded, opened
+from ..exchange.bounded import Bounded, Growing, opened
 from .beside import Beside
 from .make import RawMesh
 
@@ -26,15 +25,14 @@ HEADER, BEGIN = 84, 1024
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
 MARK = b"\xef\xbb\xbf"
 """What some programs put before a text."""
-VERTEX = (b"vertex", None, None, None)
-FACET = (b"facet", b"normal", None, None, None, b"outer", b"loop", *VERTEX, *VERTEX, *VERTEX, b"endloop", b"endfacet")
-"""Words of a facet; None are numbers, the first three of them its normal, which is not read."""
-COORDINATES = tuple(k for k, word in enumerate(FACET) if word is None)[3:]
-SHORTEST = sum(len(word or b"0") + 1 for word in FACET)
-"""Bytes of a facet, at least."""
-NAMED = re.compile(rb"(?<!\S)((?:end)?solid)(?!\S)(?:(?!facet\s+normal\s)[^\r\n])*")
+END = b"endfacet"
+NUMBER = rb"[-+]?(?:\d++(?:\.\d*+)?|\.\d++)(?:e[-+]?\d++)?+"
+VERTEX = rb"vertex\s+(%b)\s+(%b)\s+(%b)\s+" % (NUMBER, NUMBER, NUMBER)
+FACET = rb"facet\s+normal\s+\S+\s+\S+\s+\S+\s+outer\s+loop\s+" + 3 * VERTEX + rb"endloop\s+endfacet(?!\S)"
+"""A facet, whose normal is not read."""
+SOLID = rb"(?:end)?solid(?!\S)(?:(?!facet\s+normal\s)[^\r\n])*"
 """Where a solid begins or ends, with its name, which goes up to the end of the line or to the next facet."""
-TO_LAST_FACET = re.compile(rb"(?s:.*)endloop\s+endfacet(?=\s)")
+FACETS, SOLIDS, ANY = re.compile(FACET), re.compile(SOLID), re.compile(rb"\s+|%b|%b" % (FACET, SOLID))
 MENDS = "write it anew from its program"
 
 
@@ -70,25 +68,23 @@ def _binary(file: Bounded) -> npt.NDArray[Any] | None:
 
 def _text(file: Bounded) -> npt.NDArray[np.float64]:
     """Corners (T, 3, 3) of the facets of a text."""
-    rows = np.empty((file.left // SHORTEST + 1, len(COORDINATES)))  # whose memory is taken when it is written
-    done, line, last = 0, 1, b""
+    rows, line, last = Growing(np.float64, 9), 1, b""
     for content in _blocks(file):
-        begin = 0
-        for named in (*NAMED.finditer(content), None):
-            part = content[begin : named.start() if named else len(content)]
-            words = part.split()
-            if words:
-                found = _facets(words)
-                if found is None:
-                    raise _wrong(file.path, line + _lines(content[:begin]), part)
-                rows[done : done + found.shape[0]] = found
-                done += found.shape[0]
-            if named:
-                begin, last = named.end(), named[1]
-        line += _lines(content)
-    if last != b"endsolid":
+        found = FACETS.findall(content)
+        names = SOLIDS.findall(content)
+        if SOLIDS.sub(b"", FACETS.sub(b"", content)).strip():
+            at = 0
+            while match := ANY.match(content, at):
+                at = match.end()
+            word = one_line(content[at : at + 40].split(None, 1)[0].decode("latin-1"))
+            line += _lines(content[:at])
+            raise UsageError(f"{file.path}: line {line:,}: no whole facet begins with '{word}': {MENDS}")
+        if found:
+            rows.add(np.array(found).astype(np.float64))
+        last, line = names[-1] if names else last, line + _lines(content)
+    if not last.startswith(b"end"):
         raise UsageError(f"{file.path}: line {line:,}: ends without 'endsolid', it was cut off: {MENDS}")
-    return rows[:done].reshape(-1, 3, 3)
+    return rows.taken().reshape(-1, 3, 3)
 
 
 def _blocks(file: Bounded) -> Iterator[bytes]:
@@ -96,47 +92,11 @@ def _blocks(file: Bounded) -> Iterator[bytes]:
     rest = b""
     while file.left:
         content = rest + file.take("facets", min(BLOCK, file.left)).lower()
-        last = TO_LAST_FACET.match(content)
-        end = (last.end() if last else 0) if file.left else len(content)
+        end = (content.rfind(END) + len(END) if END in content else 0) if file.left else len(content)
         rest = content[end:]
         if len(rest) > LONGEST:
             raise file.damaged(f"facets: no end of a facet within {LONGEST:,} bytes")
         yield content[:end]
-
-
-def _facets(words: list[bytes]) -> npt.NDArray[np.float64] | None:
-    """Coordinates (T, 9) of facets; None where the words are not theirs, or a coordinate is no finite number."""
-    count = len(words) // len(FACET)
-    if count * len(FACET) < len(words):
-        return None
-    if any(word and words[k :: len(FACET)].count(word) < count for k, word in enumerate(FACET)):
-        return None
-    found = np.empty((count, len(COORDINATES)))
-    try:
-        for column, k in enumerate(COORDINATES):
-            found[:, column] = np.array(words[k :: len(FACET)], np.float64)
-    except ValueError:
-        return None
-    return found if np.isfinite(found).all() else None
-
-
-def _wrong(path: Path, line: int, part: bytes) -> UsageError:
-    """An error that names the first word of a text that is none of a facet, and its line; `line`: that of its begin."""
-    for number, found in enumerate(re.finditer(rb"\S+", part)):
-        at, wanted = number % len(FACET), FACET[number % len(FACET)]
-        if found[0] == wanted or (wanted is None and (at not in COORDINATES or _is_finite(found[0]))):
-            continue
-        line += _lines(part[: found.start()])
-        word, needs = one_line(found[0][:40].decode("latin-1")), f"'{wanted.decode()}'" if wanted else "a finite number"
-        return UsageError(f"{path}: line {line:,}: '{word}' in place of {needs}: {MENDS}")
-    return UsageError(f"{path}: line {line + _lines(part.rstrip()):,}: ends within a facet: {MENDS}")
-
-
-def _is_finite(word: bytes) -> bool:
-    try:
-        return math.isfinite(float(word))
-    except ValueError:
-        return False
 
 
 def _lines(content: bytes) -> int:

@@ -82,13 +82,13 @@ SOLID = f"solid a\n{FACET}{FACET}endsolid a\n"
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (SOLID.replace("1 0 0", "1 0 x", 1), "line 5: 'x' in place of a finite number"),
-        (SOLID.replace("1 0 0", "1 nan 0", 1), "line 5: 'nan' in place of a finite number"),
-        (SOLID.replace("1 0 0", "1 0", 1), "line 6: 'vertex' in place of a finite number"),
-        (SOLID.replace("endfacet\nendsolid", "endsolid"), "line 14: ends within a facet"),
+        (SOLID.replace("1 0 0", "1 0 x", 1), "line 2: no whole facet begins with 'facet'"),
+        (SOLID.replace("1 0 0", "1 nan 0", 1), "line 2: no whole facet"),
+        (SOLID.replace("1 0 0", "1 0", 1), "line 2: no whole facet"),
+        (SOLID.replace("endfacet\nendsolid", "endsolid"), "line 9: no whole facet"),
         (SOLID.replace("endsolid a\n", ""), "line 16: ends without 'endsolid'"),
-        (SOLID.replace("\n", "\r").replace("1 0 0", "x 0 0", 1), "line 5: 'x'"),
-        (SOLID + "\x1b[31m", r"line 17: '\x1b[31m' in place of 'facet'"),
+        (SOLID.replace("\n", "\r").replace("1 0 0", "x 0 0", 1), "line 2: no whole facet"),
+        (SOLID + "\x1b[31m", r"line 17: no whole facet begins with '\x1b[31m'"),
         ("solid a\nendsolid a\n" + "x" * (1 << 20), "no end of a facet within"),
         ("x" + SOLID, "is no text that begins with 'solid'"), ("", "is no text that begins with 'solid'"),
     ],
@@ -105,7 +105,7 @@ def test_damaged_texts_are_told(content: str, words: str, tmp_path: Path) -> Non
 def test_a_line_is_that_of_the_file_in_any_block(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stl, "BLOCK", 100)
     content = f"solid a\n{FACET * 40}{FACET.replace('1 0 0', '1 0 x')}{FACET * 40}endsolid a\n"
-    with pytest.raises(UsageError, match=f"line {1 + 7 * 40 + 4}: 'x'"):
+    with pytest.raises(UsageError, match=f"line {2 + 7 * 40}: no whole facet"):
         read(tmp_path / "a.stl", content.encode())
 
 
