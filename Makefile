@@ -9,7 +9,7 @@ RUN := $(BIN)/strandcli
 
 DOCS := .venv-docs
 
-.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz guesses test test-long test-oldest lint types check docs figures figures-of-docs gallery changelog claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
+.PHONY: all bounds coverage threads wheel unwritable faults kills dask plan-figures demo fuzz test test-long test-oldest lint types check docs figures figures-of-docs gallery changelog claims study bench stress golden golden-update check-against-mitsuba check-against-blender clean help
 
 help:
 	@echo "make demo       render the default preset to out/demo: PNG frames and a GIF"
@@ -38,7 +38,6 @@ help:
 	@echo "make dask       workers of real Dask clusters, one of them killed, in an environment of its own"
 	@echo "make plan-figures   memory and time as planned beside those that runs take; some minutes"
 	@echo "make fuzz       read damaged files of all that strandcli reads, 100,000 of each format and kind; hours"
-	@echo "make guesses    how often guesses of roots, up axis and unit are right, on a thousand made grooms both ways round"
 	@echo "make golden     compare small pictures of all presets with tests/golden"
 
 demo: $(READY)
@@ -174,9 +173,6 @@ bench: $(READY)
 
 stress: $(READY)
 	$(RUN) stress
-
-guesses: $(READY)
-	$(BIN)/python tests/guesses.py
 
 fuzz: $(READY)
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python tests/fuzz.py $(or $(FUZZ),100000)

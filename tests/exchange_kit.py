@@ -62,6 +62,23 @@ def obj(strands: Sequence[Strand], segments: bool = False, back: bool = False) -
     return text.encode()
 
 
+def tfx4(strands: Sequence[Strand], uv: bool = True) -> bytes:
+    """`.tfx` of version 4."""
+    each = len(strands[0])
+    points = b"".join(struct.pack("<4f", *p, float(j > 1)) for one in strands for j, p in enumerate(one))
+    texture = b"".join(struct.pack("<2f", i, 0.5) for i in range(len(strands))) if uv else b""
+    places = (160, 160 + len(points) if uv else 0, 0, 0, 0)
+    return struct.pack("<f2I5I32I", 4.0, len(strands), each, *places, *[0] * 32) + points + texture
+
+
+def tfx3(strands: Sequence[Strand], followers: int = 3) -> bytes:
+    """`.tfx` of version 3."""
+    each = len(strands[0])
+    points = b"".join(one.astype("<f4").tobytes() for one in strands)
+    header = struct.pack("<f4I31I", 3.0, len(strands), each, followers, 1, *[0] * 31)
+    return header + struct.pack("<6I32I", 296, 0, 0, 0, 0, 0, *[0] * 32) + points + b""
+
+
 def ply(strands: Sequence[Strand], order: str = "<", *, told: str = "strand", kind: str = "float") -> bytes:
     """`.ply`; ``order``: "<", ">" or "" for text; ``told``: strand, edge or nothing; ``kind`` of the coordinates."""
     encoding = {"<": "binary_little_endian", ">": "binary_big_endian", "": "ascii"}[order]

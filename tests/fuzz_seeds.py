@@ -62,6 +62,7 @@ def seeds() -> dict[str, list[bytes]]:
         ".hair": [kit.hair(even), kit.hair(uneven), kit.hair(none), kit.hair(even, more=colours, flags=16)],
         ".data": [kit.data(even), kit.data(uneven), kit.data(none)],
         ".bin": [kit.data(even, 4), kit.data(uneven, 4)],
+        ".tfx": [kit.tfx3(even), kit.tfx4(even), kit.tfx4(even, uv=False)],
         ".ply": [
             *(kit.ply(groom, order, told=told) for groom in (even, uneven) for order in ("<", ">", "")
               for told in ("strand", "edge")),

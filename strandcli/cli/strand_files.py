@@ -86,8 +86,6 @@ def _guesses(guess: Mapping[str, Any]) -> list[str]:
         found.append(f"roots are {guess['root']}")
     if guess["up"] is not None:
         found.append(f"up is {guess['up']['axis']}")
-    if guess["head"] is not None:
-        found.append(f"a head of radius {guess['head']['radius']:.3g}, in {guess['head']['unit']}")
     return found
 
 
@@ -95,6 +93,6 @@ def _as_it_is(data: Mapping[str, Any]) -> str:
     """What holds because neither the file nor its strands tell otherwise, "" where they tell all."""
     guess = data["guess"]
     taken = {"roots are first": (None, guess["root"]), "up is y": (data["up"], guess["up"]),
-             "units are metres": (data["unit"], guess["head"])}  # fmt: skip
+             "units are metres": (data["unit"], None)}  # fmt: skip
     found = ", ".join(words for words, known in taken.items() if known == (None, None))
     return found and f"{found}: there is no evidence for a guess"

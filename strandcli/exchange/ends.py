@@ -1,9 +1,9 @@
-"""What strands themselves tell: which end is the root, the up axis, and the unit.
+"""What strands themselves tell: which end is the root, and the up axis.
 
 Hair leaves a scalp: its roots lie on a wide part of a sphere, strands fan out from there, and stay outside. Where they
-end they do no such thing. Hair that hangs from a scalp tells which axis is up, and a scalp of a human's size the unit.
-Each is a guess only where all of that is clear; grass on a plane, a mohawk, a fringe, fur that is trimmed tell nothing,
-for the other end may be the root as well. `python tests/guesses.py` measures how often guesses are right.
+end they do no such thing. Hair that hangs from a scalp tells which axis is up. Each is a guess only where all of
+that is clear; grass on a plane, a mohawk, a fringe, fur that is trimmed tell nothing, for the other end may be the root
+as well.
 """
 
 from __future__ import annotations
@@ -44,9 +44,6 @@ HANGS = 0.7
 """Cosine between hanging hair and down, at least, and between up and the way from the head's middle to the scalp's."""
 CAP = 0.2
 """The latter, at least, over the radius."""
-HEAD, LIKE = 0.1, 1.3
-"""Radius of a human head about the scalp, metres; within that factor, a unit is believed."""
-UNITS = {"metres": 1.0, "centimetres": 0.01, "millimetres": 0.001}
 
 
 class Sphere(NamedTuple):
@@ -60,14 +57,6 @@ class Sphere(NamedTuple):
         """How far points (..., 3) are outside, radii."""
         found: Floats = np.linalg.norm(points - self.centre, axis=-1) / self.radius - 1
         return found
-
-
-class Head(NamedTuple):
-    """A human head: its radius about the scalp, and the unit in which it has that, by name and in metres."""
-
-    radius: float
-    unit: str
-    scale: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,11 +200,3 @@ def up_axis(strands: Strands, found: Ends) -> tuple[str, float] | None:
         if hanging @ axis(name) <= -HANGS and cap @ axis(name) >= least:
             return name, float(-(hanging @ axis(name)))
     return None
-
-
-def head(strands: Strands, found: Ends) -> Head | None:
-    """The human head whose scalp hair hangs from, None where there is none."""
-    if found.scalp is None or up_axis(strands, found) is None:
-        return None
-    sizes = [Head(found.scalp.radius, name, metres) for name, metres in UNITS.items()]
-    return next((one for one in sizes if 1 / LIKE <= one.radius * one.scale / HEAD <= LIKE), None)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ..common.counted import counted
 from . import faults
 from .bounded import not_finite
-from .ends import WHY, Ends, ends, head, up_axis
+from .ends import WHY, Ends, ends, up_axis
 from .files import ReadOptions
 from .moments import files_of, read_first
 from .objects import table
@@ -116,11 +116,10 @@ def _attribute(name: str, one: Any) -> dict[str, Any]:
 
 
 def _guesses(strands: Strands, known: Ends) -> dict[str, Any]:
-    up, human = up_axis(strands, known), head(strands, known)
+    up = up_axis(strands, known)
     return {
         "root": known.root or None,
         "up": None if up is None else {"axis": up[0], "hangs": up[1]},
-        "head": None if human is None else human._asdict(),
     }
 
 
@@ -162,8 +161,4 @@ def _faults_of_groom(strands: Strands, known: Ends) -> list[Fault]:
     if up is not None and up[0] != UP and strands.source.up is None:
         text = f"up is {up[0]}, if hair hangs down ({up[1]:.0%} of it); here up is {UP}"
         found.append(Fault("up", strands.count, text, f"--up {up[0]}"))
-    human = head(strands, known)
-    if human is not None and human.scale != 1.0 and strands.source.unit is None:
-        text = f"hair hangs from a head of radius {human.radius:.3g}: units are {human.unit}, if it is a human's"
-        found.append(Fault("unit", strands.count, f"{text}; here they are metres", f"--scale {human.scale:.3g}"))
     return found

@@ -83,8 +83,7 @@ def strands(path: Path, preset: Path) -> Placed:
     )
     if up is None:
         up, why_up = "y", "of the file; there is no evidence, so look at the picture"
-    head = guess["head"] or {"scale": None, "unit": ""}
-    unit, why = _first((data["unit"], TOLD), (head["scale"], f"metres a unit, a guess: the head is in {head['unit']}"))
+    unit, why = _first((data["unit"], TOLD))
     size = max(data["box"]["size"])
     scale = GROOM_SIZE / size if unit is None else float(unit)
     return Placed(

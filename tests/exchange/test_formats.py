@@ -68,6 +68,8 @@ WRITERS: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
 }
 EVEN: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "hair": (".hair", lambda strands: kit.hair(strands, segments=False)),
+    "tfx 3": (".tfx", kit.tfx3),
+    "tfx 4": (".tfx", kit.tfx4),
     "npz": (".npz", lambda strands: npz(positions=np.stack(strands))),
     "npz of big-endian doubles": (".npz", lambda strands: npz(anything=np.stack(strands).astype(">f8"))),
     "npy": (".npy", npy),
@@ -138,6 +140,12 @@ def test_data_and_bin_are_told_apart_by_size(name: str) -> None:
     found = read_bytes(kit.data(EQUAL, 4), suffix)
     assert found.source.format == ".bin"
     assert found.attributes["extra"].values[5].tolist() == [0, 1, 2, 3]
+
+
+def test_strands_of_tressfx_keep_what_they_carry() -> None:
+    found = read_bytes(kit.tfx4(EQUAL), ".tfx")
+    assert found.attributes["uv"].values.tolist() == [[0, 0.5], [1, 0.5], [2, 0.5]]
+    assert found.attributes["movable"].values.reshape(3, 4).tolist() == [[0, 0, 1, 1]] * 3
 
 
 def test_vertices_alone_ask_for_the_stride() -> None:
@@ -243,6 +251,10 @@ def nan_at(content: bytes, at: int) -> bytes:
         (nan_at(kit.data(EQUAL), 4 + 4 + 48 + 4 + 24), ".data", "byte 84: points: number 6 is not finite"),
         (struct.pack("<2i", 1, 2**31 - 1) + bytes(24), ".data", "byte 4: points of strand 0: 2,147,483,647"),
         (kit.data(EQUAL)[:-4], ".data", "byte 108: points of strand 2: 4, the file has 3 more"),
+        (struct.pack("<f", 2.5) + bytes(200), ".tfx", "byte 0: version: 2.5 is not known"),
+        (struct.pack("<f2I", 3.0, 2**24, 0) + bytes(300), ".tfx", "byte 8: vertices a strand: 0"),
+        (kit.tfx4(EQUAL)[:170], ".tfx", "byte 4: strands: 12 need 192 bytes"),
+        (kit.tfx4(EQUAL)[:12] + b"\xff" * 4 + kit.tfx4(EQUAL)[16:], ".tfx", "byte 12: offset of positions"),
         (kit.ply(EQUAL)[:-1], ".ply", "element strand: 3 need 6 bytes, the file has 5 bytes"),
         (b"ply\nformat ascii 2.0\n", ".ply", "byte 4: header: 'format ascii 2.0'"),
         (npz(positions=np.full((2, 3, 3), np.inf)), ".npz", "byte 0: positions: number 0 is not finite, and 5 more"),

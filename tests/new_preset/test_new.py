@@ -81,7 +81,7 @@ def test_hair_and_head_are_placed_as_they_lie_on_each_other(run: Runner, axis: s
     assert "measured" in Path("both.yaml").read_text()
 
 
-def test_strands_alone_have_the_unit_and_axis_that_info_guesses(run: Runner) -> None:
+def test_strands_alone_have_the_axis_that_info_guesses(run: Runner) -> None:
     rng = np.random.default_rng(1)
     roots = rng.normal(size=(300, 3))
     roots *= 9 / np.linalg.norm(roots, axis=1)[:, None]
@@ -93,9 +93,9 @@ def test_strands_alone_have_the_unit_and_axis_that_info_guesses(run: Runner) -> 
     text = Path("in/some.yaml").read_text()
     scene = strandcli.load("in/some.yaml")
     assert scene.emitter.groom is not None
-    assert (scene.emitter.groom.up, scene.emitter.groom.scale) == ("z", 0.01), text
+    assert (scene.emitter.groom.up, scene.emitter.groom.size) == ("z", 0.4), text
     assert 'file: "../some.data"' in text
-    assert "a guess: the head is in centi" in text
+    assert "a guess: hair hangs from above" in text
 
 
 def test_a_head_alone_grows_hair_where_its_attribute_or_its_height_says(run: Runner) -> None:
