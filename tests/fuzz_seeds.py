@@ -17,7 +17,7 @@ import camera_kit
 import exchange_kit as kit
 import mesh_kit
 import usd_kit
-from strandcli.cameras import colmap, neus, transforms, usd
+from strandcli.cameras import colmap, transforms, usd
 
 MESH = "mesh"
 """What formats of meshes begin with: they are the ends of names, as those of strands."""
@@ -114,11 +114,9 @@ def camera_seeds() -> dict[str, list[bytes]]:
     nerf = [transforms.written(some, {"file_path": "images/{}.png"}, "1") for some in (views, one)]
     own = [{"views": [{"camera": view.as_dict()} for view in some]} for some in (views, one)]
     texts = [colmap.written(some, camera_kit.POINTS[:3]) for some in (views, one)]
-    matrices = np.stack([neus.world_matrix(view) for view in views])
     return {
         **of_usd,
         f"{CAMERA}transforms.json": [json.dumps(tree).encode() for tree in (*nerf, top)],
         f"{CAMERA}dataset.json": [json.dumps(tree).encode() for tree in own],
-        f"{CAMERA}cameras.npz": [neus.written(views, np.zeros(3), 1.0), npz(True, arr_0=matrices)],
         **{f"{CAMERA}{name}": [text[name] for text in texts] for name in COLMAP},
     }

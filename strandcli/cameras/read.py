@@ -9,10 +9,10 @@ from pathlib import Path
 from ..errors import UsageError, one_line
 from ..files.inputs import content, reading
 from ..output.files import json_of
-from . import colmap, neus, transforms, usd
+from . import colmap, transforms, usd
 from .pinhole import UP, MissingSize, Pinhole, above, from_dict
 
-KINDS = "transforms.json, a folder of COLMAP text files, cameras.npz of NeuS, dataset.json of strandcli, or USD"
+KINDS = "transforms.json, a folder of COLMAP text files, dataset.json of strandcli, or USD"
 OWN = "dataset.json"
 """Of a data set that strandcli wrote."""
 USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -96,8 +96,6 @@ def _others(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple
     """The views of a file that is no USD, and whether strandcli wrote it."""
     if path.name in colmap.FILES and colmap.folder_of(path.parent) is not None:
         return colmap.read(path.parent, size, notes)
-    if path.suffix.lower() == ".npz":
-        return neus.read(path, size, notes)
     if path.name == OWN:
         return _of_strandcli(path), True
     if path.suffix.lower() == ".json":
@@ -111,9 +109,7 @@ def _in_folder(path: Path) -> Path | None:
         if (path / name).is_file():
             return path / name
     folder = colmap.folder_of(path)
-    if folder is not None:
-        return folder / colmap.FILES[0]
-    return path / "cameras.npz" if (path / "cameras.npz").is_file() else None
+    return None if folder is None else folder / colmap.FILES[0]
 
 
 def _of_strandcli(path: Path) -> list[Pinhole]:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _file = click.option(
     "--cameras", type=options.PathType(), metavar="FILE",
-    help="Views of a file or folder: transforms.json, COLMAP text, cameras.npz, dataset.json, USD.",
+    help="Views of a file or folder: transforms.json, COLMAP text, dataset.json, USD.",
 )  # fmt: skip
 
 cameras = options.together(

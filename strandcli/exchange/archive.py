@@ -105,9 +105,9 @@ class Archive:
             raise self.fault(info, f"{amount(info.file_size)} unpacked, the file has {amount(self.file.size)}")
         return Member(info.filename.removesuffix(".npy"), info, kind, shape, fortran, skip)
 
-    def read(self, member: Member, double: bool = False) -> npt.NDArray[Any]:
-        """An array: single precision, or ``double``, of all floating-point types, integers as they are."""
-        kind = np.dtype("f8" if double else "f4") if member.kind.kind == "f" else member.kind.newbyteorder("=")
+    def read(self, member: Member) -> npt.NDArray[Any]:
+        """An array: single precision of all floating-point types, integers as they are."""
+        kind = np.dtype("f4") if member.kind.kind == "f" else member.kind.newbyteorder("=")
         needs = member.size * kind.itemsize
         if needs > self.room:
             raise self.fault(

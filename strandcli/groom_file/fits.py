@@ -175,16 +175,6 @@ def better(roots: Floats, up: str, surface: Surface, frame: Frame, likely: str |
     return next((rivals[axis] for axis in (likely, up, one_left) if axis in rivals), None)
 
 
-def nearer_tips(strands: Strands, surface: Surface, frame: Frame, median: float) -> float | None:
-    """The median distance of strands' last points from a surface, where these clearly lie on it and first ones, so far
-    off in the median, do not; else None."""
-    if median <= SURE * surface.size:
-        return None
-    some = strands.tips()[:: max(strands.count // ENOUGH, 1)].astype(np.float64)
-    found = float(np.median(np.abs(surface.nearest((some - frame.shift) @ frame.turn).distances)))
-    return found if found <= min(CLEARLY * median, SURE * surface.size) else None
-
-
 def hangs_from(strands: Strands) -> str | None:
     """The axis that hair which hangs tells to be up, if roots are first; None where it does not."""
     known = ends(strands)
@@ -219,14 +209,13 @@ def facts_on(file: Path, given: ReadOptions, solid: Any) -> dict[str, Any]:
     off = np.abs(surface.nearest(placed).distances)
     found = better(placed, up, surface, Frame(np.eye(3), np.zeros(3)), hangs_from(strands))
     median = float(np.median(off))
-    tips = nearer_tips(strands, surface, Frame(unit * turning(UP, up), np.zeros(3)), median)
     mend = None
-    if found is not None and tips is None:
+    if found is not None:
         mend = {"up": found.up, "scale": found.factor * unit, "median": found.median}
-    fits = found is None and tips is None and median <= CLOSE * surface.size
+    fits = found is None and median <= CLOSE * surface.size
     return {
         "mesh": mesh, "size": surface.size, "median": median, "most": float(off.max()),
-        "fits": fits, "up": up, "scale": unit, "mend": mend, "tips": tips,
+        "fits": fits, "up": up, "scale": unit, "mend": mend,
     }  # fmt: skip
 
 
@@ -238,9 +227,6 @@ def said(data: dict[str, Any]) -> str:
     if data["fits"]:
         return f"{there}: they fit"
     mend = data["mend"]
-    if data["tips"] is not None:
-        last = f"last points are {data['tips']:.3g} off: if roots are last"
-        return f"{there}; {last}, set emitter.groom.root: last; 'convert --reverse' writes them first"
     if mend is None:
         return f"{there}: neither another unit nor another up axis brings them there; move or scale one of them"
     options, settings = [], []

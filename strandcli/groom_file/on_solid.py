@@ -8,7 +8,6 @@ Strands that are in place already keep every bit.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -22,7 +21,7 @@ from ..groom.record import Anchors
 from ..mesh_file.prepared import key_of, prepared
 from ..meshes.bvh import closest
 from ..scene.motion import Pose, pose_in_emitter
-from .fits import UP, Frame, Near, Surface, better, hangs_from, nearer_tips, words
+from .fits import UP, Frame, Near, Surface, better, hangs_from, words
 from .kernels import bend
 
 if TYPE_CHECKING:
@@ -50,8 +49,6 @@ FAR = 0.5
 """Median distance of roots from the surface, over the solid's size, beyond which hair is not its own."""
 FAR_UNLIKE, UNLIKE = 0.1, 8.0
 """The same where the box of the roots is so many times larger or smaller than the solid."""
-UNITS = (1000.0, 100.0, 39.37, 10.0, 2.54)
-"""Ratios of usual units."""
 
 
 class Head(NamedTuple):
@@ -105,18 +102,12 @@ def put_on(
     found = better(strands.roots().astype(np.float64), up, surface, Frame(turn, shift), likely)
     size = None if given is None else given.size
     median = float(np.median(fit.off))
-    advice = perhaps = ""
-    tips = nearer_tips(strands, surface, Frame(turn, shift), median)
-    if tips is not None:
-        advice = f"its last points are {tips:.2g} m off: if these are the roots, set emitter.groom.root: last"
-    elif found is not None:
-        advice = f"with {words(found, up, size)} it would be {found.median:.2g} m"
-        perhaps = ": perhaps its up axis or unit is another one"
+    advice = "" if found is None else f"with {words(found, up, size)} it would be {found.median:.2g} m"
     _check(roots, fit.off, surface, head, file, advice or _replaced(given))
     if advice:
         notes.append(
             f"{file}: its roots are {median:.3g} m off {head.name} in the median, before they are moved to it; {advice}"
-            f"{perhaps}"
+            ": perhaps its up axis or unit is another one"
         )
     loose = fit.off > SEATED * surface.size
     fit.seated = int(loose.sum())
@@ -254,14 +245,13 @@ def _near(strands: Strands, surface: Surface, turn: Floats, shift: Floats) -> ND
 
 
 def _check(roots: Floats, off: Floats, surface: Surface, head: Head, file: str, advice: str) -> None:
-    """Raise `UsageError` for roots (S, 3) so far off the surface that they cannot be meant for it, with advice, or a
-    guess by sizes alone where there is none."""
+    """Raise `UsageError` for roots (S, 3) so far off the surface that they cannot be meant for it, with advice."""
     large = float(np.ptp(roots, axis=0).max())
     ratio = max(large, 1e-30) / surface.size
     limit = FAR if 1 / UNLIKE < ratio < UNLIKE else FAR_UNLIKE
     if head.solid.kind == "plane" or not float(np.median(off)) > limit * surface.size:
         return
-    advice = advice or _by_size(ratio)
+    advice = advice or "move, scale or turn one of them"
     raise UsageError(
         f"{file}: its roots are {np.median(off):.3g} m off {head.name}, which is {surface.size:.3g} m large, and "
         f"{large:.3g} m apart; {advice}"
@@ -273,12 +263,3 @@ def _replaced(given: GroomFile | None) -> str:
     if given is None or (given.size is None and given.place == "file"):
         return ""
     return "emitter.groom.size and place move it; to have it where its file does, set size: null and place: file"
-
-
-def _by_size(ratio: float) -> str:
-    """What is advised where the box of roots is so many times larger than the solid."""
-    unit = min(UNITS, key=lambda one: abs(math.log(max(ratio, 1 / ratio) / one)))
-    if max(ratio, 1 / ratio) > 2 and abs(math.log(max(ratio, 1 / ratio) / unit)) < math.log(2):
-        factor = 1 / unit if ratio > 1 else unit
-        return f"the hair may be in another unit: multiply emitter.groom.scale by {factor:.4g}"
-    return "move, scale or turn one of them"

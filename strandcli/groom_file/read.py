@@ -179,13 +179,13 @@ def _made(
     if colours is not None:
         notes.append(f"{given.file}: strands have the file's colours; emitter.groom.colours: none gives the material's")
     most = most_points(counts)
-    strands, fewer, off = with_at_most(strands, most)
-    if fewer:
+    strands, off = with_at_most(strands, most)
+    if most < counts.most:
         notes.append(
-            f"{given.file}: {counted(fewer, 'strand')} of more than {most:,} points, up to {counts.most:,}, "
-            f"drawn with {most:,}, at most {off:.3g} m off: for memory all strands have as many"
+            f"{given.file}: strands of up to {counts.most:,} points are drawn with {most:,} each, at most {off:.3g} m "
+            "off: for memory all have as many"
         )
-    if counts.least < most:
+    elif counts.least < most:
         notes.append(
             f"{given.file}: strands have {counts.least:,} to {most:,} points; shorter ones get more on their segments"
         )

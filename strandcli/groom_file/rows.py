@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..exchange.edit.resample import resampled
-from ..exchange.strands import CACHED, CHUNK, Attribute, Mask, Offsets, Points, Strands, offsets
+from ..exchange.strands import CACHED, CHUNK, Attribute, Offsets, Points, Strands
 from ..groom.blocks import aligned
 from .kernels import rows as kernel
 
@@ -44,46 +44,21 @@ def most_points(counts: Counts) -> int:
     return max(min(counts.most, max(PADDED * counts.points - lanes, ENOUGH) // lanes), 2)
 
 
-def with_at_most(strands: Strands, most: int) -> tuple[Strands, int, float]:
-    """Strands of at most so many points each: those with more get that many at equal distances along them, and the
-    attributes of points go with these. Returns how many these are, and how far they are off at most, too."""
-    counts = strands.counts(np.int32)
-    over = counts > most
-    if not over.any():
-        return strands, 0, 0.0
-    fewer, change = resampled(strands.select(over), most)
-    rest = strands.select(~over)
-    np.minimum(counts, most, out=counts)
-    of_points = np.repeat(over, counts)
-    kept = dict(strands.attributes)
-    for name, one in strands.attributes.items():
-        if one.domain == "point":
-            values = _merged(of_points, fewer.attributes[name].values, rest.attributes[name].values)
-            kept[name] = Attribute("point", values)
-    points = _merged(of_points, fewer.points, rest.points)
-    found = replace(strands, first=offsets(counts), points=points, attributes=kept)
-    return found, int(over.sum()), float(change.facts["deviation_max"])
-
-
-def _merged(of_one: Mask, one: NDArray[Any], other: NDArray[Any]) -> NDArray[Any]:
-    """Rows of two arrays, in turns: ``of_one`` (P,) says of which the next is."""
-    found = np.empty((of_one.size, *one.shape[1:]), one.dtype)
-    done = 0
-    for begin in range(0, of_one.size, CHUNK):
-        here = of_one[begin : begin + CHUNK]
-        part, after = found[begin : begin + CHUNK], done + int(np.count_nonzero(here))
-        part[here] = one[done:after]
-        part[~here] = other[begin - done : begin + here.size - after]
-        done = after
-    return found
+def with_at_most(strands: Strands, most: int) -> tuple[Strands, float]:
+    """Strands of at most so many points each: where one has more, all get that many at equal distances along them, and
+    the attributes of points go with these. Returns how far they are off at most, too."""
+    if strands.counts(np.int32).max() <= most:
+        return strands, 0.0
+    found, change = resampled(strands, most)
+    return found, float(change.facts["deviation_max"])
 
 
 def places_left(strands: Strands, most: int) -> tuple[Offsets, NDArray[np.float64] | None]:
     """The offsets (S + 1,) of strands `with_at_most` so many points, and where these points (P,) are among those that
     there are: 3.25 is between points 3 and 4. None for the places where all points stay."""
     own = Attribute("point", np.arange(strands.points.shape[0], dtype=np.float64))
-    found, fewer, _ = with_at_most(replace(strands, attributes={"place": own}), most)
-    return found.first, found.attributes["place"].values if fewer else None
+    found, _ = with_at_most(replace(strands, attributes={"place": own}), most)
+    return found.first, None if found.points is strands.points else found.attributes["place"].values
 
 
 def points_at(points: Points, places: NDArray[np.float64] | None) -> Points:

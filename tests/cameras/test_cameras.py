@@ -38,7 +38,7 @@ def write(path: Path, kind: str, views: list[Pinhole]) -> Path:
     return file
 
 
-@pytest.mark.parametrize("kind", ["colmap", "neus", "nerfstudio"])
+@pytest.mark.parametrize("kind", ["colmap", "nerfstudio"])
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 10_000))
 def test_views_written_are_read_as_the_same_projection(
@@ -50,8 +50,7 @@ def test_views_written_are_read_as_the_same_projection(
     assert not found.notes
     for before, after in zip(views, found.views, strict=True):
         assert (after.width, after.height) == (64, 48)
-        if kind != "neus":
-            assert after.name == before.name
+        assert after.name == before.name
         assert np.abs(before.project(POINTS) - after.project(POINTS)).max() < 1e-6
 
 
@@ -206,20 +205,8 @@ def test_views_that_cannot_be_drawn_are_refused(changes: dict[str, Any], tmp_pat
 
 
 @pytest.mark.filterwarnings("error")
-def test_damaged_archives_and_unknown_files_are_refused(tmp_path: Path) -> None:
+def test_unknown_files_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "cameras.npz"
-    for arrays, words in (
-        ({"world_mat_1": np.eye(4)}, "no array world_mat_0"),
-        ({"world_mat_0": np.zeros((4, 4))}, "view 0"),
-        ({"world_mat_0": np.full((4, 4), np.nan)}, "is no projection matrix"),
-        ({"world_mat_0": np.diag([1e300, 1e300, 1e-300, 1])}, "focal lengths"),
-        ({"world_mat_0": np.eye(4), "image_size": np.array([np.nan, 4])}, "nanx4"),
-        ({"arr_0": np.zeros((0, 4, 4))}, "has no view"),
-    ):
-        np.savez(path, **arrays)
-        with pytest.raises(UsageError) as error:
-            views_of(path, (10, 10))
-        assert words in str(error.value)
     path.write_bytes(b"PK\3\4 nothing")
     for one in (path, tmp_path / "absent.json", tmp_path, tmp_path / "views.usda"):
         if one.suffix == ".usda":

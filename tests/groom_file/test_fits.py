@@ -144,20 +144,6 @@ def test_hair_that_is_put_on_a_head_tells_another_up_axis(head: Path, tmp_path: 
             assert (f"with emitter.groom.up: {up} " in notes) == (said != up)
 
 
-def test_last_points_that_lie_on_a_head_are_told(head: Path, tmp_path: Path, run: Runner) -> None:
-    """Strands are put on it as the file has them; the line says what turns them, and that does."""
-    file = tmp_path / "hair.ply"
-    settings = {"solids": [{"kind": "mesh", "file": str(head), "name": "head"}], "emitter.groom.on": "head"}
-    short = hair().points.reshape(-1, 2, 3)
-    short[:, 1] = 0.9 * short[:, 0] + 0.1 * short[:, 1]
-    for first, root in ((True, "first"), (False, "last")):
-        write(file, exchange_kit.of(list(short[:, :: 1 if first else -1])))
-        notes = " ".join(from_scene(kit.scene(file, **settings)).notes)
-        assert ("set emitter.groom.root: last" in notes) != first
-        assert not from_scene(kit.scene(file, **{**settings, "emitter.groom.root": root})).notes
-        assert ("'convert --reverse' writes them first" in run("info", file, "--on", head).out) != first
-
-
 def test_hair_that_its_settings_move_is_told_where_its_file_has_it(tmp_path: Path, head: Path) -> None:
     """A `size` takes the place of a scale in what is advised; without a placing that fits, the file's own is."""
     path = tmp_path / "hair.data"

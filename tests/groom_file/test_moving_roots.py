@@ -79,7 +79,7 @@ def test_what_cannot_be_followed_is_one_line(tmp_path: Path) -> None:
         moving(tmp_path, np.eye(3), ["emitter_motion"], solver="rod", **{"rod.end": "pinned"})
 
 
-COUNTS = (41, 3, 5)
+COUNTS = (41, 3, 6)
 LEFT = 11
 """Points that strands are drawn with."""
 
@@ -104,6 +104,6 @@ def test_points_that_are_drawn_are_the_same_ones_at_all_moments(
         long, short, middle = drawn(given, number)
         assert long.shape == (LEFT, 3)
         np.testing.assert_allclose(long, points[: COUNTS[0] : 4], atol=1e-6)
-        for one, begin, count in ((short, 41, 3), (middle, 44, 5)):
+        for one, begin, count in ((short, 41, 3), (middle, 44, 6)):
             own = points[begin : begin + count]
             assert np.linalg.norm(one[:, None] - own, axis=2).min(axis=0).max() < 1e-6

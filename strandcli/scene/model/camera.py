@@ -60,8 +60,7 @@ class Camera:
     file: str | None = file(
         "cameras",
         None,
-        doc="camera file with a view per frame: transforms.json, COLMAP's cameras.txt, cameras.npz, dataset.json, "
-        "USD; absent: none",
+        doc="camera file with a view per frame: transforms.json, COLMAP's cameras.txt, dataset.json, USD; absent: none",
     )
     name: str = text("", doc="camera of a USD file that has several: its path, or the end of it")
     views: tuple[Camera, ...] = ()
