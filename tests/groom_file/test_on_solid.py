@@ -136,7 +136,7 @@ def test_all_shapes_have_roots_and_keep_points_out(shape: Any) -> None:
 
 def test_hair_that_lies_elsewhere_is_refused() -> None:
     far = exchange_kit.of(list((100 * hair().points + [100, 0, 0]).astype(np.float32).reshape(300, -1, 3)))
-    with pytest.raises(UsageError, match="m off head, .* m apart; move, scale or turn one of them"):
+    with pytest.raises(UsageError, match=r"m off head, .* m apart; move, scale or turn one of them"):
         put_on(far, BALL, "a.ply", [])
 
 
