@@ -41,7 +41,7 @@ def measure(notify: Callable[[str], None] | None = None) -> Speed:
     from .compiling import runtime
     from .draw.common.drawing import ProcessorDrawing
     from .draw.renderer import Renderer
-    from .run.frame_renderer import FrameRenderer
+    from .run.frame import FrameRenderer
     from .run.stages import RunOptions, SimulationStage
 
     class Timed(Renderer):

@@ -23,7 +23,7 @@ import numba
 import strandcli
 from path_tracer import figures, seconds_to, trace
 from strandcli.run.export import drawn_strands
-from strandcli.run.frame_renderer import FrameRenderer
+from strandcli.run.frame import FrameRenderer
 from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene.motion import camera_at
 from strandcli.study.pictures.subject import LinearRenderer

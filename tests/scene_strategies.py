@@ -11,8 +11,8 @@ from scene_kit import RULES
 from strandcli.scene import RuleUse, Scene
 from strandcli.scene.checks import findings
 from strandcli.scene.fields import settings_of
-from strandcli.scene.look import settle
 from strandcli.scene.model import Emitter
+from strandcli.scene.quality import settle
 from strandcli.scene.specs import (
     LARGEST,
     NO_COLOUR,
@@ -65,18 +65,18 @@ def values(spec: Spec) -> st.SearchStrategy[Any]:
         case ColourSpec():
             found = st.tuples(*[floats(Range(low=0))] * 3)
             found = st.just(NO_COLOUR) | found if spec.or_none else found
-        case SizeSpec():
-            found = st.tuples(*[st.integers(1, int(spec.limits.high or 1))] * 2)
         case WindowSpec():
             found = st.tuples(*[st.integers(0, 9)] * 2, *[st.integers(1, 9)] * 2)
+        case SizeSpec():
+            found = st.tuples(*[st.integers(1, int(spec.limits.high or 1))] * 2)
         case ChoiceSpec():
             found = st.sampled_from(spec.options)
         case BooleanSpec():
             found = st.booleans()
-        case FileSpec():
-            found = st.just(__file__)
         case MapSpec():
             found = st.sampled_from(["", "scalp", __file__])
+        case FileSpec():
+            found = st.just(__file__)
         case TextSpec():
             found = texts
         case ParametersSpec():

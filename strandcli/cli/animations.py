@@ -10,7 +10,7 @@ import click
 
 from ..errors import UsageError
 from . import signals
-from .render_words import interrupted
+from .render_frames import interrupted
 from .talk import Talk
 from .values import ANIMATIONS, COLOUR, KINDS
 

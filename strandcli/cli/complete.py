@@ -6,13 +6,15 @@ Imports neither numpy nor numba: a shell waits for it.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import CompletionItem
 
-Json = Mapping[str, Any]
+if TYPE_CHECKING:
+    from ..scene.fields import Setting
+    from ..scene.model import Scene
 
 PRESETS = (".yaml", ".yml")
 
@@ -56,121 +58,86 @@ def files(incomplete: str) -> list[str]:
 
 def keys(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Dotted paths of settings, a part at a time, and after = the values of those that have few."""
-    from ..scene import json_schema
-    from ..simulate.rules import registry
-
-    tree = Tree(json_schema(registry()), _data())
     path, given, value = incomplete.partition("=")
-    if given:
-        return [CompletionItem(f"{path}={one}") for one in tree.values(path) if one.startswith(value)]
     head, dot, begin = path.rpartition(".")
-    found = tree.inside(head) if head or not dot else {}
-    return [CompletionItem(f"{head}{dot}{key}", help=words) for key, words in found.items() if key.startswith(begin)]
+    found = dict(_inside(_scene(), head.split(".") if head else []))
+    if not given:
+        return [CompletionItem(f"{head}{dot}{key}", help=words) for key, (words, _) in found.items()
+                if key.startswith(begin)]  # fmt: skip
+    values = found.get(f"{begin}=", ("", ()))[1]
+    return [CompletionItem(f"{path}={one}") for one in values if one.startswith(value)]
 
 
 typed: list[str] = []
 """The words before the one that is completed: click drops what stands before an option that waits for its value."""
 
 
-def _data() -> Json:
-    """The settings of the preset that the command line names; nothing where there is none that can be read."""
+def _scene() -> Scene:
+    """The preset that the command line names; one of defaults with all rules where there is none that can be read."""
     import strandcli
-    from strandcli.scene import to_dict
+
+    from ..scene import RuleUse
+    from ..scene.model import Scene
+    from ..simulate.rules import registry
 
     for word in typed[1:]:
         if word and not word.startswith("-") and "=" not in word:
             try:
-                return to_dict(strandcli.load(word, roughly=True))
+                return strandcli.load(word, roughly=True)
             except Exception:  # a shell's completion is silent; it may be the value of an option
                 continue
-    return {}
+    return Scene(rules=tuple(RuleUse(name, rule.Parameters(), name) for name, rule in registry().items()))
 
 
-class Tree:
-    """The schema of presets, with the values of one."""
+def _inside(scene: Scene, parts: list[str]) -> Iterator[tuple[str, tuple[str, tuple[str, ...]]]]:
+    """What may follow a path, with `.` or `=` at its end: what each means, and its values where they are few."""
+    from ..scene.fields import settings_of
+    from ..scene.paths import made
+    from ..scene.rule_type import first_paragraph
 
-    def __init__(self, schema: Json, data: Json) -> None:
-        self._schema, self._data = schema, data
-        uses = data.get("rules") or []
-        self._rules = [name for use in uses if isinstance(use, dict) for name in use] or list(self._known_rules())
-
-    def inside(self, path: str) -> dict[str, str]:
-        """What may follow a path, each with `.` or `=` at its end, and what it means."""
-        if not path:
-            keys = {key: node for key, node in self._schema["properties"].items() if key not in ("extends", "panels")}
-            rules = {name: self._known_rules()[name] for name in self._rules if name in self._known_rules()}
-            return {key + self._end(node): _doc(node) for key, node in {**keys, **rules}.items()}
-        node, data = self._at(path)
-        if isinstance(data, list):
-            named = [one["name"] for one in data if isinstance(one, dict) and one.get("name")]
-            return {f"{one}.": "" for one in (*named, *range(len(data)))}
-        properties = self._properties(node)
-        if isinstance(data, dict) and "kind" in data:  # another kind has other settings
-            properties = {key: one for key, one in properties.items() if key in data}
-        return {key + self._end(one): _doc(one) for key, one in properties.items()}
-
-    def values(self, path: str) -> list[str]:
-        """The values that a setting may have, where they are few."""
-        node, _ = self._at(path)
-        found = []
-        for one in self._variants(node):
-            found += [str(value) for value in one.get("enum", ())]
-            kinds = one.get("type")
-            found += ["true", "false"] if kinds == "boolean" or kinds == ["boolean", "null"] else []
-        return list(dict.fromkeys(found))
-
-    def _known_rules(self) -> Json:
-        """Schemas of the rules by name."""
-        for one in self._variants(self._schema["properties"]["rules"]):
-            if "properties" in one:
-                rules: Json = one["properties"]
-                return rules
-        return {}
-
-    def _at(self, path: str) -> tuple[Json, Any]:
-        """The schema and the data at a path; nothing where it leads nowhere."""
-        first, *rest = path.split(".")
-        name = first.partition("[")[0]
-        node: Json = self._schema["properties"].get(first) or self._known_rules().get(name) or {}
-        data: Any = self._data.get(first)
-        for part in rest:
-            if isinstance(data, list):
-                entry = [one for one in data if isinstance(one, dict) and one.get("name") == part]
-                entry += data[int(part) :][:1] if part.isdigit() else []
-                data = entry[0] if entry else None
-            else:
-                data = data.get(part) if isinstance(data, dict) else None
-            items = [one["items"] for one in self._variants(node) if "items" in one]
-            node = items[0] if items else self._properties(node).get(part, {})
-        return node, data
-
-    def _variants(self, node: Json) -> Iterator[Json]:
-        """The schemas that a schema offers, references followed."""
-        if "$ref" in node:
-            yield from self._variants(self._schema["$defs"][node["$ref"].rpartition("/")[2]])
-        elif "anyOf" in node:
-            for one in node["anyOf"]:
-                yield from self._variants(one)
-        elif node:
-            yield node
-
-    def _properties(self, node: Json) -> Json:
-        found: dict[str, Any] = {}
-        for one in self._variants(node):
-            for key, value in one.get("properties", {}).items():
-                found.setdefault(key, value)
-        return found
-
-    def _end(self, node: Json) -> str:
-        """`.` after what has settings or entries of its own, `=` after a setting."""
-        deeper = any("properties" in one or "properties" in str(one.get("items", "")) or "$ref" in str(one.get("items"))
-                     for one in self._variants(node))  # fmt: skip
-        return "." if deeper else "="
+    rules = {use.path: use.parameters for use in scene.rules}
+    node: Any = scene
+    for depth, part in enumerate(parts):
+        if isinstance(node, tuple):
+            named = [one for one in node if getattr(one, "name", None) == part]
+            node = next(iter(named or node[int(part) :][:1] if part.isdecimal() or named else ()), None)
+        elif depth == 0 and part in rules:
+            node = rules[part]
+        else:
+            node = getattr(node, part, None) or (None if node is None else made(node, part))
+    if isinstance(node, tuple):
+        for one in (*(one.name for one in node if getattr(one, "name", "")), *range(len(node))):
+            yield f"{one}.", ("", ())
+        return
+    kind: type = type(node)
+    if not hasattr(kind, "__dataclass_fields__"):
+        return
+    for key, setting in settings_of(kind).items():
+        if node is not scene or key != "panels":
+            yield key + _end(setting), (_doc(setting.spec.doc), _values(setting))
+    if node is scene:
+        yield from ((f"{name}.", (_doc(first_paragraph(type(one).__doc__)), ())) for name, one in rules.items())
 
 
-def _doc(node: Json) -> str:
+def _end(setting: Setting) -> str:
+    """`.` after what has settings or entries of its own, `=` after a setting."""
+    from ..scene import specs
+
+    deeper = isinstance(setting.spec, specs.ModelSpec | specs.UnionSpec | specs.ItemsSpec | specs.RulesSpec)
+    return "." if deeper else "="
+
+
+def _values(setting: Setting) -> tuple[str, ...]:
+    from ..scene import specs
+
+    if isinstance(setting.spec, specs.BooleanSpec):
+        return "true", "false"
+    return setting.spec.options if isinstance(setting.spec, specs.ChoiceSpec) else ()
+
+
+def _doc(words: str) -> str:
     """The first sentence of what a setting means."""
-    return str(node.get("description", "")).split(". ")[0].split(": ")[0].strip(".")
+    return words.split(". ")[0].split(": ")[0].strip(".")
 
 
 def listed(choices: Iterable[str], incomplete: str) -> list[CompletionItem]:

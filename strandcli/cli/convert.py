@@ -9,7 +9,7 @@ import click
 
 from ..common.counted import counted
 from ..errors import UsageError
-from . import options, strand_files
+from . import facts, options
 from .frame_range import FrameRange
 from .say import say
 from .talk import Talk
@@ -36,7 +36,7 @@ class FiniteType(click.FloatRange):
 @click.command()
 @click.argument("source", type=options.PathType(), metavar="IN")
 @click.argument("target", type=options.PathType(), metavar="OUT")
-@strand_files.reading
+@facts.reading
 @click.option(
     "-f",
     "--frames",

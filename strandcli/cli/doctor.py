@@ -23,8 +23,8 @@ def command(ctx: click.Context, calibrate: bool, talk: Talk) -> None:
     """Check that strandcli works here: versions, threads, memory, kernel cache, extras, and a small picture, drawn and
     compared with the known one. Prints a line for each, with what to do; exit code 1 where something is broken.
     """
+    from ..doctor import BROKEN, OK
     from ..doctor.examine import examine
-    from ..doctor.finding import BROKEN, OK
 
     if calibrate:
         _calibrate(talk)

@@ -12,8 +12,8 @@ import click
 from ..common.counted import counted
 from . import options
 from .frame_range import FrameRange
-from .positions import open_cache
 from .progress import warner
+from .render_frames import open_cache
 from .talk import Talk
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import click
 
 from ..errors import UsageError
 from ..meshes import SUFFIXES
-from . import options, strand_files
+from . import facts, options
 from .say import say
 from .talk import print_json
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("file", type=options.PathType(), metavar="FILE")
-@strand_files.reading
+@facts.reading
 @click.option(
     "--picture", type=options.PathType(), metavar="FILE", help="Also draw them into a PNG, as 'strandcli render' does."
 )
@@ -68,7 +68,7 @@ def command(
     if as_json:
         print_json(found.as_dict() if fit is None else {**found.as_dict(), "on": fit})
     else:
-        strand_files.say_facts(found)
+        facts.say_facts(found.as_dict())
         if fit is not None:
             say(f"  on mesh    {fit['mesh']}: {fits.said(fit)}")
     if picture is not None:
@@ -99,15 +99,14 @@ def _mesh(file: Path) -> bool:
 def _report_mesh(file: Path, picture: Path | None, as_json: bool) -> None:
     """Say what is in a file of a mesh, and draw it."""
     from ..meshes.facts import facts_of_file
-    from . import mesh_info
 
     data, mesh = facts_of_file(file)
     if as_json:
         print_json(data)
     else:
-        mesh_info.say_facts(data)
+        facts.say_facts(data)
     if picture is not None:
-        _write(mesh_info.scene_of(file, mesh, data["guess"]["up"] or "y"), picture)
+        _write(facts.scene_of(file, mesh, data["guess"]["up"] or "y"), picture)
 
 
 def _write(scene: Scene, picture: Path) -> None:

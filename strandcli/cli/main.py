@@ -10,7 +10,7 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 
 import click
 import click.shell_completion
@@ -18,7 +18,8 @@ import click.shell_completion
 from .. import __version__
 from ..compiling import runtime
 from ..errors import DONE, FAILED, REFUSED, USAGE, StrandError
-from . import garbage, signals
+from . import process, signals
+from .process import State, set_debug
 from .say import printable
 
 # name of a command and of its module here: what --help says. Commands for pictures first, tools after.
@@ -45,13 +46,6 @@ COMMANDS = {
     "doctor": "Check this machine and installation, and say how to mend faults.",
     "warmup": "Compile ahead of the first run.",
 }
-
-
-@dataclass(slots=True)
-class State:
-    """What outlives the commands: whether the traceback of an unexpected error is wanted."""
-
-    debug: bool = False
 
 
 class LazyGroup(click.Group):
@@ -91,12 +85,6 @@ class LazyGroup(click.Group):
         return super().resolve_command(ctx, args)
 
 
-def set_debug(ctx: click.Context, param: click.Parameter, value: bool) -> None:
-    """Callback of every ``--debug``."""
-    if value:
-        ctx.ensure_object(State).debug = True
-
-
 @click.command(
     cls=LazyGroup,
     invoke_without_command=True,
@@ -129,7 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             warnings.simplefilter("ignore")
         runtime.still_idle_threads()
         runtime.give_back_large()
-        garbage.seldom()
+        process.seldom()
     with signals.handled(last=arguments is None):
         return _main(arguments)
 
@@ -137,7 +125,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _main(arguments: Sequence[str] | None) -> int:
     state = State(debug=bool(os.environ.get("STRANDCLI_DEBUG")))
     if arguments is None and "_STRANDCLI_COMPLETE" in os.environ:
-        from .shells import register
+        from .completion import register
 
         register()
     try:
@@ -223,8 +211,7 @@ def _usage(error: click.UsageError) -> str:
 def _meant(error: click.NoSuchOption) -> str | None:
     """The setting, or the option for it, that other programs have an option of this name for, or that has this name
     itself; None where there is none, or the command has no ``--set``."""
-    from ..scene.absent import ELSEWHERE
-    from ..scene.suggest import settings_by_name
+    from ..scene.suggest import ELSEWHERE, settings_by_name
 
     known = {name for one in error.ctx.command.params for name in one.opts} if error.ctx is not None else set()
     name = error.option_name.lstrip("-").replace("-", "_")

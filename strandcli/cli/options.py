@@ -16,7 +16,7 @@ from ..errors import UsageError
 from ..meshes import SUFFIXES
 from . import complete
 from .frame_range import FrameRange
-from .main import set_debug
+from .process import set_debug
 from .say import say
 from .talk import Talk
 from .values import SIZE, Parsed

@@ -48,7 +48,7 @@ def command(
     # a million frames as numbers are 40 MB
     numbers = range(1, scene.time.frames + 1) if frames is None else options.frame_numbers(frames, scene)
 
-    from ..output.room import frame_bytes
+    from ..output.files import frame_bytes
     from ..plan import make_plan
     from ..scene.named_files import naming_files
 

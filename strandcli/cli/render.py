@@ -12,16 +12,14 @@ import click
 from ..common.counted import counted
 from ..errors import SimulationError, StrandError
 from ..files import inputs
-from . import animations, camera_files, garbage, html_page, options
+from . import animations, camera_files, options, process
 from . import dask as clusters
 from .frame_range import FrameRange
 from .layers import layer_options, with_layers
-from .positions import open_cache
 from .preview import Preview, preview_option
 from .progress import Progress, warner
 from .render_error import PictureError, advised, max_error_option
-from .render_frames import Motion, frame_writer, frames_of
-from .render_words import frame_line, interrupted, tell
+from .render_frames import Motion, frame_line, frame_writer, frames_of, interrupted, open_cache, tell
 from .sweep import run as run_sweep
 from .sweep import sweep_option
 from .talk import Talk
@@ -49,7 +47,7 @@ if TYPE_CHECKING:
 @options.checkpoint
 @options.keep_going
 @options.memory_check
-@html_page.no_html
+@click.option("--no-html", is_flag=True, help="Write no report.html.")
 @clusters.option
 @sweep_option
 @watch_option
@@ -96,7 +94,7 @@ def command(
         given = click.get_current_context().params
         run_watch(given) if watch else run_sweep(_draw, given)
         return
-    garbage.put_off()
+    process.put_off()
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     options.exclusive(checkpoint=checkpoint is not None, from_cache=from_cache is not None)
     camera_files.require_file(cameras, camera)
@@ -118,6 +116,7 @@ def command(
     from ..plan import checked_plan
 
     plan = checked_plan(scene, numbers, check=memory_check)
+    from ..html_report.run import HtmlPage
     from ..output.report import RunReport  # NumPy, once memory suffices
 
     positions = open_cache(from_cache, numbers, scene, keep_going)
@@ -125,7 +124,7 @@ def command(
     writer = frame_writer(folder, numbers, scene, positions, animate or (), overwrite, resume, exr)
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
-    page = None if no_html else html_page.HtmlPage(writer.directory, scene, overwrite)
+    page = None if no_html else HtmlPage(writer.directory, scene, overwrite)
     shown = Preview(preview)
     motion = Motion(positions, checkpoint, keep_going, dask)
     with page or nullcontext(), talk.progress(len(writer.wanted), label) as progress:
@@ -181,7 +180,7 @@ def _run(
                         writer.submit(frame.number, frame.image, frame.aovs)
                         shown.next(frame.image)
                     progress.checked_step(frame_line(frame.number, frame.report))
-                    garbage.resume()
+                    process.resume()
             if bound is not None:
                 bound.check(report, warn, progress.note)
             if stale := inputs.changed():
@@ -197,7 +196,7 @@ def _run(
             progress.line(interrupted(writer))
         raise
     finally:
-        garbage.resume()
+        process.resume()
         compiled = runtime.compile_seconds() - before if started else None
         data = _report(report, writer, status, runtime.machine() if started else None, compiled)
     return data

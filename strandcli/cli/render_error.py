@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import StrandError, UsageError
-from . import garbage, options
+from . import options, process
 from .talk import Talk
 from .values import Parsed, bounds
 
@@ -35,7 +35,7 @@ def advised(
 ) -> tuple[Scene, PictureError | None]:
     """The scene with the settings that studies choose, and what its picture's error is bound to; None where that is not
     asked for. What the user has set (``given``, as `options.load_scene` takes it) is left alone."""
-    garbage.resume()  # studies make many runs
+    process.resume()  # studies make many runs
     scene = options.load_scene(preset, **given)
     fixed = {text.partition("=")[0].strip() for text in given["overrides"]}
     if given["particles"] is not None:

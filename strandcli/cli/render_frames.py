@@ -1,14 +1,20 @@
-"""Where the frames of `strandcli render` come from, this process or the workers of a cluster, and what takes them."""
+"""Where the frames of `strandcli render` come from, simulated or of stored positions, drawn here or by the workers of a
+cluster; what takes them; and what is said of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from . import dask, positions
+from ..common.counted import counted
+from ..errors import UsageError
+from . import dask
+from .progress import duration, pace
+from .say import say
 
 if TYPE_CHECKING:
+    from ..output import positions
     from ..output.frames import FrameWriter
     from ..output.positions import PositionCache
     from ..run.checkpoints import Checkpoints
@@ -68,7 +74,7 @@ def frame_writer(
         picture_size(scene),
         overwrite=overwrite,
         resume=resume,
-        scene=fingerprint(scene, *([] if cache is None else positions.other_motion(cache, scene))),
+        scene=fingerprint(scene, *([] if cache is None else other_motion(cache, scene))),
         also=[f"animation.{kind}" for kind in animate],
         own=[FILE],
         layers=scene.image.aovs,
@@ -87,3 +93,94 @@ def picture_size(scene: Scene) -> tuple[int, int]:
     empty = [np.zeros((*panel.image.drawn[::-1], 3), np.uint8) for panel in scene.panels]
     height, width, _ = join(empty, [panel.label for panel in scene.panels]).shape
     return width, height
+
+
+def motion_of(scene: Scene) -> positions.Motion:
+    """What positions of a scene follow from."""
+    from ..output.positions import Motion
+    from ..run.fingerprint import motion_fingerprint, motion_values
+
+    values = motion_values(scene)
+    return Motion(motion_fingerprint(values), values)
+
+
+def open_cache(
+    directory: Path | None, frames: tuple[int, ...], scene: Scene, keep_going: bool = False
+) -> PositionCache | None:
+    """The checked folder of --from-cache; with ``keep_going`` its positions need not be finite. Raises `UsageError`
+    where strands of the scene move otherwise."""
+    if directory is None:
+        return None
+    from ..output.positions import PositionCache
+    from ..run.fingerprint import difference
+
+    if scene.panels:
+        raise UsageError("--from-cache: a preset of several panels has several sets of positions; draw it without")
+    if scene.camera.shutter > 0:  # what moves is drawn between two frames
+        frames = tuple(sorted({*frames, *(frame - 1 for frame in frames if frame > 1)}))
+    cache = PositionCache(directory, frames, scene.emitter.strands, scene.emitter.particles, finite=not keep_going)
+    if cache.motion is not None:
+        differs = difference(motion_of(scene).settings, cache.motion.settings)
+        if differs:
+            raise UsageError(
+                f"{directory}: was simulated with another {differs.removesuffix('.')}, which moves strands otherwise; "
+                "simulate it anew, or give the preset and the options that it was simulated with"
+            )
+    return cache
+
+
+def other_motion(cache: PositionCache, scene: Scene) -> list[str]:
+    """What frames drawn from positions depend on beside the scene: nothing where it would simulate the very same."""
+    if cache.motion is None:
+        return [str(cache.directory.resolve()), cache.digest]
+    return [] if cache.motion.fingerprint == motion_of(scene).fingerprint else [cache.motion.fingerprint]
+
+
+def interrupted(writer: FrameWriter, besides: str = "") -> str:
+    """Say that a run was interrupted, and how many frames stay."""
+    from ..output.files import count_there
+
+    there = count_there(writer.directory / one.file for one in writer.written.values())
+    finished = counted(there, "finished frame")
+    return f"{writer.directory}: interrupted; {besides}{finished} stay, --resume continues"
+
+
+def frame_line(number: int, report: Mapping[str, Any]) -> str:
+    """The line of a frame for --verbose: milliseconds of its stages, and its errors."""
+    stages = [f"{name} {1000 * value:.1f}" for name, value in report.get("seconds", {}).items() if value is not None]
+    errors = [f"{name} {value:.2g}" for name, value in report.get("error", {}).items() if value is not None]
+    return f"frame {number}: {', '.join(stages)} ms; {', '.join(errors)}"
+
+
+def tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None:
+    """Print what a run made, how long it took and what it kept."""
+    drawn = len(writer.wanted)
+    kept = len(writer.written) - drawn
+    totals = data["totals"]
+    words = f"{writer.directory}: {counted(drawn, 'frame')} in {_seconds(totals['seconds'])}"
+    compiling = data["compile_seconds"] or 0.0
+    if compiling:
+        words += f", of which {compiling:.1f} s compiling (only on first use)"
+    drawing = totals["seconds"] - compiling
+    if drawn > 1 and drawing > 0:
+        words += f": {pace(drawn, drawing)}"
+    if kept:
+        words += f"; {kept} kept"
+    for path in made:
+        words += f"; {path.name}"
+    say(f"{words}; {_written(writer, made)}", err=True)
+
+
+def _written(writer: FrameWriter, made: list[Path]) -> str:
+    """What the frames' files take, kept ones too, with their layers and the animations."""
+    from ..output.files import megabytes
+    from ..output.layers import layer_files
+
+    names = [one.file for one in writer.written.values()]
+    names += [name for frame in writer.written for name in layer_files(frame, writer.layers, writer.exr)]
+    paths = [*(writer.directory / name for name in names), *made]
+    return megabytes(sum(path.stat().st_size for path in paths if path.exists()))
+
+
+def _seconds(seconds: float) -> str:
+    return f"{seconds:.1f} s" if seconds < 60 else duration(seconds)

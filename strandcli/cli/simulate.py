@@ -12,8 +12,8 @@ from ..errors import UsageError
 from ..files import inputs
 from . import options
 from .frame_range import FrameRange
-from .positions import motion_of
 from .progress import warner
+from .render_frames import motion_of
 from .talk import Talk
 
 

@@ -35,7 +35,7 @@ class _Drawn:
         from ..compiling import runtime
         from ..compiling.folder import cache
         from ..run.fingerprint import fingerprint
-        from ..run.frame_renderer import FrameRenderer
+        from ..run.frame import FrameRenderer
         from ..run.stages import RunOptions, SimulationStage
         from ..scene.named_files import naming_files
 

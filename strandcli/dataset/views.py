@@ -29,7 +29,6 @@ START, FRAMING, LIGHT, COLOUR = range(4)
 SET = 0
 """In place of a view's number, from 1, in streams that all views share."""
 EACH, ONE, KEPT = "view", "set", "scene"
-CHOICES = (EACH, ONE, KEPT)
 """Light and colour: new for each view, one for the set, as the scene has them."""
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from . import kernels, machine, self_test, software
-from .finding import BROKEN, Finding
+from . import BROKEN, Finding, kernels, machine, self_test, software
 
 CHECKS: dict[str, Callable[[], Iterator[Finding]]] = {
     "versions": software.versions, "numba": software.numba_settings, "threading": software.threading_layers,

@@ -11,7 +11,7 @@ from ..compiling.folder import ENTRY, MOST_BYTES, cache
 from ..compiling.packs import Pack
 from ..compiling.stores import writers
 from ..output.files import megabytes
-from .finding import NOTE, OK, Finding
+from . import NOTE, OK, Finding
 
 FIRST_BYTES = b"strandcli kernel "
 """Of every kernel's file."""

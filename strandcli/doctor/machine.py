@@ -12,7 +12,7 @@ from pathlib import Path
 from ..common.counted import counted
 from ..errors import UsageError
 from ..plan import limits
-from .finding import BROKEN, NOTE, OK, Finding
+from . import BROKEN, NOTE, OK, Finding
 
 WIDE = ("avx512f", "avx2", "avx", "sse4.2", "sve", "neon")
 """Vector instructions, widest first."""

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .finding import BROKEN, NOTE, OK, Finding
+from . import BROKEN, NOTE, OK, Finding
 
 GOLDEN = Path(__file__).parent / "golden"
 """The picture, its hashes by class of machine, and how it is drawn: `strandcli golden update` makes it anew."""

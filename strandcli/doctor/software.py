@@ -13,7 +13,7 @@ from importlib import metadata
 
 from .. import __version__
 from ..common.extras import install
-from .finding import BROKEN, NOTE, OK, Finding
+from . import BROKEN, NOTE, OK, Finding
 
 LEAST = {"numba": (0, 61), "numpy": (1, 26), "pillow": (10, 3), "click": (8, 1), "pyyaml": (6, 0)}
 """Versions that pyproject.toml asks for."""

@@ -22,7 +22,7 @@ from .. import solids
 from ..constants import VECTOR, W
 from ..errors import SimulationError
 from ..scene.motion import emitter_pose
-from ..scene.touched import touched
+from ..scene.rule_type import touched
 from . import fringe
 from .deforming import Deforming, FileRoots, deforming
 from .emit import emit

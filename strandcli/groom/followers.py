@@ -18,7 +18,7 @@ from ..common.rotations import quaternion_of
 from ..constants import W
 from ..errors import SimulationError
 from ..scene.motion import Pose, emitter_pose
-from ..scene.touched import touched
+from ..scene.rule_type import touched
 from .blocks import lanes, unpack
 from .deforming import deforming
 from .record import Groom, Widths

@@ -17,9 +17,8 @@ from ..errors import RefusedError, UsageError
 from ..files.inputs import unrecorded
 from . import png
 from .claim import Claim
-from .files import prepare_folder, refuse_present, require_own, with_whole, write_pieces
+from .files import frame_bytes, prepare_folder, refuse_present, require_own, with_whole, write_pieces
 from .layers import Layers, is_of, is_whole, layer_files, write_layers
-from .room import frame_bytes
 
 QUEUED = 2
 """Pictures that wait for the thread that writes."""

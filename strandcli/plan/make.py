@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING
 
 from ..scene.detail import needed_strands
 from ..scene.named_files import naming_files
-from .drawing import drawing_decisions
+from .decisions import drawing_decisions, motion_decisions, solver_steps
 from .limits import SHARE, available_memory
 from .memory import memory_of, picture_bytes, program_bytes, shared_bytes
-from .motion import motion_decisions, solver_steps
 from .sizes import Sizes, most_strands, points_of, sizes_of
 from .warnings import labelled, warnings_of
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
-    from .decision import Decision
+    from .decisions import Decision
 
 
 THREAD = 10_000_000

@@ -13,8 +13,7 @@ from ..plan import pictures_that_fit
 from ..scene.model import Scene
 from ..scene.named_files import naming_files
 from . import compile_ahead
-from .frame import Frame
-from .frame_renderer import FrameRenderer
+from .frame import Frame, FrameRenderer
 from .ordered_map import ordered_map, worker_count
 from .stages import MovedStrands, Notify, Positions, RunOptions, SimulationStage
 

@@ -9,7 +9,7 @@ from .faults import Finding, hint, shown
 from .fields import settings_of
 from .model import Emitter, MeshShape, Scene
 from .model.emitter import FILE_LEAVES, GUIDED_LEAVES, HEADS
-from .model.placed_file import both_sizes
+from .model.placed import both_sizes
 from .motion import deforming_ground
 
 PLACE = "emitter.groom"

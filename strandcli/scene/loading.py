@@ -10,9 +10,9 @@ from typing import Any
 from .chain import chain_of, feed, locate
 from .checks import findings
 from .faults import Fault, Mark, SceneError, fault_at, hint
-from .look import settle
 from .model import Scene
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of, marks_of, node_of
+from .quality import settle
 from .rule_type import RuleType, check_of, refusal
 from .settings import Unreachable, place
 from .specs import MOST_PANELS

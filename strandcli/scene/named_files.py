@@ -16,7 +16,7 @@ from .specs import FileSpec, MapSpec
 def named_file(field: dataclasses.Field[Any], value: Any) -> str | None:
     """Return the kind of the file whose path a field's value is; None where it is none."""
     spec = field.metadata.get("spec")
-    if not isinstance(spec, FileSpec | MapSpec) or not value or (isinstance(spec, MapSpec) and not Path(value).suffix):
+    if not isinstance(spec, FileSpec) or not value or (isinstance(spec, MapSpec) and not Path(value).suffix):
         return None
     return spec.kind
 

@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from .faults import Mark
+from .faults import Mark, shown
 
 NULLS = ("null", "Null", "NULL", "~")
 
@@ -161,3 +161,12 @@ def kind_of(node: Node) -> str:
     if node.empty:
         return "nothing"
     return "null" if node.null else "a single value"
+
+
+def given(node: Node) -> str:
+    """What stands there, for messages."""
+    if isinstance(node, ListNode):
+        if all(isinstance(item, Scalar) for item in node.items):
+            return shown(f"[{', '.join(item.text for item in node.items if isinstance(item, Scalar))}]")
+        return f"a list of {len(node.items)}"
+    return shown(node.text) if isinstance(node, Scalar) and not node.empty else kind_of(node)

@@ -1,4 +1,4 @@
-"""What `quality: draft | default | best` stands for: one table, for presets, `--quality`, `--set` and `bench`.
+"""What `quality: draft | default | best` and `look: source` stand for, for presets, options and `bench`.
 
 All three are near the front that `strandcli study PRESET --axis quality` finds over samples, tolerance and level of
 detail: windows of the first frame with all of its strands, 800×600, processor seconds of the whole drawing on one
@@ -29,13 +29,12 @@ study does.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from .fields import settings_of
+from .faults import shown
 from .model import Scene
-from .paths import value_at
-from .specs import ChoiceSpec, ItemsSpec, ModelSpec, Spec, UnionSpec
+from .paths import value_at, with_value
 
 
 class AtMost(NamedTuple):
@@ -121,24 +120,57 @@ def shadowed(scene: Scene) -> list[int]:
 
 
 def expanded(name: str, lights: Sequence[int], own: Own) -> Iterator[tuple[str, Any]]:
-    """The settings of a quality that this program has; ``lights``: numbers of the lights that have a shadow map.
-    Nothing for a name that is no quality."""
+    """The settings of a quality; ``lights``: numbers of the lights that have a shadow map. Nothing for a name that is
+    no quality."""
     for general, value in QUALITIES.get(name, {}).items():
         places = [general.replace("*", str(i), 1) for i in lights] if general.startswith(SHADOWED) else [general]
         for path in places:
             wanted = value.of(own(path)) if isinstance(value, AtMost | AtLeast | Scaled) else value
             absent = path.partition(".")[0] in OPTIONAL and own(path) is None
             widened = path != "material.width" or (own("children.count") or 1) > 1
-            if wanted is not None and not absent and widened and _known(ModelSpec(Scene), path.split("."), wanted):
+            if wanted is not None and not absent and widened:
                 yield path, wanted
 
 
-def _known(spec: Spec, parts: list[str], value: Any) -> bool:
-    if not parts:
-        return not isinstance(spec, ChoiceSpec) or value in spec.options
-    if isinstance(spec, ItemsSpec):
-        return all(_known(ModelSpec(kind), parts[1:], value) for kind in spec.kinds.values())
-    if isinstance(spec, UnionSpec) or not isinstance(spec, ModelSpec):
-        return False
-    settings = settings_of(spec.model)
-    return parts[0] in settings and _known(settings[parts[0]].spec, parts[1:], value)
+class Fixed(NamedTuple):
+    """A setting that a look fixes: the values that it allows, of which the first is its own."""
+
+    path: str
+    """Dotted; `*` stands for every light."""
+    values: tuple[str | bool, ...]
+
+
+LOOKS: Mapping[str, tuple[Fixed, ...]] = {
+    "source": (
+        Fixed("image.resolver", ("zbuffer",)),
+        Fixed("material.model", ("marschner",)),
+        Fixed("material.rounded", (False,)),
+        Fixed("lights.*.shadow.model", ("minmax", "off")),
+    ),
+}
+"""What each look fixes."""
+
+
+def settle(scene: Scene, written: Container[str]) -> tuple[Scene, list[tuple[str, str]]]:
+    """``scene`` with what its look fixes, and the clashes: path and message. ``written``: paths that were given."""
+    clashes: list[tuple[str, str]] = []
+    for path, values in LOOKS.get(scene.look, ()):
+        for name in [path.replace("*", str(i)) for i in range(len(scene.lights))] if "*" in path else [path]:
+            found = value_at(scene, name)
+            if found in values:
+                continue
+            if name in written:
+                clashes.append(
+                    (
+                        name,
+                        f"{shown(_written(found))} clashes with look: {scene.look}, which draws with "
+                        f"{' or '.join(map(_written, values))}; take one of the two out",
+                    )
+                )
+            else:
+                scene = with_value(scene, name, values[0])
+    return scene, clashes
+
+
+def _written(value: str | bool) -> str:
+    return str(value).lower() if isinstance(value, bool) else value

@@ -144,10 +144,10 @@ def _number(limit: float) -> str:
 
 def _default(spec: specs.Spec) -> str:
     """The value that stands where none is written."""
-    if isinstance(spec, specs.FileSpec) and spec.default is not None:
-        return "required"
-    if spec.default is None or (isinstance(spec, specs.MapSpec) and not spec.default):
+    if spec.default is None or isinstance(spec, specs.MapSpec):
         return "absent"
+    if isinstance(spec, specs.FileSpec):
+        return "required"
     if isinstance(spec, specs.ModelSpec):
         return "–"
     value = plain(spec.default)

@@ -14,17 +14,16 @@ from .dump import plain
 from .fields import settings_of
 from .model import Scene
 from .rule_type import RuleType, doc_of, first_paragraph
-from .specs import MOST_PANELS, NO_COLOUR, Range
 
 Json = dict[str, Any]
 
 
 def json_schema(rules: Mapping[str, RuleType]) -> Json:
     """The schema of presets that may use ``rules``."""
-    return _Writer(rules).document()
+    return Writer(rules).document()
 
 
-class _Writer:
+class Writer:
     """Writes each class once, under ``$defs``."""
 
     def __init__(self, rules: Mapping[str, RuleType]) -> None:
@@ -70,7 +69,7 @@ class _Writer:
 
     def setting(self, spec: specs.Spec) -> Json:
         """The schema of one setting: what it takes or null, which stands for its default, and what it means."""
-        taken = self.taken(spec)
+        taken = spec.schema(self)
         if "type" in taken and "enum" not in taken and isinstance(taken["type"], str):
             taken["type"] = [taken["type"], "null"]
         else:
@@ -81,53 +80,6 @@ class _Writer:
             taken["description"] = described
         taken["default"] = plain(spec.default)
         return taken
-
-    def taken(self, spec: specs.Spec) -> Json:
-        """The schema of the values of one setting."""
-        match spec:
-            case specs.NumberSpec():
-                return {"type": "number", **_limits(spec.limits)}
-            case specs.IntegerSpec():
-                return {"type": "integer", **_limits(spec.limits)}
-            case specs.VectorSpec():
-                vector = _numbers(3, {"type": "number", **_limits(spec.limits)})
-                return {**vector, "not": {"const": [0, 0, 0]}} if spec.nonzero else vector
-            case specs.ColourSpec():
-                hexadecimal = {"type": "string", "pattern": "^#[0-9a-fA-F]{6}$"}
-                none = [{"const": NO_COLOUR}] if spec.or_none else []
-                return {"anyOf": [_numbers(3, {"type": "number", "minimum": 0}), hexadecimal, *none]}
-            case specs.SizeSpec():
-                sides = _numbers(2, {"type": "integer", **_limits(spec.limits)})
-                return {"anyOf": [sides, {"type": "string", "pattern": "^[0-9]{1,9}\\s*[x×]\\s*[0-9]{1,9}$"}]}
-            case specs.WindowSpec():
-                numbers = _numbers(4, {"type": "integer", **_limits(spec.limits)})
-                pattern = "^[0-9]{1,9}\\s*[x×]\\s*[0-9]{1,9}\\s*\\+\\s*[0-9]{1,9}\\s*\\+\\s*[0-9]{1,9}$"
-                return {"anyOf": [numbers, {"type": "string", "pattern": pattern}]}
-            case specs.ChoiceSpec():
-                return {"enum": list(spec.options)}
-            case specs.BooleanSpec():
-                return {"type": "boolean"}
-            case specs.TextSpec():
-                return {"type": ["string", "number", "boolean"]}
-            case specs.NamesSpec():
-                name = {"type": ["string", "number", "boolean"]}
-                return {"anyOf": [name, {"type": "array", "items": name}]}
-            case specs.ModelSpec():
-                return self.reference(spec.model)
-            case specs.UnionSpec():
-                return {"anyOf": [self.kind(cls, cls is not type(spec.default)) for cls in spec.kinds.values()]}
-            case specs.ItemsSpec():
-                kinds = [self.kind(cls, spec.tagged) for cls in spec.kinds.values()]
-                each = kinds[0] if len(kinds) == 1 else {"anyOf": kinds}
-                return {"type": "array", "items": each, "maxItems": spec.most}
-            case specs.ParametersSpec():
-                own = [cls for name in spec.registry.names() if (cls := spec.registry.settings(name)) is not None]
-                return {"anyOf": [self.reference(cls) for cls in own] or [{"type": "object", "maxProperties": 0}]}
-            case specs.RulesSpec():
-                return self.rule_uses()
-            case specs.PanelsSpec():
-                return {"type": "array", "items": self.panel(), "maxItems": MOST_PANELS}
-        raise TypeError(f"no such kind of setting: {type(spec).__name__}")
 
     def kind(self, cls: type, tagged: bool) -> Json:
         """A reference to ``cls`` that may ask for its `kind`."""
@@ -158,17 +110,3 @@ class _Writer:
             "set": {"type": ["object", "null"], "properties": inner, "description": changes},
         }
         return {"type": "object", "properties": properties, "additionalProperties": False}
-
-
-def _numbers(count: int, each: Json) -> Json:
-    return {"type": "array", "items": each, "minItems": count, "maxItems": count}
-
-
-def _limits(limits: Range) -> Json:
-    named = {
-        "minimum": limits.low,
-        "exclusiveMinimum": limits.above,
-        "exclusiveMaximum": limits.below,
-        "maximum": limits.high,
-    }
-    return {keyword: limit for keyword, limit in named.items() if limit is not None}

@@ -11,15 +11,13 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from . import specs
-from .absent import why_absent
 from .dump import plain
 from .faults import hint, shown
 from .fields import settings_of
 from .model import Scene
-from .nodes import Entry, ListNode, MapNode, Node, Scalar, kind_of, node_of
+from .nodes import Entry, ListNode, MapNode, Node, Scalar, given, kind_of, node_of
 from .rule_type import RuleType
-from .suggest import hint_inside
-from .values import given
+from .suggest import hint_inside, why_absent
 
 SCENE = specs.ModelSpec(Scene)
 
@@ -123,10 +121,7 @@ def _place(
         return (node or MapNode({}, value.mark)).with_entry(part, Entry(value.mark, value))
     if isinstance(spec, specs.PanelsSpec):
         raise Unreachable("single panels are changed in the preset itself")
-    if not isinstance(
-        spec,
-        specs.ItemsSpec | specs.VectorSpec | specs.ColourSpec | specs.SizeSpec | specs.WindowSpec | specs.NamesSpec,
-    ):
+    if not isinstance(spec, specs.ItemsSpec | specs.VectorSpec | specs.ColourSpec | specs.SizeSpec | specs.NamesSpec):
         raise Unreachable("there is nothing inside this setting")
     if node is None and spec.default is not None:
         node = node_of(plain(spec.default), value.mark)

@@ -11,16 +11,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from . import specs
-from .absent import why_absent
 from .faults import Fault, Mark, fault_at, hint, shown
 from .fields import settings_of
 from .model import RuleUse
-from .nodes import ListNode, MapNode, Node, Scalar
+from .nodes import ListNode, MapNode, Node, Scalar, given
 from .rule_type import RuleType
-from .scalars import Refusal, as_boolean, as_colour, as_number, as_size
-from .specs import SMALLEST, Range
-from .suggest import hint_inside
-from .values import file_path, given, in_range, name_or_file, no_rule, option, pixels, whole, window
+from .suggest import hint_inside, why_absent
 
 MOST_HINTS = 200
 """Faults of one file after which no more suggestions are sought: each takes half a millisecond."""
@@ -98,121 +94,11 @@ class Reader:
         """The value of one setting, or its default after a fault."""
         self.marks[path] = node.mark
         try:
-            match spec:
-                case specs.ModelSpec():
-                    return self.model(spec.model, node, path)
-                case specs.UnionSpec():
-                    return self.union(spec, node, path)
-                case specs.ItemsSpec():
-                    return self.items(spec, node, path)
-                case specs.RulesSpec():
-                    return self.rule_uses(node, path)
-                case specs.VectorSpec():
-                    return self.vector(spec, node, path)
-                case specs.ColourSpec():
-                    return self.colour(spec, node, path)
-                case specs.SizeSpec():
-                    return pixels(spec, node, 2, as_size)
-                case specs.WindowSpec():
-                    return window(spec, node)
-                case specs.NamesSpec():
-                    return self.names(node, path)
-            if not isinstance(node, Scalar) or node.empty:
-                raise Refusal(f"not {given(node)}")
-            match spec:
-                case specs.NumberSpec():
-                    return in_range(float(as_number(node)), spec.limits, node)
-                case specs.IntegerSpec():
-                    return whole(node, spec.limits)
-                case specs.BooleanSpec():
-                    return as_boolean(node)
-                case specs.ChoiceSpec():
-                    return option(node, spec)
-                case specs.FileSpec():
-                    return file_path(node, spec.numbered)
-                case specs.MapSpec():
-                    return name_or_file(node)
-                case specs.TextSpec():
-                    return node.text
-        except Refusal as refusal:
+            return spec.read(self, node, path)
+        except specs.Refusal as refusal:
             told = why_absent(path, node.text) if isinstance(node, Scalar) else None
             self.refuse(node.mark, path, told or f"must be {spec.wanted()}, {refusal}")
             return spec.default
-        raise TypeError(f"no such kind of setting: {type(spec).__name__}")
-
-    def numbers(self, spec: specs.Spec, limits: Range, node: ListNode, path: str) -> tuple[float, ...] | None:
-        """The numbers of a list, each refused by itself; None after a fault."""
-        found: list[float] = []
-        for index, item in enumerate(node.items):
-            try:
-                if not isinstance(item, Scalar) or item.empty or item.null:
-                    raise Refusal(f"not {given(item)}")
-                found.append(in_range(float(as_number(item)), limits, item))
-            except Refusal as refusal:
-                one = specs.NumberSpec(unit=spec.unit, **limits._asdict())
-                self.refuse(item.mark, f"{path}.{index}", f"must be {one.wanted()}, {refusal}")
-        return tuple(found) if len(found) == len(node.items) else None
-
-    def vector(self, spec: specs.VectorSpec, node: Node, path: str) -> Any:
-        """Three numbers."""
-        if not isinstance(node, ListNode) or len(node.items) != 3:
-            raise Refusal(f"not {given(node)}")
-        found = self.numbers(spec, spec.limits, node, path)
-        if found is not None and spec.nonzero and math.hypot(*found) < SMALLEST:
-            self.refuse(node.mark, path, "must have a direction, not be zero")
-            return spec.default
-        return spec.default if found is None else found
-
-    def colour(self, spec: specs.ColourSpec, node: Node, path: str) -> Any:
-        """Three linear numbers, or sRGB in hexadecimal."""
-        if isinstance(node, ListNode) and len(node.items) == 3:
-            found = self.numbers(spec, Range(low=0), node, path)
-            return spec.default if found is None else found
-        if isinstance(node, Scalar) and node.empty:
-            raise Refusal("not nothing; without quotes a # begins a comment")
-        if isinstance(node, Scalar):
-            return as_colour(node, spec.or_none)
-        raise Refusal(f"not {given(node)}")
-
-    def names(self, node: Node, path: str) -> Any:
-        """One name, or a list of names."""
-        items = node.items if isinstance(node, ListNode) else (node,)
-        found = []
-        for index, item in enumerate(items):
-            if not isinstance(item, Scalar) or item.empty or item.null:
-                raise Refusal(f"not {given(item)}")
-            self.marks[f"{path}.{index}"] = item.mark
-            found.append(item.text)
-        return tuple(found)
-
-    def union(self, spec: specs.UnionSpec, node: Node, path: str) -> Any:
-        """An instance of the class that ``kind`` names, or of the default's class."""
-        if not isinstance(node, MapNode) or node.get("kind") is None:
-            return self.model(type(spec.default), node, path)
-        cls = self.kind(spec.kinds, node, path)
-        return spec.default if cls is None else self.model(cls, node, path)
-
-    def items(self, spec: specs.ItemsSpec, node: Node, path: str) -> Any:
-        """A tuple of instances; what cannot be read is replaced by a stand-in, so that places stay right."""
-        if not isinstance(node, ListNode):
-            raise Refusal(f"not {given(node)}")
-        if len(node.items) > spec.most:
-            self.refuse(node.mark, path, f"may have {spec.most:,} entries at the most, not {len(node.items):,}")
-            return spec.default
-        found = []
-        for index, item in enumerate(node.items):
-            where = f"{path}.{index}"
-            self.marks[where] = item.mark
-            cls: type | None = next(iter(spec.kinds.values()))
-            stand_in = cls
-            if not isinstance(item, MapNode):
-                self.refuse(item.mark, where, f"must be a mapping of settings, not {given(item)}")
-                cls = None
-            elif spec.tagged:
-                cls = self.kind(spec.kinds, item, where)
-            assert stand_in is not None
-            found.append(stand_in() if cls is None else self.model(cls, item, where))
-        return tuple(found)
 
     def kind(self, kinds: Mapping[str, type], node: MapNode, path: str) -> type | None:
         """The class that a mapping's ``kind`` names, or None after a fault."""
@@ -237,13 +123,13 @@ class Reader:
                 elif isinstance(item, MapNode) and len(item.entries) == 1:
                     entries.extend((name, entry.mark, entry.node) for name, entry in item.entries.items())
                 else:
-                    self.refuse(item.mark, f"{path}.{index}", no_rule(item))
+                    self.refuse(item.mark, f"{path}.{index}", _no_rule(item))
         elif isinstance(node, MapNode):
             listed = [(name, entry.mark, entry.node) for name, entry in node.entries.items()]
             entries = [(n, m, p) for n, m, p in listed if not (isinstance(p, Scalar) and p.null)]
             entries.sort(key=lambda e: self.rules[e[0]].order if e[0] in self.rules else math.inf)
         elif not node.empty:
-            raise Refusal(f"not {given(node)}")
+            raise specs.Refusal(f"not {given(node)}")
         uses, counts = [], dict.fromkeys(self.rules, 0)
         for name, mark, parameters in entries:
             if name not in self.rules:
@@ -258,3 +144,14 @@ class Reader:
                 parameters = MapNode({}, parameters.mark)
             uses.append(RuleUse(name, self.model(self.rules[name].Parameters, parameters, where), where))
         return tuple(uses)
+
+
+def _no_rule(node: Node) -> str:
+    """The message for an entry of the list of rules that is none."""
+    if isinstance(node, MapNode) and len(node.entries) > 1:
+        keys = list(node.entries)
+        return (
+            f"must be one rule, not {len(keys)} keys; if {shown(keys[1])} is a setting of {shown(keys[0])}, "
+            "indent it further"
+        )
+    return f"must be a rule's name or `name: {{setting: value}}`, not {given(node)}"

@@ -7,15 +7,13 @@ from contextlib import suppress
 
 from .dump import plain
 from .fields import settings_of
-from .look import LOOKS
 from .model import Scene
 from .model.lights import MOST_LIGHTS
 from .nodes import ListNode, MapNode, Node, Placed, Scalar, node_of, without_placed
-from .quality import expanded
+from .quality import LOOKS, expanded
 from .rule_type import RuleType
-from .scalars import Refusal, as_number
 from .settings import SCENE, Unreachable, place
-from .specs import ItemsSpec, ModelSpec, Spec
+from .specs import ItemsSpec, ModelSpec, Refusal, Spec, as_number
 
 
 def with_quality(root: MapNode, rules: Mapping[str, RuleType], beside: MapNode | None = None) -> MapNode:

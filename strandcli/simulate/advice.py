@@ -12,7 +12,7 @@ from ..groom.record import Groom
 from ..scene.fields import settings_of
 from ..scene.model import Rod
 from ..scene.motion import emitter_pose, own_pose, solid_pose
-from ..scene.touched import touched
+from ..scene.rule_type import touched
 from ..solids.shapes import other, other_code
 from .rod.material import matter_along, stiffness, torsion
 from .rod.rest_shape import coiled, hold, unit_edges

@@ -15,7 +15,7 @@ from ..groom.blocks import lanes, on_large_pages, pack, unpack
 from ..groom.deforming import deforming
 from ..groom.record import Groom, check
 from ..scene.motion import emitter_pose
-from ..scene.touched import touched
+from ..scene.rule_type import touched
 from .kernels import measure
 
 if TYPE_CHECKING:

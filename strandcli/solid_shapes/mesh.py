@@ -10,8 +10,7 @@ from typing import Any
 
 from ..scene import fields
 from ..scene.fields import choice, integer, items, number
-from ..scene.model import placed_file
-from ..scene.model.mesh_shape import MeshKey
+from ..scene.model.placed import MeshKey, longest_side, placing, unit_scale, up_axis
 from ..scene.model.solids import SolidSettings
 
 kind = "mesh"
@@ -31,10 +30,10 @@ class Settings(SolidSettings):
 
     kind: str = choice("mesh", ("mesh",))
     file: str = fields.file("mesh", doc="mesh of triangles: .obj, .ply, .stl, .glb or .gltf")
-    up: str = placed_file.up()
-    scale: float | None = placed_file.scale()
-    size: float | None = placed_file.size()
-    place: str = placed_file.place()
+    up: str = up_axis()
+    scale: float | None = unit_scale()
+    size: float | None = longest_side()
+    place: str = placing()
     colour_from: str = choice(
         "auto",
         ("auto", "file", "colour"),

@@ -17,9 +17,8 @@ from typing import Any
 from .. import __version__
 from ..compiling import runtime
 from ..errors import MismatchError, StrandError
-from ..output.earlier import is_number, is_number_or_none
 from ..output.files import read_json, write_json
-from ..output.report import finite
+from ..output.report import finite, is_number, is_number_or_none
 from ..scene.dump import plain
 from ..scene.model import Scene
 from . import sweep

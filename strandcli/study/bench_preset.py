@@ -103,7 +103,7 @@ def time_stages(
     from ..output import png
     from ..output.files import write_pieces
     from ..run import compile_ahead
-    from ..run.frame_renderer import FrameRenderer
+    from ..run.frame import FrameRenderer
     from ..run.stages import RunOptions, SimulationStage
 
     numbers = range(1, frames + 2)

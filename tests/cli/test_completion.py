@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from cli_runs import TINY, environment
+from strandcli.cli.completion import register
 from strandcli.cli.main import cli
-from strandcli.cli.shells import register
 
 
 @pytest.fixture

@@ -109,7 +109,7 @@ def test_commands_without_settings_suggest_none(run: Runner) -> None:
 
 
 def test_suggested_settings_are_taken(run: Runner) -> None:
-    from strandcli.scene.absent import ELSEWHERE
+    from strandcli.scene.suggest import ELSEWHERE
 
     for setting in ELSEWHERE.values():
         assert run("plan", "tiny.yaml", "--set", setting).code == 0

@@ -12,7 +12,7 @@ import pytest
 
 import dataset_kit as kit
 from strandcli.cameras.pinhole import Pinhole, from_dict
-from strandcli.dataset import orientation
+from strandcli.dataset import labels as orientation
 from strandcli.dataset.labels import directions
 from strandcli.dataset.studio import Studio
 

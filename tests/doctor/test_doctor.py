@@ -13,8 +13,7 @@ from PIL import Image
 
 from cli_runs import Runner
 from strandcli.compiling.folder import cache
-from strandcli.doctor import examine, kernels, machine, self_test, software
-from strandcli.doctor.finding import BROKEN, NOTE, OK, Finding
+from strandcli.doctor import BROKEN, NOTE, OK, Finding, examine, kernels, machine, self_test, software
 from strandcli.plan import limits
 
 

@@ -11,7 +11,7 @@ from strand_kit import scene_of
 from strandcli.draw import counting
 from strandcli.draw.common.drawing import Drawing, ProcessorDrawing
 from strandcli.draw.renderer import Renderer
-from strandcli.run.frame_renderer import FrameRenderer
+from strandcli.run.frame import FrameRenderer
 from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene import Scene
 

@@ -21,8 +21,7 @@ from strand_kit import scene_of
 from strandcli.compiling import folder, stores, worker, written
 from strandcli.compiling.clock import clock
 from strandcli.compiling.service import service
-from strandcli.doctor import kernels
-from strandcli.doctor.finding import NOTE
+from strandcli.doctor import NOTE, kernels
 from strandcli.jit.kept import kept
 from strandcli.run import pipeline
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from strandcli.cli.render_words import interrupted
+from strandcli.cli.render_frames import interrupted
 from strandcli.errors import RefusedError, UsageError
 from strandcli.output import png
 from strandcli.output.frames import FrameWriter, frame_file

@@ -26,7 +26,7 @@ from strandcli.run import pipeline
 from strandcli.run.checkpoints import key_of
 from strandcli.run.fingerprint import READERS, fingerprint
 from strandcli.scene.model import Scene
-from strandcli.scene.specs import FileSpec, ItemsSpec, MapSpec, ModelSpec, ParametersSpec, RulesSpec, UnionSpec
+from strandcli.scene.specs import FileSpec, ItemsSpec, ModelSpec, ParametersSpec, RulesSpec, UnionSpec
 
 BALL = kit.mesh("ball")
 UV = np.random.default_rng(1).random((*BALL.triangles.shape, 2)).astype(np.float32)
@@ -65,7 +65,7 @@ def settings(model: type, place: tuple[str, ...] = ()) -> Iterator[tuple[str, st
     """Keys of all settings that name files, with the kinds of these."""
     for field in dataclasses.fields(model):
         spec, key = field.metadata.get("spec"), (*place, field.name)
-        if isinstance(spec, FileSpec | MapSpec):
+        if isinstance(spec, FileSpec):
             yield ".".join(key), spec.kind
         elif isinstance(spec, ModelSpec):
             yield from settings(spec.model, key)

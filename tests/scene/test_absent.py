@@ -9,7 +9,7 @@ import pytest
 
 from scene_files import refused
 from scene_kit import complaint
-from strandcli.scene.absent import GONE, NEVER
+from strandcli.scene.suggest import GONE, NEVER
 
 BALL = "solids:\n- {kind: sphere, name: head}\n"
 

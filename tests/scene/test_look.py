@@ -6,9 +6,8 @@ import dataclasses
 from unittest.mock import patch
 
 from scene_kit import complaints, scene
-from strandcli.scene import dump
-from strandcli.scene import look as looks
-from strandcli.scene.look import Fixed, settle
+from strandcli.scene import dump, quality
+from strandcli.scene.quality import Fixed, settle
 
 
 def test_a_look_allows_what_agrees_with_it() -> None:
@@ -37,14 +36,13 @@ def test_a_panels_look_clashes_with_what_all_panels_share() -> None:
 
 
 def test_what_is_not_written_gets_the_looks_value() -> None:
-    """Also where that is not the default: in any list entry, and where a setting does not exist not at all."""
+    """Also where that is not the default, and for any light."""
     fixed = (
         Fixed("image.resolver", ("sorted",)),
         Fixed("lights.*.shadow.model", ("off",)),
-        Fixed("image.colour_space.white", ("d65",)),
     )
     made = scene("look: source\nlights: [{kind: point}, {kind: directional}]")
-    with patch.dict(looks.LOOKS, {"source": fixed}):
+    with patch.dict(quality.LOOKS, {"source": fixed}):
         settled, clashes = settle(made, ())
         assert not clashes
         assert settled.image == dataclasses.replace(made.image, resolver="sorted")

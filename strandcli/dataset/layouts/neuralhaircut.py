@@ -16,9 +16,8 @@ from collections.abc import Sequence
 from ...cameras import neus
 from ...cameras.pinhole import Pinhole
 from ...output import png
-from ..labels import Labels
+from ..labels import Labels, angles, variances
 from ..layout import Cloud, Layout, Pieces, mask_png, npy
-from ..orientation import angles, variances
 
 MARGIN = 1.1
 """By which NeuralHaircut's script divides the farthest point's distance: that comes to lie at 1.1."""

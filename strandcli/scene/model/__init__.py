@@ -14,10 +14,7 @@ from __future__ import annotations
 from .camera import AOVS, Camera, CameraKey, Image
 from .emitter import DiscShape, Emitter, Extent, Followers, GroomFile, PlaneShape, SphereShape, Tie
 from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light, PointLight, Shadow
-from .mesh_shape import MeshKey, MeshShape
-from .pose import PoseKey
-from .rod import Rod
+from .placed import MeshKey, MeshShape, PoseKey
 from .scene import RuleUse, Scene, Time
 from .solids import SOLIDS, BoxSolid, CapsuleSolid, PlaneSolid, Solid, SolidSettings, SphereSolid
-from .strands import PIGMENTS, Curves, Detail, Material
-from .style import Children, Clump, Fringe, Wave
+from .strands import PIGMENTS, Children, Clump, Curves, Detail, Fringe, Material, Rod, Wave

@@ -7,9 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..fields import Vector, boolean, choice, file, integer, items, names, number, optional, text, union, vector
-from . import placed_file
-from .mesh_shape import MeshShape
-from .pose import PoseKey
+from .placed import MeshShape, PoseKey, longest_side, placing, unit_scale, up_axis
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -87,7 +85,7 @@ class GroomFile:
         None, low=-1e6, high=1e9,
         doc="what frame 1 shows of moving strands: seconds, or the number of a numbered file; absent: the first",
     )  # fmt: skip
-    up: str = placed_file.up(auto="as the file says, or a clear guess, else y")
+    up: str = up_axis(auto="as the file says, or a clear guess, else y")
     root: str = choice(
         "auto",
         ("auto", "first", "last"),
@@ -97,9 +95,9 @@ class GroomFile:
         False,
         doc="leave out strands that are not finite, have no length or are duplicates; false: they are refused",
     )
-    scale: float | None = placed_file.scale(absent="as the file says, else 1")
-    size: float | None = placed_file.size(box="the box about all strands")
-    place: str = placed_file.place(where="they are", box="their box")
+    scale: float | None = unit_scale(absent="as the file says, else 1")
+    size: float | None = longest_side(box="the box about all strands")
+    place: str = placing(where="they are", box="their box")
     colours: str = choice(
         "file",
         ("file", "none"),

@@ -11,10 +11,8 @@ from ..fields import Colour, boolean, choice, colour, integer, items, model, num
 from .camera import Camera, Image
 from .emitter import Emitter
 from .lights import LIGHTS, MOST_LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light
-from .rod import Rod
 from .solids import SOLIDS, Solid
-from .strands import Curves, Detail, Material
-from .style import Children
+from .strands import Children, Curves, Detail, Material, Rod
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -11,7 +11,7 @@ from typing import Any
 from ...common.registry import Registry
 from ...errors import UsageError
 from ..fields import Colour, Vector, boolean, choice, colour, items, number, text, vector
-from .pose import PoseKey
+from .placed import PoseKey
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -1,15 +1,16 @@
-"""What strands look like: how they take light, how smooth they are, and how many are drawn."""
+"""What strands are made of and look like: matter, light, children, smoothness, and how many are drawn."""
 
 # ruff: noqa: RUF009 - these calls make dataclass fields
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 from ...common.registry import FIBRES
 from .. import fields
-from ..fields import Colour, boolean, choice, colour, integer, number, parameters
+from ..fields import Colour, boolean, choice, colour, integer, items, number, optional, parameters
 
 PIGMENTS = (
     "rgb", "black", "dark_brown", "brown", "light_brown", "auburn", "red", "dark_blond", "blond", "platinum", "white",
@@ -18,6 +19,9 @@ PIGMENTS = (
 
 TAPER = 0.7
 """Part of the width that strands lose from root to tip where neither a preset nor a file says so."""
+PER_WAVE = 6
+"""Pieces that a wave is drawn with, at least."""
+MOST_STEPS = 16
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -118,3 +122,99 @@ class Detail:
     )
     fraction: float = number(0.1, above=0, high=1, doc="least fraction of strands that is drawn")
     widen: bool = boolean(True, doc="widen strands by 1 / fraction, so that coverage stays")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Clump:
+    """Clumps (locks): strands are drawn toward the strand at the clump's centre, the more the nearer to the tip."""
+
+    size: float = number(0.02, above=0, unit="m", doc="distance between clump centres at the roots")
+    strength: float = number(
+        0.7,
+        low=0,
+        high=1,
+        doc="fraction of the distance to the clump centre by which tips are moved; 1: pointed clumps",
+    )
+    shape: float = number(1.0, above=0, high=10, doc="exponent along the strand: 0.5 clumps early, 3 late")
+    variation: float = number(0.4, low=0, high=1, doc="variation of the strength between clumps")
+    stray: float = number(0.05, low=0, high=1, doc="fraction of strands outside any clump")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Wave:
+    """Waves, curls or frizz, with the length of strands preserved, so that tips draw up."""
+
+    radius: float = number(0.003, low=0, unit="m", doc="amplitude")
+    length: float = number(0.04, above=0, unit="m", doc="wavelength along the strand")
+    round: float = number(0.4, low=0, high=1, doc="0: flat waves, 1: helices")
+    onset: float = number(0.3, low=0, high=1, doc="fraction of a strand over which waves grow to full amplitude")
+    disorder: float = number(0.1, low=0, high=1, doc="0: the strands of a clump in phase; 1: each by itself, frizz")
+    share: float = number(1.0, low=0, high=1, doc="fraction of the strands that wave; 0.02: stray hairs")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Fringe:
+    """Moves some children to the hairline (the rim of a sphere's cap) and the parting, where skin would show."""
+
+    share: float = number(0.15, low=0, high=1, doc="fraction of the children that is moved there")
+    within: float = number(0.01, above=0, unit="m", doc="distance from the hairline at which their density is 1/e")
+    length: float = number(0.5, above=0, high=1, doc="least length relative to the others'")
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Children:
+    """Strands drawn around the simulated ones. Each follows its three nearest guides; then come clumps, waves, its own
+    length, and the solids of a collision rule."""
+
+    count: int = integer(10, low=1, high=10_000, doc="strands drawn per simulated strand")
+    cut: float = number(0.0, low=0, high=1, doc="lengths are uniform in 1 - cut ... 1 times the guides'")
+    undercoat: float = number(0.0, low=0, high=1, doc="fraction of strands that are short")
+    undercoat_length: float = number(0.5, above=0, high=1, doc="length of the undercoat relative to the others'")
+    fringe: Fringe | None = optional(Fringe, doc="denser hair at hairline and parting; absent: none")
+    clumps: tuple[Clump, ...] = items(Clump, doc="clumps and clumps in clumps, from wide to narrow")
+    waves: tuple[Wave, ...] = items(Wave, doc="waves, curls and frizz, added up")
+
+    def steps(self, segment: float) -> int:
+        """In how many steps a guide's segment of so many metres is drawn, for the waves' sake."""
+        seen = (wave.length for wave in self.waves if wave.radius > 0 and wave.share > 0)
+        shortest = min(seen, default=math.inf)
+        return min(max(math.ceil(PER_WAVE * segment / shortest), 1), MOST_STEPS)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Rod:
+    """Material and settings of `solver: rod`. A named material gives density, radius and Young's modulus; a number
+    written beside it replaces its own. Only strands with a curved rest shape twist."""
+
+    material: str = choice("hair", ("hair", "grass"), doc="hair: a keratin fibre; grass: a blade")
+    density: float | None = number(None, above=0, unit="kg/m³", doc="mass per volume; absent: the material's")
+    radius: float | None = number(None, above=0, unit="m", doc="radius at the root; absent: the material's")
+    young: float | None = number(None, above=0, high=1e13, unit="Pa", doc="Young's modulus; absent: the material's")
+    tip: float = number(1.0, low=0.05, high=1, doc="radius at the tip over that at the root")
+    rest: str = choice(
+        "shape",
+        ("straight", "shape", "sag_free"),
+        doc="unbent shape. shape: as emitted, with curls; sag_free: such that the emitted shape hangs still under "
+        "gravity, strands being stiffened where too soft",
+    )
+    root: str = choice(
+        "clamped",
+        ("clamped", "hinged"),
+        doc="clamped: keeps the emitted direction; hinged: turns freely",
+    )
+    end: str = choice(
+        "free",
+        ("free", "pinned"),
+        doc="the tip. pinned: stays where it is emitted, in the emitter's frame, and turns freely",
+    )
+    torsion: float | None = number(
+        None, above=0, high=10,
+        doc="torsional over bending rigidity of curled strands; a round fibre has 1 / (1 + Poisson's ratio), "
+        "about 0.7; absent: 4, for coils 0.75",
+    )  # fmt: skip
+    drag: float = number(1.0, low=0, high=1e6, unit="1/s", doc="rate at which strands take on the air's velocity")
+    damping: float = number(
+        0.001, low=0, high=1e3, unit="s", doc="internal damping: bending moment per rate of bending"
+    )
+    friction: float = number(0.3, low=0, high=10, doc="Coulomb's coefficient against solids")
+    iterations: int = integer(200, low=1, high=1000, doc="Newton iterations per step, at most; two are usual")

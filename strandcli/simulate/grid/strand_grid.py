@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...errors import UsageError
 from ...groom.blocks import aligned
 from ...groom.record import Groom
-from ...scene.touched import touched
+from ...scene.rule_type import touched
 from ...solids import Solids
 from ..rod.kernels.arrays import AXES, PACK, State
 from ..rod.material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along

@@ -16,7 +16,7 @@ from ... import solids
 from ...constants import W
 from ...errors import UsageError
 from ...scene.motion import Pose, compose, emitter_pose, multiply, own_pose, rotate, solid_pose
-from ...scene.touched import touched
+from ...scene.rule_type import touched
 from ...solids import Solids
 from ...solids.shapes import other
 from ..rules import wind

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scene.fields import boolean, names
-from ...scene.touched import chosen
+from ...scene.rule_type import chosen
 from .rule import Moment, Pass
 
 if TYPE_CHECKING:

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from ...errors import RefusedError
 from ...output.flip import mean_flip
 from ...plan import checked_plan
-from ...scene.look import LOOKS
-from ...scene.quality import QUALITIES, settings_for, shadowed
+from ...scene.quality import LOOKS, QUALITIES, settings_for, shadowed
 from ..axes import Request
 from ..points import Parameters, Point, described, grid
 from ..settings import changed

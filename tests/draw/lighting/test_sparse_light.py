@@ -7,7 +7,7 @@ import pytest
 
 from strandcli import load
 from strandcli.draw import transmittance
-from strandcli.run.frame_renderer import FrameRenderer
+from strandcli.run.frame import FrameRenderer
 from strandcli.run.stages import RunOptions, SimulationStage
 
 

@@ -1,4 +1,4 @@
-"""When Python looks for garbage in cycles, in a process of our own.
+"""What holds for a whole process of our own: whether tracebacks are shown, and when Python looks for garbage in cycles.
 
 Imports and kernels make a million objects, and next to no garbage: to look at them all takes a tenth of a second each
 time, and once more when the process ends.
@@ -8,9 +8,25 @@ from __future__ import annotations
 
 import atexit
 import gc
+from dataclasses import dataclass
+
+import click
 
 FEW_COLLECTIONS = (100_000, 20, 100)
 """Python looks a hundred times less often."""
+
+
+@dataclass(slots=True)
+class State:
+    """What outlives the commands: whether the traceback of an unexpected error is wanted."""
+
+    debug: bool = False
+
+
+def set_debug(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    """Callback of every ``--debug``."""
+    if value:
+        ctx.ensure_object(State).debug = True
 
 
 def seldom() -> None:
