@@ -5,12 +5,15 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 from hypothesis import strategies as st
 
-from strandcli.exchange.strands import Strands, offsets
+from strandcli.exchange.files import ReadOptions
+from strandcli.exchange.moments import read_first
+from strandcli.exchange.strands import Strands, TimeSample, offsets
 
 Strand = npt.NDArray[np.float32]
 
@@ -28,6 +31,14 @@ def of(strands: Sequence[Strand]) -> Strands:
     """Strands as they are held."""
     counts = np.array([len(one) for one in strands], np.int64)
     return Strands(offsets(counts), np.concatenate([*strands, np.zeros((0, 3), np.float32)]).astype(np.float32))
+
+
+def moments(path: Path, options: ReadOptions | None = None) -> list[TimeSample]:
+    """The points at all moments of a file."""
+    strands, moving = read_first(path, options or ReadOptions())
+    if moving is None:
+        return [TimeSample(next(iter(strands.source.times), 0.0), strands.points)]
+    return list(moving.samples(range(1, moving.clock.size + 1)))
 
 
 def hair(strands: Sequence[Strand], *, segments: bool = True, more: bytes = b"", flags: int = 0) -> bytes:

@@ -27,6 +27,7 @@ from types import FrameType
 
 import numpy as np
 
+from exchange_kit import moments
 from fuzz_changes import checksums_right, mutated, mutated_header
 from fuzz_guard import guarded
 from fuzz_presets import remember_shipped
@@ -36,7 +37,7 @@ from strandcli.cameras.read import views_of
 from strandcli.compiling.folder import cache
 from strandcli.errors import StrandError
 from strandcli.exchange.facts import facts
-from strandcli.exchange.files import ReadOptions, format_of, read
+from strandcli.exchange.files import ReadOptions, read
 from strandcli.meshes.facts import facts as facts_of_mesh
 from strandcli.meshes.read import read_mesh
 
@@ -75,9 +76,7 @@ def attempt(content: bytes, suffix: str, folder: Path) -> str:
         sound = strands.first[0] == 0 and strands.first[-1] == strands.points.shape[0]
         if not sound or (strands.counts() < 2).any():
             return "strands that are none"
-        driver = format_of(path)
-        moments = driver.moments(path, ReadOptions(lenient=True)) if hasattr(driver, "moments") else ()
-        if any(one.points.shape != strands.points.shape for one in moments):
+        if any(one.points.shape != strands.points.shape for one in moments(path, ReadOptions(lenient=True))):
             return "moments of other strands"
         return "read"
     except StrandError as error:

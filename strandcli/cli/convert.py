@@ -85,15 +85,16 @@ def command(
     writer = files.writer_of(target)
     options.refuse_existing(target, overwrite)
     how = files.ReadOptions(stride, array, lenient=edits["fix"], objects=objects)
-    strands = files.read(moments.files_of(source)[0], how)
-    there = moments.count_of(source, strands)
+    strands, moving = moments.read_first(source, how)
+    there = 1 if moving is None else moving.clock.size
     chosen = _moments(source, there, frames, getattr(writer, "moving", False))
-    strands = moments.moved_to(strands, source, how, chosen[0])
+    if moving is not None and chosen[0] > 1:
+        strands = moving.read(float(moving.clock[chosen[0] - 1]))
     skipped, before = dict(strands.source.skipped), strands.count
     strands, changes, again = edited(strands, _edits(edits), len(chosen) > 1)
     samples = None
-    if again is not None:
-        samples = (TimeSample(one.seconds, again.points(one.points)) for one in moments.samples_of(source, how, chosen))
+    if again is not None and moving is not None:
+        samples = (TimeSample(one.seconds, again.points(one.points)) for one in moving.samples(chosen))
     lost = files.write(target, strands, samples)
     if frames is None and len(chosen) < there:
         lost.append(f"{writer.name} has one moment: the first of {there:,} is written, --frames chooses another")

@@ -19,7 +19,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from ..files.opening import READ
+from ..files.inputs import READ
 from .stores import Store, writers
 
 MAGIC = b"strandcli pack 1\n"

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
 
-from ..files.opening import READ
+from ..files.inputs import READ
 from .clock import clock
 
 T = TypeVar("T")

@@ -8,24 +8,22 @@ A format is a module in `formats/`, or an entry point of another package (group 
 - ``write(path, strands, samples) -> lines``, where it can be written: the file whole or not at all, and a line for what
   it cannot hold. ``moving``: whether it takes ``samples``, the points at several times. ``staged``: whether it takes
   ``beside`` of `write` below;
-- ``moments(path, options) -> samples``, where it tells several times: at each the points of what ``read`` finds;
-  `read` then obeys ``options.at``. ``interpolates``: whether it does so between these times.
+- ``interpolates``: whether ``read``, which obeys ``options.at`` where `Source.times` are several, tells what is between
+  these times.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from ..common.registry import Registry
 from ..errors import UsageError, about
 from ..files.inputs import reading
 from .bounded import opened
-from .objects import chosen, only
+from .objects import only
 from .strands import Layer, Strands, TimeSample
 
 FORMATS = Registry(
@@ -54,24 +52,6 @@ def read(path: Path, options: ReadOptions | None = None) -> Strands:
     with about("strands", path), reading(path):
         strands: Strands = format_of(path).read(path, options)
         return only(strands, options.objects, path).with_width()
-
-
-def times_in(strands: Strands) -> int:
-    """How many moments the file tells that strands were read from."""
-    return int(strands.source.facts.get("times", 1))
-
-
-def moments_of(path: Path, options: ReadOptions, numbers: Sequence[int]) -> Iterator[TimeSample]:
-    """The points of what `read` finds, at the moments of a file with these numbers, rising from 1."""
-    wanted, keep = set(numbers), None
-    if options.objects:
-        whole = format_of(path).read(path, options)
-        keep = np.repeat(chosen(whole, options.objects, path), whole.counts())
-    for number, one in enumerate(format_of(path).moments(path, options), 1):
-        if number in wanted:
-            yield one if keep is None else TimeSample(one.seconds, one.points[keep])
-        if number >= numbers[-1]:
-            return
 
 
 def write(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,6 @@ import numpy.typing as npt
 from ..errors import UsageError
 from ..files.inputs import note
 from ..files.numbered import file_of, is_numbered, numbered
-from . import files as one_file
 from .files import ReadOptions, format_of, read
 from .strands import Strands, TimeSample
 
@@ -60,6 +59,18 @@ class Moments:
             return read(self.files[round(value)], self.options)
         return read(self.path, replace(self.options, at=value))
 
+    def samples(self, numbers: Iterable[int]) -> Iterator[TimeSample]:
+        """The points at the moments with these numbers, from 1; file N is that of frame N. Raises `UsageError` where
+        strands come or go."""
+        counts = None
+        for value in (float(self.clock[number - 1]) for number in numbers):
+            strands = self.read(value)
+            counts = strands.counts() if counts is None else counts
+            if not np.array_equal(strands.counts(), counts):
+                where = self.files[round(value)] if self.files else f"{self.path}: at {value:g} s"
+                raise UsageError(f"{where}: has other strands than before; take one moment with --frames N")
+            yield TimeSample(value / USUAL if self.files else value, strands.points)
+
     def frames(self, fps: float, start: float | None = None) -> int:
         """How many frames a film of a rate has that shows all."""
         span = self.clock[-1] - (self.clock[0] if start is None else start)
@@ -86,38 +97,6 @@ def files_of(path: Path) -> list[Path]:
     if not found:
         raise UsageError(f"{path}: there is no file with a number in place of # or %04d")
     return found
-
-
-def count_of(path: Path, strands: Strands) -> int:
-    """How many moments there are of the strands that were read from a file, or from the first of numbered ones."""
-    return len(files_of(path)) if is_numbered(path) else one_file.times_in(strands)
-
-
-def moved_to(strands: Strands, path: Path, options: ReadOptions, number: int) -> Strands:
-    """The strands at the moment with a number, from 1, of a file of which ``strands`` are those of the first moment, or
-    of numbered files."""
-    if number == 1:
-        return strands
-    if is_numbered(path):
-        return read(files_of(path)[number - 1], options)
-    return replace(strands, points=next(one_file.moments_of(path, options, (number,))).points)
-
-
-def samples_of(path: Path, options: ReadOptions, numbers: Sequence[int]) -> Iterator[TimeSample]:
-    """The points of the strands of a file, or of numbered ones, at the moments with these numbers, rising from 1; file
-    N is that of frame N. Raises `UsageError` where strands come or go with time."""
-    if not is_numbered(path):
-        yield from one_file.moments_of(path, options, numbers)
-        return
-    files = list(numbered(path).items())
-    counts = None
-    for number in numbers:
-        frame, file = files[number - 1]
-        strands = read(file, options)
-        counts = strands.counts() if counts is None else counts
-        if not np.array_equal(strands.counts(), counts):
-            raise UsageError(f"{file}: has other strands than the files before it; take one moment with --frames N")
-        yield TimeSample(frame / USUAL, strands.points)
 
 
 def read_first(path: Path, options: ReadOptions, start: float | None = None) -> tuple[Strands, Moments | None]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import warnings
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,7 +13,6 @@ import numpy.typing as npt
 
 from ..errors import UsageError
 from .bounded import SLICE, Bounded, opened
-from .strands import OBJECT
 
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -79,27 +76,6 @@ def read_header(file: Bounded) -> tuple[str, dict[str, Element], list[str]]:
             case _:
                 raise file.damaged(f"header: '{' '.join(words)[:60]}' means nothing there", at)
     raise file.damaged(f"header: does not end within {MOST_LINES:,} lines")
-
-
-def object_names(comments: list[str]) -> tuple[tuple[str, ...], list[str]]:
-    """Names of objects that comments tell, as `object_comment` makes them, and the other comments."""
-    names, others = [], []
-    for one in comments:
-        text = None
-        if one.startswith(f'{OBJECT} "'):
-            with suppress(ValueError):
-                text = json.loads(one[len(OBJECT) :])
-        if isinstance(text, str):
-            names.append(text)
-        else:
-            others.append(one)
-    return tuple(names), others
-
-
-def object_comment(name: str) -> str:
-    """The line of a header that names an object: text of JSON, of ASCII and without spaces, which are not kept."""
-    text = json.dumps(name).replace(" ", "\\u0020")
-    return f"comment {OBJECT} {text}"
 
 
 def is_mesh(path: Path) -> bool:

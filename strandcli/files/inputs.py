@@ -21,8 +21,10 @@ from typing import Any, BinaryIO, NamedTuple, TypeVar, cast
 
 from ..errors import RefusedError, UsageError
 from .numbered import is_numbered, numbered
-from .opening import READ
 
+READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+"""Flags of `os.open` for files that may be pipes or devices: without waiting for who writes. Windows has neither of the
+first two, and would change ends of lines without the last."""
 TICK, COARSE = 50_000_000, 2_000_000_000
 """Nanoseconds that clocks of file systems count at most: FAT two seconds, those that know parts of one 10 ms."""
 LARGEST = 1 << 31

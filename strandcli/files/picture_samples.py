@@ -18,7 +18,7 @@ from typing import Any, BinaryIO
 import numpy as np
 import numpy.typing as npt
 
-from .opening import READ
+from .inputs import READ
 
 STEP = 257.0
 """Steps of 16 bits in one of 8: 65535 / 255."""

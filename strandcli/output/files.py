@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from ..errors import RefusedError, UsageError
-from ..files.opening import READ
+from ..files.inputs import READ
 
 _TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<pid>[0-9]+)\.tmp(\.\w+)?")
 _DAY = 86_400.0

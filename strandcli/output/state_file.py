@@ -19,7 +19,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from ..files.opening import READ
+from ..files.inputs import READ
 from .files import atomic
 
 MAGIC = b"strandcli state 1\n"

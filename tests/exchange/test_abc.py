@@ -16,7 +16,6 @@ import exchange_kit as kit
 from abc_kit import FROM_BLENDER, Builder, Tree
 from strandcli.errors import UsageError
 from strandcli.exchange.files import ReadOptions, read, write
-from strandcli.exchange.formats import abc
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
 
 STRANDS = [np.arange(12, dtype=np.float32).reshape(4, 3) + 100 * i for i in range(3)]
@@ -31,8 +30,7 @@ def read_bytes(content: bytes, lenient: bool = False) -> Strands:
         return read(path, ReadOptions(lenient=lenient))
 
 
-def moments(path: Path) -> list[TimeSample]:
-    return list(abc.moments(path, ReadOptions()))
+moments = kit.moments
 
 
 def attributes(strands: int, points: int) -> dict[str, Attribute]:

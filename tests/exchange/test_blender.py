@@ -18,8 +18,7 @@ import bpy
 
 import exchange_kit as kit
 from abc_kit import FROM_BLENDER, rows_from_blender
-from strandcli.exchange.files import ReadOptions, read, write
-from strandcli.exchange.formats import abc
+from strandcli.exchange.files import read, write
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
 
 
@@ -145,7 +144,7 @@ def test_what_blender_writes_now_is_what_was_kept(tmp_path: Path) -> None:
     told = []
     for path in (tmp_path / "a.abc", FROM_BLENDER):
         order = rows_from_blender(read(path).counts())
-        told.append([(one.seconds, one.points[order].tolist()) for one in abc.moments(path, ReadOptions())])
+        told.append([(one.seconds, one.points[order].tolist()) for one in kit.moments(path)])
     assert told[0] == told[1]
     assert len(told[0]) == 3
 

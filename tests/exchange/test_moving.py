@@ -11,7 +11,7 @@ import pytest
 
 import exchange_kit as kit
 from cli_runs import Runner
-from strandcli.exchange.files import ReadOptions, format_of, read, write
+from strandcli.exchange.files import read, write
 from strandcli.exchange.strands import Strands, TimeSample
 
 FRAMES, FPS = 5, 24
@@ -46,7 +46,7 @@ def source(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Source:
 
 def points(path: Path) -> list[Any]:
     """At each moment of a file."""
-    return [one.points for one in format_of(path).moments(path, ReadOptions())]
+    return [one.points for one in kit.moments(path)]
 
 
 @pytest.mark.parametrize("name", ["out.abc", "out.usd"])
@@ -54,7 +54,7 @@ def test_all_moments_are_written(source: Source, name: str) -> None:
     if name == "out.usd":
         pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
     target = source.convert(name)
-    found = list(format_of(target).moments(target, ReadOptions()))
+    found = kit.moments(target)
     told = moving()[1]
     assert [one.points.tobytes() for one in found] == [one.points.tobytes() for one in told]
     np.testing.assert_allclose([one.seconds for one in found], [one.seconds for one in told], atol=1e-9)
@@ -74,7 +74,7 @@ def test_numbered_files_become_one(source: Source) -> None:
         write(source.folder / f"in.{number:02d}.ply", replace(held, points=one.points))
     several = str(source.folder / "in.##.ply")
     assert source.run("convert", several, str(source.folder / "out.abc")).code == 0
-    found = list(format_of(source.folder / "out.abc").moments(source.folder / "out.abc", ReadOptions()))
+    found = kit.moments(source.folder / "out.abc")
     assert [one.points.tobytes() for one in found] == [one.points.tobytes() for one in samples]
     np.testing.assert_allclose([one.seconds for one in found], [number / FPS for number in range(7, 12)], atol=1e-9)
     write(source.folder / "in.12.ply", held.select(np.arange(held.count) > 0))

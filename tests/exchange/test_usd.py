@@ -33,8 +33,7 @@ def read_text(content: str, lenient: bool = False) -> Strands:
         return read(path, ReadOptions(lenient=lenient))
 
 
-def moments(path: Path) -> list[TimeSample]:
-    return list(usd.moments(path, ReadOptions()))
+moments = kit.moments
 
 
 def opened(path: Path) -> Any:

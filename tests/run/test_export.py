@@ -10,13 +10,13 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
+import exchange_kit
 import groom_file_kit
 from cli_runs import Runner
 from strand_kit import scene_of
 from strandcli.draw import strand_batches
 from strandcli.draw.drawn_strands import DrawnStrands
-from strandcli.exchange.files import ReadOptions, read
-from strandcli.exchange.formats import abc
+from strandcli.exchange.files import read
 from strandcli.run.export import drawn_strands
 from strandcli.run.pipeline import render
 from strandcli.scene.model import Scene
@@ -123,7 +123,7 @@ def test_the_command_writes_all_frames(tmp_path: Path, capsys: pytest.CaptureFix
     done = run("export", preset, str(tmp_path / "a.abc"))
     assert done.code == 0, done.err
     assert "900 strands, 9,900 points, 3 frames" in done.err
-    found = list(abc.moments(tmp_path / "a.abc", ReadOptions()))
+    found = exchange_kit.moments(tmp_path / "a.abc")
     assert [one.points.tobytes() for one in found] == [one.strands.points.tobytes() for one in told]
     np.testing.assert_allclose([one.seconds for one in found], [n / 24 for n in (1, 2, 3)], rtol=1e-9)
     done = run("export", preset, str(tmp_path / "a.hair"), "-f", "2-3")

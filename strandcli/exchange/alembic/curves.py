@@ -236,26 +236,3 @@ def _expanded(archive: Archive, indices: Property, values: Any, seconds: float |
         raise archive.file.damaged(f"{indices.path}: not all are below {values.shape[0]:,}", indices.child.at)
     archive.container.spend(indices.path, rows.size * values.itemsize * values.shape[1], indices.child.at)
     return values[rows]
-
-
-def at_times(
-    archive: Archive, all_of: list[Curves], first: list[ControlCurves], times: list[float]
-) -> Iterator[tuple[float, list[Points]]]:
-    """At each time the points on the curves of each object, which are ``first`` in their first samples. Raises
-    `UsageError` where curves come or go with time."""
-    for seconds in times:
-        archive.container.renew()
-        found = []
-        for one, curves in zip(all_of, first, strict=True):
-            control = _control(archive, one, seconds)
-            if one.counts.last and not np.array_equal(counts_of(archive, one, seconds), curves.counts):
-                raise archive.file.fault(
-                    f"{one.path}: at {seconds:g} s it has other curves than at first", one.counts.child.at
-                )
-            if control.shape[0] != int(curves.counts.sum()):
-                raise archive.file.damaged(
-                    f"{one.path}: {control.shape[0]:,} points at {seconds:g} s, the curves have "
-                    f"{int(curves.counts.sum()):,}", one.points.child.at,
-                )  # fmt: skip
-            found.append(moved(curves.points(control), world(archive, one.transforms, seconds)))
-        yield seconds, found

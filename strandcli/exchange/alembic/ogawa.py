@@ -49,7 +49,7 @@ class Container:
     def __init__(self, file: Bounded) -> None:
         """Read the header. Raises `UsageError` for what is no closed Ogawa file."""
         self.file = file
-        self.renew()
+        self.room = 2 * file.size + SPARE
         magic, closed, version, root = layout.HEADER.unpack(file.take("header", layout.HEADER.size))
         if magic != layout.MAGIC:
             if magic.startswith(b"\x89HDF"):
@@ -62,10 +62,6 @@ class Container:
         if version != layout.VERSION:
             raise file.fault(f"header: version {version:#06x} of Ogawa is not known", 6)
         self.root = Child(root, 8, "archive")
-
-    def renew(self) -> None:
-        """Let as many bytes be read as of a file that was just opened."""
-        self.room = 2 * self.file.size + SPARE
 
     def group(self, child: Child) -> Group:
         """A child that is a group."""

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..alembic import layout
 from ..alembic.archive import Archive
-from ..alembic.curves import Clock, all_curves, at_times, attributes_of, control_of, part_of
+from ..alembic.curves import Clock, all_curves, attributes_of, part_of
 from ..alembic.export import write as write
 from ..bounded import opened
 from ..files import ReadOptions
 from ..parts import Part, joined
 from ..splines import Fitter
-from ..strands import SHORTEST, Source, Strands, TimeSample, without_short
+from ..strands import Source, Strands, without_short
 
 name = ".abc"
 suffixes = (".abc",)
@@ -55,20 +52,3 @@ def read(path: Path, options: ReadOptions) -> Strands:
     if lost:
         facts["attributes_not_read"] = lost
     return without_short(strands)
-
-
-def moments(path: Path, options: ReadOptions) -> Iterator[TimeSample]:
-    """The points of the strands that `read` finds, at each time of the file. Raises `UsageError` where strands come or
-    go with time."""
-    with opened(path, WHAT, options.lenient) as file:
-        archive = Archive(file)
-        curves, clock = list(all_curves(archive)), Clock()
-        for one in curves:
-            clock.add(archive, one, {})
-        fitter = Fitter(file.size)
-        fitted = [control_of(archive, one, fitter)[0] for one in curves]
-        counts = np.concatenate([one.point_counts() for one in fitted])
-        keep = np.repeat(counts >= SHORTEST, counts)
-        for seconds, points in at_times(archive, curves, fitted, clock.times):
-            all_points = points[0] if len(points) == 1 else np.concatenate(points)
-            yield TimeSample(seconds, all_points if keep.all() else all_points[keep])

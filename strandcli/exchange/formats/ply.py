@@ -2,8 +2,7 @@
 
 Strands are told by an element ``strand`` with the property ``nsegs`` (segments of each, as hairutil writes it), by an
 element ``edge`` that joins successive vertices, or not at all: then all strands have as many points, which
-`ReadOptions.stride` tells. Comments ``object "NAME"`` name the
-objects that the property ``object`` of strands numbers.
+`ReadOptions.stride` tells.
 """
 
 from __future__ import annotations
@@ -20,12 +19,10 @@ from ...errors import UsageError
 from ...output.files import write_pieces
 from ..bounded import Bounded, opened
 from ..files import ReadOptions
-from ..objects import renamed, written_names
-from ..ply_file import Element, NumbersOfText, object_comment, object_names, read_header, whole_numbers
+from ..ply_file import Element, NumbersOfText, read_header, whole_numbers
 from ..ply_file import is_mesh as is_mesh
 from ..strands import (
     CHUNK,
-    OBJECT,
     WIDTHS,
     Attribute,
     Offsets,
@@ -45,8 +42,6 @@ NUMBERS = {"alpha": "transparency", **{name: name for name in WIDTHS}, "thicknes
 """Properties of a vertex that become attributes of one number."""
 MOST_POINTS = 4096
 """Of a strand, as messages propose them."""
-MOST_OBJECTS = 500
-"""Objects that a header names; it has a line for each."""
 XYZ, RGB = ("x", "y", "z"), ("red", "green", "blue")
 Columns = dict[str, npt.NDArray[Any]]
 
@@ -71,30 +66,14 @@ def read(path: Path, options: ReadOptions) -> Strands:
         size = vertex.record(order).itemsize
         file.finite("vertex", points, (lambda row: begin + size * row) if order else (lambda row: begin))
         facts: dict[str, Any] = {"encoding": {"": "text", "<": "binary", ">": "binary, big-endian"}[order]}
-        names, comments = object_names(comments)
         if comments:
             facts["comments"] = comments[:8]
         first = _first(file, vertex, found, options)
         attributes = _attributes(file, found["vertex"], begin)
-        objects = _objects(file, vertex, found, names, first.size - 1, attributes)
     unread = [one for one in vertex.properties if one not in {*XYZ, *RGB, *NUMBERS}]
     if unread:
         facts["properties_not_read"] = unread
-    return without_short(Strands(first, points, attributes, Source(name, "1.0", facts), objects))
-
-
-def _objects(
-    file: Bounded, vertex: Element, found: dict[str, Columns], names: tuple[str, ...], strands: int,
-    attributes: dict[str, Attribute],
-) -> tuple[str, ...]:  # fmt: skip
-    """The objects that strands are of, () where the file does not tell. Raises `UsageError` where there are no such."""
-    numbers = found.get("strand", {}).get(OBJECT)
-    if numbers is None:
-        return names if len(names) == 1 else ()
-    if numbers.size != strands or (numbers.size and not 0 <= int(numbers.min()) <= int(numbers.max()) < len(names)):
-        raise file.damaged(f"strand: {OBJECT} is none of {len(names):,} that comments name", vertex.at)
-    attributes[OBJECT] = Attribute("strand", numbers.astype(np.int32))
-    return names
+    return without_short(Strands(first, points, attributes, Source(name, "1.0", facts)))
 
 
 def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[str, Columns]:
@@ -121,7 +100,7 @@ def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[s
                 whole = all(one.properties[colour] == "u1" for colour in RGB)
                 columns["rgb"] = np.empty((one.count, 3), np.uint8 if whole else np.float32)
                 wanted |= {name: columns["rgb"][:, axis] for axis, name in enumerate(RGB)}
-        for name in NUMBERS.keys() | {"nsegs", "vertex1", "vertex2", OBJECT}:
+        for name in NUMBERS.keys() | {"nsegs", "vertex1", "vertex2"}:
             kind = one.properties.get(name, "")
             if kind and (name in NUMBERS or kind[0] in "iu"):
                 columns[name] = np.empty(one.count, np.float32 if kind == "f8" else kind)
@@ -217,27 +196,20 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
             rows = np.repeat(rows, strands.counts(), axis=0)
         kinds += [(label, kind, rows[:, i]) for i, label in enumerate(names)]
         kept.append(attribute)
-    of = strands.attributes.get(OBJECT)
-    named = of is not None and 1 < len(strands.objects) <= MOST_OBJECTS
-    objects = written_names(strands.objects, str) if named or len(strands.objects) == 1 else []
     counts -= 1
     segments = "<u2" if not counts.size or counts.max() <= 65_535 else "<i4"
     words = {"<f4": "float", "|u1": "uchar", "<u2": "ushort", "<i4": "int"}
     columns: list[tuple[str, str, Any]] = [("nsegs", segments, counts)]
-    if named and of is not None:
-        columns.append((OBJECT, "<i4", of.values))
-        kept.append(OBJECT)
     edges = strands.points.shape[0] - strands.count
     header = [
-        "ply", "format binary_little_endian 1.0", *(object_comment(one) for one in objects),
+        "ply", "format binary_little_endian 1.0",
         f"element vertex {strands.points.shape[0]}",
         *(f"property {words[kind]} {label}" for label, kind, _ in kinds),
         f"element strand {strands.count}", f"property {words[segments]} nsegs",
-        *([f"property int {OBJECT}"] if named else []),
         f"element edge {edges}", "property int vertex1", "property int vertex2", "end_header", "",
     ]  # fmt: skip
     write_pieces(path, chain(
         ["\n".join(header).encode()], records(kinds, strands.points.shape[0]), records(columns, strands.count),
         edges_of(strands),
     ))  # fmt: skip
-    return left_out(strands, name, kept) + (renamed(strands, str, name) if objects else [])
+    return left_out(strands, name, kept)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from ..bounded import opened
 from ..files import ReadOptions
 from ..parts import joined
-from ..strands import Source, Strands, TimeSample, without_short
+from ..strands import Source, Strands, without_short
 from ..usd.curves import Reader
 from ..usd.export import write as write
 
@@ -63,10 +62,3 @@ def _facts(header: dict[str, Any]) -> dict[str, Any]:
     if header["not_found"]:
         facts["files_not_found"] = header["not_found"]
     return facts
-
-
-def moments(path: Path, options: ReadOptions) -> Iterator[TimeSample]:
-    """The points of the strands that `read` finds, at each time of the file. Raises `UsageError` where strands come or
-    go with time."""
-    reader = Reader(path, options.lenient, _encoding(path) == "text")
-    yield from reader.moments(reader.stage().curves)

@@ -15,7 +15,7 @@ from .. import splines
 from ..bounded import not_finite
 from ..parts import Matrix, Part, moved, moved_attribute
 from ..splines import Basis, ControlCurves, Fitter
-from ..strands import SHORTEST, Attribute, TimeSample
+from ..strands import Attribute
 from .messages import Message
 from .process import ask
 
@@ -51,23 +51,6 @@ class Reader:
         for message in messages:
             self._add(found, message)
         return found
-
-    def moments(self, curves: list[ControlCurves]) -> Iterator[TimeSample]:
-        """The points of curves at each time, without those of strands that are too short."""
-        counts = np.concatenate([one.point_counts() for one in curves])
-        keep = np.repeat(counts >= SHORTEST, counts)
-        for header, arrays in self._ask("moments"):
-            parts = []
-            for one, control, numbers in zip(curves, arrays, header["matrices"], strict=True):
-                if control.shape[0] != int(one.counts.sum()):
-                    raise self.fault(
-                        f"{one.path}: {control.shape[0]:,} points at {header['seconds']:g} s, the curves have "
-                        f"{int(one.counts.sum()):,}"
-                    )
-                self._check_finite(f"{one.path}: points", control)
-                parts.append(moved(one.points(control), _matrix(numbers)))
-            points = parts[0] if len(parts) == 1 else np.concatenate(parts)
-            yield TimeSample(header["seconds"], points if keep.all() else points[keep])
 
     def fault(self, words: str) -> UsageError:
         """An error about the file."""

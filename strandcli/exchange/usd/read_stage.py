@@ -65,26 +65,6 @@ def _changing(prims: list[Usd.Prim]) -> list[str]:
     return sorted(found)
 
 
-def moments(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
-    """At each time the points of each prim of curves, and where they are put."""
-    stage = opened(request["path"])
-    prims, _ = curves_of(stage)
-    times, rate = times_of(prims), rate_of(stage)
-    codes = [Usd.TimeCode(time) for time in times] or [Usd.TimeCode.EarliestTime()]
-    first = [_counts(prim, codes[0]) for prim in prims]
-    for moment in codes:
-        places = UsdGeom.XformCache(moment)
-        points = []
-        for prim, counts in zip(prims, first, strict=True):
-            stated = UsdGeom.Curves(prim).GetCurveVertexCountsAttr()
-            now = _counts(prim, moment) if stated.GetNumTimeSamples() > 1 else counts
-            if not np.array_equal(now, counts):
-                raise RefusedFileError(f"{prim.GetPath()}: at time code {moment} it has other curves than at first")
-            points.append(_points(prim, moment))
-        seconds = moment.GetValue() / rate if times else 0.0
-        yield {"seconds": seconds, "matrices": [_matrix(prim, places) for prim in prims]}, points
-
-
 def rate_of(stage: Usd.Stage) -> float:
     """Time codes a second."""
     found = float(stage.GetTimeCodesPerSecond())

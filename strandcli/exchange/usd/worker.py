@@ -82,7 +82,7 @@ def _asked(request: dict[str, Any]) -> Callable[[dict[str, Any], Fill], Iterator
     from . import read_cameras, read_stage, write_stage
 
     return {
-        "read": read_stage.read, "moments": read_stage.moments, "cameras": read_cameras.read,
+        "read": read_stage.read, "cameras": read_cameras.read,
         "write": write_stage.write,
     }[request["do"]]  # fmt: skip
 
