@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,7 +73,7 @@ def _changing(strands: Strands, values: Floats) -> Colours:
     palette, rows = np.unique(profiles, axis=0, return_inverse=True)
     rows = rows.reshape(-1)
     if len(palette) > MOST:
-        rows = clusters(profiles ** (1 / GAMMA), MOST)
+        _, rows = _palette(profiles.reshape(strands.count, ALONG, 3).mean(axis=1))
         counts = np.bincount(rows)
         sums = np.stack([np.bincount(rows, column) for column in profiles.T], axis=1)
         palette = (sums / counts[:, None]).astype(np.float32)
@@ -107,30 +106,6 @@ def _along(first: Offsets, points: Points, values: Floats, most: int) -> Floats:
     share = np.clip((targets - keys[begin]) / np.where(span > 0, span, 1.0), 0, 1)[:, None]
     found = values[begin] * (1 - share) + values[begin + 1] * share
     return np.asarray(found.reshape(strand.shape[0], ALONG, 3), np.float32)
-
-
-def clusters(rows: Floats, most: int) -> NDArray[np.int64]:
-    """(S,) numbers below ``most`` of clusters of rows (S, n): the one that spreads most is cut through its mean,
-    across the column that varies most, until there are so many."""
-    numbers = np.zeros(len(rows), np.int64)
-    waiting = [_spread(rows, np.arange(len(rows)), 0)]
-    count = 1
-    while count < most and waiting[0][0] < 0:
-        _, number, column, members = heapq.heappop(waiting)
-        above = rows[members, column] > rows[members, column].mean(dtype=np.float64)
-        numbers[members[above]] = count
-        heapq.heappush(waiting, _spread(rows, members[~above], number))
-        heapq.heappush(waiting, _spread(rows, members[above], count))
-        count += 1
-    return numbers
-
-
-def _spread(rows: Floats, members: NDArray[np.int64], number: int) -> tuple[float, int, int, NDArray[np.int64]]:
-    """Of a cluster: minus the sum of squares by which its greatest column varies, its number, that column, and its
-    rows."""
-    sums = rows[members].var(axis=0, dtype=np.float64) * len(members)
-    column = int(np.argmax(sums))
-    return -float(sums[column]), number, column, members
 
 
 def _palette(values: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int64]]:

@@ -14,8 +14,8 @@ from .beside import Beside, picture
 from .gltf_file import Gltf, placed_meshes
 from .make import RawMesh, lines_beside
 
-TRIANGLES, STRIP, FAN = 4, 5, 6
-"""Modes of primitives that are read."""
+TRIANGLES, OTHERS = 4, (5, 6)
+"""Modes of primitives that are read, and of strips and fans."""
 LINES = (1, 2, 3)
 """Modes of strands."""
 TIMES, ROOM = 3, 30e6
@@ -69,7 +69,10 @@ def _groups(file: Gltf, mesh: dict[str, Any], where: str) -> list[Group]:
     """The primitives of triangles, those with the same vertices together."""
     found: dict[Any, Group] = {}
     for one in file.objects(mesh, "primitives", where):
-        if one.get("mode", TRIANGLES) not in (TRIANGLES, STRIP, FAN):
+        mode = one.get("mode", TRIANGLES)
+        if mode in OTHERS:
+            raise file.fault(where, "its triangles are in strips or fans, which are not read")
+        if mode != TRIANGLES:
             continue
         attributes = one.get("attributes")
         if not isinstance(attributes, dict) or "POSITION" not in attributes:
@@ -104,7 +107,7 @@ def _corners(file: Gltf, group: Group) -> int:
     for one in group.primitives:
         index = one["indices"] if "indices" in one else group.attributes["POSITION"]
         count, _, _ = file.shape(index, group.where)
-        found += count if one.get("mode", TRIANGLES) == TRIANGLES else 3 * max(count - 2, 0)
+        found += count
     return found
 
 
@@ -147,19 +150,9 @@ def _triangles(file: Gltf, primitive: dict[str, Any], count: int, where: str) ->
         if outside.size:
             raise file.fault(where, f"indices want vertex {corners[outside[0]]:,} of {count:,}")
         corners = corners.astype(np.int32)
-    mode = primitive.get("mode", TRIANGLES)
-    if mode == TRIANGLES:
-        if corners.size % 3:
-            raise file.fault(where, f"{corners.size:,} corners are not three of each triangle")
-        return corners.reshape(-1, 3)
-    if corners.size < 3:
-        return np.zeros((0, 3), np.int32)
-    if mode == FAN:
-        return np.stack([np.full(corners.size - 2, corners[0]), corners[1:-1], corners[2:]], axis=1)
-    found = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
-    found[1::2] = found[1::2, (1, 0, 2)]
-    flat = (found[:, 0] == found[:, 1]) | (found[:, 1] == found[:, 2]) | (found[:, 0] == found[:, 2])
-    return found[~flat]  # by which a strip goes on elsewhere
+    if corners.size % 3:
+        raise file.fault(where, f"{corners.size:,} corners are not three of each triangle")
+    return corners.reshape(-1, 3)
 
 
 def _linear(colours: npt.NDArray[Any] | None) -> npt.NDArray[np.float32] | None:

@@ -115,26 +115,17 @@ class Gltf:
         Who calls has looked at how many there are."""
         one, at = self.named("accessors", index, where), f"accessors[{index}]"
         count, found, kind = self.shape(index, where)
+        if "sparse" in one:
+            raise self.fault(where, f"{at} is sparse, which is not read")
         if found != width:
             raise self.fault(where, f"{at} holds {one.get('type')!r:.20}, in place of {width} numbers an item")
         values = self._items(one, count, width, kind, at) if "bufferView" in one else np.zeros((count, width), kind)
-        sparse = one.get("sparse")
-        if isinstance(sparse, dict):
-            few, parts = self.whole(sparse, "count", at, most=count), (sparse.get("indices"), sparse.get("values"))
-            if not all(isinstance(part, dict) for part in parts):
-                raise self.fault(at, "sparse has no indices and values")
-            code: Any = parts[0].get("componentType")  # type: ignore[union-attr]
-            rows = self._items(parts[0], few, 1, KINDS.get(code, "<u4") if _is_whole(code) else "<u4", at)[:, 0]
-            if few and (rows.min() < 0 or rows.max() >= count):
-                raise self.fault(at, "sparse indices are of no item")
-            values = values.copy()
-            values[rows] = self._items(parts[1], few, width, kind, at)
         if one.get("normalized") is True and kind[1] != "f":
             values = np.maximum(values / np.float32(np.iinfo(kind).max), np.float32(-1))
         return values
 
     def _items(self, one: Any, count: int, width: int, kind: str, where: str) -> npt.NDArray[Any]:
-        """(count, width) numbers of a view from an offset on; one: an accessor, or a part of a sparse one."""
+        """(count, width) numbers of a view from an offset on; one: an accessor."""
         data = self.view(one.get("bufferView"), where)
         view = self.named("bufferViews", one["bufferView"], where)
         item = np.dtype(kind).itemsize
