@@ -78,17 +78,9 @@ def _data_of_all(strands: Strands) -> dict[str, Any]:
         "format": source.format, "version": source.version or None, "header": dict(source.facts),
         "strands": strands.count, "points": strands.points.shape[0], "skipped": dict(source.skipped),
         "objects": table(strands),
-        "points_a_strand": _counts(strands), "unit": source.unit, "up": source.up,
+        "points_a_strand": _spread(strands.counts(np.int32)), "unit": source.unit, "up": source.up,
         "attributes": [_attribute(name, one) for name, one in strands.attributes.items()],
     }  # fmt: skip
-
-
-def _counts(strands: Strands) -> dict[str, float] | None:
-    """`_spread` of the points of each strand."""
-    equal = strands.equal()
-    if equal:
-        return {"min": equal, "median": float(equal), "mean": float(equal), "max": equal}
-    return _spread(strands.counts())
 
 
 def _spread(values: npt.NDArray[Any]) -> dict[str, float] | None:

@@ -139,7 +139,6 @@ def test_data_and_bin_are_told_apart_by_size(name: str) -> None:
     assert read_bytes(kit.data(EQUAL), suffix).source.format == ".data"
     found = read_bytes(kit.data(EQUAL, 4), suffix)
     assert found.source.format == ".bin"
-    assert found.attributes["extra"].values[5].tolist() == [0, 1, 2, 3]
 
 
 def test_strands_of_tressfx_keep_what_they_carry() -> None:

@@ -23,7 +23,7 @@ from ..splines import (
     Fitter,
     is_clamped,
 )
-from ..strands import Attribute, Offsets, Points
+from ..strands import Attribute
 from . import layout
 from .archive import CLOSE, Archive, Object, Property
 from .xform import Transform, chain, world
@@ -152,36 +152,21 @@ def _curves(archive: Archive, one: Object) -> Curves:
     return Curves(one.path, told, chain(archive, one))
 
 
-def counts_of(archive: Archive, one: Curves, seconds: float | None = None) -> Offsets:
-    """Points of each curve (S,), at a time or in the first sample."""
-    told = one.counts
-    found = archive.values(told, archive.index_at(told, seconds)).reshape(-1)
-    if found.size and (int(found.min()) < 0 or int(found.max()) > np.iinfo(np.int32).max):
-        worst = int(np.argmin(found) if int(found.min()) < 0 else np.argmax(found))
-        raise archive.file.damaged(f"{told.path}: curve {worst:,} has {found[worst]:,} points", told.child.at)
-    return found.astype(np.int64)
-
-
-def _control(archive: Archive, one: Curves, seconds: float | None) -> Points:
-    """The control points (P, 3) of curves, where no transform puts them, at a time or in the first sample."""
-    return archive.values(one.points, archive.index_at(one.points, seconds)).astype(np.float32, copy=False)
-
-
-def control_of(
-    archive: Archive, one: Curves, fitter: Fitter, seconds: float | None = None
-) -> tuple[ControlCurves, Points]:
-    """What curves are at a time or in the first sample, and their control points. Raises `UsageError` where these make
-    no curves."""
-    counts, control = counts_of(archive, one, seconds), _control(archive, one, seconds)
-    basis, at = basis_of(archive, one.path, one.geometry), one.points.child.at
-    return fitter.fitted(one.path, counts, control, basis, lambda words: archive.file.fault(words, at)), control
-
-
 def part_of(
     archive: Archive, one: Curves, told_of: Mapping[str, Property], fitter: Fitter, seconds: float | None = None
 ) -> Part:
-    """The points on curves at a time or in the first sample, and their attributes."""
-    curves, control = control_of(archive, one, fitter, seconds)
+    """The points on curves at a time or in the first sample, and their attributes. Raises `UsageError` where control
+    points make no curves."""
+    told = one.counts
+    counts = archive.values(told, archive.index_at(told, seconds)).reshape(-1)
+    if counts.size and (int(counts.min()) < 0 or int(counts.max()) > np.iinfo(np.int32).max):
+        worst = int(np.argmin(counts) if int(counts.min()) < 0 else np.argmax(counts))
+        raise archive.file.damaged(f"{told.path}: curve {worst:,} has {counts[worst]:,} points", told.child.at)
+    control = archive.values(one.points, archive.index_at(one.points, seconds)).astype(np.float32, copy=False)
+    basis, at = basis_of(archive, one.path, one.geometry), one.points.child.at
+    curves = fitter.fitted(
+        one.path, counts.astype(np.int64), control, basis, lambda words: archive.file.fault(words, at)
+    )
     matrix = world(archive, one.transforms, seconds)
     attributes: dict[str, Attribute] = {}
     unread = []

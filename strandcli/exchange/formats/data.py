@@ -1,7 +1,7 @@
 """`.data` of USC-HairSalon, Hair20k and others, and `.bin` of CT2Hair.
 
 Little-endian: i32 number of strands; of each strand i32 number of points, then for each point xyz as f32, in `.bin`
-with four more. Nothing but the size of the file tells the two apart.
+with four more, of which nothing is known. Nothing but the size of the file tells the two apart.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ...common.counted import counted
 from ...output.files import write_pieces
 from ..bounded import opened
 from ..files import ReadOptions
-from ..strands import Attribute, Offsets, Source, Strands, TimeSample, offsets, spans, without_short
+from ..strands import Offsets, Source, Strands, TimeSample, offsets, spans, without_short
 from ..written import left_out, raw
 
 name = ".data"
@@ -27,8 +27,6 @@ suffixes = (".data", ".bin")
 PLAIN, MORE = 3, 7
 """Numbers a point."""
 NAMES = {PLAIN: ".data", MORE: ".bin"}
-EXTRA = "extra"
-"""The attribute of a point's four numbers more, of which the format says nothing."""
 
 
 def sniff(head: bytes, size: int) -> bool:
@@ -61,9 +59,7 @@ def read(path: Path, options: ReadOptions) -> Strands:
             return 4 * (1 + int(np.searchsorted(first, row, side="right")) + width * row)
 
         file.finite("points", points, byte)
-        file.finite(EXTRA, numbers[:, PLAIN:], byte)
-    attributes = {EXTRA: Attribute("point", numbers[:, PLAIN:])} if width == MORE else {}
-    return without_short(Strands(first, points, attributes, Source(NAMES[width])))
+    return without_short(Strands(first, points, {}, Source(NAMES[width])))
 
 
 def _counts(words: npt.NDArray[np.int32], width: int) -> array[int] | tuple[int, str]:
@@ -99,22 +95,18 @@ def _numbers(words: npt.NDArray[np.int32], first: Offsets, width: int) -> npt.ND
 
 
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
-    """Write a file: `.data` the points alone, `.bin` with the four numbers that were read, or 0."""
+    """Write a file: `.data` the points alone, `.bin` with four times 0."""
     width = MORE if path.suffix.lower() == ".bin" else PLAIN
     write_pieces(path, _words(strands, width))
-    return left_out(strands, NAMES[width], [EXTRA] if width == MORE else [])
+    return left_out(strands, NAMES[width], [])
 
 
 def _words(strands: Strands, width: int) -> Iterable[Any]:
     """The words of a file of so many numbers a point, some strands at once."""
     yield np.int32(strands.count).astype("<i4").tobytes()
-    extra = strands.attributes.get(EXTRA)
-    known = extra is not None and extra.values.shape == (strands.points.shape[0], MORE - PLAIN)
     for rows, points in spans(strands.first):
         numbers = np.zeros((points.stop - points.start, width), "<f4")
         numbers[:, :PLAIN] = strands.points[points]
-        if width == MORE and known and extra is not None:
-            numbers[:, PLAIN:] = extra.values[points]
         begins, counts = strands.first[rows] - points.start, np.diff(strands.first[rows.start : rows.stop + 1])
         here = begins >= 0  # a strand in parts has its count before the first
         yield raw(np.insert(numbers.view("<i4").reshape(-1), width * begins[here], counts[here]), "<i4")
