@@ -268,3 +268,19 @@ def test_what_has_one_moment_alone_is_read_at_that(tmp_path: Path) -> None:
     found = read(path)
     np.testing.assert_array_equal(found.points, line + np.array([1, 2, 3]))
     assert found.attributes["width"].values.tolist() == [0.25]
+
+
+@pytest.mark.parametrize("place", ["its own", "that of what holds it"])
+def test_visibility_that_changes_or_hides_is_told_wherever_it_is(place: str, tmp_path: Path) -> None:
+    changes = '    token visibility.timeSamples = { 1: "inherited", 2: "invisible" }\n'
+    hidden = '    token visibility = "invisible"\n'
+    body = ""
+    for name, words in (("shown", changes), ("hidden", hidden)):
+        own, held = (words, "") if place == "its own" else ("", words)
+        body += f'def Xform "{name}"\n{{\n{held}' + usd_kit.prim(STRANDS[:1], "a", more=own) + "}\n"
+    path = tmp_path / "a.usda"
+    path.write_text(usd_kit.HEAD + body)
+    found = read(path)
+    assert found.objects == ("/shown/a",)
+    assert found.source.facts["not_read"] == {"invisible": 1}
+    assert found.source.facts["changing"] == ["visibility"]

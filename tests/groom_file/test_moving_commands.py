@@ -17,8 +17,7 @@ def test_commands(tmp_path: Path, run: Runner) -> None:
     path = file_of(tmp_path, "ply", turned, [i / FPS for i in range(3)])
     told = json.loads(run("info", str(path), "--json").out)["moments"]
     assert (told["count"], told["first"], told["last"], told["unit"]) == (3, 7, 9, "file")
-    assert told["same_strands"]
-    assert "3 of the same strands, files 7 to 9" in run("info", str(path)).out
+    assert "3, files 7 to 9" in run("info", str(path)).out
     small = ["--size", "48x36", "--set", "ambient_occlusion=null"]
     assert run("render", str(path), "-o", str(tmp_path / "film"), *small).code == 0
     pictures = {one.read_bytes() for one in (tmp_path / "film").glob("frame_*.png")}
@@ -39,7 +38,7 @@ def test_info_tells_the_seconds_of_one_file(tmp_path: Path, run: Runner) -> None
     path = file_of(tmp_path, "abc", turned, [i / FPS for i in range(3)])
     told = json.loads(run("info", path, "--json").out)["moments"]
     assert (told["count"], told["first"], told["last"], told["unit"]) == (3, 2.0, pytest.approx(2 + 2 / FPS), "s")
-    assert "3 of the same strands, 2 to 2.083 s, 24 a second" in run("info", path).out
+    assert "3, 2 to 2.083 s, 24 a second" in run("info", path).out
 
 
 def test_kept_positions_are_those_of_each_moment(tmp_path: Path, run: Runner) -> None:
