@@ -53,8 +53,8 @@ class Solver(ABC):
             self.positions[:, row] = lanes(local @ rotation.T + translation)
             if row < 2:
                 self.rest[:, row] = lanes(local)
-            way = groom.directions if row == 0 else groom.edge(row - 1, n - 1)
-            local = local + rest_length[:, None] * way
+            direction = groom.directions if row == 0 else groom.edge(row - 1, n - 1)
+            local = local + rest_length[:, None] * direction
         self.lengths = lanes(rest_length[:, None])
         self.deforming = deforming(scene, groom)
         """The roots, where they move in the emitter's frame."""

@@ -48,8 +48,8 @@ def transported(axes: Floats, edges: Floats, bends: Floats, angles: Floats) -> t
             t = e
         angle = (angles[j - 1] if j > 0 else np.zeros(len(axes)))[:, None]
         b = np.cross(t, a)
-        ways = (t, a * np.cos(angle) + b * np.sin(angle), b * np.cos(angle) - a * np.sin(angle))
-        local[j] = np.stack([(bends[j] * way).sum(1) for way in ways], 1)
+        frames = (t, a * np.cos(angle) + b * np.sin(angle), b * np.cos(angle) - a * np.sin(angle))
+        local[j] = np.stack([(bends[j] * axis).sum(1) for axis in frames], 1)
     return first, local
 
 
@@ -76,9 +76,9 @@ def coiled(edges: list[Floats]) -> bool:
     return float(np.linalg.norm(np.mean(edges, axis=0), axis=1).min()) < COILED
 
 
-def straight(ways: list[Floats]) -> bool:
+def straight(directions: list[Floats]) -> bool:
     """Return whether all directions, (strands, 3) each, are equal."""
-    return all(a is b or np.abs(b - a).max() <= 1e-6 for a, b in pairwise(ways))
+    return all(a is b or np.abs(b - a).max() <= 1e-6 for a, b in pairwise(directions))
 
 
 TILT = np.radians(30)

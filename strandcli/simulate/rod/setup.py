@@ -3,7 +3,7 @@ their tips are pinned.
 
 P packs of S = `PACK` strands with N segments each, as `kernels.arrays` has them. Pinned tips are hinges about places
 that the emitter carries along: such a particle weighs so much that nothing moves it, and its free displacement is the
-way to its place."""
+displacement to its place."""
 
 from __future__ import annotations
 
@@ -143,9 +143,9 @@ def rest_of(scene: Scene, shape: Shape, matter: Matter, pose: Pose, dtype: Any) 
         pull = np.array(pose.rotation).T @ gravity(scene) / matter.lengths[:, None]
         # masses as the kernel reads them: what they are rounded by would be a load
         mass, joint = (row.astype(dtype).astype(np.float64) for row in (matter.mass, matter.joint))
-        held = hold(shape.axes, edges, mass, joint, matter.stiffness, torsion(scene.rod, shape.coiled), pull)
-        angles, stiffer, targets = held.twist, held.stiffness, targets - held.bends
-        for j, force in enumerate(held.tension):
+        balance = hold(shape.axes, edges, mass, joint, matter.stiffness, torsion(scene.rod, shape.coiled), pull)
+        angles, stiffer, targets = balance.twist, balance.stiffness, targets - balance.bends
+        for j, force in enumerate(balance.tension):
             tension[:, j] = packed(force[:, None], dtype)
     across, local = transported(shape.axes, edges, targets, angles)
     bends[:, 0] = packed(across, dtype)

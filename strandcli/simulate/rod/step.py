@@ -44,8 +44,8 @@ class StepKernel:
         data = tuple(self._surroundings.data)
         given = (*self._arrays, now, needs, (*self._solids, *data), self.scratch, self._queue)
         if self._code is None:  # compiled no sooner than anything moves, which need not be
-            others = self._surroundings.others
-            self._code = work_queue.address(step_among(others) if others else step.run, given)
+            custom = self._surroundings.custom
+            self._code = work_queue.address(step_among(custom) if custom else step.run, given)
         # the other threads may be drawing frames: a step that took them away would wait for them
         workers = len(self.scratch)
         if workers > 1:
@@ -87,9 +87,9 @@ def step(state, material, drive, step, needs, solids, scratch, queue, worker):
 '''
 
 
-def step_among(others: Sequence[Any]) -> Any:
-    """`kernels.step.run` among solids of these kinds, whose rows and data follow those of others."""
-    module = module_for(others)
+def step_among(custom: Sequence[Any]) -> Any:
+    """`kernels.step.run` among solids of these kinds, whose rows and data follow those of the rest."""
+    module = module_for(custom)
     data = "".join(f", solids[{5 + place}]" for place in range(len(module.Others._fields) - 1))
     return _load(TEXT.format(solids=module.__name__, data=data)).step
 

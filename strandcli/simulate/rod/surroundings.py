@@ -68,11 +68,11 @@ class Surroundings:
         self.segments = bool(met) and any(one.segments for one in contacts)
         """Whether whole segments are kept out of solids, and not only particles."""
         kinds = {kind: [one for one in met if one.kind == kind] for kind in solids.COLUMNS}
-        self.others = solids.others(met)
+        self.custom = solids.others(met)
         """Solids without kernels of their own; their kind is "" here."""
-        if self.others:
-            kinds[""] = self.others
-        self.data = other.data_of(self.others, scene.time.pose_time(0.0))
+        if self.custom:
+            kinds[""] = self.custom
+        self.data = other.data_of(self.custom, scene.time.pose_time(0.0))
         """The arrays of their shapes at the end of the last step."""
         packed = {kind: self._at_rest(kind, mine) for kind, mine in kinds.items()}
         self._packed = tuple(packed.values())
@@ -91,8 +91,8 @@ class Surroundings:
             speed = one.strength
             if one not in self._travelling:
                 speed *= 1 - one.gust * 0.5 * (1 - wind.gusts(time, one.period, self._phases, self._loop))
-            way = wind.downwind(one, time, self._swings, self._loop)
-            x, y, z = x + speed * way[0], y + speed * way[1], z + speed * way[2]
+            down = wind.downwind(one, time, self._swings, self._loop)
+            x, y, z = x + speed * down[0], y + speed * down[1], z + speed * down[2]
         return x, y, z
 
     def gust(self, time: float, positions: NDArray[Any]) -> NDArray[Any] | None:
@@ -102,8 +102,8 @@ class Surroundings:
             return None
         one = self._travelling[0]
         roots = positions[:, 1].reshape(-1, 3, W).astype(np.float64)
-        way = np.array(one.direction) / np.linalg.norm(one.direction)
-        along = np.einsum("bck,c->bk", roots, way) / one.wavelength
+        down = np.array(one.direction) / np.linalg.norm(one.direction)
+        along = np.einsum("bck,c->bk", roots, down) / one.wavelength
         wave = sum(
             a * wind.waves(time / wind.fitted(one.period * scale, self._loop) + phase - along / scale)
             for (scale, a), phase in zip(wind.WAVES, self._phases, strict=True)
@@ -117,7 +117,7 @@ class Surroundings:
 
     def solids(self, time: float, dt: float, pose: Pose | None = None) -> tuple[Any, ...]:
         """Return packed solids with their motion in a step that ends at ``time``, with the emitter's ``pose`` then:
-        spheres, capsules, planes, boxes, and `others` if there are any. The arrays are the same at each call; those of
+        spheres, capsules, planes, boxes, and `custom` if there are any. The arrays are the same at each call; those of
         `data` are new when a shape changes."""
         now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
         emitter = self.scene.emitter
@@ -139,7 +139,7 @@ class Surroundings:
             row[:] = *self._numbers(one, moved, len(row) - MOTION), *flat(motion)
         self.poses = Poses(now, outer, after)
         if self.data:
-            found = other.data_of(self.others, now, past)
+            found = other.data_of(self.custom, now, past)
             if any(a is not b for a, b in zip(found, self.data, strict=True)):
                 self.data = found
         return self._packed
@@ -162,16 +162,16 @@ class Surroundings:
         """Go on from what `last_poses` has returned."""
         time, *rest = numbers.tolist()
         rows = [rest[i : i + 12] for i in range(0, len(rest), 12)]
-        outer, *others = [None if row[0] != row[0] else pose_of(row) for row in rows]
+        outer, *inner = [None if row[0] != row[0] else pose_of(row) for row in rows]
         moving = [one for _, one, own in self._moving if own is None]
-        there = {id(one): p for one, p in zip(moving, others, strict=True) if p is not None}
+        there = {id(one): p for one, p in zip(moving, inner, strict=True) if p is not None}
         self.poses = Poses(time, outer, there)
 
     def _numbers(self, solid: Any, pose: Pose, columns: int) -> list[float]:
         """Return a solid's packed row."""
         if solid.kind in solids.COLUMNS:
             return solids.numbers(solid, pose)
-        found = other.numbers(solid, pose, self.others)
+        found = other.numbers(solid, pose, self.custom)
         return found + [0.0] * (columns - len(found))
 
     def _moves(self, solid: Any) -> bool:

@@ -3,7 +3,7 @@
 Coordinates are vectors of lanes, metres. Solids are packed as by `strandcli.solids.pack`, each row followed by its
 motion in this step; all solids of a kind are a pair: pointer to the numbers of all rows, and how many numbers.
 
-Solids without kernels of their own, meshes and SDF shapes, come after the others, by the functions that
+Solids without kernels of their own, meshes and SDF shapes, come after these, by the functions that
 `strandcli.solids.shapes.other_code` writes. A `Contact` has them as ``custom``, or None. The class of that holds the
 functions distance, normal, deepest, and drift where a kind has it. Lanes are computed one after the other, in scalars.
 Functions that take such functions are inlined: machine code with their addresses could not be cached.
@@ -68,9 +68,8 @@ def nearest(s, j, start, end, past, contact, options):
     """Set the gap, the normal, the place and the slip of segment j on the solid that is nearest to it, metres, and gap
     and normal of the next one; return whether some solid is within reach of some lane, else nothing is set.
 
-    ``start``, ``end``: the segment; ``past``: `Past`; ``options``: whether all of it is kept out and not its end alone,
-    up to which
-    distance solids count, and from which share of the segment on its places do."""
+    ``start``, ``end``: the segment; ``past``: `Past`; ``options``: whether all of it counts and not its end alone, up
+    to which distance solids count, and from which share of the segment on its places do."""
     near = False
     whole, reach, first = options
     x, y, z = end
@@ -205,7 +204,7 @@ def of_ball(s, j, near, at, away, radius, motion, share):
 
 @by_type
 def nearest_custom(s, j, near, start, end, past, contact, options):
-    """As `nearest`, among custom solids after others, of which some have been ``near``."""
+    """As `nearest`, among custom solids, after those of which some have been ``near``."""
     kind = dict(zip(contact.fields, contact.types, strict=True))["custom"]
     if isinstance(kind, types.NoneType):
         return lambda s, j, near, start, end, past, contact, options: near
@@ -235,23 +234,23 @@ def among(s, j, near, start, end, past, contact, options, shape, drift):
 @inlined
 def gap_of(shape, m, start, end, options):
     """Gap and normal of a segment, metres, and where on it; of lanes out of reach the gap is `OUT_OF_REACH`."""
-    others, distance, normal, deepest = shape
+    shapes, distance, normal, deepest = shape
     whole, reach, first = options
     x, y, z = end
     gap, share = broadcast(x, OUT_OF_REACH), broadcast(x, 1.0)
     nx, ny, nz = broadcast(x, 0.0), broadcast(x, 1.0), broadcast(x, 0.0)
-    for k in range(lane_count(others.rows)):
+    for k in range(lane_count(shapes.rows)):
         a, b, c = lane(x, k), lane(y, k), lane(z, k)
-        d = distance(others, m, a, b, c)
+        d = distance(shapes, m, a, b, c)
         if whole and d < 2.0 * lane(reach, k):
             p, q, r = lane(start[0], k), lane(start[1], k), lane(start[2], k)
-            at, under = deepest(others, m, (p, q, r), (a - p, b - q, c - r))
+            at, under = deepest(shapes, m, (p, q, r), (a - p, b - q, c - r))
             if -under < d and at >= lane(first, k):
                 d = -1.0 * under
                 share = with_lane(share, k, 1.0 * at)
                 a, b, c = p + at * (a - p), q + at * (b - q), r + at * (c - r)
         if d < lane(reach, k):
-            u, v, w = normal(others, m, a, b, c)
+            u, v, w = normal(shapes, m, a, b, c)
             gap = with_lane(gap, k, 1.0 * d)
             nx = with_lane(nx, k, u)
             ny = with_lane(ny, k, v)
@@ -260,23 +259,23 @@ def gap_of(shape, m, start, end, options):
 
 
 @device
-def in_reach(others, m, end, far):
+def in_reach(shapes, m, end, far):
     """Whether the end of the segment is within `far` of a solid's bounding ball in any lane."""
-    rows = others.rows
+    rows = shapes.rows
     dx, dy, dz = end[0] - rows[m + X], end[1] - rows[m + Y], end[2] - rows[m + Z]
     far += rows[m + REACH]
     return any_lane(dx * dx + dy * dy + dz * dz < far * far)
 
 
 @inlined
-def carry(s, j, at, others, m, lanes, drift):
+def carry(s, j, at, shapes, m, lanes, drift):
     """Take from the slip what the surface of the solid considered last drifts by, where that is the nearest."""
     mine = lanes & (load(s.nearer, j) > 0.0)
     asked = where(mine, broadcast(at[0], 1.0), 0.0)
     u, v, w = load3(s.slip, 3 * j, 1)
-    for k in range(lane_count(others.rows)):
+    for k in range(lane_count(shapes.rows)):
         if lane(asked, k) > 0.0:
-            x, y, z = drift(others, m, lane(at[0], k), lane(at[1], k), lane(at[2], k))
+            x, y, z = drift(shapes, m, lane(at[0], k), lane(at[1], k), lane(at[2], k))
             u = with_lane(u, k, lane(u, k) - x)
             v = with_lane(v, k, lane(v, k) - y)
             w = with_lane(w, k, lane(w, k) - z)

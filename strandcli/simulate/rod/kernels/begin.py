@@ -39,12 +39,12 @@ def coefficients_of(at, state, material, drive, step, needs, parts, frame):
     reach = h * g / drag
     inverse_length = 1.0 / length
     air = step.drag * load(drive.gust, at.strand)
-    held = step.drag * frame[0], step.drag * frame[1], step.drag * frame[2]
+    moving = step.drag * frame[0], step.drag * frame[1], step.drag * frame[2]
     damping = step.damping / duration
     return Coefficients(
         length, inverse_length, h / drag * inverse_length, reach,
-        (g * (step.gravity[0] + air * step.air[0] - held[0]), g * (step.gravity[1] + air * step.air[1] - held[1]),
-         g * (step.gravity[2] + air * step.air[2] - held[2])),
+        (g * (step.gravity[0] + air * step.air[0] - moving[0]), g * (step.gravity[1] + air * step.air[1] - moving[1]),
+         g * (step.gravity[2] + air * step.air[2] - moving[2])),
         load(material.stiffness, at.strand) * reach * (1.0 + damping), damping / (1.0 + damping), moved_share,
         push_step, push_change, 1.0 / h, duration,
     )  # fmt: skip

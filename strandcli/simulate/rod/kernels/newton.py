@@ -67,9 +67,9 @@ def iterate(s, at, state, material, step, needs, c, contact, root):
     depth in a solid, in segments, whether solids are near some strand, and how far an edge has changed at the most.
 
     Begins with x(τ) for the τ and the forces of the step before. Then come one iteration and more, up to
-    ``step.iterations``, until all | |e|² − 1 | are below the tolerance, solids are kept out and none pulls; in strands
-    of more than `FINE` segments some edges may be off by more, where the mean of all is not. ``root``: the place of the
-    root at the end of the step."""
+    ``step.iterations``, until all | |e|² − 1 | are below the tolerance, solids keep everything out and none pulls; in
+    strands of more than `FINE` segments some edges may be off by more, where the mean of all is not. ``root``: the
+    place of the root at the end of the step."""
     n, stiffness, whole = at.segments, c.stiffness, needs.segments
     touching = needs.solids and find.begin(s, at, state, material, c, needs)
     if needs.curled:
@@ -166,14 +166,14 @@ def retract(s, n, chosen):
 
 
 @device
-def factorise(s, n, material, stiffness, changed, touching, whole, kept):
+def factorise(s, n, material, stiffness, changed, touching, whole, retained):
     """Set the pivots of H and the loads for the present τ, or where ``changed``, for the τ and the forces of contact
-    that `tension.filter_forward` leads to. Lanes where H is indefinite take a bounded τ in it; those where ``kept`` is
-    above 0 keep the pivots that there are. Returns where H is indefinite, above 0."""
+    that `tension.filter_forward` leads to. Lanes where H is indefinite take a bounded τ in it; those where ``retained``
+    is above 0 keep the pivots that there are. Returns where H is indefinite, above 0."""
     zero = stiffness * 0.0
-    lost = sweep_to_root(s, n, material, stiffness, changed, True, touching, whole, (zero, kept))
+    lost = sweep_to_root(s, n, material, stiffness, changed, True, touching, whole, (zero, retained))
     if any_lane(lost > 0.0):
-        sweep_to_root(s, n, material, stiffness, False, True, touching, whole, (lost, kept))
+        sweep_to_root(s, n, material, stiffness, False, True, touching, whole, (lost, retained))
     return lost
 
 
@@ -195,8 +195,8 @@ def sweep_to_root(s, n, material, stiffness, changed, factored, touching, whole,
     (c_j − c̄_j), where the edge before the first is the clamped direction, and F_j = σ ê_j of curled strands."""
     zero = stiffness * 0.0
     none = zero, zero, zero
-    bounded, kept = lanes
-    some_kept = any_lane(kept > 0.0)
+    bounded, retained = lanes
+    some_retained = any_lane(retained > 0.0)
     ahead = none, none, (zero, zero)
     lost = zero
     a, b, c = none
@@ -209,10 +209,10 @@ def sweep_to_root(s, n, material, stiffness, changed, factored, touching, whole,
         k = stiffness * material.joint[j]
         if factored:
             least = -MASS_SHARE * min(material.mass[max(j - 1, 0)], mass)
-            held = where(bounded > 0.0, max(t, least), t)
+            bounded_tension = where(bounded > 0.0, max(t, least), t)
             a += mass
             g = a + b
-            rigid = g + b + c + held
+            rigid = g + b + c + bounded_tension
             raised = max(DEFINITE * mass - k, rigid)
             lost = where(rigid >= raised, lost, 1.0)
             i = 1.0 / (raised + k)
@@ -221,10 +221,10 @@ def sweep_to_root(s, n, material, stiffness, changed, factored, touching, whole,
             a -= g * h
             b = k * h
             c = raised * f
-            if some_kept:
-                i = where(kept > 0.0, load(s.pivot, j), i)
-                f = where(kept > 0.0, load(s.edge_factor, j), f)
-                h = where(kept > 0.0, load(s.particle_factor, j), h)
+            if some_retained:
+                i = where(retained > 0.0, load(s.pivot, j), i)
+                f = where(retained > 0.0, load(s.edge_factor, j), f)
+                h = where(retained > 0.0, load(s.particle_factor, j), h)
             store(s.pivot, j, i)
             store(s.edge_factor, j, f)
             store(s.particle_factor, j, h)

@@ -1,6 +1,6 @@
 """The fallback of a rod's step: the same step in 2, 4 or 8 parts by Euler's method.
 
-A strand keeps the best of what it was moved by, whole or in parts; the strands beside it in the vector keep theirs.
+A strand goes by the best of these, whole or in parts; the strands beside it in the vector keep theirs.
 """
 
 from __future__ import annotations
@@ -24,10 +24,9 @@ TURNED = 2.0
 """Badness of a step in which an edge has turned by more than a right angle."""
 ATTEMPTS = 3
 """Attempts: in 2, 4 and 8 parts."""
-KEPT = 24
-"""Numbers of a segment's state."""
-TWIST = 23
-"""Place of the twist among them."""
+SAVED = 24
+"""Numbers of a segment's state that are saved: `vectors_of`, and from these places on the rest."""
+POSITION, FORCE, TENSION, SHARE, TWIST = 15, 18, 21, 22, 23
 
 
 @device
@@ -53,17 +52,17 @@ def improve(s, at, state, material, drive, step, needs, met, found):
     best, worst = found
     in_parts = best < 0.0
     restart = load(state.restart, at.strand)
-    keep(s.best, at, state, needs, best >= 0.0, True)
+    save(s.best, at, state, needs, best >= 0.0, True)
     for attempt in range(ATTEMPTS):
         chosen = best > 1.0
         if not any_lane(chosen):
             break
-        put_back(s.begun, at, state, needs)
+        restore(s.begun, at, state, needs)
         bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, 2 << attempt)
         better = chosen & (bad < best)
-        keep(s.best, at, state, needs, better, True)
+        save(s.best, at, state, needs, better, True)
         best, worst, in_parts = where(better, bad, best), where(better, error, worst), in_parts | better
-    put_back(s.best, at, state, needs)
+    restore(s.best, at, state, needs)
     store(state.restart, at.strand, where(in_parts, 1.0, restart))
     return worst
 
@@ -131,55 +130,63 @@ def add_to_means(s, at, state, needs, part):
                 store3(state.force, row, PACK, force[0], force[1], force[2])
 
 
+@inlined
+def vectors_of(state):
+    """The arrays of three coordinates that a step changes and that have rows of packs."""
+    return state.edges, state.velocity, state.before, state.ahead, state.moved
+
+
 @device
-def keep(kept, at, state, needs, lanes, twist):
-    """Keep the state of some lanes, and their ``twist`` or not."""
+def save(saved, at, state, needs, lanes, twist):
+    """Save the state of some lanes, and their ``twist`` or not."""
+    vectors = vectors_of(state)
     for j in range(at.segments):
-        row, number, o = at.edge + j * AXES, at.number + j * PACK, KEPT * j
-        keep3(kept, o, state.edges, row, PACK, lanes)
-        keep3(kept, o + 3, state.velocity, row, PACK, lanes)
-        keep3(kept, o + 6, state.before, row, PACK, lanes)
-        keep3(kept, o + 9, state.ahead, row, PACK, lanes)
-        keep3(kept, o + 12, state.moved, row, PACK, lanes)
-        keep3(kept, o + 15, state.positions, at.position + (j + 2) * ROW, W, lanes)
-        store(kept, o + 21, where(lanes, load(state.tension, number), load(kept, o + 21)))
+        row, number, o = at.edge + j * AXES, at.number + j * PACK, SAVED * j
+        for k in range(len(vectors)):
+            save3(saved, o + 3 * k, vectors[k], row, PACK, lanes)
+        save3(saved, o + POSITION, state.positions, at.position + (j + 2) * ROW, W, lanes)
+        save1(saved, o + TENSION, state.tension, number, lanes)
         if needs.solids:
-            keep3(kept, o + 18, state.force, row, PACK, lanes)
+            save3(saved, o + FORCE, state.force, row, PACK, lanes)
         if needs.segments:
-            store(kept, o + 22, where(lanes, load(state.share, number), load(kept, o + 22)))
+            save1(saved, o + SHARE, state.share, number, lanes)
         if needs.curled and twist:
-            store(kept, o + TWIST, where(lanes, load(state.twist, number), load(kept, o + TWIST)))
+            save1(saved, o + TWIST, state.twist, number, lanes)
 
 
 @inlined
-def keep3(kept, o, rows, row, stride, lanes):
-    """Keep three coordinates of some lanes."""
-    x, y, z = select(lanes, load3(rows, row, stride), load3(kept, o, 1))
-    store3(kept, o, 1, x, y, z)
+def save1(saved, o, rows, place, lanes):
+    """Save a number of some lanes."""
+    store(saved, o, where(lanes, load(rows, place), load(saved, o)))
+
+
+@inlined
+def save3(saved, o, rows, place, stride, lanes):
+    """Save three coordinates of some lanes."""
+    x, y, z = select(lanes, load3(rows, place, stride), load3(saved, o, 1))
+    store3(saved, o, 1, x, y, z)
 
 
 @device
-def put_back(kept, at, state, needs):
-    """Have the state that was kept."""
+def restore(saved, at, state, needs):
+    """Restore the state that was saved."""
+    vectors = vectors_of(state)
     for j in range(at.segments):
-        row, number, o = at.edge + j * AXES, at.number + j * PACK, KEPT * j
-        put_back3(kept, o, state.edges, row, PACK)
-        put_back3(kept, o + 3, state.velocity, row, PACK)
-        put_back3(kept, o + 6, state.before, row, PACK)
-        put_back3(kept, o + 9, state.ahead, row, PACK)
-        put_back3(kept, o + 12, state.moved, row, PACK)
-        put_back3(kept, o + 15, state.positions, at.position + (j + 2) * ROW, W)
-        store(state.tension, number, load(kept, o + 21))
+        row, number, o = at.edge + j * AXES, at.number + j * PACK, SAVED * j
+        for k in range(len(vectors)):
+            restore3(saved, o + 3 * k, vectors[k], row, PACK)
+        restore3(saved, o + POSITION, state.positions, at.position + (j + 2) * ROW, W)
+        store(state.tension, number, load(saved, o + TENSION))
         if needs.solids:
-            put_back3(kept, o + 18, state.force, row, PACK)
+            restore3(saved, o + FORCE, state.force, row, PACK)
         if needs.segments:
-            store(state.share, number, load(kept, o + 22))
+            store(state.share, number, load(saved, o + SHARE))
         if needs.curled:
-            store(state.twist, number, load(kept, o + TWIST))
+            store(state.twist, number, load(saved, o + TWIST))
 
 
 @inlined
-def put_back3(kept, o, rows, row, stride):
-    """Have three coordinates that were kept."""
-    x, y, z = load3(kept, o, 1)
-    store3(rows, row, stride, x, y, z)
+def restore3(saved, o, rows, place, stride):
+    """Restore three coordinates."""
+    x, y, z = load3(saved, o, 1)
+    store3(rows, place, stride, x, y, z)

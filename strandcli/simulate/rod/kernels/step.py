@@ -90,12 +90,12 @@ def move(s, at, next_pack, state, material, drive, step, needs, contact):
         begin.aim_tip(s, at, drive, c, 1, still)
     if needs.curled:
         for j in range(at.segments):  # iterations overwrite the twist that the step begins with
-            store(s.begun, parts.KEPT * j + parts.TWIST, load(state.twist, at.number + j * PACK))
+            store(s.begun, parts.SAVED * j + parts.TWIST, load(state.twist, at.number + j * PACK))
     worst, depth, near, path = newton.iterate(s, at, state, material, step, needs, c, contact, root)
     bad = parts.badness(s, at, state, worst, depth, path)
     again = any_lane(bad > 1.0)
     if again:
-        parts.keep(s.begun, at, state, needs, bad >= 0.0, False)
+        parts.save(s.begun, at, state, needs, bad >= 0.0, False)
     finish.finish(s, at, next_pack, state, material.bends, step, needs, c, (contact, near), shift)
     if again:
         met = contact, (root, shift)
