@@ -118,16 +118,6 @@ def test_where_threads_cannot_run_kernels_at_once_frames_are_drawn_one_by_one_an
     assert ONE_BY_ONE not in told
 
 
-def test_positions_that_were_simulated_before_give_the_same_pictures() -> None:
-    """With an emitter that turns and moves."""
-    scene = scene_of(EVERYTHING)
-    before = frames_of(scene, 1, 2, 3)
-    kept = {frame.number: frame.positions for frame in before}
-    again = frames_of(scene, 1, 2, 3, positions=kept.__getitem__)
-    alike(before, again)
-    (last,) = frames_of(scene, 3, positions=kept.__getitem__)
-    np.testing.assert_array_equal(last.image, before[2].image)
-    assert last.report["seconds"]["simulate"] is None
 
 
 def test_panels_stand_side_by_side() -> None:

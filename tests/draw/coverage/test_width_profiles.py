@@ -36,6 +36,7 @@ def post(
 ) -> Scene:
     """A strand that stands upright from the middle of the picture; ``light``: degrees from the eye toward +x."""
     turn = np.radians(light)
+    model = "chiang, scatter: dual" if model == "chiang" else model  # whose kernel presets have
     return scene_of(POST % (resolver, model, width, diffuse, -np.sin(turn), -np.cos(turn)))
 
 

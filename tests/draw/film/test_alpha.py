@@ -22,7 +22,7 @@ image: {size: [64, 48], background: %(background)s, aovs: [linear, mask, solid],
   supersample: %(samples)d%(more)s}
 curves: {mode: "off"}
 material: {width: %(width)g, opacity: %(opacity)g}
-lights: [{kind: directional, direction: [0, -1, -1], intensity: %(light)g, size: 2, shadow: {model: %(shadow)s}}]
+lights: [{kind: directional, direction: [0, -1, -1], intensity: %(light)g, size: %(size)g, shadow: {model: %(shadow)s}}]
 solids: %(solids)s
 """
 BALL = "{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 0.9]}"
@@ -32,7 +32,7 @@ GROUND = "{kind: plane, position: [0, -0.8, 0], rotation: [0, 0, 8], colour: [0.
 USUAL: dict[str, Any] = {
     "strands": 300, "height": -0.6, "kind": "perspective", "lens": "", "background": "none", "resolver": "sorted",
     "samples": 1, "more": "", "opacity": 1, "light": 1, "solids": f"[{BALL}, {GROUND}]",
-    "width": 0.01, "shadow": "opacity",
+    "width": 0.01, "shadow": "opacity", "size": 0,
 }  # fmt: skip
 MANY = ", aperture: 0.1, shutter: 0.5, samples: 3"
 STILL = 1 / 1024
@@ -60,7 +60,7 @@ def over(frame: Frame, plate: NDArray[np.float32]) -> NDArray[np.float32]:
     "changes",
     [{}, {"samples": 2, "opacity": 0.4}, {"lens": MANY}, {"kind": "orthographic"}, {"light": 0}, {"solids": "[]"},
      {"height": 90}, {"strands": 4000}, {"solids": f"[{BALL}, {ROD}]"}, {"shadow": "opacity", "width": 0.08},
-     {"solids": f"[{COATED}, {ROD}]"}, {"solids": f"[{COATED}, {GROUND}]", "samples": 2}],
+     {"solids": f"[{COATED}, {ROD}]", "size": 2}, {"solids": f"[{COATED}, {GROUND}]", "samples": 2, "size": 2}],
 )  # fmt: skip
 def test_a_picture_over_a_plate_is_the_picture_before_that_plate(resolver: str, changes: dict[str, Any]) -> None:
     plate = np.random.default_rng(len(str(changes))).random((48, 64, 3)).astype(np.float32)
