@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from strandcli.constants import VECTOR
 from strandcli.groom.blocks import aligned
+from strandcli.jit import device
 from strandcli.simd import fused_vector_pointer
 from strandcli.simulate.rod.kernels.scratch import AFTER, BEFORE, SIZES, Scratch, scratch_at, vectors_for
 
@@ -36,7 +36,7 @@ class Rows:
         return self.all[start : start + SIZES[place]]
 
 
-@njit(error_model="numpy")
+@device
 def scratch(rows: Floats, n: int) -> Any:
     """The `Scratch` that `Rows` has in ``all``."""
     return scratch_at(fused_vector_pointer(rows), n)

@@ -118,8 +118,6 @@ def test_where_threads_cannot_run_kernels_at_once_frames_are_drawn_one_by_one_an
     assert ONE_BY_ONE not in told
 
 
-
-
 def test_panels_stand_side_by_side() -> None:
     text = UNLIT + "panels: [{label: one}, {label: two, set: {image.size: [10, 30]}}, {set: {emitter.strands: 7}}]\n"
     (panels,) = frames_of(scene_of(text), 2)

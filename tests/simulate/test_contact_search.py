@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numba import njit
 from numpy.typing import NDArray
 
 from reference.rules import depth
 from scratch_kit import LANES, Rows, scratch
 from strand_kit import scene_of
 from strandcli.constants import W
+from strandcli.jit import function
 from strandcli.scene.model import Emitter
 from strandcli.simd import fused_pointer, fused_vector_pointer, load3
 from strandcli.simulate.contact.kernels import search
@@ -34,7 +34,7 @@ MOVED = np.array([[0.0, -1.0, 0.0, 0.1], [1.0, 0.0, 0.0, -0.2], [0.0, 0.0, 1.0, 
 """A quarter turn and a shift: where a solid's points come from."""
 
 
-@njit(error_model="numpy")
+@function
 def look(memory, ends, past, solids, whole, reach):
     """`search.nearest` of a segment: ``ends`` (6, LANES) and what they were, ``past`` (2, 3 W)."""
     s, rows = scratch(memory, 1), fused_vector_pointer(ends)

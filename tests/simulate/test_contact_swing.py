@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numba import njit
 
 from rod_kit import rod_of
 from strand_kit import scene_of
 from strandcli.groom.emit import emit
+from strandcli.jit import function
 from strandcli.simulate.contact.kernels import contact_solve
 from strandcli.simulate.contact.kernels.contact_columns import NORMAL, START, VECTORS
 from strandcli.simulate.rod.kernels.arrays import PACK
@@ -100,7 +100,7 @@ def test_contact_leaves_strands_that_interact_as_they_are_where_none_touch() -> 
     np.testing.assert_allclose(found[1], found[0], atol=1e-6)
 
 
-@njit(error_model="numpy")
+@function
 def force_of(vector: Floats, wanted: float, friction: float, w: Floats, rows: Floats) -> None:
     contact_solve.force_of(vector, wanted, friction, w, rows)
 

@@ -52,8 +52,7 @@ def moves(solver: RodSolver, steps: int, frames: int) -> list[float]:
     return found
 
 
-@pytest.mark.parametrize("steps", [1, 10])
-@pytest.mark.parametrize("curled", ["", CURLED])
+@pytest.mark.parametrize(("curled", "steps"), [("", 1), (CURLED, 10)])
 def test_strands_that_begin_inside_each_other_part_without_a_jump_and_rest(curled: str, steps: int) -> None:
     """In no frame any moves by .6 of a cell, however many steps it has, and then they come to rest: the density that
     they are allowed is as much greater as they begin too dense."""
@@ -66,7 +65,7 @@ def test_strands_that_begin_inside_each_other_part_without_a_jump_and_rest(curle
     assert "times as dense as density 10000 allows" in crowding(solver)
 
 
-@pytest.mark.parametrize("steps", [1, 10])
+@pytest.mark.parametrize("steps", [1, pytest.param(10, marks=pytest.mark.long)])
 def test_thousands_in_one_line_stay_finite_and_are_told(steps: int) -> None:
     solver = bundle(24 * steps, groom=alike(3000), density=7500)
     assert max(moves(solver, steps, 24)) < 1

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numba import njit
 from numpy.typing import NDArray
 
 from rod_kit import each_step, rod_of
 from strand_kit import require_same_after_restart
 from strandcli.constants import VECTOR
 from strandcli.groom.blocks import aligned
+from strandcli.jit import function
 from strandcli.simd import load, store, vector_pointer
 from strandcli.simulate.rod.kernels import rest_shape
 from strandcli.simulate.rod.solver import RodSolver
@@ -82,7 +82,7 @@ def test_a_run_of_hinged_curls_goes_on_from_its_state() -> None:
 LANES = VECTOR // 8
 
 
-@njit(error_model="numpy")
+@function
 def torques(given: Any, out: Any, count: int) -> None:
     at, to = vector_pointer(given), vector_pointer(out)
     for i in range(count):

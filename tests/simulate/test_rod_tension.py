@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numba import njit
 from numpy.typing import NDArray
 
 from scratch_kit import LANES, Rows, scratch
+from strandcli.jit import function
 from strandcli.simd import load
 from strandcli.simulate.contact.kernels import law
 from strandcli.simulate.rod.kernels import newton, tension
@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 STIFFNESS = 0.7
 
 
-@njit(error_model="numpy")
+@function
 def solve(rows, n, mass, material):
     """Change displacements and edges by H⁻¹ ρ."""
     s = scratch(rows, n)
@@ -27,7 +27,7 @@ def solve(rows, n, mass, material):
     newton.apply_change(s, n)
 
 
-@njit(error_model="numpy")
+@function
 def iterate(rows, n, mass, material, touching, whole):
     """The same after τ and forces of contact have changed as the filter finds."""
     s = scratch(rows, n)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numba import njit
 from numpy.typing import NDArray
 
 from rod_kit import rod_of, take_steps
@@ -15,6 +14,7 @@ from strand_kit import scene_of
 from strandcli.constants import VECTOR
 from strandcli.groom.blocks import aligned
 from strandcli.groom.emit import emit
+from strandcli.jit import function
 from strandcli.simd import load, store, vector_pointer
 from strandcli.simd.turning import cosine_sine
 from strandcli.simulate.advice import warnings
@@ -23,7 +23,7 @@ from strandcli.study.references import spring
 from strandcli.study.references.experiment import track_of
 
 
-@njit(error_model="numpy")
+@function
 def turned(given: Any, out: Any, count: int) -> None:
     """Cosines of vectors of angles, and then their sines."""
     angles, to = vector_pointer(given), vector_pointer(out)

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numba import njit
 
 from strandcli.draw.common.kernels import approximations as ap
+from strandcli.jit import function
 from strandcli.simd import lane_count, load, pointer, store
 
 FLOATS = st.floats(width=32, allow_nan=True, allow_infinity=True)
 
 
-@njit
+@function
 def over(function, values, out):
     for i in range(values.size):
         out[i] = function(values[i])
@@ -57,8 +57,8 @@ def test_exact_values():
 @given(FLOATS)
 def test_nothing_that_can_be_passed_gives_nan_or_infinity(x):
     x = np.float32(x)
-    for function in (ap.acos, ap.asin, ap.exp2, ap.exp):
-        assert np.isfinite(function(x)), function
+    for one in (ap.acos, ap.asin, ap.exp2, ap.exp):
+        assert np.isfinite(one(x)), one
 
 
 @given(FLOATS)
@@ -66,7 +66,7 @@ def test_clamp_puts_nan_and_everything_else_inside(x):
     assert -2 <= ap.clamp(np.float32(x), np.float32(-2), np.float32(3)) <= 3
 
 
-@njit
+@function
 def exp_of_vectors(values, out):
     rows, to = pointer(values), pointer(out)
     for k in range(0, len(values), lane_count(rows)):

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numba import njit
 
 from strand_kit import frames_of, scene_of
 from strandcli.constants import W
@@ -14,18 +13,19 @@ from strandcli.draw.common.kernels import batch, surface_batch
 from strandcli.draw.lighting.kernels import surface_points
 from strandcli.draw.solids.kernels import coat as kernel
 from strandcli.draw.solids.solids import coats_of
+from strandcli.jit import function
 from strandcli.scene.model import BoxSolid, PlaneSolid, SphereSolid
 
 UP = np.array([0.0, 0.0, 1.0])
 
 
-@njit
+@function
 def gleam(coat: Any, rough: Any, size: Any, normal: Any, light: Any, eye: Any) -> Any:
     """`kernel.gleam`, which is part of its callers."""
     return kernel.gleam(coat, rough, size, normal, light, eye)
 
 
-@njit
+@function
 def mirrored(coat: Any, rough: Any, nv: Any) -> Any:
     """`kernel.mirrored`, which is part of its callers."""
     return kernel.mirrored(coat, rough, nv)
@@ -152,7 +152,7 @@ def test_a_coat_shines_towards_the_mirrored_light_and_is_left_out_where_nothing_
     np.testing.assert_allclose(found[:, :4], np.float32([[0, 0.3, 0, 0.1], [0, 0.3, 0.3, 0.7], [0.5, 0.2, 0, 0.1]]))
 
 
-@njit
+@function
 def mottle(work: Any, n: Any, grain: Any) -> None:
     """The kernel for the first n points of a batch."""
     surface_points.mottle(work, n, np.float32(1), grain)
