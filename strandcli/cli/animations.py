@@ -10,8 +10,8 @@ import click
 
 from ..errors import UsageError
 from . import signals
+from .progress import Talk
 from .render_frames import interrupted
-from .talk import Talk
 from .values import ANIMATIONS, COLOUR, KINDS
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from click.core import ParameterSource
 from ..common.counted import counted
 from ..errors import UsageError
 from . import options
-from .talk import Talk
+from .progress import Talk
 
 OWN = {
     "emitter.strands": "--strands", "emitter.particles": "--particles", "image.size": "--size", "solver": "--solver",

@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from . import options
-from .talk import Talk
+from .progress import Talk
 
 FILES = ("claims.csv", "claims.svg")
 HEADS = {"claim": "claim", "source": "source's figure", "ours": "ours"}

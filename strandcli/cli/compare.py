@@ -8,8 +8,8 @@ import click
 
 from ..errors import MismatchError, UsageError
 from . import options
+from .progress import Talk
 from .say import say
-from .talk import Talk
 
 
 @click.command()

@@ -10,9 +10,9 @@ import click
 from ..common.counted import counted
 from ..errors import UsageError
 from . import facts, options
-from .frame_range import FrameRange
+from .progress import Talk
 from .say import say
-from .talk import Talk
+from .values import FRAMES, FrameRange
 
 if TYPE_CHECKING:
     from ..exchange.edit.moving import Change, Step
@@ -40,7 +40,7 @@ class FiniteType(click.FloatRange):
 @click.option(
     "-f",
     "--frames",
-    type=options.FRAMES,
+    type=FRAMES,
     metavar="RANGE",
     help="Moments of a file of strands that move, the first is 1: 1-48 or 1-100x5.  [default: all]",
 )

@@ -11,8 +11,7 @@ from ..common.counted import counted
 from ..common.registry import LAYOUTS
 from ..errors import UsageError
 from . import camera_files, complete, options
-from .progress import warner
-from .talk import Talk
+from .progress import Talk, warner
 from .values import span
 
 

@@ -9,8 +9,8 @@ import click
 
 from ..errors import FAILED
 from . import options
+from .progress import Talk
 from .say import printable, say
-from .talk import Talk
 
 MARKS = {"ok": ("ok    ", "green"), "note": ("note  ", "yellow"), "broken": ("BROKEN", "red")}
 

@@ -11,10 +11,9 @@ import click
 
 from ..common.counted import counted
 from . import options
-from .frame_range import FrameRange
-from .progress import warner
+from .progress import Talk, warner
 from .render_frames import open_cache
-from .talk import Talk
+from .values import FrameRange
 
 if TYPE_CHECKING:
     from ..exchange.strands import Strands, TimeSample

@@ -10,9 +10,8 @@ import click
 from ..common.counted import counted
 from ..errors import UsageError
 from . import options
-from .frame_range import FrameRange
-from .talk import Talk
-from .values import ANIMATIONS
+from .progress import Talk
+from .values import ANIMATIONS, FrameRange
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

@@ -13,8 +13,8 @@ import click
 
 from ..errors import MismatchError
 from . import options
+from .progress import Talk
 from .say import printable
-from .talk import Talk
 
 if TYPE_CHECKING:
     from ..study.golden import Result

@@ -11,8 +11,7 @@ import click
 from ..errors import UsageError
 from ..meshes import SUFFIXES
 from . import facts, options
-from .say import say
-from .talk import print_json
+from .say import print_json, say
 
 if TYPE_CHECKING:
     from ..exchange.files import ReadOptions

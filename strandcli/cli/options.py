@@ -15,11 +15,10 @@ from ..common.counted import counted
 from ..errors import UsageError
 from ..meshes import SUFFIXES
 from . import complete
-from .frame_range import FrameRange
 from .process import set_debug
+from .progress import Talk
 from .say import say
-from .talk import Talk
-from .values import SIZE, Parsed
+from .values import FRAMES, SIZE, FrameRange
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -35,9 +34,6 @@ class Whole(click.IntRange):
 
 COUNT_STRANDS = Whole(1, 100_000_000)
 COUNT_PARTICLES = Whole(2, 100_000)
-
-
-FRAMES = Parsed("frames", FrameRange.parse)
 
 
 def available_cores() -> int:

@@ -10,10 +10,9 @@ import click
 from ..common.counted import counted
 from ..compiling import runtime
 from . import options
-from .frame_range import FrameRange
 from .progress import Progress, duration, pace
-from .say import say
-from .talk import print_json
+from .say import print_json, say
+from .values import FrameRange
 
 if TYPE_CHECKING:
     from ..plan import Plan

@@ -8,8 +8,7 @@ import click
 
 from ..errors import UsageError
 from . import complete, options
-from .say import say
-from .talk import print_json
+from .say import print_json, say
 
 
 @click.group(invoke_without_command=True)

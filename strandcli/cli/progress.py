@@ -1,5 +1,5 @@
 """What a person sees while a run goes on: one line on stderr, redrawn in place on a terminal; elsewhere plain lines,
-where a command asks for them."""
+where a command asks for them. And how much a command says, data on stdout, what people should know on stderr."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import shutil
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import TracebackType
-from typing import Self, TextIO
+from typing import Any, NamedTuple, Self, TextIO
 
 from ..compiling.clock import clock
 from . import signals
-from .say import printable, say
+from .say import print_json, printable, say
 
 _TICK = 0.2
 _LONG, _AGAIN = 2.0, 10.0
@@ -160,6 +160,44 @@ class Progress:
             return ""
         each, rest = elapsed / self.done, self.total - self.done
         return f", {duration(rest * each - min(now - self._stepped, each if rest else 0.0))} left"
+
+
+class Talk(NamedTuple):
+    """What --json, --quiet, --verbose and --no-progress ask for; a command may have some of them."""
+
+    as_json: bool = False
+    quiet: bool = False
+    verbose: bool = False
+    no_progress: bool = False
+
+    def progress(self, total: int, label: str, *, each: str = "frame", lines: bool = False) -> Progress:
+        """A progress line; see `Progress`."""
+        hidden = self.no_progress or self.quiet
+        return Progress(total, label, hidden=hidden, verbose=self.verbose, each=each, lines=lines)
+
+    def data(self, data: Any) -> None:
+        """Print machine data, alone on stdout, if it is asked for."""
+        if self.as_json:
+            print_json(data)
+
+    def result(self, data: Any, text: Callable[[], str]) -> None:
+        """Print machine data, or else text for people."""
+        if self.as_json:
+            print_json(data)
+        elif not self.quiet:
+            say(text())
+
+    def note(self, text: str) -> None:
+        """Say what a person should know."""
+        if not self.quiet:
+            say(text, err=True)
+
+    def warn_if_busy(self, busy: Mapping[str, float] | None, advice: str) -> None:
+        """Warn where other programs took the processor while something was timed (`study.busy`)."""
+        from ..study.busy import busy_words
+
+        if words := busy_words(busy):
+            self.note(f"warning: {words}; {advice}")
 
 
 def compiling() -> str:

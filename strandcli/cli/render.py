@@ -14,15 +14,14 @@ from ..errors import SimulationError, StrandError
 from ..files import inputs
 from . import animations, camera_files, options, process
 from . import dask as clusters
-from .frame_range import FrameRange
 from .layers import layer_options, with_layers
 from .preview import Preview, preview_option
-from .progress import Progress, warner
+from .progress import Progress, Talk, warner
 from .render_error import PictureError, advised, max_error_option
 from .render_frames import Motion, frame_line, frame_writer, frames_of, interrupted, open_cache, tell
 from .sweep import run as run_sweep
 from .sweep import sweep_option
-from .talk import Talk
+from .values import FrameRange
 from .watch import run as run_watch
 from .watch import watch_option
 

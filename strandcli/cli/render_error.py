@@ -9,7 +9,7 @@ import click
 
 from ..errors import StrandError, UsageError
 from . import options, process
-from .talk import Talk
+from .progress import Talk
 from .values import Parsed, bounds
 
 if TYPE_CHECKING:

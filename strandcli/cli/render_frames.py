@@ -46,7 +46,7 @@ def frames_of(
             keep_going=motion.keep_going, checkpoints=kept,
         )  # fmt: skip
     from ..run import pipeline
-    from ..run.first_frame import FirstFrame
+    from ..run.checkpoints import FirstFrame
 
     return pipeline.render(
         scene, numbers, threads=threads, positions=motion.positions, keep_going=motion.keep_going,

@@ -27,3 +27,8 @@ def json_text(data: Any) -> str:
     if text.replace("\n", "").isprintable():
         return text
     return "".join(c if c == "\n" or c.isprintable() else json.dumps(c)[1:-1] for c in text)
+
+
+def print_json(data: Any) -> None:
+    """Machine data alone on stdout."""
+    click.echo(json_text(data))

@@ -11,10 +11,9 @@ from ..common.counted import counted
 from ..errors import UsageError
 from ..files import inputs
 from . import options
-from .frame_range import FrameRange
-from .progress import warner
+from .progress import Talk, warner
 from .render_frames import motion_of
-from .talk import Talk
+from .values import FrameRange
 
 
 @click.command()
@@ -70,7 +69,7 @@ def command(
 
                 runtime.start(threads, progress.note)
                 from ..run import checkpoints, pipeline
-                from ..run.first_frame import FirstFrame
+                from ..run.checkpoints import FirstFrame
 
                 warn = warner(progress, talk.quiet)
                 for frame in pipeline.render(

@@ -13,8 +13,8 @@ from ..common.counted import counted
 from ..errors import MismatchError, UsageError
 from ..scene.faults import shown
 from . import complete, options
+from .progress import Talk
 from .say import say
-from .talk import Talk
 from .values import Parsed
 
 if TYPE_CHECKING:

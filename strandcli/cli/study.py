@@ -12,7 +12,7 @@ import click
 
 from ..errors import MismatchError, UsageError
 from . import complete, options
-from .talk import Talk
+from .progress import Talk
 from .values import ERROR, count, metres, several, step, word
 
 if TYPE_CHECKING:

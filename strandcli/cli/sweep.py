@@ -15,9 +15,8 @@ from ..common.counted import counted
 from ..errors import SimulationError, UsageError
 from ..scene.faults import Fault, SceneError
 from . import complete, options, signals
-from .say import say
+from .say import print_json, say
 from .sweep_values import Point, axis_of, points
-from .talk import print_json
 from .values import Parsed
 
 TABLE, SHEET = "sweep.csv", "sweep.png"

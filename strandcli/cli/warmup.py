@@ -17,7 +17,7 @@ from ..compiling.folder import cache
 from ..compiling.service import cores
 from . import complete, options, signals
 from .layers import layer_options, with_layers
-from .talk import Talk
+from .progress import Talk
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

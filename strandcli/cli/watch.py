@@ -127,8 +127,7 @@ def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], states: Path) -> 
     from ..compiling import runtime
     from ..plan import checked_plan
     from ..run import pipeline
-    from ..run.checkpoints import Checkpoints
-    from ..run.first_frame import FirstFrame
+    from ..run.checkpoints import Checkpoints, FirstFrame
 
     if frame > scene.time.frames:
         raise UsageError(f"-f/--frames asks for frame {frame}, but the animation has {scene.time.frames}")

@@ -18,8 +18,7 @@ from .ordered_map import ordered_map, worker_count
 from .stages import MovedStrands, Notify, Positions, RunOptions, SimulationStage
 
 if TYPE_CHECKING:
-    from .checkpoints import Checkpoints
-    from .first_frame import FirstFrame
+    from .checkpoints import Checkpoints, FirstFrame
 
 Item = TypeVar("Item")
 

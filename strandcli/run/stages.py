@@ -24,8 +24,7 @@ from ..scene.model import MeshShape, Scene
 from .frame import Frame
 
 if TYPE_CHECKING:
-    from .checkpoints import Checkpoints
-    from .first_frame import FirstFrame
+    from .checkpoints import Checkpoints, FirstFrame
 
 Notify = Callable[[str], None]
 Positions = Callable[[int], NDArray[np.float32]]

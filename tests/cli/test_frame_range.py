@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strandcli.cli.frame_range import FrameRange
+from strandcli.cli.values import FrameRange
 from strandcli.errors import UsageError
 
 parts = st.builds(

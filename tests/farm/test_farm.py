@@ -16,8 +16,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cli_runs import TINY, Runner, environment
-from strandcli.cli.frame_range import FrameRange
 from strandcli.cli.options import available_cores
+from strandcli.cli.values import FrameRange
 from strandcli.farm import job as jobs
 from strandcli.farm import openjd, scripts
 from strandcli.output import png

@@ -12,9 +12,8 @@ import pytest
 import strandcli
 from strandcli.compiling import folder
 from strandcli.jit import kept as keeping
-from strandcli.run import first_frame
-from strandcli.run.checkpoints import Checkpoints
-from strandcli.run.first_frame import FirstFrame
+from strandcli.run import checkpoints as first_frame
+from strandcli.run.checkpoints import Checkpoints, FirstFrame
 from strandcli.run.frame import Frame
 from strandcli.run.pipeline import render
 from strandcli.scene import Scene
