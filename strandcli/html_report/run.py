@@ -26,7 +26,6 @@ ERRORS = {
     "stretch_max": ("stretch", 100.0, " %"), "penetration_max": ("depth of particles in solids", 1000.0, " mm"),
     "segment_penetration_max": ("depth of segments in solids", 1000.0, " mm"),
     "strand_penetration_max": ("depth of strands in strands", 1000.0, " mm"),
-    "momentum_lost": ("momentum lost", 100.0, " %"),
     "residual_max": ("residual of the solver", 1.0, ""), "curve_px_max": ("distance from the true curve", 1.0, " px"),
     "follow_stretch_max": ("stretch of followers", 100.0, " %"), "nonfinite": ("strands lost", 1.0, ""),
 }  # fmt: skip

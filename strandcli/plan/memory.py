@@ -46,7 +46,7 @@ ROD, CROWDED, FRAMED = 80, 66, 16
 rest shapes in them."""
 DOUBLE, DOUBLE_CROWDED = 88, 25
 """Bytes of a particle more in double precision, where those of frames are twice as many: the state's numbers, 64, and
-positions beside those in single precision, 24; and where strands push each other, with what moves the grid's nodes."""
+positions beside those in single precision, 24; and where strands push each other, with what moves the grid."""
 TOUCHING, CELL, PAIR = 290, 32, 50
 """More where strands have contact: the state before the step, 120; particles at its ends, 48, boxes, 72, the cells'
 table, 50; of each cell that a segment lies in (`crowding`); of a pair of segments whose boxes meet, its numbers and

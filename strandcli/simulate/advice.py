@@ -28,11 +28,11 @@ DEEP = 1.0
 COARSE = 0.01
 """Spacing of single-precision numbers, as a share of a segment, above which strands look ragged."""
 SAMPLED_ROOTS = 1000
-"""Roots that are tested in each frame, evenly chosen; a solid contains many at once."""
+"""Roots that are tested in each frame between the first and the last, evenly chosen."""
 GRAZED = 0.02
 """Least share of the roots in a moving solid that is reported; below, the solid only grazes the emitter and releases
-them. Of roots that stay inside until the end, one is enough."""
-MOST_FRAMES = 4000
+them."""
+MOST_FRAMES = 1000
 """Frames that are looked at, the last and others, evenly spaced; all of films that have no more."""
 ROUNDED = 1e-12
 """Relative error of a stiffness that is no more than rounding."""
@@ -60,7 +60,6 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
         found.append("time.jitter: ignored, rods move by equal steps; take it out, or set solver: thesis")
     found += _idle_rod(scene)
     collisions = [use for use in scene.rules if use.name == "collision"]
-    numbers = {id(solid): place for place, solid in enumerate(scene.solids)}
     whole = any(use.parameters.segments for use in collisions)
     segment = groom.lengths.astype(np.float64) / max(scene.emitter.particles - 1, 1)
     away = float(np.abs(_roots(scene, groom.roots, 1)).max())
@@ -71,8 +70,10 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
             f"{100 * step / segment.max():.2g} % of a segment: they become ragged; move the scene to the origin"
         )
     found += _meshes(scene, groom)
-    for solid in touched(scene):
-        name = f"solids.{numbers[id(solid)]}" + (f" ({solid.name})" if solid.name else "")
+    met = {id(solid) for solid in touched(scene)}
+    for name, solid in _named(scene):
+        if id(solid) not in met:
+            continue
         swallowed = _swallowed(solid, scene, groom, segment)
         if swallowed is not None:
             found.append(f"{name}: {swallowed}")
@@ -97,8 +98,7 @@ def _idle_rod(scene: Scene) -> list[str]:
 
 def _meshes(scene: Scene, groom: Groom) -> list[str]:
     """What is to be said of solids that are meshes."""
-    meshes = [(place, solid) for place, solid in enumerate(scene.solids) if solid.kind == "mesh"]
-    if not meshes:
+    if not any(solid.kind == "mesh" for solid in scene.solids):
         return []
     from ..mesh_file.needs import warnings as of_mesh
 
@@ -106,11 +106,15 @@ def _meshes(scene: Scene, groom: Groom) -> list[str]:
     met = {id(solid) for solid in touched(scene)}
     return [
         line
-        for place, solid in meshes
-        for line in of_mesh(
-            f"solids.{place}" + (f" ({solid.name})" if solid.name else ""), solid, extent, id(solid) in met
-        )
+        for name, solid in _named(scene)
+        if solid.kind == "mesh"
+        for line in of_mesh(name, solid, extent, id(solid) in met)
     ]
+
+
+def _named(scene: Scene) -> list[tuple[str, Any]]:
+    """Return solids with what they are called in messages."""
+    return [(f"solids.{k}" + (f" ({one.name})" if one.name else ""), one) for k, one in enumerate(scene.solids)]
 
 
 def _catching(scene: Scene) -> str:
@@ -128,10 +132,8 @@ def _broken_loops(scene: Scene) -> list[str]:
     """Return a warning for each emitter or solid whose pose at the end of a loop differs from that at its beginning."""
     if not scene.time.loop:
         return []
-    things: list[tuple[str, Any]] = [("emitter", scene.emitter)]
-    things += [(f"solids.{k}" + (f" ({one.name})" if one.name else ""), one) for k, one in enumerate(scene.solids)]
     found = []
-    for name, thing in things:
+    for name, thing in [("emitter", scene.emitter), *_named(scene)]:
         if not thing.keys:
             continue
         first, last = (
@@ -206,31 +208,19 @@ def _swallowed(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> str |
 
 
 def _first_frame(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> int | None:
-    """Return the first frame in which a solid contains roots, or None: any at the start, later a share of `GRAZED` or
-    any that it does not release before the end."""
-    if (depth(_roots(scene, groom.roots, 1), solid, scene.emitter, 0.0) > DEEP * segment).any():
-        return 1
-    moves = bool(solid.keys) or (bool(scene.emitter.keys) and (solid.follow != "emitter" or not _carried(scene)))
-    if not moves:
-        return None
-    some = slice(None, None, -(-groom.strands // SAMPLED_ROOTS))
-    roots, least = groom.roots[some], DEEP * segment[some]
-    middle = groom.roots.mean(0, keepdims=True)
-    around = float(np.linalg.norm(groom.roots - middle, axis=1).max())
-    frames = range(scene.time.frames, 1, -max(1, -(-scene.time.frames // MOST_FRAMES)))
-    for frame in reversed(frames):
-        time = _time(scene, frame)
-        if depth(_roots(scene, middle, frame), solid, scene.emitter, time)[0] <= -around:
-            continue  # too far away to contain any
-        if (depth(_roots(scene, roots, frame), solid, scene.emitter, time) > least).mean() >= GRAZED:
+    """Return the first frame in which a solid contains roots, or None: any at the start, later a share of `GRAZED`, or
+    any at the end."""
+    frames = [1]
+    if solid.keys or (scene.emitter.keys and (solid.follow != "emitter" or not _carried(scene))):
+        frames += range(scene.time.frames, 1, -max(1, -(-scene.time.frames // MOST_FRAMES)))
+    for frame in sorted(frames):
+        end = frame in (1, scene.time.frames)
+        some = slice(None, None, 1 if end else -(-groom.strands // SAMPLED_ROOTS))
+        under = depth(_roots(scene, groom.roots[some], frame), solid, scene.emitter, _time(scene, frame))
+        share = (under > DEEP * segment[some]).mean()
+        if share >= GRAZED or (end and share > 0):
             return frame
-    held = None
-    for frame in frames:
-        under = depth(_roots(scene, groom.roots, frame), solid, scene.emitter, _time(scene, frame))
-        if not (under > DEEP * segment).any():
-            break
-        held = frame
-    return held
+    return None
 
 
 def _time(scene: Scene, frame: int) -> float:

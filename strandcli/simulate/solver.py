@@ -70,9 +70,6 @@ class Solver(ABC):
         """Be told that steps of ``dt`` seconds with these ends are likely to come next, unless the solver goes on from
         another state: what follows from time alone can be computed for all of them together."""
 
-    def begin_frame(self) -> None:  # noqa: B027  which most need not hear
-        """Be told that the steps of another frame come next."""
-
     @abstractmethod
     def place_roots(self, frame: int) -> None:
         """Set the two rows that rules do not simulate, the root and the one before it, at a frame."""
@@ -94,8 +91,6 @@ class Solver(ABC):
         if self._frame == 0:
             before = round(time.preroll * time.fps * time.substeps)
             for j in range(before):
-                if (before - j) % time.substeps == 0:
-                    self.begin_frame()
                 self.step((j + 1 - before) * dt, dt)
             self._frame = 1
         substeps = time.substeps
@@ -104,7 +99,6 @@ class Solver(ABC):
                 self._announced = self._frame + max(ANNOUNCED // substeps, 1)
                 frames = range(self._frame, self._announced) if substeps < ANNOUNCED else ()
                 self.announce([(f - 1 + (j + 1) / substeps) / time.fps for f in frames for j in range(substeps)], dt)
-            self.begin_frame()
             for j in range(substeps):
                 self.step((self._frame - 1 + (j + 1) / substeps) / time.fps, dt)
             self._frame += 1
@@ -145,15 +139,15 @@ class Solver(ABC):
         without solids to collide with; ``residual_max``: `residual`; ``nonfinite``: number of coordinates that are not
         finite. Roots are left out, and of a first segment only the depth in excess of its root's counts.
         """
-        out = np.zeros((len(self.positions), measure.COLUMNS), np.float32)
-        measure.strands(self.positions, self.lengths, out)
+        stretch = np.zeros(len(self.positions), np.float32)
+        measure.stretches(self.positions, self.lengths, stretch)
         particle, segment = self._depths(max((frame - 1) / self.scene.time.fps, 0.0))
         return {
-            "stretch_max": float(out[:, measure.STRETCH].max()),
+            "stretch_max": float(stretch.max()),
             "penetration_max": particle,
             "segment_penetration_max": segment,
             "residual_max": self.residual(),
-            "nonfinite": int(out[:, measure.NOT_FINITE].sum()),
+            "nonfinite": int(np.count_nonzero(~np.isfinite(self.positions[:, 1:]))),
         }
 
     def _depths(self, time: float) -> tuple[float, float] | tuple[None, None]:

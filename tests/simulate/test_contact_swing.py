@@ -95,7 +95,7 @@ def test_contact_leaves_strands_that_interact_as_they_are_where_none_touch() -> 
         scene = scene_of(text % rule)
         solver = RodSolver(scene, emit(scene.emitter, scene.seed))
         solver.advance(8)
-        assert rule or (solver.grid is not None and solver.grid.strands.pushed.any())
+        assert rule or (solver.grid is not None and solver.grid.pushed.any())
         found.append(solver.particles())
     np.testing.assert_allclose(found[1], found[0], atol=1e-6)
 

@@ -12,8 +12,7 @@ from mesh_kit import mesh, obj
 from rod_kit import rod_of
 from strandcli.scene.motion import solid_pose
 from strandcli.simulate.grid import strand_grid
-from strandcli.simulate.grid.kernels import donor_cells
-from strandcli.simulate.grid.kernels.limit import BETWEEN_ONLY, HASTENED, LED, WIDELY, limit
+from strandcli.simulate.grid.kernels.pressure import BETWEEN_ONLY, HASTENED, LED, WIDELY, limit
 from strandcli.simulate.grid.kernels.records import (
     BETWEEN,
     CELL,
@@ -24,8 +23,6 @@ from strandcli.simulate.grid.kernels.records import (
     MOMENTUM,
     MOST,
     NUMBERS,
-    PUSH,
-    RATE,
     SIZE,
     SPEED,
     Room,
@@ -37,7 +34,7 @@ from tests.simulate.test_grid import BALL, prepare
 WIDE, HIGH, DEEP = 16, 7, 6
 COUNT = WIDE * HIGH * DEEP
 BOX = np.array([0, 0, 0, WIDE, HIGH, DEEP, 0])
-LIVE = np.ones((DEEP + 2, HIGH + 2), np.uint64)
+LIVE = np.ones((DEEP + 2, HIGH + 2), np.bool_)
 
 
 def made(share: float = 0.5) -> tuple[NDArray[np.float32], Room, NDArray[np.float32], NDArray[np.float32]]:
@@ -49,8 +46,8 @@ def made(share: float = 0.5) -> tuple[NDArray[np.float32], Room, NDArray[np.floa
     grid *= 0.01 + inner
     grid[MOMENTUM : MOMENTUM + 3] -= 0.5 * grid[MASS]
     empty = np.zeros(COUNT, np.float32)
-    open = np.where(rng.random(COUNT) > 0.1, rng.uniform(0.3, 1, COUNT), -0.1).astype(np.float32)
-    room = Room(open, empty, empty, 0.2 * inner, np.sqrt(np.maximum(open, 0)), empty)
+    open = np.where(rng.random(COUNT) > 0.1, rng.uniform(0.3, 1, COUNT), 0).astype(np.float32)
+    room = Room(open, np.sqrt(open), empty, empty, 0.2 * inner, empty, empty)
     numbers = np.zeros(NUMBERS, np.float32)
     numbers[FULL], numbers[SPEED], numbers[FALL + 1], numbers[MOST] = 0.3, 2.0, -0.3, share
     return grid, room, numbers, (30 * inner * (room.open > 0)).astype(np.float32)
@@ -74,7 +71,7 @@ def test_pressure_is_the_greatest_that_no_face_throws_strands_with(share: float)
     """Against the least sums along all ways between cells, in long and in short steps."""
     grid, room, numbers, found = made(share)
     pressure = found.copy()
-    limit(BOX, np.stack([LIVE, LIVE]), grid, room, numbers, pressure)
+    limit(BOX, grid, room, numbers, LIVE, pressure)
     wanted = found.astype(float)
     for _ in range(COUNT):
         before = wanted.copy()
@@ -104,28 +101,6 @@ D, ROWS, ACROSS, LENGTH = 0.002, 20, 20, 0.12
 """From strand to strand, metres; strands above and beside each other; their length, metres."""
 
 
-def test_strands_read_of_closed_cells_what_they_leave_in_them() -> None:
-    """To read is the transpose of to leave: so no momentum is lost or gained, in corners and gaps either."""
-    rng = np.random.default_rng(0)
-    box = np.array([0, 0, 0, 16, 6, 5, 0])
-    count = 16 * 6 * 5
-    open_ = np.where(rng.random(count) > 0.5, rng.random(count), -0.1 * rng.random(count)).astype(np.float32)
-    grid = rng.random((CELL, count)).astype(np.float32)
-    targets = rng.normal(size=(count, CELL)).astype(np.float32)
-    homes, closed = np.empty(count, np.int8), np.empty((2, count + 1), np.int32)
-    left, room, read = grid.copy(), open_.copy(), targets.copy()
-    donor_cells.settle(box, np.ones((5, 6), np.bool_), left, room, homes, closed)
-    donor_cells.read_home(box, homes, closed, read)
-    assert (homes[open_ > 0] == 0).all()
-    assert (homes > 0).sum() > 200 < (homes <= donor_cells.WAYS).sum()
-    assert (homes > donor_cells.WAYS).any()
-    for column, target in [(MASS + i, RATE + i) for i in range(4)] + [(BETWEEN + i, PUSH + i) for i in range(3)]:
-        brought = left[column].astype(float) @ targets[:, target]
-        assert brought == pytest.approx(grid[column].astype(float) @ read[:, target], abs=1e-3)
-    assert (left[MASS, homes > 0] == 0).all()
-    assert room[open_ > 0].sum() == pytest.approx(np.abs(open_[(open_ > 0) | (homes > 0)]).sum(), rel=1e-5)
-
-
 def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -143,16 +118,16 @@ def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
     row = other.pack([solid], [solid_pose(solid, solver.scene.emitter, 0.0)], np.float64)[0]
     far = other_code.depth(solid, row, np.stack([x, y, z], -1).reshape(-1, 3)).reshape(x.shape) / -crowd.cell
     beyond = 0.5 * np.maximum(1 - np.abs(far), 0) ** 2
-    wanted = np.where(far > 0, 1 - beyond, np.where(far > -0.75, beyond, -beyond))
+    wanted = np.where(far > 0, 1 - beyond, np.where(far > -0.95, beyond, 0))
     wanted[~crowd.near] = 1
     assert 0 < crowd.near.sum() < crowd.near.size
-    found = crowd.shares.reshape(x.shape)
-    inner = np.abs(far + 0.75) > 1e-4  # where it jumps rounding decides
+    found = crowd.room.open.reshape(x.shape)
+    inner = np.abs(far + 0.95) > 1e-4  # where it jumps rounding decides
     np.testing.assert_allclose(found[inner], wanted[inner], atol=1e-5)
     assert (found < 0.5).sum() > 20
     monkeypatch.setattr(strand_grid, "find_room", None)
     prepare(solver)
-    np.testing.assert_array_equal(crowd.shares.reshape(x.shape)[inner], found[inner])
+    np.testing.assert_array_equal(crowd.room.open.reshape(x.shape)[inner], found[inner])
     solver.surroundings._packed[-1][0, 0] += 0.01  # the ball moves
     with pytest.raises(TypeError, match="not callable"):
         prepare(solver)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numba import njit
 
 from rod_kit import rod_of
 from strand_kit import require_same_after_restart, scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
-from strandcli.simulate.grid.kernels import shelter
-from strandcli.simulate.grid.kernels.nodes import CHANGE, SLIGHT
-from strandcli.simulate.grid.kernels.records import MASS
+from strandcli.simulate.grid.kernels import forces, records
+from strandcli.simulate.grid.kernels.forces import CHANGED, SLIGHT
 from strandcli.simulate.health import crowding
 from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_grid import BALL, rows
@@ -124,13 +124,16 @@ def test_they_are_those_whose_push_changes_much() -> None:
         f"time: {{fps: {FPS}}}\nemitter: {{{BALL}, strands: 400}}\n"
         "rules: [gravity, interaction: {cell: 0.03, density: 4000}]"
     )
-    pushed, shares = solver.grid.strands.pushed, []
+    pushed, shares = solver.grid.pushed, []
     for frame in range(2, 12):
         past, v = rows(pushed, 400), rows(solver.state.velocity, 400)
         solver.advance(frame)
         changed = ((rows(pushed, 400) - past) ** 2).sum((1, 2))
         speed = ((v - v[:, -1:]) ** 2).sum((1, 2))
-        margins = changed / (CHANGE**2 * (past**2).sum((1, 2)) + 1e-30), changed / (FPS * SLIGHT) ** 2 / (speed + 1e-30)
+        margins = (
+            changed / (CHANGED**2 * (past**2).sum((1, 2)) + 1e-30),
+            changed / (FPS * SLIGHT) ** 2 / (speed + 1e-30),
+        )
         least = np.minimum(*margins)
         marked = solver.state.jolted.reshape(-1)[:400] > 0
         clear = np.abs(least - 1) > 1e-3
@@ -155,22 +158,19 @@ def test_a_brush_that_falls_does_not_boil() -> None:
 def test_wind_fades_exponentially_in_an_even_layer(way: tuple[float, float, float]) -> None:
     """exp(−n d s) after a way s, from where it has entered."""
     side, stop = 32, 0.05
-    box = np.array([0, 0, 0, side, side, side, 0])
-    grid, left = np.zeros((4, side**3), np.float32), np.empty(side**3, np.float32)
-    grid[MASS] = 1
-    layers = np.empty((4, shelter.layer_size(side, side, side)), np.float32)
-    shelter.shelter(box, grid[MASS], np.array(way, np.float32), np.float32(stop), left, layers)
-    cells = left.reshape(side, side, side)  # z, y, x, but where the wind blows along x: x, z, y
-    if abs(way[0]) > abs(way[1]):
-        cells = cells.transpose(1, 2, 0)
-    at = np.arange(side)
+    box, numbers = np.array([0, 0, 0, side, side, side, 0]), np.zeros(records.NUMBERS, np.float32)
+    numbers[records.WIND : records.WIND + 3], numbers[records.STOP] = way, stop
+    left, behind = np.empty((2, side**3), np.float32)
+    sweep = njit(lambda *given: forces.shelter(*given))
+    sweep(box, np.ones(side**3, np.float32), numbers, left, behind)
+    cells, at = left.reshape(side, side, side), np.arange(side)  # z, y, x
     if way[2] < 0:
         assert cells[side - 1 - 10, 3, 4] == pytest.approx(np.exp(-stop * 10), rel=1e-3)
     elif way[1] == 0:
         np.testing.assert_allclose(cells[12, 12], np.exp(-stop * at), rtol=1e-3)
-    else:  # enters through the top where that is nearer
+    else:  # enters through the top where that is nearer, and first-order differences blur where both meet
         ways = np.minimum(at / 0.6, (side - 1 - 12) / 0.8)
-        np.testing.assert_allclose(cells[12, 12], np.exp(-stop * ways), rtol=0.05)
+        np.testing.assert_allclose(cells[12, 12], np.exp(-stop * ways), rtol=0.15)
 
 
 def test_a_strand_in_the_lee_bends_less() -> None:

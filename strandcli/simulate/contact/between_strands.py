@@ -77,12 +77,6 @@ class StrandContact:
         """How much closer they began, 0 once they have had the time to come apart; NaN before the first step."""
         self._time = 0.0
         """Seconds since then."""
-        self.handed = np.zeros(4)
-        """As `Forces.handed`, in this frame so far."""
-
-    def begin_frame(self) -> None:
-        """Forget what strands have handed to each other."""
-        self.handed[...] = 0
 
     def step(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
         """Make a step of ``dt`` seconds by ``run``, again where strands touch. ``solver``: the rod solver whose step it
@@ -91,28 +85,24 @@ class StrandContact:
         self._forces.begin(dt, solver)
         self._impacts.begin()
         self._moves = np.zeros((len(self.lengths), self.segments, 3))  # by impacts
-        self._loaded = NOTHING, np.zeros((0, 3))
         converged = self._rounds(run, dt, solver)
         self._time += dt
         if self._time > APART:
             self.emitted = 0.0
-        self.handed += self._forces.handed(*self._loaded, solver)
         self._impacts.finish(solver, self._moves, dt)
         return converged
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what lasts from a step to the next."""
         return {
-            "found": np.array([self.penetration, *self.handed, self.emitted, self._time]),
+            "found": np.array([self.penetration, self.emitted, self._time]),
             "free touching": self._impacts.past.reshape(-1),
         }
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from that."""
         self._impacts.past = np.array(state["free touching"]).reshape(-1, 2)
-        self.penetration = float(state["found"][0])
-        self.handed[...] = state["found"][1:5]
-        self.emitted, self._time = state["found"][5:].tolist()
+        self.penetration, self.emitted, self._time = state["found"].tolist()
 
     def _rounds(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
         """As `step`, but for velocities after impacts."""
@@ -160,7 +150,6 @@ class StrandContact:
 
     def _load(self, held: Contacts, forces: Floats, solver: Any) -> None:
         """Have the next round made with these forces."""
-        self._loaded = held, forces
         self._forces.load(held, forces, solver)
         self._moves = self._forces.impacts(held, forces)
         self._impacts.note(held, forces)

@@ -161,24 +161,6 @@ class Forces:
         for j in range(n):
             crowd[:, j] = lanes(rows[:, j], crowd.dtype, PACK)
 
-    def handed(self, found: Contacts, forces: Floats, solver: Any) -> Floats:
-        """Return the sum of what contact changes the strands' momentum by in a step that was made with these forces
-        (3), and of its sizes strand by strand, both in metres times m/s. It is that of the accelerations that the step
-        was given, with what goes to roots, and without what `Impacts` takes back of impacts."""
-        if len(forces) == 0:
-            return np.zeros(4)
-        loads = self.emitted(solver.state.acceleration)
-        mass = self._step * self.lengths[:, None] * solver.mass.astype(np.float64)
-        each = np.einsum("ij,ijc->ic", mass, loads)
-        gains, impact = self._gains(found), found.numbers[:, IMPACT]
-        for side, strand, segment, share in ((0, FIRST, FIRST_SEGMENT, ALPHA), (1, SECOND, SECOND_SEGMENT, BETA)):
-            strands, force = found.pairs[:, strand], (2 * side - 1) / self._step * gains[:, side, None] * forces
-            at_root = np.where(found.pairs[:, segment] == 0, 1 - found.numbers[:, share], 0)
-            back = impact * (1 - 1 / self.method.gain[strands])
-            for c in range(3):
-                each[:, c] += np.bincount(strands, (at_root - back) * force[:, c], len(each))
-        return np.append(each.sum(0), np.linalg.norm(each, axis=1).sum())
-
     def _held(self, state: State) -> Floats:
         """Return (S, N, 3) the unit normals of solids that particles touch, or 0."""
         if len(state.force) != len(state.edges):

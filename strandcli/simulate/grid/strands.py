@@ -1,5 +1,5 @@
-"""What the grid of strands that interact knows of them: the points at which they are sampled, their nodes, what strands
-around have done to these, the boxes of cells about them, and the step that it is laid for."""
+"""What the grid of strands that interact knows of them: the points at which they are sampled, the boxes of cells about
+them, and the step that it is laid for."""
 
 from __future__ import annotations
 
@@ -9,62 +9,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...constants import W
 from ...errors import UsageError
-from ...groom.blocks import on_large_pages
 from ...solids import Solids
-from ..rod.kernels.arrays import AXES, PACK, State
-from .kernels.pressure import HELD
-from .kernels.records import FIRST, HANDED, LANES, LOW, NODE, OFFSET, SIZE, Lattice, Moving
+from ..rod.kernels.arrays import PACK
+from .kernels.records import FIRST, LANES, LOW, OFFSET, SIZE
 
 MOST_CELLS = 4_000_000
 """Of the box about the strands: some 120 bytes each, 470 MB."""
 
 
-class GridStrands:
-    """The strands of a `StrandGrid`."""
-
-    def __init__(self, samples: Samples, segments: int, metres: NDArray[np.float32], boxes: int, dtype: Any) -> None:
-        """``metres``: as `Moving` has them; ``boxes``: how many there are, of all parts and of all."""
-        self._samples, self._metres, self._kind = samples, metres, np.dtype(dtype).type
-        nodes = nodes_of(samples, segments)
-        self._lattice = [one.astype(dtype) if one.dtype.kind == "f" else one for one in nodes]
-        self._weights, self._origins = samples.weights.astype(dtype), np.empty((boxes, 3), dtype)
-        packs, count = len(metres), len(nodes.node_first)
-        self._nodes = on_large_pages((packs, count, NODE * PACK), dtype)
-        self.ends = np.empty((packs, 6), dtype)
-        """As `Moving` has them."""
-        self.others = on_large_pages((packs, count, AXES), dtype)
-        """(P, M, 3 S) after a step, of nodes: velocity at its begin, and `1 - HELD` of what strands around have added,
-        m/s."""
-        self.pushed = on_large_pages((packs, count, AXES), dtype)
-        """As `Moving` has it."""
-        self.handed = np.zeros((packs, HANDED * PACK), dtype)
-        """What strands around have handed to each in this frame so far, as `HANDED` says."""
-
-    def moving(self, state: State, roots: NDArray[Any], mass: NDArray[Any]) -> Moving:
-        """Return what kernels take of strands."""
-        return Moving(
-            state.positions, state.velocity, self._nodes, self.others, self.pushed, state.jolted, self.ends, roots,
-            self._metres, mass,
-        )  # fmt: skip
-
-    def lattice(self, cell: float, dt: float, before: float) -> Lattice:
-        """Return how strands are sampled in a step of ``dt`` seconds after one of ``before``, 0 if there was none;
-        origins are to be set."""
-        kind, samples = self._kind, self._samples
-        steps = kind(dt), kind(dt / before if before else 1.0), kind(1 - HELD)
-        sampled = samples.first, samples.counts, self._weights, samples.mass.astype(kind)
-        return Lattice._make((*sampled, *self._lattice, kind(1 / cell), self._origins, *steps))
-
-    def shares(self, lattice: Lattice, mass: NDArray[Any]) -> NDArray[Any]:
-        """Return (samples, greatest count) the shares of a sample's change that its particles have, 1/s."""
-        particles = lattice.first[:, None] + np.arange(-1, lattice.weights.shape[1] - 1)
-        each = (lattice.mass / lattice.step)[:, None] * lattice.weights
-        return np.asarray(each / mass[np.clip(particles, 0, len(mass) - 1)])
-
-
-class Samples(NamedTuple):
-    """Points at which every strand is sampled, as `Lattice` has them."""
+class Points(NamedTuple):
+    """Points at which every strand is sampled, as `records.Samples` has them."""
 
     first: NDArray[np.int64]
     counts: NDArray[np.int64]
@@ -72,27 +28,7 @@ class Samples(NamedTuple):
     mass: NDArray[np.float64]
 
 
-class Nodes(NamedTuple):
-    """Means of particles that samples are made of, as `Lattice` has them."""
-
-    node_first: NDArray[np.int64]
-    node_counts: NDArray[np.int64]
-    node_weights: NDArray[np.float64]
-    begin: NDArray[np.int64]
-    blend: NDArray[np.float64]
-
-
-def nodes_of(samples: Samples, segments: int) -> Nodes:
-    """Return the nodes: samples themselves, where they are of several of so many segments, else particles."""
-    count = len(samples.first)
-    if count < segments:
-        return Nodes(samples.first, samples.counts, samples.weights, np.arange(count), np.ones((count, 1)))
-    particles = segments + 1
-    each = np.arange(particles), np.ones(particles, np.int64), np.ones((particles, 1))
-    return Nodes(*each, samples.first, samples.weights)
-
-
-def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
+def samples_of(segments: NDArray[np.float64], length: float) -> Points:
     """Return the samples of strands whose segments have the relative masses ``segments`` (N,) and the length
     ``length``, in cells, of the longest. A sample of several segments is a mean by masses."""
     n = len(segments)
@@ -101,7 +37,7 @@ def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
         t = np.tile((np.arange(several) + 0.5) / several, n)
         first = np.repeat(np.arange(n), several)
         weights, mass = np.stack([1 - t, t], 1), np.repeat(segments / several, several)
-        return Samples(first, np.full(len(first), 2), weights, mass)
+        return Points(first, np.full(len(first), 2), weights, mass)
     group = min(max(1, int(1 / length * (1 + 1e-6))), n)
     first = np.arange(0, n, group)
     count = np.minimum(first + group, n) - first + 1
@@ -110,7 +46,7 @@ def samples_of(segments: NDArray[np.float64], length: float) -> Samples:
         mass[row] = segments[begin:end].sum()
         weights[row, : end - begin] += segments[begin:end] / 2 / mass[row]
         weights[row, 1 : end - begin + 1] += segments[begin:end] / 2 / mass[row]
-    return Samples(first, count, weights, mass)
+    return Points(first, count, weights, mass)
 
 
 class Moment(NamedTuple):
@@ -126,10 +62,16 @@ class Moment(NamedTuple):
     """Those that strands collide with, at its end."""
 
 
+def ends_of(positions: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return (blocks, 3) the least and the greatest coordinates of strands in blocks; NaN where one is."""
+    rows = positions[:, 1:].reshape(len(positions), -1, 3, W)
+    return rows.min((1, 3)), rows.max((1, 3))
+
+
 def extent_of(positions: NDArray[Any]) -> float:
     """Return the greatest extent along an axis of strands in blocks."""
-    rows = positions[:, 1:].reshape(len(positions), -1, 3, positions.shape[2] // 3)
-    return float((rows.max((0, 1, 3)) - rows.min((0, 1, 3))).max())
+    low, high = ends_of(positions)
+    return float((high.max(0) - low.min(0)).max())
 
 
 def moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[Any]:
@@ -145,14 +87,16 @@ def moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64
 
 
 def lay_boxes(
-    ends: NDArray[Any], parts: NDArray[np.int64], cell: float, margin: int, where: str, boxes: NDArray[np.int64]
+    positions: NDArray[Any], parts: NDArray[np.int64], cell: float, margin: int, where: str, boxes: NDArray[np.int64]
 ) -> bool:
-    """Set the ``boxes`` (parts + 1, `BOX`) about the strands of each part, and ``margin`` cells wider about all. Return
-    False where a coordinate is not finite. Raises `UsageError` where they take too many cells.
+    """Set the ``boxes`` (parts + 1, `BOX`) about the strands of each part, of whole blocks, and ``margin`` cells wider
+    about all. Return False where a coordinate is not finite. Raises `UsageError` where they take too many cells.
 
-    ends: as `Moving.ends`; cell: side of a cell, metres; where: the rule, for the message."""
-    greatest = np.maximum.reduceat(ends, parts[:, FIRST]).astype(np.float64)
-    low, high = np.floor(-greatest[:, :3] / cell - 0.5), np.floor(greatest[:, 3:] / cell - 0.5) + 1
+    cell: side of a cell, metres; where: the rule, for the message."""
+    least, greatest = ends_of(positions)
+    first = parts[:, FIRST] * PACK // W
+    low = np.floor(np.minimum.reduceat(least, first).astype(np.float64) / cell - 0.5)
+    high = np.floor(np.maximum.reduceat(greatest, first).astype(np.float64) / cell - 0.5) + 1
     along = high.max(0) - low.min(0) + 1
     if not np.isfinite(along).all():
         return False

@@ -174,13 +174,6 @@ class RodSolver(Solver):
         """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
         (self.pins or self._pin()).bring(at, seconds)
 
-    def begin_frame(self) -> None:
-        """As for any solver."""
-        if self.grid is not None:
-            self.grid.begin_frame()
-        if self.contact is not None:
-            self.contact.begin_frame()
-
     def step(self, time: float, dt: float) -> None:
         """A step of ``dt`` seconds that ends at ``time``, in several where swings ask for it; nothing where it is 0."""
         count = parts(self._swing_rate, dt)

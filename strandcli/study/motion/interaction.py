@@ -11,7 +11,7 @@ cell of the preset's own size, which knows nothing of single strands. Beside it 
 their length: `mean`, `median`, `p95` and `rms` of their root mean squares. What a run has of itself: `too_dense`, the
 share of all hair beyond the density that the rule allows, in cells of the preset's own size; and the greatest of its
 frames, by how much the densest cell of its own is denser than allowed (`denser`), depth in solids over the strands'
-length (`penetration`), and momentum lost (`momentum`).
+length (`penetration`).
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ MOST_COUNT = 10_000
 """Children of a guide that a preset may have."""
 MOST_HAIRS = 4096
 """That are compared: the first ones."""
-FRAMES = {"denser": "density_max", "penetration": "penetration_max", "momentum": "momentum_lost"}
+FRAMES = {"denser": "density_max", "penetration": "penetration_max"}
 """Errors of a run by the names that those of its frames have."""
 NAMES = ("elsewhere", "mean", "too_dense", *FRAMES, "p95", "median", "rms")
 """All errors, those first that a table has room for."""

@@ -12,112 +12,190 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import device, parallel, prange
-from ....simd import gather4, half_width_pointer, lane_count, load, load3, pointer, sqrt, store, store3
+from ....simd import (
+    any_lane,
+    broadcast,
+    gather4,
+    half_width_pointer,
+    lane_count,
+    load,
+    load3,
+    pointer,
+    store,
+    store3,
+    store_records,
+    where,
+)
 from ...rod.kernels.arrays import AXES, PACK
-from .donor_cells import read_home, settle
-from .limit import limit
-from .nodes import keep_others
-from .pressure import find_excess, relax
+from .pressure import BETWEEN_ONLY, HELD, WIDELY, find_excess, limit, moved, relax
 from .records import (
+    BETWEEN,
     CELL,
+    CHANGE,
     COUNTED,
     FIRST,
     FOUND,
     FULL,
-    HANDED,
     LANES,
     LAST,
+    LOST,
     MASS,
-    OF_ROOT,
+    MOMENTUM,
     PUSH,
     RESULT,
     SHARE,
     SIZE,
+    SPEED,
     STOP,
     VELOCITY,
-    WAY,
+    WIND,
+    beside,
 )
-from .shelter import shelter
-from .targets import find_targets
 from .transfer import cell_of, locate, three, weights_along
+
+CHANGED = np.float32(0.25)
+"""Share of what strands around have accelerated a strand by that this changes by from a step to the next, from which on
+it is jolted: BDF2 would go on with that, and tips would never come to rest. Strands that hold each other off while they
+swing together stay below."""
+SLIGHT = np.float32(0.1)
+"""Share of a strand's velocity against its tip by which that change at least changes velocities then."""
+LONGEST = np.float32(1 / 60)
+"""Seconds: of shorter steps both shares are less in proportion, for the same motion changes less in one of them. A
+pressed layer would boil at 240 steps a second, by 35 mm/s."""
+FARTHEST = np.float32(1e4)
+"""Cells a step by which those around push a strand on at the most, for the next grid. Where it is too heavy to follow,
+that would push it back by more, and so on without end."""
+
+EMPTY = np.float32(1e-30)
+"""Metres in a cell up to which it is empty."""
 
 
 @parallel
-def act(box, grid, near, room, numbers, work, met, pressure, targets, others):
-    """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`), and ``others``, as
-    `find_targets` does. Where there are solids,
-    set `Room.open` and return the most metres in a cell by what is open of it, else 0.
+def act(box, grid, near, room, numbers, work, pressure, targets):
+    """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`).
 
-    ``met``: the share of each cell that is outside of solids (cells,), and what `donor_cells.settle` takes; no rows
-    where there are none. A density of `FULL` that is 0 is set to those most metres.
-    ``near``: as `pressure.relax` takes it; ``work``: what that takes and, where there is wind, the layers that
-    `shelter.shelter` takes; ``numbers`` (`NUMBERS`,) float32. Pressure and shelter follow from their own
-    neighbours, cell by cell: a thread finds one of them while another finds the other. No strand is in rows that are
-    not ``near``: what else those hold is neither set nor read.
+    ``near``, ``work``: as `pressure.relax` takes them, the latter with what that calls live; ``numbers`` (`NUMBERS`,)
+    float32. Pressure and shelter follow from their own neighbours, cell by cell: a thread finds one of them while
+    another finds the other. No strand is in rows that are not ``near``: what else those hold is neither set nor read.
     """
-    margined, busy, layers = work
-    shares, homes, closed = met
-    most = np.float32(0)
-    if len(homes) > 0:
-        for at in range(0, len(shares), LANES):
-            store(pointer(room.open), at, load(pointer(shares), at))
-        most = settle(box, near, grid, room.open, homes, closed)
-        for at in range(0, len(shares), LANES):
-            store(pointer(room.aperture), at, sqrt(max(load(pointer(room.open), at), 0.0)))
-        if numbers[FULL] == 0:
-            numbers[FULL] = most
-    drop_far(box, near, pressure)
+    margined, live = work
     for o in prange(box[SIZE + 2]):
         find_excess(box, np.int64(o), near, grid, room, pressure, numbers)
     for task in prange(2):
         if task == 0:
-            relax(box, room, near, margined, busy, pressure)
-            limit(box, busy, grid, room, numbers, pressure)
+            relax(box, room, near, margined, live, pressure)
+            limit(box, grid, room, numbers, live[1], pressure)
         elif len(room.left) > 0:
-            shelter(box, grid[MASS], numbers[WAY : WAY + 3], numbers[STOP], room.left, layers)
+            shelter(box, grid[MASS], numbers, room.left, room.behind)
     for o in prange(box[SIZE + 2]):
-        find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets, others)
-    if len(homes) > 0:
-        read_home(box, homes, closed, targets)
-    return most
+        find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets)
 
 
 @device
-def drop_far(box, near, pressure):
-    """Set the pressure of rows that are not ``near`` to 0."""
-    wide, high = box[SIZE], box[SIZE + 1]
-    for row in range(high * box[SIZE + 2]):
-        if not near[row // high, row % high]:
-            for at in range(row * wide, (row + 1) * wide, LANES):
-                store(pointer(pressure), at, 0.0)
+def shelter(box, mass, numbers, left, behind):
+    """Set the share of the wind that is ``left`` in each cell (cells,), and ``behind`` it.
+
+    Air that goes through strands of density n (metres in a cubic metre) and thickness d is left with exp(−n d s) of its
+    velocity after a path s: each strand stops what it meets. The share in a cell is the mean of those behind the cells
+    upwind along each axis, weighted by the wind's components (first-order upwind differences); it passes
+    1 / (1 + τ + τ² / 2) of it with τ = n d s, a rational form of the exponential that has the same bits on every
+    machine. ``mass`` (cells,): metres in them."""
+    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    x, y, z = numbers[WIND], numbers[WIND + 1], numbers[WIND + 2]
+    total = abs(x) + abs(y) + abs(z)
+    a, b, c, stop = abs(x) / total, abs(y) / total, abs(z) / total, numbers[STOP] / total
+    step, row, layer = (1 if x > 0 else -1), (wide if y > 0 else -wide), (wide * high if z > 0 else -wide * high)
+    open = np.float32(1)
+    for k in range(deep):
+        for j in range(high):
+            begin = ((k if z > 0 else deep - 1 - k) * high + (j if y > 0 else high - 1 - j)) * wide
+            for i in range(wide):
+                at = begin + (i if x > 0 else wide - 1 - i)
+                share = a * (behind[at - step] if i > 0 else open)
+                share += b * (behind[at - row] if j > 0 else open)
+                share += c * (behind[at - layer] if k > 0 else open)
+                depth = stop * mass[at]
+                left[at] = share
+                behind[at] = share / (1 + depth + np.float32(0.5) * depth * depth)
+
+
+@device
+def find_targets(box, o, near, grid, room, numbers, pressure, targets):
+    """Set the targets of layer o. A cell that no sample reaches has none."""
+    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    cells, out = pointer(grid), pointer(targets)
+    for row in range(o * high, (o + 1) * high):
+        if not near[o, row % high]:
+            continue
+        for i in range(0, wide, LANES):
+            at = row * wide + i
+            if any_lane(load(cells, MASS * grid.shape[1] + at) > 0.0):
+                found = targets_of(at, beside(row, i, wide, high, deep), grid, room, numbers, pointer(pressure))
+                store_records(out, CELL * at, found)
+            else:
+                for c in range(CELL):
+                    store(out, CELL * at + c * LANES, 0.0)
+
+
+@device
+def targets_of(at, sides, grid, room, numbers, pressure):
+    """The columns of the targets of a vector of cells, with `records`' steps to the cells on their ``sides``."""
+    cells, count, full = pointer(grid), grid.shape[1], numbers[FULL]
+    m = load(cells, MASS * count + at)
+    rate = numbers[LOST] * min(m / full, 1.0)
+    f = rate / max(m, EMPTY)
+    u, v, w = load3(cells, MOMENTUM * count + at, count)
+    between, all = BETWEEN * count + at, (at, numbers, cells, pressure, pointer(room.aperture))
+    near_x, wide_x = pushes(all, sides[0], between)
+    near_y, wide_y = pushes(all, sides[1], between + count)
+    near_z, wide_z = pushes(all, sides[2], between + 2 * count)
+    u, v, w = f * u + wide_x, f * v + wide_y, f * w + wide_z
+    if len(room.left) > 0:
+        lost = load(pointer(room.left), at) - 1.0
+        u, v, w = u + lost * numbers[CHANGE], v + lost * numbers[CHANGE + 1], w + lost * numbers[CHANGE + 2]
+    return rate, u, v, w, near_x, near_y, near_z, m * 0.0
+
+
+@device
+def pushes(all, sides, between):
+    """Change of velocity, m/s, by the pressure on the faces along an axis: of what lies between the middles of cells
+    and of the next ones, and of the cells. ``between``: place of the first one's column along the axis."""
+    at, numbers, cells, pressure, apertures = all
+    before, after, (a, b, _, _) = sides
+    none, full = broadcast(cells, 0.0), numbers[FULL]
+    m, p, own = load(cells, at), load(pressure, at), load(apertures, at)
+    next = p - load(pressure, at + after)
+    next = own * load(apertures, at + after) * next / moved(m, load(cells, at + after), load(cells, between), full)
+    past, columns = load(pressure, at + before) - p, load(cells, between + before)
+    past = own * load(apertures, at + before) * past / moved(m, load(cells, at + before), columns, full)
+    next, past, push = where(b, next, none), where(a, past, none), numbers[SPEED] * full
+    return push * BETWEEN_ONLY * next, push * WIDELY * (next + past)
 
 
 @parallel
-def accelerate(moving, lattice, parts, box, targets, work, shares, accelerations, handed):
-    """Set the ``accelerations`` of particles (P, N, 3 S), and what `note_handed` and `keep_others` do. ``work``:
-    scratch, as `transfer.deposit` takes it; ``shares`` (samples, greatest count): of a sample's change that its
-    particles have, 1/s; ``handed``: as `HANDED` says."""
+def accelerate(moving, samples, parts, box, targets, work, shares, accelerations):
+    """Set the ``accelerations`` of particles (P, N, 3 S), and what `note` does. ``work``: scratch, as
+    `transfer.deposit` takes it; ``shares`` (samples, greatest count): of a sample's change that its particles have,
+    1/s."""
     scratch, found = work
     for part in prange(len(parts)):
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             rows = scratch[part], found[part]
-            accelerate_pack(moving, lattice, (pack, pack + 1), box, targets.reshape(-1), rows, shares, accelerations)
-            note_handed(pack, lattice.step, rows[0], moving.mass, accelerations, handed)
-            keep_others(moving, lattice, (pack, pack + 1), lattice.step, lattice.seen * lattice.step, accelerations)
+            accelerate_pack(moving, samples, (pack, pack + 1), box, targets.reshape(-1), rows, shares, accelerations)
+            note(moving, samples, pack, accelerations)
 
 
 @device
-def accelerate_pack(moving, lattice, packs, box, targets, work, shares, accelerations):
+def accelerate_pack(moving, samples, packs, box, targets, work, shares, accelerations):
     """Set the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
-    is a mean, by their shares. What goes to the root is left in the rows of scratch: the emitter takes it up.
+    is a mean, by their shares. The emitter takes up what goes to the root.
     ``packs``: as `locate` takes them."""
     wide = np.uint64(box[SIZE] * CELL)
     layer = wide * np.uint64(box[SIZE + 1])
     cells, (rows, found), begun = half_width_pointer(targets), work, np.int64(0)
     read = half_width_pointer(found)
-    rows[OF_ROOT : OF_ROOT + 3] = 0
-    for sample in range(len(lattice.first)):
-        locate(moving, lattice, packs, sample, box, lattice.origins[-1], rows)
+    for sample in range(len(samples.first)):
+        locate(moving, samples, packs, sample, box, samples.origins[-1], rows)
         for k in range(PACK):
             a, c, d = three(rows, SHARE, k)
             store(read, k * CELL, blend(cells, cell_of(rows, k), wide, layer, a, c, d))
@@ -128,24 +206,20 @@ def accelerate_pack(moving, lattice, packs, box, targets, work, shares, accelera
         for c in range(FOUND - CELL):
             for k in range(PACK):
                 rows[RESULT + c, k] = found[(CELL + c) * PACK + k]
-        begun = share_out(lattice, packs[0], sample, rows, shares[sample], begun, accelerations)
+        begun = share_out(samples, packs[0], sample, rows, shares[sample], begun, accelerations)
 
 
 @device
-def share_out(lattice, pack, sample, rows, shares, begun, accelerations):
-    """Add what a sample's velocity changes by to the accelerations of its particles, of which so many have ``begun``,
-    and to that of the root's share; return how many have then."""
+def share_out(samples, pack, sample, rows, shares, begun, accelerations):
+    """Add what a sample's velocity changes by to the accelerations of its particles, of which so many have ``begun``;
+    return how many have then."""
     read, out = pointer(rows), pointer(accelerations)
-    n, first, count = accelerations.shape[1], lattice.first[sample] - 1, lattice.counts[sample]
+    n, first, count = accelerations.shape[1], samples.first[sample] - 1, samples.counts[sample]
     for k in range(0, PACK, lane_count(read)):
         rate = load(read, RESULT * PACK + k)
         x = load(read, (RESULT + 1) * PACK + k) - rate * load(read, VELOCITY * PACK + k)
         y = load(read, (RESULT + 2) * PACK + k) - rate * load(read, (VELOCITY + 1) * PACK + k)
         z = load(read, (RESULT + 3) * PACK + k) - rate * load(read, (VELOCITY + 2) * PACK + k)
-        if first < 0:
-            of_root = OF_ROOT * PACK + k
-            u, v, w = load3(read, of_root, PACK)
-            store3(read, of_root, PACK, u + shares[0] * x, v + shares[0] * y, w + shares[0] * z)
         for i in range(max(-first, 0), count):
             at, share = (pack * n + first + i) * 3 * PACK + k, shares[i]
             if first + i < begun:
@@ -175,20 +249,26 @@ def blend_row(cells, at, x, x_next):
 
 
 @device
-def note_handed(pack, step, rows, mass, accelerations, handed):
-    """Add what the ``accelerations`` of a pack's particles (P, N, 3 S), and what ``rows`` of scratch have of
-    their roots, do to the momentum of its strands in a step, ``handed``."""
-    read, change, out = pointer(rows), pointer(accelerations), pointer(handed)
-    n = accelerations.shape[1]
-    for k in range(0, PACK, lane_count(change)):
-        first = mass[0] * step
-        u, v, w = load3(read, OF_ROOT * PACK + k, PACK)
-        u, v, w = first * u, first * v, first * w
-        for j in range(n):
-            m = mass[j] * step
-            a, b, c = load3(change, (pack * n + j) * AXES + k, PACK)
-            u, v, w = u + m * a, v + m * b, w + m * c
-        at = pack * HANDED * PACK + k
-        a, b, c = load3(out, at, PACK)
-        store3(out, at, PACK, a + u, b + v, c + w)
-        store(out, at + AXES, load(out, at + AXES) + sqrt(u * u + v * v + w * w))
+def note(moving, samples, pack, accelerations):
+    """Set `Moving.unloaded`, `Moving.pushed` and `Moving.jolted` of a pack, whose accelerations are set."""
+    velocity, change, unloaded = pointer(moving.velocity), pointer(accelerations), pointer(moving.unloaded)
+    pushed, n, step = pointer(moving.pushed), accelerations.shape[1], samples.step
+    seen, most = (1 - HELD) * step, FARTHEST / (samples.inverse * step)
+    share = min(step / LONGEST, 1.0)
+    least, slight = share * CHANGED, share * SLIGHT / step
+    for lane in range(0, PACK, lane_count(change)):
+        past = broadcast(change, 0.0)
+        changed, speed = past, past
+        p, q, r = load3(velocity, (pack * n + n - 1) * AXES + lane, PACK)
+        for at in range(pack * n * AXES + lane, (pack + 1) * n * AXES + lane, AXES):
+            a, b, c = load3(velocity, at, PACK)
+            u, v, w = load3(change, at, PACK)
+            d, e, f = min(max(seen * u, -most), most), min(max(seen * v, -most), most), min(max(seen * w, -most), most)
+            store3(unloaded, at, PACK, a + d, b + e, c + f)
+            x, y, z = load3(pushed, at, PACK)
+            store3(pushed, at, PACK, u, v, w)
+            past += x * x + y * y + z * z
+            changed += (u - x) * (u - x) + (v - y) * (v - y) + (w - z) * (w - z)
+            speed += (a - p) * (a - p) + (b - q) * (b - q) + (c - r) * (c - r)
+        much = (changed > least * least * past) & (changed > slight * slight * speed)
+        store(pointer(moving.jolted), pack * PACK + lane, where(much, broadcast(change, 1.0), 0.0))

@@ -31,62 +31,47 @@ RATE, TARGET, PUSH = 0, 1, 4
 velocity changes by (3), m/s, and what is added to that between two middles (3), m/s. One is not used."""
 CELL = 8
 """Columns of each."""
-FULL, RATIO, MOST, LOST, SPEED, STOP, WAY, CHANGE, FALL = 0, 1, 2, 3, 4, 5, 6, 9, 12
+FULL, RATIO, MOST, LOST, SPEED, STOP, WIND, CHANGE, FALL = 0, 1, 2, 3, 4, 5, 6, 9, 12
 """Numbers of a step: metres in a cell that is as dense as allowed; half the step over the cell's side, s/m; the share
 of the density that pressure makes up for at the most; the share of its velocity against a cell that is as dense as
-allowed that a strand loses; the cell's side over the step, m/s; and of the wind, τ of a cell that holds a metre of
-strand, for a way as long as a cell's side, its unit direction (3), and by how much the open wind changes velocities
-(3), m/s; and by how much gravity does (3), cells a step."""
+allowed that a strand loses; the cell's side over the step, m/s; and of the wind, the optical depth along a cell's side
+of a cell that holds a metre of strand, its unit direction (3), and by how much the open wind changes velocities (3),
+m/s; and by how much gravity does (3), cells a step."""
 NUMBERS = 15
 
-
-NODE = 6
-"""Columns of a node: see `Moving.nodes`."""
 SHARE, BELOW, VELOCITY = 0, 3, 4
 """Rows of scratch, one lane a strand of the pack: of a sample, shares (3) of the cells beyond it along x, y and z, the
 number of the cell before it, and its velocity (3), m/s. A box has no more cells than single precision can count."""
 RESULT = 7
 """(4) Targets at the sample: the rate, and the rest with what lies between middles."""
-OF_ROOT = 11
-"""(3) What the root's share of all samples would accelerate the first particle by, m/s²."""
-ROWS = 14
+ROWS = 11
 FOUND = CELL + 4
 """Numbers a strand of what is found in cells, or left in them: all columns of each strand, and then rows of them."""
 
 
-HANDED = 4
-"""Rows of what strands around have handed to each strand of a pack in a frame so far, (P, `HANDED` S) of their floating
-type: relative mass times change of velocity (3), m/s, the root's share in it, and the sizes of that, step by step."""
-
-
 class Moving(NamedTuple):
-    """Strands as a step finds them. P packs of S strands with N segments, as `records` has them."""
+    """Strands as a step finds them: P packs of S strands with N segments."""
 
     positions: Any
     """(blocks, N + 2, 3 W) metres."""
     velocity: Any
     """(P, N, 3 S) m/s."""
-    nodes: Any
-    """(P, M, `NODE` S) of M nodes: place, metres, and velocity, m/s, without what the root has in it."""
-    others: Any
-    """(P, M, 3 S) as `StrandGrid.others`: of the step before, and then of this one."""
+    unloaded: Any
+    """(P, N, 3 S) velocity that the last step would have ended with without other forces than those of the grid, m/s;
+    of those as much as is expected to be undone."""
     pushed: Any
-    """(P, M, 3 S) acceleration of nodes by the strands around, m/s²: in the step before, and then in this one."""
+    """(P, N, 3 S) acceleration by the strands around in the last step, m/s²."""
     jolted: Any
     """(P, S) as `State.jolted`."""
-    ends: Any
-    """(P, 6) least coordinates of particles times −1, and greatest; infinite where one is not finite."""
     roots: Any
     """(P, 3 S) velocity of roots, m/s."""
     metres: Any
     """(P, S) float32, what a segment at the root counts for: its length times the strands that it stands for, metres; 0
     of padding."""
-    mass: Any
-    """(N,) relative mass of a particle."""
 
 
-class Lattice(NamedTuple):
-    """How strands are sampled, where cells are, and the step, numbers of the strands' floating type."""
+class Samples(NamedTuple):
+    """Points at which strands are sampled, where cells are, and the step, numbers of the strands' floating type."""
 
     first: Any
     """(samples,) number of the first particle of which each is a mean, 0 that of the root; int64."""
@@ -96,16 +81,6 @@ class Lattice(NamedTuple):
     """(samples, greatest count) the particles' shares."""
     mass: Any
     """(samples,) metres that each counts for, by those of a segment at the root."""
-    node_first: Any
-    """(M,) the same of nodes."""
-    node_counts: Any
-    """(M,)"""
-    node_weights: Any
-    """(M, greatest count)"""
-    begin: Any
-    """(samples,) number of the first node that a sample is a mean of; int64."""
-    blend: Any
-    """(samples, 1 or 2) these nodes' shares."""
     inverse: Any
     """1 / cell, 1/m."""
     origins: Any
@@ -114,8 +89,6 @@ class Lattice(NamedTuple):
     """Length of the step, seconds."""
     again: Any
     """That over the length of the step before: what has changed velocities then is expected to do so again."""
-    seen: Any
-    """Share of what strands around change velocities by that is not to be expected again."""
 
 
 LANES = 16
@@ -123,20 +96,22 @@ LANES = 16
 
 
 class Room(NamedTuple):
-    """What solids leave of cells, and what follows for them. Float32."""
+    """What solids leave of cells, and what follows for them: (cells,) float32."""
 
     open: Any
-    """(cells,) share of each that is outside of solids; of closed ones that times −1."""
-    faces: Any
-    """(cells,) its aperture over the sum of those of its neighbours, 0 in solids."""
-    excess: Any
-    """(cells,) e of `pressure` over the aperture, 0 in solids."""
-    held: Any
-    """(cells,) `HELD` of the pressure of the step before."""
+    """Share of each that is outside of solids."""
     aperture: Any
-    """(cells,) root of that share, 0 of closed ones: a face is open by the product of those of its cells."""
+    """Root of that: a face is open by the product of those of its cells."""
+    faces: Any
+    """Its aperture over the sum of those of its neighbours, 0 in solids."""
+    excess: Any
+    """e of `pressure` over the aperture, 0 in solids."""
+    held: Any
+    """`HELD` of the pressure of the step before."""
     left: Any
-    """(cells,) share of the wind that is left; no rows in calm air."""
+    """Share of the wind that is left; no rows in calm air."""
+    behind: Any
+    """The same behind the cell."""
 
 
 REACH = 2
@@ -149,28 +124,33 @@ COUNTED = np.arange(LANES).astype(np.float32)
 
 @device
 def beside_along(i, wide):
-    """Ways from the cells of a vector, of which the first is cell i of its row, to those one before, one after, two
-    before and two after, and masks of those that there are."""
+    """Steps from the cells of a vector, of which the first is cell i of its row, to those before and after, and masks
+    of those that there are, and of those two before and two after."""
     rows = pointer(WITHIN)
     first = REACH + (LANES if i > 0 else 0)
     last = REACH + (0 if i < wide - LANES else LANES)
-    ways = np.int64(-1), np.int64(1), np.int64(-2), np.int64(2)
-    return ways, (
+    return np.int64(-1), np.int64(1), (
         load(rows, first - 1) > 0.0, load(rows, last + 1) > 0.0, load(rows, first - 2) > 0.0, load(rows, last + 2) > 0.0
     )  # fmt: skip
 
 
 @device
 def beside_across(place, count, stride):
-    """The same across rows, of the row or layer at a place of so many, a ``stride`` apart: where there is none, the way
-    is none."""
+    """The same across rows, of the row or layer at a place of so many, a ``stride`` apart: where there is none, the
+    step is 0."""
     a, b = place > 0, place < count - 1
-    c, d = place > 1, place < count - 2
-    ways = -stride * np.int64(a), stride * np.int64(b), -2 * stride * np.int64(c), 2 * stride * np.int64(d)
-    return ways, (all_or_none(a), all_or_none(b), all_or_none(c), all_or_none(d))
+    masks = all_or_none(a), all_or_none(b), all_or_none(place > 1), all_or_none(place < count - 2)
+    return -stride * np.int64(a), stride * np.int64(b), masks
 
 
 @device
 def all_or_none(holds):
     """A mask that holds in all lanes, or in none."""
     return broadcast(pointer(WITHIN), np.float32(holds)) > 0.0
+
+
+@device
+def beside(row, i, wide, high, deep):
+    """The same along x, y and z, of the cells of a vector in a row of the box."""
+    along = beside_along(i, wide)
+    return along, beside_across(row % high, high, wide), beside_across(row // high, deep, wide * high)

@@ -3,14 +3,15 @@
 Segments are spread, and not particles, so that gaps between particles do not show: strands are sampled at points no
 more than a cell apart, each of which counts for its share of them and goes to the eight cells around it by trilinear
 weights. Where segments are longer than cells, samples lie on them; where they are shorter, one sample stands for
-several. Its place and velocity are means over the particles that it stands between (`nodes`), the velocity as
-contact will change it.
+several. Its place and velocity are means over the particles that it stands between, the velocity as other forces are
+going to change it.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from ....constants import W
 from ....jit import device, parallel, prange
 from ....simd import (
     broadcast,
@@ -27,7 +28,7 @@ from ....simd import (
     store3,
     store_records,
 )
-from ...rod.kernels.arrays import AXES, PACK
+from ...rod.kernels.arrays import AXES, PACK, ROW
 from .records import (
     BELOW,
     BETWEEN,
@@ -39,7 +40,6 @@ from .records import (
     LOW,
     MASS,
     MOMENTUM,
-    NODE,
     OFFSET,
     SHARE,
     SIZE,
@@ -53,7 +53,7 @@ REST = 1 - OWN
 
 
 @parallel
-def deposit(moving, lattice, parts, boxes, memory, work, sums, grid, most, near):
+def deposit(moving, samples, parts, boxes, memory, work, sums, grid, most, near):
     """Set the cells of the box of all, ``grid`` (`CELL`, cells), the ``most`` metres in a cell of each row of them
     (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most of
     all.
@@ -69,7 +69,7 @@ def deposit(moving, lattice, parts, boxes, memory, work, sums, grid, most, near)
         own[...] = 0
         for pack in range(parts[part, FIRST], parts[part, LAST]):
             rows = scratch[part], found[part]
-            deposit_pack(moving, lattice, pack, box, lattice.origins[part], own.reshape(-1), rows)
+            deposit_pack(moving, samples, pack, box, samples.origins[part], own.reshape(-1), rows)
     whole = boxes[len(parts)]
     for o in prange(whole[SIZE + 2]):
         merge_layer(boxes, np.int64(o), memory.reshape(-1), sums.reshape(-1), grid, most)
@@ -77,18 +77,18 @@ def deposit(moving, lattice, parts, boxes, memory, work, sums, grid, most, near)
 
 
 @device
-def deposit_pack(moving, lattice, pack, box, origins, grid, work):
+def deposit_pack(moving, samples, pack, box, origins, grid, work):
     """Add the metres and the momentum of a pack of strands to the cells of a box, ``grid`` (cells `CELL`,)."""
     cells, (rows, found) = half_width_pointer(grid), work
     each, wide = half_width_pointer(found), np.uint64(box[SIZE] * CELL)
     layer = wide * np.uint64(box[SIZE + 1])
-    for sample in range(len(lattice.first)):
-        locate(moving, lattice, (pack, pack + 1), sample, box, origins, rows)
+    for sample in range(len(samples.first)):
+        locate(moving, samples, (pack, pack + 1), sample, box, origins, rows)
         # the columns of a cell that each strand's sample would fill alone, strand by strand
         for c in range(3):
             for k in range(PACK):
                 found[(CELL + c) * PACK + k] = rows[VELOCITY + c, k]
-        m = load(pointer(moving.metres), pack * PACK) * np.float32(lattice.mass[sample])
+        m = load(pointer(moving.metres), pack * PACK) * np.float32(samples.mass[sample])
         u, v, w = load3(pointer(found), CELL * PACK, PACK)
         store_records(pointer(found), 0, (m, m * u, m * v, m * w, m, m, m, m * 0.0))
         for k in range(PACK):
@@ -136,35 +136,36 @@ def cell_of(rows, k):
 
 
 @device
-def locate(moving, lattice, packs, sample, box, origins, rows):
-    """Set the rows of scratch for a sample of a pack's strands. ``packs``: that one, and the one whose nodes are
+def locate(moving, samples, packs, sample, box, origins, rows):
+    """Set the rows of scratch for a sample of a pack's strands. ``packs``: that one, and the one whose particles are
     prefetched, for it comes next. ``origins`` (3,): the middle of the box's first cell, metres. What is read of arrays
     is read once: LLVM does not know that scratch is none of them."""
-    nodes, others, out = pointer(moving.nodes), pointer(moving.others), pointer(rows)
-    first, count, again, inverse = lattice.begin[sample], lattice.blend.shape[1], lattice.again, lattice.inverse
-    at_root = lattice.first[sample] == 0
-    of_root = lattice.weights[sample, 0]
+    positions, velocity, unloaded = pointer(moving.positions), pointer(moving.velocity), pointer(moving.unloaded)
+    out, n = pointer(rows), moving.velocity.shape[1]
+    first, count = samples.first[sample], samples.counts[sample]
+    again, inverse = samples.again, samples.inverse
     o, p, q = origins[0], origins[1], origins[2]
-    pack, ahead = packs[0], (packs[1] - packs[0]) * moving.nodes.shape[1]
-    begin = pack * moving.nodes.shape[1] + first
+    pack, ahead = packs[0], (packs[1] - packs[0]) * n * AXES
+    begin = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W
+    next = packs[1] * PACK // W * (n + 2) * ROW + ROW + packs[1] * PACK % W - begin
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    for lane in range(0, PACK, lane_count(nodes)):
-        x = broadcast(nodes, 0.0)
+    for lane in range(0, PACK, lane_count(out)):
+        x = broadcast(out, 0.0)
         y, z, u, v, w = x, x, x, x, x
-        if at_root:
-            a, b, c = load3(pointer(moving.roots), pack * AXES + lane, PACK)
-            u, v, w = of_root * a, of_root * b, of_root * c
-            prefetch3(pointer(moving.roots), packs[1] * AXES + lane, PACK)
         for i in range(count):
-            weight, place = lattice.blend[sample, i], begin + i
-            a, b, c = load3(nodes, place * NODE * PACK + lane, PACK)
+            weight, place = samples.weights[sample, i], begin + (first + i) * ROW + lane
+            a, b, c = load3(positions, place, W)
+            prefetch3(positions, place + next, W)
             x, y, z = x + weight * (a - o), y + weight * (b - p), z + weight * (c - q)
-            a, b, c = load3(nodes, place * NODE * PACK + AXES + lane, PACK)
-            d, e, f = load3(others, place * AXES + lane, PACK)
-            prefetch3(nodes, (place + ahead) * NODE * PACK + lane, PACK)
-            prefetch3(nodes, (place + ahead) * NODE * PACK + AXES + lane, PACK)
-            prefetch3(others, (place + ahead) * AXES + lane, PACK)
-            a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
+            if first + i == 0:
+                a, b, c = load3(pointer(moving.roots), pack * AXES + lane, PACK)
+            else:
+                place = (pack * n + first + i - 1) * AXES + lane
+                a, b, c = load3(velocity, place, PACK)
+                d, e, f = load3(unloaded, place, PACK)
+                prefetch3(velocity, place + ahead, PACK)
+                prefetch3(unloaded, place + ahead, PACK)
+                a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
             u, v, w = u + weight * a, v + weight * b, w + weight * c
         x, y, z = x * inverse, y * inverse, z * inverse
         below, above, behind = cell_before(x, wide), cell_before(y, high), cell_before(z, deep)
