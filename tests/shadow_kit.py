@@ -17,9 +17,8 @@ from strandcli.draw.common.kernels.light_columns import (
     MAP_LAYERS,
     PER_FALL,
 )
-from strandcli.draw.lighting.lighting import NO_FREE_WAYS
 from strandcli.draw.shadows.kernels import strand_shadows
-from strandcli.draw.shadows.kernels.soft_shadows import soft_shadows
+from strandcli.draw.shadows.kernels.solid_shadows import soft_shadows
 from strandcli.draw.shadows.kernels.strand_shadows import ShadowArrays
 from strandcli.jit import function
 
@@ -41,7 +40,7 @@ def soft_visibility(solids: Any, ray: Any, skin: Any, size: Any, point: Any) -> 
     work[batch.ARRIVES // W, 0] = 1
     lights = np.zeros((1, 16), np.float32)
     lights[0, KIND], lights[0, LIGHT_SIZE] = point, size
-    soft_shadows(work.reshape(-1), 1, lights, 0, solids, skin, NO_FREE_WAYS)
+    soft_shadows(work.reshape(-1), 1, lights, 0, solids, skin)
     return np.float32(work[batch.ARRIVES // W, 0])
 
 

@@ -132,7 +132,7 @@ class Canvas:
         here, hidden = edges.within(begin, end), layer.fragments.closed
         here.keys[hidden[here.pixels] == CLOSED] = EMPTY  # no light of theirs is seen
         hidden[here.pixels] = 1  # they are drawn by themselves
-        draw = partial(draw_solids, self.lighting, self.scratch)
+        draw = partial(draw_solids, self.lighting)
         draw(self.keys, self.image, hidden=hidden, rows=rows)
         here.composite(draw, self.image, self.backdrop)
         if self.through is not None:
@@ -174,7 +174,7 @@ class Canvas:
         """Shade the visible solids, after the last batch."""
         if self._batches > 1:  # a later batch may hide fragments counted in an earlier one
             self.fragments = int(np.count_nonzero((self.keys & np.uint64(0xFFFFFFFF)) < FIRST))
-        draw_solids(self.lighting, self.scratch, self.keys, self.image)
+        draw_solids(self.lighting, self.keys, self.image)
         if self.through is not None:
             self.through.solids(self.keys)
         self.drawing.lap("shade")

@@ -36,7 +36,6 @@ def _light(renderer: Renderer) -> None:
     hidden = occlusion.nothing() if scene.occluded else None
     lights = pack_lights(scene.lights, maps, BOUNDS)
     lighting = Lighting(scene, renderer.palette, renderer.sky, view, 0.0, lights, maps, hidden, renderer.solids(0.0))
-    lighting = lighting.with_free_ways(BOUNDS)
     lines = Polylines(np.array([0, 1]), np.zeros((1, 3), np.float32))
     keys = np.full(size[0] * size[1], EMPTY)
     image = renderer.backdrop.copy()

@@ -21,12 +21,9 @@ from .coverage.coverage import Coverage, Layer
 from .geometry.curves import Polylines
 from .lighting.lighting import Lighting
 from .renderer import Renderer
-from .shadows.kernels.counting import count_splats
-from .shadows.kernels.map_parts import PartsInMap
 from .shadows.shadow import ShadowMaps
-from .shadows.strands_in_map import project, view_numbers
+from .shadows.strands_in_map import project
 from .strand_batches import StrandBatch, StrandBatches, Strands
-from .view.camera import View
 from .zbuffer.kernels.lines import count_samples
 
 Counts = dict[str, int]
@@ -43,8 +40,8 @@ def unclocked(drawing: Drawing) -> Iterator[None]:
 class CountingRenderer(Renderer):
     """Draws the same pictures. The counts of a `Drawing` have besides those of `Renderer`, summed over exposures:
 
-    ``child_particles``; ``vertices`` of polylines and ``strand_vertices_in_maps``; ``splats`` added to opacity maps,
-    ``map_layers`` and ``map_numbers`` of them; ``map_texels``, samples of min/max maps that lines pass through;
+    ``child_particles``; ``vertices`` of polylines and ``strand_vertices_in_maps``; ``map_layers`` and ``map_numbers``
+    of opacity maps; ``map_texels``, samples of min/max maps that lines pass through;
     ``fragments_found`` and ``fragments_blended`` of sorted strands; ``line_samples`` that lines pass through and
     ``strand_samples`` that show one, of the z-buffer; ``lit_vertices``; ``solid_samples``; ``samples`` of the picture;
     ``lights`` and ``lights_with_maps``.
@@ -128,25 +125,16 @@ class _CountingCoverage(Coverage):
 
 
 def count_in_maps(maps: ShadowMaps, lines: Polylines, scratch: Scratch) -> Counts:
-    """Return what the polylines draw into maps: ``strand_vertices_in_maps``, ``splats`` and ``map_texels``."""
-    found = {"strand_vertices_in_maps": 0, "splats": 0, "map_texels": 0}
+    """Return what the polylines draw into maps: ``strand_vertices_in_maps`` and ``map_texels``."""
+    found = {"strand_vertices_in_maps": 0, "map_texels": 0}
     simple = maps.simplified(lines, scratch)
     for number, view in enumerate(maps.views):
         first, screen = project(simple if maps.layers[number] else lines, view, scratch)
         size = int(maps.sizes[number])
         found["strand_vertices_in_maps"] += len(screen)
-        if maps.layers[number]:
-            found["splats"] += splats_of(maps.parts(number, simple, 1, scratch), size, view)
-        else:
+        if not maps.layers[number]:
             found["map_texels"] += samples_of(first, screen, (size,) * 2)
     return found
-
-
-def splats_of(parts: PartsInMap, size: int, view: View) -> int:
-    """Return the number of splats that parts of strands add to the opacity map of a light's view."""
-    counts = np.zeros(len(parts.order), np.int64)
-    count_splats(parts, size, view_numbers(view), counts)
-    return int(counts.sum())
 
 
 def samples_of(first: NDArray[np.int64], screen: NDArray[np.float32], size: tuple[int, int]) -> int:

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from .view.camera import View
 
 AROUND = 16.0
-"""Pixels about the picture that it may look at: of the lattice of light on solids, and of what is filtered."""
+"""Pixels about the picture that it may look at, of what is filtered."""
 TEXELS = 7.0
 """Texels between a place and strands that change what a map tells there: 4.5 along each axis, for interpolation between
 cells, the other texel of a cell, and strands that are divided between two texels."""

@@ -173,7 +173,7 @@ class Renderer:
         drawing.lap("shadow")
         lighting = Lighting(scene, self.palette, self.sky, view, at, lights, maps, hidden, solids, self.grain)
         canvas = Canvas(
-            self.size, self.backdrop, lighting.with_free_ways(bounds), shadows, self.shade, recorder, workers, drawing,
+            self.size, self.backdrop, lighting, shadows, self.shade, recorder, workers, drawing,
             self.scratch,
         )  # fmt: skip
         self._draw_batches(canvas, batches, lines)

@@ -19,15 +19,13 @@ from .common.scratch import Scratch
 from .coverage.coverage import Layer
 from .film import haze
 from .film.kernels import film
-from .lighting.kernels.lattice import DRAWN
 from .lighting.lighting import NO_SPOTS, NOT_HIDDEN, Lighting
-from .lighting.sparse_light import is_costly, shade_surfaces
 from .solids.edges import Edges
 from .strand_batches import StrandBatch
 
 
 def draw_solids(
-    lighting: Lighting, scratch: Scratch, keys: NDArray[np.uint64], image: NDArray[np.float32],
+    lighting: Lighting, keys: NDArray[np.uint64], image: NDArray[np.float32],
     spots: NDArray[np.float32] = NO_SPOTS, hidden: NDArray[np.uint8] = NOT_HIDDEN, rows: tuple[int, int] | None = None,
 ) -> None:  # fmt: skip
     """Shade solids with `Lighting.shade_surfaces`, and apply haze if there is any."""
@@ -36,8 +34,6 @@ def draw_solids(
     behind = None if thick is None else image[top:bottom].copy()
     if lighting.like is not None and not lighting.fades:
         blacken(keys, image, hidden, (top, bottom))
-    elif rows is not None and is_costly(lighting):
-        shade_surfaces(lighting, keys, image, hidden, rows, scratch)
     else:
         lighting.shade_surfaces(keys, image, spots, hidden, rows)
     if thick is not None and behind is not None:
@@ -53,7 +49,7 @@ def blacken(
     here = slice(rows[0] * width, rows[1] * width)
     there = (keys[here] != EMPTY) & ((keys[here] & LOW) >= FIRST)
     if len(hidden):
-        there &= hidden[here] == DRAWN
+        there &= hidden[here] == 0
     image.reshape(-1, 3)[here][there] = 0
 
 
@@ -62,7 +58,7 @@ class Transmittance:
 
     def __init__(self, lighting: Lighting, size: tuple[int, int], scratch: Scratch) -> None:
         """``size``: width and height, samples."""
-        self.lighting, self._scratch = lighting.without_light(), scratch
+        self.lighting = lighting.without_light()
         self.image: NDArray[np.float32] = scratch.borrow("transmittance", (size[1], size[0], 3), np.float32)
         """(height, width, 3), alike in the channels."""
         self.image.fill(1)
@@ -71,14 +67,14 @@ class Transmittance:
 
     def solids(self, keys: NDArray[np.uint64], **where: Any) -> None:
         """Draw the solids of a z-buffer; where: as in `draw_solids`."""
-        draw_solids(self.lighting, self._scratch, keys, self.image, **where)
+        draw_solids(self.lighting, keys, self.image, **where)
 
     def edges(self, edges: Edges, begin: int, end: int) -> None:
         """Draw the edges of solids in the pixels begin … end − 1."""
         if len(self._edge_light) != len(edges.light):
             self._edge_light = np.zeros_like(edges.light)
         here = replace(edges, light=self._edge_light).within(begin, end)
-        here.composite(partial(draw_solids, self.lighting, self._scratch), self.image, self._white)
+        here.composite(partial(draw_solids, self.lighting), self.image, self._white)
 
     def layer(self, layer: Layer, batch: StrandBatch) -> None:
         """Draw the strands of a layer, and the solids at whose edges it has fragments."""

@@ -33,7 +33,7 @@ ELEMENTS: dict[str, tuple[tuple[str, Callable[[Mapping[str, int]], int]], ...]] 
     "children": (("child's particle", lambda c: c.get("child_particles", 0)),),
     "curves": (("vertex", lambda c: c["vertices"]),),
     "shadow": (
-        ("splat", lambda c: c.get("splats", 0)), ("texel on a line", lambda c: c.get("map_texels", 0)),
+        ("texel on a line", lambda c: c.get("map_texels", 0)),
         ("vertex in a map", lambda c: c.get("strand_vertices_in_maps", 0)),
     ),
     "raster": (

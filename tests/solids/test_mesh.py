@@ -16,9 +16,8 @@ from shadow_kit import soft_visibility
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
 from strandcli.draw.common.kernels.light_columns import LIGHT_SIZE
-from strandcli.draw.lighting.lighting import NO_FREE_WAYS
 from strandcli.draw.shadows.kernels import penumbra
-from strandcli.draw.shadows.kernels.soft_shadows import soft_shadows
+from strandcli.draw.shadows.kernels.solid_shadows import soft_shadows
 from strandcli.draw.solids.kernels import rays
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
@@ -148,7 +147,7 @@ def test_many_rays_at_once_see_as_much_as_each_alone(balls: dict[int, Path], cou
     work[batch.REACH // W], work[batch.ARRIVES // W] = FAR, 1
     lights = np.zeros((1, 16), np.float32)
     lights[0, LIGHT_SIZE] = 0.3
-    soft_shadows(work.reshape(-1), count, lights, 0, solids, SKIN, NO_FREE_WAYS)
+    soft_shadows(work.reshape(-1), count, lights, 0, solids, SKIN)
     rays_ = [penumbra.LightRay(*one, FAR) for one in np.hstack([points, ways]).astype(np.float32)]
     alone = np.array([soft_visibility(solids, ray, SKIN, np.float32(0.3), np.float32(0)) for ray in rays_])
     assert np.abs(work[batch.ARRIVES // W, :count] - alone).max() < 1e-4

@@ -5,25 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.model import DirectionalLight, Light
 from ...solids import Solids
-from ..common.kernels.light_columns import COLUMNS, KIND, LIGHT_SIZE, PLACE_X, STRAND_WIDTH
-from ..common.kernels.view_columns import SIZE
+from ..common.kernels.light_columns import COLUMNS, LIGHT_SIZE, STRAND_WIDTH
 from ..coverage.kernels.width_profiles import Profiles
 from ..geometry.curves import Polylines
-from ..shadows.kernels import free_ways as kernel
-from ..shadows.kernels.free_ways import SIDE, FreeWays
 from ..shadows.shadow import ShadowMaps, map_arrays
 from ..shadows.shadow_model import shades_vertices
 from ..solids.solids import NONE, coats_of, paint_of
-from ..view.camera import View, ball, parallel_view
-from .kernels import inputs, shade_strands, shade_surfaces, smooth_pixels
-from .kernels.lattice import DRAWN, SMOOTH
+from ..view.camera import View, ball
+from .kernels import inputs, shade_strands, shade_surfaces
 from .kernels.mirror import DULL
 from .kernels.occlusion import BOX_SIZE
 from .occlusion import Occlusion
@@ -32,7 +28,6 @@ from .palette import Palette
 if TYPE_CHECKING:
     from ...scene.model import Scene
 
-NO_FREE_WAYS = FreeWays(np.zeros((0, SIDE, SIDE), np.float32), np.zeros((0, SIZE), np.float32))
 NO_BOX = np.zeros(BOX_SIZE, np.float32)
 NO_SPOTS = np.zeros((0, 2), np.float32)
 """Stands for pixels at their own positions."""
@@ -51,19 +46,6 @@ def coating_of(solids: Sequence[Any], paint: NDArray[np.float32]) -> inputs.Coat
     """Return the materials of visible solids; paint: from `paint_of`."""
     polished = any(solid.coat > 0 and solid.roughness < DULL for solid in solids)
     return inputs.Coating(paint, given(coats_of(solids), 7), given(None, 7), np.uint8(1) if polished else None)
-
-
-class Lattice(NamedTuple):
-    """What `inputs.Lights` and `inputs.Screen` are given of a lattice of known light."""
-
-    known: NDArray[np.float32]
-    down: np.uint8
-    right: np.uint8
-    use: np.uint8
-    wanted: np.uint8
-
-
-NO_LATTICE = Lattice(np.zeros((0, 0, 0, 3), np.float32), np.uint8(0), np.uint8(0), inputs.COMPUTED, DRAWN)
 
 
 ANY_TRIANGLE = np.zeros(0, np.int32)
@@ -90,8 +72,6 @@ class Lighting:
     """Levels and frame of `kernels.inputs.Screen`, if solids are dithered."""
     triangles: NDArray[np.int32] = field(default_factory=lambda: ANY_TRIANGLE)
     """(height * width,) or (0,): as in `kernels.inputs.Screen`."""
-    free: FreeWays = NO_FREE_WAYS
-    """From `strandcli.draw.lighting.lighting.free_ways`."""
     like: Lighting | None = None
     """Lighting whose compiled kernels this one shares, if `sized` alone would tell them apart."""
 
@@ -99,8 +79,7 @@ class Lighting:
         """Return the same lighting with all that shines taken away: solids are black, as opaque as they are."""
         scene = replace(self.scene, ambient=(0.0, 0.0, 0.0))
         return replace(
-            self, scene=scene, sky=None, lights=self.lights[:0], maps=None, occlusion=None, grain=None,
-            free=NO_FREE_WAYS, like=self,
+            self, scene=scene, sky=None, lights=self.lights[:0], maps=None, occlusion=None, grain=None, like=self
         )  # fmt: skip
 
     @property
@@ -112,10 +91,6 @@ class Lighting:
     def skin(self) -> np.float32:
         """Depth below a solid's surface that counts as on it, metres: a hundredth of a strand's length."""
         return np.float32(0.01 * self.scene.emitter.length)
-
-    def with_free_ways(self, bounds: NDArray[np.float64]) -> Lighting:
-        """Return the same lighting, for strands within the box ``bounds`` (2, 3), metres."""
-        return replace(self, free=free_ways(self.lights, self.solids, self.skin, bounds))
 
     @property
     def sized(self) -> np.uint8 | None:
@@ -145,13 +120,12 @@ class Lighting:
 
     def shade_surfaces(
         self, keys: NDArray[np.uint64], image: NDArray[np.float32], spots: NDArray[np.float32] = NO_SPOTS,
-        hidden: NDArray[np.uint8] = NOT_HIDDEN, rows: tuple[int, int] | None = None, lattice: Lattice = NO_LATTICE,
+        hidden: NDArray[np.uint8] = NOT_HIDDEN, rows: tuple[int, int] | None = None,
     ) -> None:  # fmt: skip
         """Composite the shaded solids of a z-buffer ``keys`` (height * width,) over image (height, width, 3).
 
         spots (pixels, 2): positions of the pixels on the screen; without rows each pixel is at its own position. hidden
-        (height * width,): not ``lattice.wanted`` at pixels that are left as they are, as are those outside of the rows;
-        lattice: where light is known, if it is anywhere.
+        (height * width,): not 0 at pixels that are left as they are, as are those outside of the rows.
         """
         if self.solids is None:
             return
@@ -159,43 +133,29 @@ class Lighting:
         seen = [solid for solid in self.scene.solids if solid.visible]
         paint = paint_of(seen, self.scene.emitter, self.at)
         shade_surfaces.surfaces(
-            inputs.Screen(keys, self.view.pack(), spots, *(self.grain or NO_GRAIN), hidden,
-                   lattice.wanted, top, bottom, ANY_TRIANGLE if len(spots) else self.triangles),
+            inputs.Screen(
+                keys, self.view.pack(), spots, *(self.grain or NO_GRAIN), hidden, top, bottom,
+                ANY_TRIANGLE if len(spots) else self.triangles,
+            ),
             self._surround(),
             inputs.StrandLight(self.palette.colour, given(self.palette.loss, 4)),
-            replace(self, free=NO_FREE_WAYS)._lights(given(None, 0), lattice),
+            self._lights(given(None, 0)),
             map_arrays(self.maps), self.solids, coating_of(seen, paint), image,
-        )  # fmt: skip
-
-    def shade_smooth(
-        self, keys: NDArray[np.uint64], image: NDArray[np.float32], hidden: NDArray[np.uint8], rows: tuple[int, int],
-        lattice: Lattice,
-    ) -> None:  # fmt: skip
-        """As `shade_surfaces`, of the pixels that are `kernels.lattice.SMOOTH` in hidden."""
-        assert self.solids is not None
-        seen = [solid for solid in self.scene.solids if solid.visible]
-        smooth_pixels.shade_smooth(
-            inputs.Screen(
-                keys, self.view.pack(), NO_SPOTS, *(self.grain or NO_GRAIN), hidden, SMOOTH, *rows, ANY_TRIANGLE
-            ),
-            self._lights(given(None, 0), lattice), self.solids,
-            coating_of(seen, paint_of(seen, self.scene.emitter, self.at)), image,
         )  # fmt: skip
 
     def at_points(self) -> tuple[inputs.Lights, inputs.Lights]:
         """Return the lights for single points: of strands, which do not shade themselves, and of solids."""
-        of_strands, rows = replace(self, free=NO_FREE_WAYS), self.lights.copy()
+        rows = self.lights.copy()
         rows[:, STRAND_WIDTH] = 0
-        return of_strands._lights(given(None, 0)), replace(of_strands, lights=rows)._lights(given(None, 0))
+        return self._lights(given(None, 0)), replace(self, lights=rows)._lights(given(None, 0))
 
     def _surround(self) -> inputs.Surround:
         found = self.occlusion
         around = (given(None, 4), NO_BOX) if found is None else (found.volume, found.box)
         return inputs.Surround(np.array(self.scene.ambient, np.float32), given(self.sky, 9, 3), *around)
 
-    def _lights(self, clear: NDArray[np.float32], lattice: Lattice = NO_LATTICE) -> inputs.Lights:
-        at = lattice.known, lattice.down, lattice.right, lattice.use
-        return inputs.Lights(self.lights, clear, self.skin, self.sized, *at, *self.free)
+    def _lights(self, clear: NDArray[np.float32]) -> inputs.Lights:
+        return inputs.Lights(self.lights, clear, self.skin, self.sized)
 
 
 def pack_lights(lights: tuple[Light, ...], maps: ShadowMaps | None, bounds: NDArray[np.float64]) -> NDArray[np.float32]:
@@ -235,22 +195,3 @@ def default_bias(view: View, bounds: NDArray[np.float64]) -> float:
 def _size(light: Light) -> float:
     """Return the sine of a directional light's angular radius, or the radius of a point light in metres."""
     return math.sin(math.radians(light.size / 2)) if isinstance(light, DirectionalLight) else light.size / 2
-
-
-def free_ways(
-    lights: NDArray[np.float32], solids: Solids | None, skin: np.float32, bounds: NDArray[np.float64]
-) -> FreeWays:
-    """Return the tables over the box ``bounds`` (2, 3) of strands, metres; without rows where solids have no distances
-    of vectors, or a light is not directional, or none has a size.
-
-    lights (n, `light_columns.COLUMNS`); skin: as in `kernels.soft_shadows`."""
-    by_vectors = getattr(type(solids), "distances_in_own", None) is not None
-    if solids is None or not by_vectors or not lights[:, LIGHT_SIZE].any() or lights[:, KIND].any():
-        return NO_FREE_WAYS
-    assert lights.shape[1] == COLUMNS
-    views = np.stack([parallel_view(-row[PLACE_X : PLACE_X + 3], SIDE, bounds).pack() for row in lights])
-    depths = np.empty((len(lights), SIDE, SIDE), np.float32)
-    kernel.measure(lights, views, solids, skin, depths)
-    depths[:, :, :-1] = np.minimum(depths[:, :, :-1], depths[:, :, 1:])
-    depths[:, :-1] = np.minimum(depths[:, :-1], depths[:, 1:])
-    return FreeWays(depths, views)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import asdict
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -11,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.registry import FIBRES
-from ...jit.kept import kept
 from ...scene.model import Material
-from ..common.kernels.batch import CHANNELS
 from ..fibre import dual
 from ..fibre.pigment import absorption, colour_of, tint, varies
 
@@ -46,7 +42,7 @@ class Palette:
         self.loss: NDArray[np.float32] | None = None
         """Of light behind strands, for the shadows on solids."""
         if counts and material.scatter == "dual":
-            self.dual, self.loss = (_scattered if own else _scattered_of)(material, roughness)
+            self.dual, self.loss = (_scattered.__wrapped__ if own else _scattered)(material, roughness)
         base = getattr(tables, "absorption", None)
         self.tint = tint_table(material, roughness, base) if varies(material) else None
         if colours is not None:
@@ -70,25 +66,10 @@ def _tables_of(model: Any, material: Material) -> Any:
     return model.tables(material)
 
 
+@lru_cache(maxsize=1)
 def _scattered(material: Material, roughness: float) -> tuple[dual.kernel.DualArrays, NDArray[np.float32]]:
     tables = dual.build_tables(material, roughness)
     return tables, dual.loss_table(tables)
-
-
-@lru_cache(maxsize=1)
-def _scattered_of(material: Material, roughness: float) -> tuple[dual.kernel.DualArrays, NDArray[np.float32]]:
-    """The same of a material of a preset, which is kept from one run to the next."""
-
-    def make() -> Iterable[NDArray[Any]]:
-        tables, loss = _scattered(material, roughness)
-        return *tables, loss
-
-    like = {
-        "rows": np.empty((dual.N_THETA, CHANNELS), np.float32), "scale": np.empty(3, np.float32),
-        "loss": np.empty((dual.LOSS_NODES, 4), np.float32),
-    }  # fmt: skip
-    *tables, loss = kept("dual", (dual.__name__,), (asdict(material), roughness), like, make)
-    return dual.kernel.DualArrays(*tables), loss
 
 
 def tint_table(material: Material, roughness: float, base: NDArray[np.float64] | None) -> NDArray[np.float32]:

@@ -28,8 +28,7 @@ from .kernels import opacity, opacity_maps, splats
 from .kernels.map_parts import PartsInMap
 from .kernels.strand_shadows import ShadowArrays
 from .shadow_model import casts_map, model_of
-from .shares import share_of, shares_of
-from .strands_in_map import NO_EXTENTS, Drawn, parts_in_map, project, simplified, view_numbers
+from .strands_in_map import NO_EXTENTS, parts_in_map, project, simplified, view_numbers
 
 TEXEL = 1.5
 """Side of an opacity map's texel, in strand spacings."""
@@ -82,8 +81,6 @@ class ShadowMaps:
     """From `tables_of_cells`, once all opacity maps are divided."""
     chances: NDArray[np.float32] | None = None
     """(strands,) from `chances_of`, to leave out most strands deep in shadow; None: none are."""
-    shares: list[float] = field(default_factory=list)
-    """Share of the strands that each map has, from `shares_of`; empty: each has all."""
     heads: dict[int, NDArray[np.float32]] = field(default_factory=dict)
     """Of each opacity map that is divided, `OpacityMap.heads`."""
     _lengths: list[int] = field(default_factory=list)
@@ -176,10 +173,10 @@ class ShadowMaps:
     ) -> PartsInMap:
         """Return what polylines from `simplified` draw into an opacity map, valid until the next are requested; widen
         its extents if they are given."""
-        drawn = Drawn(lines, self.thickness, self.chances)
-        if self.shares:
-            drawn = share_of(drawn, self.shares[number], scratch)
-        return parts_in_map(drawn, self.views[number], int(self.sizes[number]), workers, scratch, self.over, extents)
+        view, size = self.views[number], int(self.sizes[number])
+        return parts_in_map(
+            lines, self.thickness, view, size, workers, scratch, self.over, self.chances, extents
+        )  # fmt: skip
 
     def _draw(self, number: int, parts: PartsInMap) -> None:
         """Add parts to the layers of an opacity map."""
@@ -214,16 +211,14 @@ def plan_maps(
     """
     views: list[View] = []
     layers: list[int] = []
-    shares: list[float] = []
     owners = []
-    for light, share in zip(lights, shares_of(lights, counted), strict=True):
+    for light in lights:
         before = len(views)
         if casts_map(light, counted):
             count = model_of(light).layers(light.shadow)
             found = _views_of(light, count > 0, bounds, thickness, spacing)
             views += found
             layers += [count] * len(found)
-            shares += [share] * len(found)
         owners.append((before, len(views) - before))
     if not views:
         return None
@@ -232,9 +227,7 @@ def plan_maps(
     begin, texels, extents = allocate_extents(sizes, deep, scratch)
     packed = np.stack([view.pack() for view in views])
     over = 1.0 / max(_fall_length(bounds, thickness, spacing), TINY)
-    return ShadowMaps(
-        views, packed, begin, sizes, texels, owners, None, layers, extents, thickness, over, shares=shares
-    )
+    return ShadowMaps(views, packed, begin, sizes, texels, owners, None, layers, extents, thickness, over)
 
 
 def _views_of(

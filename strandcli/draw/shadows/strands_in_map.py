@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numba import get_num_threads
@@ -62,39 +61,41 @@ def simplified(lines: Polylines, views: Sequence[View], scratch: Scratch) -> Pol
     return replace(lines, first=first, world=world, along=along, lost=lost, per=0)
 
 
-class Drawn(NamedTuple):
-    """Polylines that are drawn into a map."""
-
-    lines: Polylines
-    thickness: Thickness
-    chances: NDArray[np.float32] | None = None
-    """(strands,) from `chances_of`, to leave out most strands deep in shadow; None: none are."""
-    among: int = 0
-    """Of so many strands these are some; 0: these are all."""
-
-
 def parts_in_map(
-    drawn: Drawn, view: View, side: int, workers: int, scratch: Scratch, over: float = 1.0,
-    extents: NDArray[np.float32] = NO_EXTENTS,
+    lines: Polylines, thickness: Thickness, view: View, side: int, workers: int, scratch: Scratch, over: float = 1.0,
+    chances: NDArray[np.float32] | None = None, extents: NDArray[np.float32] = NO_EXTENTS,
 ) -> PartsInMap:  # fmt: skip
     """Return the parts of polylines that are drawn into an opacity map of ``side`` texels a side, an even number, in a
     band for each worker. They are valid until the next are requested.
 
-    ``over``: 1 / h of `kernels.opacity`, 1/m; ``extents``: of the map's cells, to be widened."""
-    lines, chances = drawn.lines, drawn.chances
+    ``over``: 1 / h of `kernels.opacity`, 1/m; chances (strands,): from `chances_of`, to leave out most strands deep in
+    shadow, None: none are; ``extents``: of the map's cells, to be widened."""
     first, screen = project(lines, view, scratch)
-    width, seen = np.float32(drawn.thickness.width), view_numbers(view)
-    taper, along = lines.tapered(drawn.thickness.taper)
+    seen = view_numbers(view)
+    taper, along = lines.tapered(thickness.taper)
     if along is not None and len(along) > len(screen):
         along = np.ascontiguousarray(along.reshape(-1, lines.per)[:, :: coarseness(lines, view)]).reshape(-1)
-    strands = StrandsInMap(first, screen, width, taper, lines.scale, along)
+    strands = StrandsInMap(first, screen, np.float32(thickness.width), taper, lines.scale, along)
     sketch = NO_SKETCH
-    if chances is not None:
-        among = max(drawn.among, len(chances))
-        if among >= FEWEST:
-            drafted = strands if lines.lost is None else evened(strands, lines.lost, lines.first)
-            sketch = sketch_of(drafted, seen, side, chances, sketched_share(among), over, scratch)
-    return parts_of(strands, seen, side, workers, scratch, sketch, extents)
+    if chances is not None and len(chances) >= FEWEST:
+        drafted = strands if lines.lost is None else evened(strands, lines.lost, lines.first)
+        sketch = sketch_of(drafted, seen, side, chances, over, scratch)
+    count = len(strands.first) - 1
+    shared = min(count * (PARTS - 1), len(strands.screen) // PART)  # as `kernels.map_parts.shared_before` for all
+    parts = count + shared
+    room = len(strands.screen) + shared + SEGMENTS + 1  # vectors look beyond the last part
+    kept = scratch.borrow("map_vertices", (room, 4), np.float32)
+    found, order = (scratch.borrow(name, (parts, 4), np.int32) for name in ("map_parts", "map_order"))
+    places = scratch.borrow("map_places", parts, np.uint16)
+    costs = scratch.borrow("map_costs", parts if workers > 1 else 0, np.float32)
+    begin, loads, borders = np.empty(4**BITS + 1, np.int64), np.empty(side), np.empty(workers + 1, np.int64)
+    at_once = extents if get_num_threads() == 1 else NO_EXTENTS  # several threads would write to the same cells
+    part_vertices.thin(strands, sketch, seen, side, kept, found, places, costs, at_once)
+    there = map_parts.sort(found, places, costs, begin, loads, order, borders)
+    found_parts = PartsInMap(kept, order[:there], borders)
+    if len(extents) > len(at_once):
+        opacity_maps.measure(found_parts, side, extents)
+    return found_parts
 
 
 def evened(strands: StrandsInMap, lost: NDArray[np.float32], first: NDArray[np.int64]) -> StrandsInMap:
@@ -128,41 +129,17 @@ def mark_sketched(chances: NDArray[np.float32], marks: NDArray[np.bool_]) -> Non
 
 
 def sketch_of(
-    strands: StrandsInMap, view: MapView, side: int, chances: NDArray[np.float32], share: np.float32, over: float,
-    scratch: Scratch,
+    strands: StrandsInMap, view: MapView, side: int, chances: NDArray[np.float32], over: float, scratch: Scratch
 ) -> Sketch:  # fmt: skip
-    """Return by what most of projected strands are left out that lie deep in shadow; share: from `sketched_share`,
-    others: as in `parts_in_map`."""
+    """Return by what most of projected strands are left out that lie deep in shadow; arguments as in
+    `parts_in_map`."""
     cells = -(-side // CELL)
     nearest = scratch.borrow("sketch_nearest", cells * cells, np.float32)
     before = scratch.borrow("sketch", cells * cells * (LEVELS + 1), np.float32)
     deep = scratch.borrow("sketch_deep", (cells * cells, 2), np.float32)
     sketch = Sketch(chances, nearest, before, deep, WEIGHTS, cells, np.float32(over))
-    part = deep_strands.draw(strands, view, share, sketch)
+    part = deep_strands.draw(strands, view, sketched_share(len(chances)), sketch)
     return sketch if part > WORTH else NO_SKETCH
-
-
-def parts_of(
-    strands: StrandsInMap, view: MapView, side: int, workers: int, scratch: Scratch, sketch: Sketch = NO_SKETCH,
-    extents: NDArray[np.float32] = NO_EXTENTS,
-) -> PartsInMap:  # fmt: skip
-    """Return the parts of projected strands; arguments as in `parts_in_map`."""
-    count = len(strands.first) - 1
-    shared = min(count * (PARTS - 1), len(strands.screen) // PART)  # as `kernels.map_parts.shared_before` for all
-    parts = count + shared
-    room = len(strands.screen) + shared + SEGMENTS + 1  # vectors look beyond the last part
-    kept = scratch.borrow("map_vertices", (room, 4), np.float32)
-    found, order = (scratch.borrow(name, (parts, 4), np.int32) for name in ("map_parts", "map_order"))
-    places = scratch.borrow("map_places", parts, np.uint16)
-    costs = scratch.borrow("map_costs", parts if workers > 1 else 0, np.float32)
-    begin, loads, borders = np.empty(4**BITS + 1, np.int64), np.empty(side), np.empty(workers + 1, np.int64)
-    at_once = extents if get_num_threads() == 1 else NO_EXTENTS  # several threads would write to the same cells
-    part_vertices.thin(strands, sketch, view, side, kept, found, places, costs, at_once)
-    there = map_parts.sort(found, places, costs, begin, loads, order, borders)
-    found_parts = PartsInMap(kept, order[:there], borders)
-    if len(extents) > len(at_once):
-        opacity_maps.measure(found_parts, side, extents)
-    return found_parts
 
 
 def view_numbers(view: View) -> MapView:

@@ -268,20 +268,3 @@ def walk_alone(solids, m, ray, most):
         return lambda solids, m, ray, most: (ray[1], ray[3])
     distances, among, parts = form.distances_in_own, form.among, parts_of(form)
     return lambda solids, m, ray, most: soft_edge.walk_alone(distances, parts, among(solids), m, ray, most)
-
-
-@by_type
-def free_depth(solids, point, way, farthest, light):
-    """`soft_edge.free_depth` of all of these; `farthest` where they have no distances of vectors."""
-    form = form_of(solids)
-    if form is None or form.distances_in_own is None:
-        return lambda solids, point, way, farthest, light: farthest
-    distances, among, parts = form.distances_in_own, form.among, parts_of(form)
-
-    def found(solids, point, way, farthest, light):
-        p = among(solids)
-        for m in range(p.rows.shape[0]):
-            farthest = soft_edge.free_depth(distances, parts, p, m, point, way, farthest, light)
-        return farthest
-
-    return found

@@ -135,30 +135,6 @@ def walk_alone(distances_in_own, parts, p, m, ray, most):
 
 
 @inlined
-def free_depth(distances_in_own, parts, p, m, point, way, farthest, light):
-    """How far from points along unit vectors, at most `farthest`, cones about the way back are free of solid m: those
-    of a light that sends its rays along these vectors, seen from there. Vectors.
-
-    light: the sine of the light's angular radius, `skin`, and how far toward the light cones begin. A distance that is
-    found on the way bounds how far it is to where `least_sine` would find the cone as wide as that."""
-    x, y, z = point
-    dx, dy, dz = way
-    radius, skin, lift = light
-    middle = (number(p, m, X) - x) * dx + (number(p, m, Y) - y) * dy + (number(p, m, Z) - z) * dz
-    u, v, w = own(p, m, x, y, z)
-    along = (u, v, w, *own_direction(p, m, dx, dy, dz))
-    t, end = middle - number(p, m, REACH), middle + number(p, m, REACH)
-    step = step_of(p, m, parts)
-    while True:
-        on = (t < farthest) & (t < end)
-        if not any_lane(on):
-            return farthest
-        away = away_at(distances_in_own, p, m, along, t) + skin
-        farthest = where(on, min(farthest, t + lift + away * (ONE / radius)), farthest)
-        t = where(on, t + pace(away, farthest - t, step, radius), t)
-
-
-@inlined
 def away_at(distances_in_own, p, m, along, t):
     """The distances at places of rays."""
     u, v, w, du, dv, dw = along

@@ -20,12 +20,11 @@ from strandcli.draw.film.kernels import film
 from strandcli.draw.geometry.kernels import curves, piece_counts, ribbon, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
 from strandcli.draw.lighting.kernels.inputs import StrandColour
-from strandcli.draw.lighting.lighting import NO_FREE_WAYS
 from strandcli.draw.shadows.kernels import (
     minmax,
     penumbra,
     percentage_closer,
-    soft_shadows,
+    solid_shadows,
     splats,
     strand_shadows,
 )
@@ -118,7 +117,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "normal": (rays.normal, (SOLIDS, 1, ONE, ONE, ONE)),
     "penumbra of a box": (penumbra.box, (TABLE, 1, RAY, ONE, ONE)),
     "lit solids": (rays.visibility, (SOLIDS, *[ONE] * 8)),
-    "soft shadows": (soft_shadows.soft_shadows, (LIT, 1, TABLE, 1, SOLIDS, ONE, NO_FREE_WAYS)),
+    "soft shadows": (solid_shadows.soft_shadows, (LIT, 1, TABLE, 1, SOLIDS, ONE)),
     "ray": (rays.ray, (ROW, ONE, ONE)),
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
     "marschner": (

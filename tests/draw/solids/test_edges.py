@@ -97,7 +97,7 @@ def test_solids_behind_closed_strands_are_not_shaded_and_no_pixel_differs(monkey
 
     def all_of_them(self: Canvas, layer: Any, edges: Any) -> None:
         rows = layer.fragments.top, layer.fragments.bottom
-        draw = partial(draw_solids, self.lighting, self.scratch)
+        draw = partial(draw_solids, self.lighting)
         draw(self.keys, self.image, rows=rows)
         edges.within(rows[0] * self.size[0], rows[1] * self.size[0]).composite(draw, self.image, self.backdrop)
 

@@ -21,11 +21,10 @@ layout = RowAllocator(
 # Of each point: sine of the light's angular radius, sine of the least angle between the light's centre and a solid's
 # silhouette, and whether the current solid can shade it.
 RADIUS, LEAST, ASKED = layout.allocate(3, strands="soft", surfaces="soft")
-# Of each listed point: its number, the vector to the beginning of the solid's axis, direction and distance of the
-# light; and of the search along the axis the ends, the two places between, and the values there. Compaction moves all
-# of these rows together.
+# Of each listed point: its number, and as above its position, the light's direction and distance, and how far along a
+# ray a search has come.
 LIST, WX, WY, WZ, DX, DY, DZ, END = layout.allocate(8, strands="soft", surfaces="soft")
-LOW, HIGH, NEAR, FAR, AT_NEAR, AT_FAR = layout.allocate(6, strands="soft", surfaces="soft")
+HIGH, NEAR, FAR, AT_NEAR = layout.allocate(4, strands="soft", surfaces="soft")
 
 CHANNELS = 24
 """Channels of a node of the dual scattering tables (`strandcli.draw.fibre.kernels.dual`)."""

@@ -11,8 +11,8 @@ SX, SY = layout.allocate(2, surfaces="gather:reflect")
 DISTANCE = layout.allocate(surfaces="gather:ambient")[0]
 PIXEL = layout.allocate(surfaces="ambient")[0]
 THERE = layout.allocate(surfaces="ambient:out")[0]
-# How much of a pixel's light is that of the point, negative where a solid has an edge in front of itself in the pixel;
-# distances along the rays of such a pixel.
+# How much of a pixel's light is that of the point; distances along the rays of a pixel in which a solid has an edge in
+# front of itself.
 SHARE = layout.allocate(surfaces="gather:out")[0]
 RAYS = layout.allocate(surfaces="gather")[0]
 # A number that the look of a solid is looked for at (`strandcli.scene.solid_shape.SolidShape.look_after`), or −1.

@@ -18,7 +18,6 @@ from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...coverage.kernels.composite import OPAQUE
 from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, between, tile_at
 from ...lighting.kernels.shade_strands import aim, past_solids, past_strands
-from ...shadows.kernels.free_ways import FreeWays
 from ...solids.kernels import rays
 
 TINY = np.float32(1e-30)
@@ -255,7 +254,7 @@ def shade_points(work, n, places, lights, maps, solids, sums):
             sums[W + k] += power * work[ARRIVES + k]
         for k in range(3 * W):
             work[X + k] = places[3 * W + k]
-        past_solids(work, n, rows, i, solids, lights.skin, lights.sized, FreeWays(lights.free, lights.free_views))
+        past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
         for k in range(3 * W):
             work[X + k] = places[k]
         past_strands(work, n, lights, i, maps, None)

@@ -12,11 +12,6 @@ FADE, FADE_X, FADE_Y, FADE_Z = range(3, 7)
 fading."""
 
 
-COMPUTED, WRITTEN, READ = np.uint8(0), np.uint8(1), np.uint8(2)
-"""Light on solids is computed where they are seen; computed and kept at pixels of the lattice; what solids and strands
-leave of it is taken from there."""
-
-
 class Vertices(NamedTuple):
     """Vertices of strands, and the camera."""
 
@@ -72,17 +67,6 @@ class Lights(NamedTuple):
     """float32: depth below a solid's surface that counts as on it, metres."""
     sized: Any
     """uint8, or None if no light needs soft shadows of solids, which are then not compiled."""
-    known: NDArray[np.float32]
-    """(rows, columns, lights + `lattice.ALL`, 3) share of each light that solids and strands leave of it, in red, green
-    and blue, at the pixels of a `lattice` on solids, and then radiance there; no rows without a lattice."""
-    down: Any
-    right: Any
-    """uint8: row j and column i of `known` are pixels 2 j − down and 2 i − right."""
-    use: Any
-    """uint8: `COMPUTED`, `WRITTEN` or `READ`: what `known` is for."""
-    free: NDArray[np.float32]
-    free_views: NDArray[np.float32]
-    """`strandcli.draw.shadows.kernels.free_ways.FreeWays`, for strands."""
 
 
 class WidthProfiles(NamedTuple):
@@ -110,9 +94,7 @@ class Screen(NamedTuple):
     frame: NDArray[np.float32]
     """(5,) columns of `strandcli.draw.solids.kernels.surface_pixels`."""
     hidden: NDArray[np.uint8]
-    """(height * width,) what becomes of each pixel; no rows: all are shaded."""
-    wanted: Any
-    """uint8: the number in `hidden` of pixels that are shaded, the others are left as they are."""
+    """(height * width,) not 0 at pixels that are left as they are; no rows: all are shaded."""
     begin: int
     end: int
     """The rows that are shaded: begin … end − 1, the others are left as they are."""

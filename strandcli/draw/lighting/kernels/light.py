@@ -13,7 +13,7 @@ from ....simd import lane_count, load, load3, pointer, store
 from ...common.kernels.batch import COLOUR, RADIANCE, TX, TY, TZ, X
 from ...common.kernels.light_columns import KIND, PLACE_X, PLACE_Y, PLACE_Z
 from ...common.kernels.numbers import ONE, THREE, ZERO
-from .occlusion import whole_sky_visibilities
+from .occlusion import sky_visibilities
 
 TINY = np.float32(1e-30)
 FAR = np.float32(1e30)
@@ -71,7 +71,7 @@ def ambient_light(work, n, surround):
     if surround.volume.shape[0] > 0:
         rows = pointer(work)
         for k in range(0, n, lane_count(rows)):
-            share = whole_sky_visibilities(surround.volume, surround.box, load3(rows, X + k, W))
+            share = sky_visibilities(surround.volume, surround.box, load3(rows, X + k, W), None)
             for c in range(3):
                 colour = min(load(rows, COLOUR + c * W + k), ONE)
                 light = load(rows, RADIANCE + c * W + k)

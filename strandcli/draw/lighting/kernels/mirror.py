@@ -167,8 +167,8 @@ def strands_along(surround, place, ray, far):
     steps = pointer(STEPS)
     for step in range(0, TESTED, lane_count(steps)):
         t = long * (load(steps, step) + HALF) / np.float32(TESTED)
-        sky = occlusion.whole_sky_visibilities(
-            surround.volume, box, (place[0] + t * ray[0], place[1] + t * ray[1], place[2] + t * ray[2])
+        sky = occlusion.sky_visibilities(
+            surround.volume, box, (place[0] + t * ray[0], place[1] + t * ray[1], place[2] + t * ray[2]), None
         )
         least = min(least, -reduce_max(-sky))
     hidden = min(max((OPEN - least) / (OPEN - SHUT), ZERO), ONE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import function, inlined
-from ....simd import broadcast, floor, gather, gather4, pointer, reduce_max
+from ....simd import broadcast, floor, gather4, pointer, reduce_max
 from ...common.kernels.numbers import ONE, TWO, ZERO
 
 START, NUMBERS = np.int64(0), np.int64(4)
@@ -40,16 +40,17 @@ def sky_visibility(volume, box, x, y, z, nx, ny, nz):
 
 @inlined
 def sky_visibilities(volume, box, point, normal):
-    """Return the visible share of the sky at a vector of points: of the whole sphere for n = 0, or of the hemisphere
-    around the unit normal n, weighted by the cosine; more of it the farther a place is outside of the cells. volume,
-    box: of `inputs.Surround`."""
+    """Return the visible share of the sky at a vector of points: of the whole sphere where the normal is None or 0, or
+    of the hemisphere around a unit normal, weighted by the cosine; more of it the farther a place is outside of the
+    cells. volume, box: of `inputs.Surround`."""
     place, (c, b, a) = places_of(box, point)
     rows = pointer(volume)
     near, far = records(rows, box, place, ZERO, c, b), records(rows, box, place, ONE, c, b)
-    share = ZERO + ONE * (near[0] + a * (far[0] - near[0]))
-    for channel in range(3):
-        weight = COSINE * normal[channel]
-        share = share + weight * (near[channel + 1] + a * (far[channel + 1] - near[channel + 1]))
+    share = near[0] + a * (far[0] - near[0])
+    if normal is not None:
+        for channel in range(3):
+            weight = COSINE * normal[channel]
+            share = share + weight * (near[channel + 1] + a * (far[channel + 1] - near[channel + 1]))
     return faded(box, point, share)
 
 
@@ -69,27 +70,6 @@ def mixed(p, q, t):
     return (
         p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1]), p[2] + t * (q[2] - p[2]), p[3] + t * (q[3] - p[3]),
     )  # fmt: skip
-
-
-@inlined
-def whole_sky_visibilities(volume, box, point):
-    """As `sky_visibilities` of the whole sphere, of which one channel tells."""
-    place, (c, b, a) = places_of(box, point)
-    rows = pointer(volume)
-    near, far = means(rows, box, place, ZERO, c, b), means(rows, box, place, ONE, c, b)
-    return faded(box, point, near + a * (far - near))
-
-
-@inlined
-def means(rows, box, place, i, c, b):
-    """As `records`, of the first number alone."""
-    base = first_of(box, place, i, ZERO)
-    p, up = gather(rows, START + MEAN, base, NUMBERS, ZERO), gather(rows, NUMBERS + MEAN, base, NUMBERS, ZERO)
-    p = p + c * (up - p)
-    base = first_of(box, place, i, ONE)
-    q, up = gather(rows, START + MEAN, base, NUMBERS, ZERO), gather(rows, NUMBERS + MEAN, base, NUMBERS, ZERO)
-    q = q + c * (up - q)
-    return p + b * (q - p)
 
 
 @inlined

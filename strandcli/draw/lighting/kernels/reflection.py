@@ -1,4 +1,5 @@
-"""What solids reflect of one light, for batches of points of `shade_surfaces`."""
+"""What arrives of one light at solids, past solids and strands, and what they reflect of it, for batches of points of
+`shade_surfaces`."""
 
 from __future__ import annotations
 
@@ -8,14 +9,52 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device
+from ....solids.kernels import other
 from ...common.kernels.batch import ARRIVES, EX, LX, RADIANCE, REACH, X, set_vector, vector_at
-from ...common.kernels.light_columns import KIND, LIGHT_SIZE, POWER_R
+from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, POWER_R
 from ...common.kernels.numbers import INV_PI, ONE, ZERO
-from ...common.kernels.surface_batch import ARRIVED, COAT, COSINE, LEFT, NX, PX, SHINE, TRUE_X
+from ...common.kernels.surface_batch import ARRIVED, COAT, COSINE, LEFT, LIFT, NX, PX, SHINE, TRUE_X
+from ...shadows.kernels import percentage_closer
+from ...shadows.kernels.strand_shadows import shade_by_minmax
 from ...solids.kernels import coat
 from ...solids.kernels.coat import SUBSURFACE, scattered
+from .shade_strands import aim, past_solids
 
 TINY = np.float32(1e-6)
+
+
+@device
+def arrive(work, n, i, lights, shadows, solids, loss, depth):
+    """Store what arrives of light number i, `ARRIVES`, and what strands leave of that, `LEFT`, at the first n points of
+    a batch; loss: of `inputs.StrandLight`; depth: of subsurface scattering."""
+    rows = lights.rows
+    aim(work, n, rows, i)
+    rise(work, n, lights.skin, depth)
+    if other.has_look(solids):
+        for k in range(3 * W):  # on to where shadow rays begin
+            work[X + k] += work[LIFT + k]
+    if depth > ZERO:
+        bend(work, n, rows, i)
+    past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
+    for k in range(3 * W):
+        work[X + k] = work[PX + k]
+    if depth > ZERO:
+        for k in range(3 * W):  # and straight to the light again
+            work[LX + k] = work[TRUE_X + k]
+    past_strands(work, n, rows, i, shadows, loss)
+
+
+@device
+def past_strands(work, n, lights, i, shadows, loss):
+    """Apply the strand shadows of light number i: min/max maps change `ARRIVES`, opacity maps set `LEFT`, else 1."""
+    if lights[i, MAP_LAYERS] == ZERO:
+        for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
+            shade_by_minmax(work, n, shadows, one, lights[i, BIAS])
+    if lights[i, MAP_LAYERS] > ZERO:
+        percentage_closer.transmittance(work, n, lights, i, loss, shadows)
+    else:
+        for k in range(3 * W):
+            work[LEFT + k] = ONE
 
 
 @device

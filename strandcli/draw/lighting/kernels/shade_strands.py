@@ -32,9 +32,7 @@ from ...fibre.kernels.dual_scattering import diffuse_light, dual_scattering
 from ...fibre.kernels.highlights import highlights
 from ...fibre.kernels.lobes import ALL, mixed, mixed_pair, place_at
 from ...fibre.kernels.width_highlights import width_highlights
-from ...shadows.kernels.free_ways import FreeWays
-from ...shadows.kernels.hard_shadows import hard_shadows
-from ...shadows.kernels.soft_shadows import soft_shadows
+from ...shadows.kernels.solid_shadows import hard_shadows, soft_shadows
 from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shade_by_minmax
 from .light import ambient_light, toward
 from .lit_vertices import find_marked, lit_first, longest
@@ -78,17 +76,25 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
                 which[np.uint64(n)] = v
                 n += 1
                 if n == W:
-                    load_colours(paint, work, n)
-                    frames(work, n, vertices.camera)
-                    ambient_light(work, n, surround)
-                    batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
-                    store_radiance(work, which, n, out)
+                    light = tables, dual, lights, shadows, solids, wide
+                    shade(work, n, which, paint, vertices.camera, surround, light, out)
                     n = np.int64(0)
-        load_colours(paint, work, n)
-        frames(work, n, vertices.camera)
-        ambient_light(work, n, surround)
-        batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
-        store_radiance(work, which, n, out)
+        shade(work, n, which, paint, vertices.camera, surround, (tables, dual, lights, shadows, solids, wide), out)
+
+
+@device
+def shade(work, n, which, paint, camera, surround, light, out):
+    """Shade the first n items of a batch, and store their radiance at their vertices `which` in out (V, 3); light:
+    tables, dual, lights, shadows, solids and wide of `strands`."""
+    tables, dual, lights, shadows, solids, wide = light
+    load_colours(paint, work, n)
+    frames(work, n, camera)
+    ambient_light(work, n, surround)
+    batch(work, n, which, paint.diffuse, tables, dual, lights, shadows, solids, wide)
+    for k in range(np.uint64(n)):
+        v = np.uint64(which[k])
+        for c in range(np.uint64(3)):
+            out[v, c] = work[np.uint64(row.RADIANCE) + c * np.uint64(W) + k]
 
 
 @inlined
@@ -138,21 +144,12 @@ def place_in(tint, along, tone):
 
 
 @device
-def store_radiance(work, which, n, out):
-    """Store the radiance of the first n items of a batch at their vertices `which` in out (V, 3)."""
-    for k in range(np.uint64(n)):
-        v = np.uint64(which[k])
-        for c in range(np.uint64(3)):
-            out[v, c] = work[np.uint64(row.RADIANCE) + c * np.uint64(W) + k]
-
-
-@device
 def batch(work, n, which, diffuse, tables, dual, lights, shadows, solids, wide):
     """Add the light of all lights to the first n vertices of a batch, and to the profiles of wide ones among them."""
     rows = lights.rows
     for i in range(rows.shape[0]):
         aim(work, n, rows, i)
-        past_solids(work, n, rows, i, solids, lights.skin, lights.sized, FreeWays(lights.free, lights.free_views))
+        past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
         m = lit_first(work, n, which)
         if m > 0:
             add_light(work, m, which, i, diffuse, tables, dual, lights, shadows, wide)
@@ -186,13 +183,12 @@ def add_light(work, n, which, i, diffuse, tables, dual, lights, shadows, wide):
 
 
 @device
-def past_solids(work, n, lights, i, solids, skin, sized, free):
-    """Multiply the rows `ARRIVES` by the visibility of light number i past solids; sized: None for hard shadows; free:
-    `FreeWays`."""
+def past_solids(work, n, lights, i, solids, skin, sized):
+    """Multiply the rows `ARRIVES` by the visibility of light number i past solids; sized: None for hard shadows."""
     if sized is None:
         hard_shadows(work, n, solids, skin)
     else:
-        soft_shadows(work, n, lights, i, solids, skin, free)
+        soft_shadows(work, n, lights, i, solids, skin)
 
 
 @device

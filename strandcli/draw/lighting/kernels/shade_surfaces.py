@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import device, inlined, parallel, prange
+from ....jit import device, parallel, prange
 from ....jit.balance import places, task_at
 from ....solids.kernels import other
 from ...common.kernels.batch import RADIANCE, vector_at
@@ -19,9 +19,8 @@ from ...solids.kernels import appearance
 from ...solids.kernels.pixel_squares import find_pixels, places_in
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import mirror
-from .inputs import READ, WRITTEN, Coating
-from .reflection import deepest, gleam, reflect, reflect_from_below
-from .surface_light import arrive, as_computed, note, note_all, note_nothing, recall
+from .inputs import Coating
+from .reflection import arrive, deepest, gleam, reflect, reflect_from_below
 from .surface_points import cover, face, fade, light_around, look, patch, surroundings
 
 PIXELS = 4096
@@ -52,48 +51,20 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
         )  # fmt: skip
         i = np.int64(0)
         while i < end:
-            bare = lights.use == WRITTEN
-            i, n, solid, fine = fill_batch(screen, found, i, end, width, solids, work, which, bare)
+            i, n, solid, fine = fill_batch(screen, found, i, end, width, solids, work, which)
             if n == 0:
                 continue
             look(work, n, screen.camera)
-            if bare and not is_even(coating.coats, solids, solid):
-                keep(work, n, solid, strands, lights, shadows, solids, coating)
-                continue
             batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
-            if bare:
-                continue
             mirror_solids(n, solid, surround, strands, lights, shadows, solids, coating, way, coating.mirrors)
             if fine:
                 n = average(work, n, which)
             composite(work, n, which, screen, width, picture)
 
 
-@inlined
-def is_even(coats, solids, which):
-    """Return whether light on solid number `which` varies as little as its shadows do: it has neither creases nor light
-    under its surface, which depends on its colour, and mirrors no solids."""
-    plain = not (appearance.folds(solids, which) or appearance.looks(solids, which))
-    return plain and deepest(coats, which) == ZERO and mirror.strength(coats, which) == ZERO
-
-
-@device
-def keep(work, n, which, strands, lights, shadows, solids, coating):
-    """Write what arrives of the lights at the first n points of a batch to the lattice; arguments as in `batch`."""
-    depth = deepest(coating.coats, which)
-    if other.has_look(solids) or depth > ZERO:
-        appearance.plain(work, n, coating.paint, which)
-    face(work, n, solids, which)
-    for i in range(lights.rows.shape[0]):
-        arrive(work, n, i, lights, shadows, solids, strands.loss, depth)
-        note(work, n, i, lights)
-    note_nothing(work, n, lights)
-
-
 @device
 def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
-    """Set the rows `RADIANCE` of the first n points of a batch, which are on solid number `which`; or write the light
-    there to the lattice."""
+    """Set the rows `RADIANCE` of the first n points of a batch, which are on solid number `which`."""
     paint, coats, rows = coating.paint, coating.coats, lights.rows
     depth = deepest(coats, which)
     if other.has_look(solids) or depth > ZERO:
@@ -103,25 +74,16 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     fade(work, n, paint, which)
     if coats.shape[0] > 0:
         cover(work, n, surround, coats, which)
-        if lights.use != WRITTEN:
-            patch(work, n, coats, which)
+        patch(work, n, coats, which)
     for i in range(rows.shape[0]):
-        if lights.use == READ:
-            recall(work, n, i, lights, depth)
-        else:
-            arrive(work, n, i, lights, shadows, solids, strands.loss, depth)
-        if lights.use == WRITTEN:
-            note(work, n, i, lights)
+        arrive(work, n, i, lights, shadows, solids, strands.loss, depth)
         if depth > ZERO:
             reflect_from_below(work, n, rows, i, coats, which)
         else:
             reflect(work, n, rows, i)
         if coats.shape[0] > 0:
             gleam(work, n, rows, i, coats, which)
-    if lights.use == WRITTEN:
-        note_all(work, n, lights, coats)
-    else:
-        colour(work, n, which, solids, coating)
+    colour(work, n, which, solids, coating)
 
 
 @device
@@ -150,11 +112,10 @@ def mirror_solids(n, which, surround, strands, lights, shadows, solids, coating,
         return
     mirror.follow(way, n, solids, which)
     bare = Coating(coating.paint, coating.bare, coating.bare, mirrors)
-    computed = as_computed(lights)
     for hit in range(mirror.FREE, mirror.number_of(solids)):
         m = mirror.gather(way, n, hit)
         if m > 0 and hit >= 0:
-            batch(seen, m, hit, surround, strands, computed, shadows, solids, bare)
+            batch(seen, m, hit, surround, strands, lights, shadows, solids, bare)
         for k in range(m):
             p = way.points[k]
             light = ZERO, ZERO, ZERO

@@ -23,6 +23,7 @@ tenths of a ponytail's map, share row 0.
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -121,47 +122,53 @@ def in_front(u, v, d, scale, rows, start, size, over, layers, behind):
     Vectors; rows: `pointer` to the maps."""
     half = size >> 1
     last = np.float32(half - 2)
-    body = start + HEAD * half * half
     wide_u = HALF * (u - HALF)
     wide_v = HALF * (v - HALF)
     left = min(last, max(ZERO, floor(wide_u)))
     up = min(last, max(ZERO, floor(wide_v)))
     wide_u = min(max(wide_u - left, ZERO), ONE)
     wide_v = min(max(wide_v - up, ZERO), ONE)
-    head_a = head_of(rows, start, half, up, left)
-    k_a, part_a, gone_a, dense_a = layers_at(d, head_a, over, layers)
-    head_b = head_of(rows, start, half, up, left + ONE)
-    k_b, part_b, gone_b, dense_b = layers_at(d, head_b, over, layers)
-    head_c = head_of(rows, start, half, up + ONE, left)
-    k_c, part_c, gone_c, dense_c = layers_at(d, head_c, over, layers)
-    head_e = head_of(rows, start, half, up + ONE, left + ONE)
-    k_e, part_e, gone_e, dense_e = layers_at(d, head_e, over, layers)
-    a, b, c, e = head_a[ROW], head_b[ROW], head_c[ROW], head_e[ROW]
+    point = d, over, REACH / scale
+    a = cells_at(rows, start, half, up, left, point, layers)
+    b = cells_at(rows, start, half, up, left + ONE, point, layers)
+    c = cells_at(rows, start, half, up + ONE, left, point, layers)
+    e = cells_at(rows, start, half, up + ONE, left + ONE, point, layers)
     column, row = floor(u), floor(v)
     right, low = column - (left + left), row - (up + up)  # of the first texel, from that of the first cell: 0, 1 or 2
-    texels_a, mean_a, thick_a = passed_in(rows, body, a, k_a, part_a, layers)
-    texels_b, mean_b, thick_b = passed_in(rows, body, b, k_b, part_b, layers)
-    texels_c, mean_c, thick_c = passed_in(rows, body, c, k_c, part_c, layers)
-    texels_e, mean_e, thick_e = passed_in(rows, body, e, k_e, part_e, layers)
-    texels = between(u - column, v - row, right, low, texels_a, texels_b, texels_c, texels_e)
-    whole = texels
+    whole = texels = between(u - column, v - row, right, low, a.texels, b.texels, c.texels, e.texels)
     if behind is not None:
-        whole = between(u - column, v - row, right, low, head_a[WHOLE:], head_b[WHOLE:], head_c[WHOLE:], head_e[WHOLE:])
-    reach = REACH / scale
-    farthest = max(max(dense_a, dense_b), max(dense_c, dense_e))
-    if any_lane(reach * farthest >= ONE):
-        growth_a = growth_at(rows, body, a, gone_a, dense_a, reach, layers)
-        growth_b = growth_at(rows, body, b, gone_b, dense_b, reach, layers)
-        growth_c = growth_at(rows, body, c, gone_c, dense_c, reach, layers)
-        growth_e = growth_at(rows, body, e, gone_e, dense_e, reach, layers)
+        whole = between(u - column, v - row, right, low, a.whole, b.whole, c.whole, e.whole)
+    cells = bilinear(wide_u, wide_v, a.mean, b.mean, c.mean, e.mean)
+    return texels, cells, bilinear(wide_u, wide_v, a.growth, b.growth, c.growth, e.growth), whole
+
+
+class Cells(NamedTuple):
+    """What lies in front of points in cells; vectors."""
+
+    texels: Any
+    """τ in front of the depth, in each of the four texels."""
+    mean: Any
+    """Of these."""
+    growth: Any
+    """Of the mean, 1/m."""
+    whole: Any
+    """τ of all strands, in each texel."""
+
+
+@inlined
+def cells_at(rows, start, half, up, left, point, layers):
+    """Return the `Cells` in rows `up` and columns `left`; point: depth, metres, 1 / h, 1/m, and half the depth over
+    which growth is measured, metres; others as in `in_front`."""
+    d, over, reach = point
+    body = start + HEAD * half * half
+    head = head_of(rows, start, half, up, left)
+    k, part, gone, dense = layers_at(d, head, over, layers)
+    texels, middle, thick = passed_in(rows, body, head[ROW], k, part, layers)
+    if any_lane(reach * dense >= ONE):
+        growth = growth_at(rows, body, head[ROW], gone, dense, reach, layers)
     else:  # no layer but that of the point is within reach
-        most = np.float32(layers)
-        growth_a = where(gone_a < most, thick_a * dense_a, ZERO)
-        growth_b = where(gone_b < most, thick_b * dense_b, ZERO)
-        growth_c = where(gone_c < most, thick_c * dense_c, ZERO)
-        growth_e = where(gone_e < most, thick_e * dense_e, ZERO)
-    cells = bilinear(wide_u, wide_v, mean_a, mean_b, mean_c, mean_e)
-    return texels, cells, bilinear(wide_u, wide_v, growth_a, growth_b, growth_c, growth_e), whole
+        growth = where(gone < np.float32(layers), thick * dense, ZERO)
+    return Cells(texels, middle, growth, head[WHOLE:])
 
 
 @inlined

@@ -32,8 +32,6 @@ CLOSER = np.float32((math.sqrt(5.0) - 1.0) / 2.0)
 """Share of the interval that a step of a golden-section search leaves."""
 STEPS = np.int64(32)
 """Steps of a search along the ray to the light."""
-ALONG = np.int64(16)
-"""Steps of a search along a capsule's axis."""
 
 
 class LightRay(NamedTuple):
@@ -90,45 +88,35 @@ def aside(r, cx, cy, cz, lx, ly, lz, radius):
     ex = cx - t * lx
     ey = cy - t * ly
     ez = cz - t * lz
-    return beside(r, ex * ex + ey * ey + ez * ez, t, radius)
-
-
-@inlined
-def beside(r, off, t, radius):
-    """Return the same as `aside`, from the squared distance `off` of the ball's centre from the ray, and its position t
-    along the ray."""
     reach = r + t * radius
+    off = ex * ex + ey * ey + ez * ez
     return (reach < ZERO) | (off * (ONE - radius * radius) > SURELY * reach * reach)
 
 
-@inlined
-def nearest(r, wx, wy, wz, axis, lx, ly, lz, radius):
-    """Return whether a capsule certainly leaves the whole light visible, and the position in [0, 1] on its axis nearest
-    to the ray to the light.
-
-    r: metres; w: from the point to the axis' first end; axis: the vector from there to the second, metres, and its
-    squared length; radius: sine of the light's angular radius.
-    """
-    bx, by, bz, bb = axis
-    bw = -(bx * wx + by * wy + bz * wz)
-    bl = bx * lx + by * ly + bz * lz
-    lw = lx * wx + ly * wy + lz * wz
-    askew = bb - bl * bl
-    crosses = askew > SHARP * bb
-    s = min(max((bw + bl * lw) / askew, ZERO), ONE) if crosses else ZERO
-    t = lw + s * bl
-    ex = wx + s * bx - t * lx
-    ey = wy + s * by - t * ly
-    ez = wz + s * bz - t * lz
-    free = beside(r, ex * ex + ey * ey + ez * ez, lw + max(bl, ZERO), radius)
-    t = max((bl * bw + bb * lw) / askew, ZERO) if crosses else ZERO
-    return free, min(max((bw + t * bl) / max(bb, TINY), ZERO), ONE)
+@device
+def capsule(r, middle, axis, ray, radius):
+    """Return the sine of the angle from the light's centre to the edge of a capsule, a box without width of which all
+    within r metres is solid; middle: metres; axis: from end to end, metres; others as in `box`."""
+    half = HALF * math.sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2])
+    per = HALF / max(half, TINY)
+    wx, wy, wz = axis[0] * per, axis[1] * per, axis[2] * per
+    if half <= TINY:
+        wz = ONE
+    side = ONE if wz >= ZERO else -ONE  # two unit vectors across the axis (Duff et al. 2017)
+    a = -ONE / (side + wz)
+    b = wx * wy * a
+    ux, uy, uz = ONE + side * wx * wx * a, side * b, -side * wx
+    vx, vy, vz = b, side + wy * wy * a, -wy
+    x, y, z = ray.x - middle[0], ray.y - middle[1], ray.z - middle[2]
+    lx, ly, lz = ray.lx, ray.ly, ray.lz
+    o = x * ux + y * uy + z * uz, x * vx + y * vy + z * vz, x * wx + y * wy + z * wz
+    d = lx * ux + ly * uy + lz * uz, lx * vx + ly * vy + lz * vz, lx * wx + ly * wy + lz * wz
+    return rounded_box(o, d, (ZERO, ZERO, half), r, ray.reach, radius)
 
 
 @device
 def box(p, m, ray, skin, radius):
-    """Return the sine of the angle from the light's centre to the edge of row m of the boxes p: the least quotient of
-    the box's distance and the distance along the ray, which has a single minimum because a box is convex.
+    """Return the sine of the angle from the light's centre to the edge of row m of the boxes p.
 
     ray: `LightRay`; skin: metres; radius: sine of the light's angular radius. Angles greater than that radius may be
     overestimated.
@@ -144,13 +132,23 @@ def box(p, m, ray, skin, radius):
     hx = p[m, box_columns.HALF] - skin
     hy = p[m, box_columns.HALF + 1] - skin
     hz = p[m, box_columns.HALF + 2] - skin
-    around = math.sqrt(hx * hx + hy * hy + hz * hz)
-    if min(hx, min(hy, hz)) <= ZERO or aside(around, -ox, -oy, -oz, dx, dy, dz, radius):
+    if min(hx, min(hy, hz)) <= ZERO:
         return CLEAR
-    high = min(around - (ox * dx + oy * dy + oz * dz), reach)
+    return rounded_box((ox, oy, oz), (dx, dy, dz), (hx, hy, hz), ZERO, reach, radius)
+
+
+@device
+def rounded_box(o, d, h, r, reach, radius):
+    """Return the sine of the angle to the edge of a box of half extents h about the origin, all within r metres of
+    which is solid: the least quotient of its distance and the distance along the ray from o along d, which has a single
+    minimum because it is convex."""
+    around = math.sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) + r
+    if aside(around, -o[0], -o[1], -o[2], d[0], d[1], d[2], radius):
+        return CLEAR
+    high = min(around - (o[0] * d[0] + o[1] * d[1] + o[2] * d[2]), reach)
     if high <= ZERO:
         return CLEAR
-    return lowest_on_ray((ox, oy, oz, dx, dy, dz, hx, hy, hz), high)
+    return lowest_on_ray((*o, *d, *h, r), high)
 
 
 @device
@@ -168,8 +166,8 @@ def box_distance(x, y, z, hx, hy, hz):
 @device
 def on_ray(t, at):
     """Return the distance of a box from the point at distance t from o along d, divided by t."""
-    ox, oy, oz, dx, dy, dz, hx, hy, hz = at
-    return box_distance(ox + t * dx, oy + t * dy, oz + t * dz, hx, hy, hz) / t
+    ox, oy, oz, dx, dy, dz, hx, hy, hz, r = at
+    return (box_distance(ox + t * dx, oy + t * dy, oz + t * dz, hx, hy, hz) - r) / t
 
 
 @device

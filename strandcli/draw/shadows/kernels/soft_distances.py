@@ -16,7 +16,6 @@ from ....simd import lane_count, load, load3, pointer, store, where
 from ....solids.kernels import other
 from ...common.kernels import batch as row
 from ...common.kernels.numbers import ONE, ZERO
-from .free_ways import list_others
 
 FEW, ALL = np.int64(6), np.int64(1 << 40)
 """Steps that all rays take at the most, and listed ones."""
@@ -68,21 +67,6 @@ def by_distances(work, n, solids, lift, skin):
             go(work, count, LISTED, solids, m, (lift, skin), ALL)
             for j in range(count):
                 work[row.LEAST + np.int64(work[row.LIST + j])] = work[row.HIGH + j]
-
-
-@device
-def by_distances_of_some(work, n, i, solids, skin, free):
-    """As `by_distances`, of the points of which `FreeWays` do not say that they see all of light number i."""
-    count = list_others(work, n, i, free)
-    if count == 0:
-        return
-    for k in range(n):
-        work[row.AT_NEAR + k] = ZERO
-    for m in range(other.count(solids)):
-        gather(work, count)
-        go(work, count, LISTED, solids, m, (skin, skin), ALL)
-        for j in range(count):
-            work[row.LEAST + np.int64(work[row.LIST + j])] = work[row.HIGH + j]
 
 
 @device

@@ -7,8 +7,8 @@ import numpy as np
 from ....jit import device, inlined
 from ...common.kernels.keys import EMPTY, FIRST, LOW
 
-UNMARKED = np.uint8(0)
-"""`Screen.wanted` of pixels of which some show no solid; all that have another value show one."""
+SHADED = np.uint8(0)
+"""In `Screen.hidden`: of pixels that are not left as they are."""
 SIDE_BITS = np.int64(3)
 SIDE = np.int64(8)
 """Side of a square of pixels that are shaded one after the other."""
@@ -16,7 +16,7 @@ WITHIN = np.arange(SIDE * SIDE)
 DOWN = (WITHIN >> 1 & 1) + (WITHIN >> 2 & 2) + (WITHIN >> 3 & 4)
 ACROSS = (WITHIN & 1) + (WITHIN >> 1 & 2) + (WITHIN >> 2 & 4)
 """Rows down and columns across from the first pixel of a square, in an order in which sixteen pixels one after the
-other are a square of 4 × 4, and of every second pixel of every second row a square, too: they read the same texels."""
+other are a square of 4 × 4: they read the same texels."""
 
 
 @device
@@ -25,14 +25,13 @@ def find_pixels(screen, p, end, width, found):
     square (`DOWN`, `ACROSS`), or in their own where they have positions of their own. Return how many they are. Squares
     without any are passed over by loops without branches."""
     n = np.int64(0)
-    marked = screen.hidden.shape[0] > 0 and screen.wanted != UNMARKED
     for begin in range(p, end, SIDE * SIDE):
         if screen.spots.shape[0] > 0:
             for place in range(begin, min(begin + SIDE * SIDE, end)):
                 at = screen.begin * width + place
                 found[n] = at
-                n += np.int64(is_wanted(screen, at, marked))
-        elif shows_solids(screen, begin, width, marked):
+                n += np.int64(is_wanted(screen, at))
+        elif shows_solids(screen, begin, width):
             column, row = square_at(begin, screen, width)
             whole = column + SIDE <= width and row + SIDE <= screen.end
             first = row * width + column
@@ -41,35 +40,30 @@ def find_pixels(screen, p, end, width, found):
                 inside = whole or (column + across < width and row + down < screen.end)
                 at = first + (down * width + across if inside else np.int64(0))
                 found[np.uint64(n)] = at
-                n += np.int64(inside & is_wanted(screen, at, marked))
+                n += np.int64(inside & is_wanted(screen, at))
     return n
 
 
 @inlined
-def is_wanted(screen, at, marked):
-    """Return whether pixel number `at` shows a solid and is to be shaded. Without branches. marked: whether all pixels
-    that `screen.hidden` has to be shaded show one, so that no key, eight bytes a pixel, has to be read."""
-    if marked:
-        return screen.hidden[np.uint64(at)] == screen.wanted
+def is_wanted(screen, at):
+    """Return whether pixel number `at` shows a solid and is to be shaded. Without branches."""
     key = screen.keys[np.uint64(at)]
     shown = (key != EMPTY) & ((key & LOW) >= FIRST)
     if screen.hidden.shape[0] > 0:
-        shown &= screen.hidden[np.uint64(at)] == screen.wanted
+        shown &= screen.hidden[np.uint64(at)] == SHADED
     return shown
 
 
 @inlined
-def shows_solids(screen, p, width, marked):
+def shows_solids(screen, p, width):
     """Return whether a pixel of the square that begins at place p shows a solid and is to be shaded."""
     column, row = square_at(p, screen, width)
     bottom, wide = min(row + SIDE, np.int64(screen.end)), min(SIDE, np.int64(width) - column)
-    if marked:
-        return any_wanted(screen, row * width + column, bottom - row, wide, width)
     any_shown = False
     if screen.hidden.shape[0] == 0 or any_wanted(screen, row * width + column, bottom - row, wide, width):
         for y in range(row, bottom):
             for at in range(y * width + column, y * width + column + wide):
-                any_shown |= is_wanted(screen, at, marked)
+                any_shown |= is_wanted(screen, at)
     return any_shown
 
 
@@ -77,16 +71,16 @@ def shows_solids(screen, p, width, marked):
 def any_wanted(screen, first, tall, wide, width):
     """Return whether one of some rows and columns of pixels, from number `first` on, is to be shaded. Without branches
     in a whole row."""
-    hidden, wanted = screen.hidden, screen.wanted
+    hidden = screen.hidden
     found = False
     for y in range(tall):
         at = np.uint64(first + y * width)
         if wide == SIDE:
             for x in range(np.uint64(SIDE)):
-                found |= hidden[at + x] == wanted
+                found |= hidden[at + x] == SHADED
         else:
             for x in range(np.uint64(wide)):
-                found |= hidden[at + x] == wanted
+                found |= hidden[at + x] == SHADED
     return found
 
 

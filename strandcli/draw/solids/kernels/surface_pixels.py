@@ -64,9 +64,9 @@ def dithered(light, share, levels, count, frame):
 
 
 @device
-def fill_batch(screen, found, i, end, width, solids, work, which, bare):
+def fill_batch(screen, found, i, end, width, solids, work, which):
     """Fill a batch with points of one solid, from pixel number i of `found` on: one a pixel, and two of one in which
-    the solid has an edge in front of itself, or one where ``bare``.
+    the solid has an edge in front of itself.
 
     Returns the next number, how many points, the number of the solid, and whether some pixels have such an edge.
     screen: `inputs.Screen`; found, end: from `find_pixels`; which (W,) int64 out: pixel of each point.
@@ -88,13 +88,13 @@ def fill_batch(screen, found, i, end, width, solids, work, which, bare):
         column = at - row * width
         edge = folds and folded(keys, at, column, width, view)
         fine |= edge
-        if edge and not bare:
+        if edge:
             n = fine_points(work, which, n, at, column, row, view, solids, own)
             continue
         which[n] = at
         before = np.int64(screen.triangles[at]) if screen.triangles.shape[0] > 0 else UNKNOWN
         work[BEFORE + n] = np.float32(before if before < MOST else UNKNOWN)
-        work[SHARE + n] = -ONE if edge else ONE
+        work[SHARE + n] = ONE
         work[SX + n] = np.float32(column) + HALF if spots.shape[0] == 0 else spots[at, 0]
         work[SY + n] = np.float32(row) + HALF if spots.shape[0] == 0 else spots[at, 1]
         if view[PERSPECTIVE] > ZERO:  # the depth number is one over the depth
@@ -143,7 +143,7 @@ def fine_points(work, which, n, at, column, row, view, solids, solid):
                 work[SX + n], work[SY + n], work[DISTANCE + n] = x, y, work[RAYS + ray]
         which[n] = at
         work[BEFORE + n] = -ONE
-        work[SHARE + n] = -count / met
+        work[SHARE + n] = count / met
         n += 1
     return n
 
@@ -181,7 +181,7 @@ def average(work, n, which):
     there are then."""
     m = np.int64(-1)
     for k in range(n):
-        share = abs(work[SHARE + k])
+        share = work[SHARE + k]
         if m >= 0 and which[m] == which[k]:
             work[THERE + m] += share * work[THERE + k]
             for c in range(3):
