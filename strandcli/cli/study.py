@@ -30,10 +30,10 @@ max_error = click.option("--max-error", type=ERROR, metavar="ERROR", help="Error
 @click.command()
 @click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--reference", type=several("NAMES", word, "elastica,beam"), metavar="NAMES",
-              help="Exact solutions in place of a preset: elastica, buckling, beam, chain, swing, catenary, spring, "
-              "incline, layer, tuft, or all.")  # fmt: skip
-@click.option("--axis", metavar="NAME", help="What to study of a preset: motion, interaction, or of pictures coverage, "
-              "shadow, occlusion, quality.  [default: motion]")  # fmt: skip
+              help="Exact solutions in place of a preset: elastica, beam, swing, spring, incline, layer, tuft, "
+              "or all.")  # fmt: skip
+@click.option("--axis", metavar="NAME", help="What to study of a preset: motion, or of pictures coverage, shadow, "
+              "occlusion, quality.  [default: motion]")  # fmt: skip
 @max_error
 @click.option("--solver", "solvers", type=several("NAMES", word, "rod,thesis"), metavar="NAMES",
               help="Solvers: thesis, rod.  [default: all]")  # fmt: skip
@@ -41,13 +41,11 @@ max_error = click.option("--max-error", type=ERROR, metavar="ERROR", help="Error
 @click.option("--substeps", type=several("COUNTS", count(1, 1000), "1,2,4"), metavar="COUNTS",
               help="Steps a frame to try.")  # fmt: skip
 @click.option("--iterations", type=several("COUNTS", count(1, 1000), "2,8"), metavar="COUNTS",
-              help="Iterations a step to try, of solvers that have them; axis interaction, too.")  # fmt: skip
+              help="Iterations a step to try, of solvers that have them.")  # fmt: skip
 @click.option("--particles", type=several("COUNTS", count(2, 10_000), "8,16"), metavar="COUNTS",
               help="Particles a strand to try.")  # fmt: skip
 @click.option("--cells", type=several("METRES", metres, "0.01,0.02"), metavar="METRES",
-              help="Cells of the rule interaction to try; axis interaction.")  # fmt: skip
-@click.option("--guides", type=several("COUNTS", count(1, 100_000_000), "250,500"), metavar="COUNTS",
-              help="Numbers of strands to simulate for the same hair; axis interaction.")  # fmt: skip
+              help="Cells of the rule interaction to try.  [default: the preset's own]")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
               help="Strands of the preset: the first N.  [default: 256; pictures: 2000]")  # fmt: skip
 @click.option("--span", type=click.FloatRange(1e-3, 3600), metavar="SECONDS",
@@ -72,18 +70,15 @@ def command(
     talk: Talk,
     **wishes: Any,
 ) -> None:
-    """Measure error against run time: of motion over solvers, steps, iterations and particles; of interaction over
-    cells and guides; of pictures over the settings of one stage of drawing, or of all.
+    """Measure error against run time: of motion over solvers, steps, iterations, particles and cells; of pictures over
+    the settings of one stage of drawing, or of all.
 
-    Of PRESET: where strands are, against the limit of finer settings, with --cells or --guides against finer cells or
-    more guides; with --axis, one frame in linear light against a far finer one, or rays. With --reference: against
-    exact solutions. Prints a table, writes
-    NAME.csv, .json, .svg and .html, and recommends the cheapest setting under an error. A solver that cannot
-    represent something is listed as such. Exit code 3: no setting stays under --max-error.
+    Of PRESET: where strands are, against the limit of finer settings; with --axis, one frame in linear light against a
+    far finer one, or rays. With --reference: against exact solutions. Prints a table, writes NAME.csv, .json, .svg and
+    .html, and recommends the cheapest setting under an error. A solver that cannot represent something is listed as
+    such. Exit code 3: no setting stays under --max-error.
     """
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
-    if axis is None and preset is not None and (wishes["cells"] or wishes["guides"]):
-        axis = "interaction"
     from ..study.registry import find
 
     requests = _requests(preset, reference, axis, wishes)
@@ -128,23 +123,17 @@ def _requests(
     if reference is not None:
         given = {"--strands": wishes.pop("strands"), "--span": wishes.pop("span"), "--axis": axis, "--seed": seed}
         given |= {"--set": overrides or None, "--frame": wishes.pop("frame"), "--size": wishes.pop("size")}
-        given |= {"--cells": wishes.pop("cells"), "--guides": wishes.pop("guides")}
+        given |= {"--cells": wishes.pop("cells")}
         for option, value in given.items():
             if value is not None:
                 raise UsageError(f"{option} is for presets; a --reference has its own scene")
-        from ..scene.library import list_presets
+        from ..scene.faults import hint
         from ..study.references import REFERENCES
 
         names = tuple(REFERENCES) if "all" in reference else reference
         for name in names:
             if name not in REFERENCES:
-                from difflib import get_close_matches
-
-                close = get_close_matches(name, REFERENCES, n=1)
-                hint = f"did you mean '{close[0]}'?" if close else f"they are {', '.join(REFERENCES)}, all"
-                if name in dict(list_presets()):
-                    hint = f"it is a preset: strandcli study {name}"
-                raise UsageError(f"no reference '{name}'; {hint}")
+                raise UsageError(f"no reference '{name}'; {hint(name, (*REFERENCES, 'all'), 'they are')}")
         requests = [Request(name=name, **wishes) for name in names]
     else:
         assert preset is not None
@@ -164,29 +153,18 @@ def _requests(
     return requests
 
 
-STEPPED = {"solvers": "--solver", "steps": "--dt", "substeps": "--substeps", "iterations": "--iterations",
-           "particles": "--particles"}  # fmt: skip
-CROWDED = {"cells": "--cells", "guides": "--guides"}
+MOVED = {"solvers": "--solver", "steps": "--dt", "substeps": "--substeps", "iterations": "--iterations",
+         "particles": "--particles", "cells": "--cells", "span": "--span"}  # fmt: skip
 DRAWN = {"frame": "--frame", "size": "--size"}
-"""Options of motion, of interaction and of pictures."""
+"""Options of motion and of pictures."""
 
 
 def _refuse_others(axis: type[Experiment], wishes: dict[str, Any]) -> None:
-    """Raise `UsageError` for options of other axes than one."""
-    own = "use --set for the preset's own settings"
-    drawn = dict.fromkeys(DRAWN.values(), "name an --axis of pictures with it")
-    crowded = dict.fromkeys(CROWDED.values(), "name --axis interaction with it, or none")
-    if axis.draws:
-        foreign = {**dict.fromkeys((*STEPPED.values(), "--span"), own), **crowded}
-    elif axis.axis == "interaction":
-        foreign = {**dict.fromkeys(STEPPED.values(), own), "--strands": "name --guides in its place", **drawn}
-        del foreign["--iterations"]
-    else:
-        foreign = {**crowded, **drawn}
-    options = {**STEPPED, **CROWDED, **DRAWN, "span": "--span", "strands": "--strands"}
-    for name, option in options.items():
-        if option in foreign and wishes.get(name) is not None:
-            raise UsageError(f"{option} does not go with axis {axis.axis}; {foreign[option]}")
+    """Raise `UsageError` for options of the other kind of axis."""
+    hint = "use --set for the preset's own settings" if axis.draws else "name an --axis of pictures with it"
+    for name, option in (MOVED if axis.draws else DRAWN).items():
+        if wishes.get(name) is not None:
+            raise UsageError(f"{option} does not go with axis {axis.axis}; {hint}")
 
 
 def file_name(name: str, axis: str | None = None) -> str:

@@ -40,8 +40,6 @@ class Request:
     particles: tuple[int, ...] | None = None
     cells: tuple[float, ...] | None = None
     """Of the rule interaction, metres."""
-    guides: tuple[int, ...] | None = None
-    """Strands that are simulated, for all that are drawn."""
     size: tuple[int, int] | None = None
     """Of a picture; None: small."""
     frame: int = 1

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from itertools import cycle
 from xml.sax.saxutils import escape
 
-from .points import Point, by_line
+from .points import CELL, Point, by_line
 from .report import order_words, seconds, share, step
 from .sweep import Study
 
@@ -20,9 +20,7 @@ STYLES = {"thesis": ("#d55e00", "diamond"), "rod": ("#0072b2", "disc")}
 COLOURS = ("#e69f00", "#56b4e9", "#5c6066", "#8b5a2b", "#117733", "#882255")
 OTHERS = tuple((COLOURS[i % 6], ("disc", "square", "triangle", "diamond")[i % 4]) for i in range(12))
 """Of lines without a style of their own; no two look the same."""
-SHORT = {"emitter.particles": "n", "time.substeps": "sub", "rod.iterations": "it"}
-PLAIN = {"emitter.strands": "guides", "rules.interaction.cell": "cell"}
-"""The same of parameters whose short name needs no explanation."""
+SHORT = {"emitter.particles": "n", "time.substeps": "sub", "rod.iterations": "it", CELL: "cell"}
 KEY = "n: particles, sub: steps a frame, it: iterations"
 
 
@@ -140,9 +138,7 @@ def marker(kind: str, at: XY, size: float, fill: str, edge: str = "none", width:
 def brief(point: Point) -> str:
     """A setting in a few letters."""
     parts = [
-        f"{word}={point.parameters[parameter]}"
-        for parameter, word in {**SHORT, **PLAIN}.items()
-        if parameter in point.parameters
+        f"{word}={point.parameters[parameter]}" for parameter, word in SHORT.items() if parameter in point.parameters
     ]
     if "dt" in point.parameters:
         parts.append(step(point.parameters["dt"]))

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Parameters = Mapping[str, Any]
+CELL = "rules.interaction.cell"
 
 
 @dataclass
@@ -118,8 +119,7 @@ def orders(points: Sequence[Point], metric: str) -> list[dict[str, Any]]:
 
 
 SHAPED_BY: Mapping[str, tuple[str, ...]] = {
-    "dt": ("dt", "time.substeps"), "segment": ("emitter.particles",), "cell": ("rules.interaction.cell",),
-    "spacing": ("emitter.strands", "children.count"),
+    "dt": ("dt", "time.substeps"), "segment": ("emitter.particles",), "cell": (CELL,),
 }  # fmt: skip
 """Parameters behind each thing that is refined."""
 
@@ -156,7 +156,7 @@ def described(parameters: Parameters) -> str:
     return ", ".join(words)
 
 
-COUNTED = ("emitter.particles", "emitter.strands", "rod.iterations", "time.substeps")
+COUNTED = ("emitter.particles", "rod.iterations", "time.substeps")
 """Parameters that are numbers of what their name says."""
 
 
@@ -172,15 +172,15 @@ class Limit:
     """Whether the runs draw together at all."""
 
 
-def limit(coarse: float, fine: float, noise: float = 0.0, ratio: float = 2.0) -> Limit:
-    """From the distances between the third finest run and the second, and between that one and the finest, each
-    ``ratio`` times as fine as the one before: Richardson's extrapolation with the order that they show, held between
-    1/2 and 2, and Roache's safety factor 1.25 (1994). Below ``noise`` distances tell nothing but rounding."""
+def limit(coarse: float, fine: float, noise: float = 0.0) -> Limit:
+    """From the distances between the third finest run and the second, and between that one and the finest, each twice
+    as fine as the one before: Richardson's extrapolation with the order that they show, clamped between 1/2 and 2, and
+    Roache's safety factor 1.25 (1994). Below ``noise`` distances are nothing but rounding."""
     if fine <= noise:
         return Limit(fine, None, True)
-    order = math.log(coarse / fine) / math.log(ratio) if coarse > 0 else -math.inf
-    held = min(max(order, 0.5), 2.0)
-    return Limit(1.25 * fine / (ratio**held - 1), order if math.isfinite(order) else None, order >= 0.5)
+    order = math.log2(coarse / fine) if coarse > 0 else -math.inf
+    clamped = min(max(order, 0.5), 2.0)
+    return Limit(1.25 * fine / (2**clamped - 1), order if math.isfinite(order) else None, order >= 0.5)
 
 
 def by_line(points: Sequence[Point], key: Callable[[Point], str] = lambda point: point.line) -> dict[str, list[Point]]:

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from ..errors import UsageError
 from .axes import Experiment
 from .motion.experiment import Motion
-from .motion.interaction import Interaction
 from .pictures.coverage import CoverageStudy
 from .pictures.frame import QualityStudy
 from .pictures.occlusion import OcclusionStudy
@@ -15,7 +14,7 @@ from .pictures.shadow import ShadowStudy
 from .references.experiment import References
 
 AXES: Mapping[str, type[Experiment]] = {
-    one.axis: one for one in (Motion, Interaction, References, CoverageStudy, ShadowStudy, OcclusionStudy, QualityStudy)
+    one.axis: one for one in (Motion, References, CoverageStudy, ShadowStudy, OcclusionStudy, QualityStudy)
 }
 
 

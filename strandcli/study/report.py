@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from .points import Parameters, by_line
+from .points import CELL, Parameters, by_line
 from .sweep import Study
 
 HEADS = {
@@ -16,9 +16,7 @@ HEADS = {
     "time.substeps": "substeps",
     "rod.iterations": "iterations",
     "dt": "step",
-    "emitter.strands": "guides",
-    "children.count": "each for",
-    "rules.interaction.cell": "cell",
+    CELL: "cell",
 }
 MOST_METRICS = 6
 """Columns of errors in the table for people; the files hold all."""
@@ -47,7 +45,7 @@ def setting(parameters: Parameters) -> str:
 
 def order_words(orders: Sequence[dict[str, Any]], line: str, metric: str) -> list[str]:
     """What is known of a line's orders of convergence in a metric."""
-    names = {"dt": "Δt", "segment": "segment length", "spacing": "distance of guides"}
+    names = {"dt": "Δt", "segment": "segment length"}
     found = []
     for one in orders:
         if (one["line"], one["metric"]) == (line, metric):
@@ -125,9 +123,7 @@ def _known(study: Study) -> list[str]:
         order = "" if limit["order"] is None else f", order {limit['order']:.1f}"
         drift = share(limit["gaps"][1]) if math.isfinite(limit["gaps"][1]) else "everything"
         words = f"known to {sure}" if limit["converges"] else f"none seen: the last refinement moved strands by {drift}"
-        apart = limit.get("from_own_solver")
-        far = f"; {share(apart)} from that of the preset's own solver" if apart else ""
-        out.append(f"limit of {name}: {words}{order}{far}")
+        out.append(f"limit of {name}: {words}{order}")
     return [*out, ""] if out else []
 
 
@@ -161,42 +157,20 @@ def _error(metric: str, value: float | None) -> str:
 
 def why_missed(studies: Sequence[Study], most: float) -> str:
     """Why no setting keeps under an error: how near each solver comes, and what to try."""
-    words = [f"{study.name}: {_nearest(study)}" for study in studies]
-    return f"no setting keeps under an error of {share(most)}: {'; '.join(words)}; {_suggestion(studies)}"
-
-
-def _nearest(study: Study) -> str:
-    """How near each solver comes."""
-    found = []
-    for solver, points in by_line(study.points, lambda point: point.solver).items():
-        limit = study.reference.get("limits", {}).get(solver)
-        if limit is not None and not limit["converges"]:
-            gap = limit["gaps"][1]
-            moved = f" (its last refinement moved strands by {share(gap)})" if math.isfinite(gap) else ""
-            found.append(f"{solver} has no limit in sight{moved}")
-            continue
-        errors = [point.error.get(study.metric) for point in points]
-        known = [error for error in errors if error is not None]
-        sure = f", its limit known to {share(limit['uncertainty'])}" if limit is not None else ""
-        found.append(f"{solver} comes to {share(min(known))}{sure}".strip() if known else f"{solver} has no error")
-    return ", ".join(found)
-
-
-def _suggestion(studies: Sequence[Study]) -> str:
-    """What to try: first of all segments as short as strands bend."""
-    if any(study.axis == "interaction" for study in studies):
-        return "try finer --cells or more --guides"
-    if any(study.axis not in ("motion", "reference") for study in studies):
-        return "allow a greater error"
+    words = []
     for study in studies:
-        bend = study.reference.get("bend")
-        tried = [
-            point.parameters["emitter.particles"] for point in study.points if "emitter.particles" in point.parameters
-        ]
-        if bend and tried and bend * (max(tried) - 1) < 1:
-            need = math.ceil(1 / bend) + 1
-            return (
-                f"strands bend within {share(bend)} of their length, less than a segment: "
-                f"try --solver rod --particles {need},{2 * need - 1}"
-            )
-    return "try finer --substeps or --particles"
+        found = []
+        for solver, points in by_line(study.points, lambda point: point.solver).items():
+            limit = study.reference.get("limits", {}).get(solver)
+            known = [error for point in points if (error := point.error.get(study.metric)) is not None]
+            if limit is not None and not limit["converges"]:
+                found.append(f"{solver} has no limit in sight")
+            else:
+                sure = f", its limit known to {share(limit['uncertainty'])}" if limit is not None else ""
+                found.append(
+                    f"{solver} comes to {share(min(known))}{sure}".strip() if known else f"{solver} has no error"
+                )
+        words.append(f"{study.name}: {', '.join(found)}")
+    moving = all(study.axis in ("motion", "reference") for study in studies)
+    hint = "try finer --substeps or --particles" if moving else "allow a greater error"
+    return f"no setting keeps under an error of {share(most)}: {'; '.join(words)}; {hint}"

@@ -12,7 +12,7 @@ from strand_kit import scene_of
 from strandcli.errors import MismatchError, UsageError
 from strandcli.study import advice, axes, registry, sweep
 from strandcli.study.motion.experiment import Motion
-from strandcli.study.points import Point
+from strandcli.study.points import CELL, Point
 from strandcli.study.references.experiment import References
 from strandcli.study.settings import changed
 from study_kit import Synthetic, made
@@ -75,7 +75,7 @@ def test_the_registry_has_every_axis_by_its_name() -> None:
 
 
 def test_solvers_that_cannot_are_told_and_not_run() -> None:
-    opened = References(axes.Request(name="catenary"))
+    opened = References(axes.Request(name="swing"))
     assert [one["solver"] for one in opened.absent] == ["thesis"]
     assert {parameters["solver"] for parameters in opened.settings()} == {"rod"}
     spring = References(axes.Request(name="spring", solvers=("thesis",)))
@@ -83,7 +83,7 @@ def test_solvers_that_cannot_are_told_and_not_run() -> None:
     assert all("not represented" in one["why"] and "twist" in one["why"] for one in spring.absent)
 
 
-def test_knobs_can_be_chosen() -> None:
+def test_parameters_can_be_chosen() -> None:
     wishes = axes.Request(name="elastica", solvers=("rod",), substeps=(2,), iterations=(3,), particles=(8, 9))
     chosen = References(wishes)
     assert chosen.settings() == [
@@ -135,15 +135,19 @@ def test_iterations_are_few_and_as_many_as_the_preset_allows() -> None:
     assert axes.settled(opened.scene, ["rod.iterations", "wind.strength"]) == {"iterations": (200,)}
 
 
-def test_rods_bend_within_a_length_that_segments_should_not_exceed() -> None:
-    matter = "rod: {density: 1000, radius: 0.01, young: 4.0e+8, rest: straight}\n"  # B / (ρ A) is 10 m⁴/s²
-    heavy = HANGING.replace("[gravity,", "[gravity: {acceleration: [0, -40, 0]},")
-    equal = heavy.replace("length_variation: 0.4, ", "")
-    opened = Motion(axes.Request(scene=scene_of(equal + matter), solvers=("rod",)))
-    assert opened.bend() == pytest.approx((10 / (40 * 0.5**3)) ** 0.5, rel=1e-3)
-    assert motion(solvers=("thesis",)).bend() is None
-    still = scene_of(HANGING.replace("[gravity, elasticity]", "[elasticity]"))
-    assert Motion(axes.Request(scene=still, solvers=("rod",))).bend() is None
+def test_cells_are_varied_where_they_are_named() -> None:
+    """The limit has cells half as wide as the least."""
+    text = HANGING.replace("[gravity,", "[gravity, interaction: {density: 1.0e+4},")
+    wishes = {"solvers": ("rod",), "substeps": (1,), "iterations": (2,), "particles": (5,)}
+    opened = Motion(axes.Request(scene=scene_of(text), name="hanging", cells=(0.1, 0.2), **wishes))
+    assert [one[CELL] for one in opened.settings()] == [0.1, 0.2]
+    assert [one[CELL] for one in opened.finer("rod")] == [0.2, 0.1, 0.05]
+    opened.prepare(lambda text: None)
+    point = opened.measure(opened.settings()[0])
+    assert point.sizes["cell"] == 0.1
+    assert 0 < point.error["median"] < 0.5
+    with pytest.raises(UsageError, match="--cells: hanging lists no rule interaction"):
+        motion(cells=(0.1,))
 
 
 def test_frames_keep_within_the_span() -> None:
@@ -188,7 +192,7 @@ def test_rules_that_rods_do_not_take_are_told() -> None:
     assert "vortex" in opened.absent[0]["why"]
 
 
-def test_knobs_change_nothing_else() -> None:
+def test_parameters_change_nothing_else() -> None:
     scene = scene_of(HANGING)
     other = changed(scene, {"solver": "rod", "time.substeps": 5, "emitter.particles": 9})
     assert (other.solver, other.time.substeps, other.emitter.particles) == ("rod", 5, 9)

@@ -220,19 +220,12 @@ class Pins:
         self._longest = material.lengths.astype(np.float64) * state.edges.shape[1]
         away = self._ends(state, drive, pose) - np.array(pose.translation)[:, None]
         self.places = np.einsum("ji,pjk->pik", np.array(pose.rotation), away)
-        self._starts, self._seconds = self.places, 0.0
 
-    def bring(self, place: tuple[float, float, float], seconds: float) -> None:
-        """Bring all tips to a place of the emitter's frame, metres, in so many seconds."""
-        self.places, self._seconds = np.broadcast_to(np.array(place)[:, None], self._starts.shape), seconds
-
-    def aim(self, state: State, drive: Drive, poses: tuple[Pose, Pose], time: float) -> None:
-        """Set `Drive.tips` to the way to where tips are to be at the end of a step at ``time``, with the emitter in two
-        ``poses``, at the begin and the end."""
-        share = min(max(time, 0.0) / self._seconds, 1.0) if self._seconds > 0 else 1.0
-        local = self._starts + share * (self.places - self._starts)
+    def aim(self, state: State, drive: Drive, poses: tuple[Pose, Pose]) -> None:
+        """Set `Drive.tips` to the displacement of tips to where they are to be at the end of a step, with the emitter
+        in two ``poses``, at the begin and the end."""
         pose = poses[1]
-        goals = np.einsum("ij,pjk->pik", np.array(pose.rotation), local) + np.array(pose.translation)[:, None]
+        goals = np.einsum("ij,pjk->pik", np.array(pose.rotation), self.places) + np.array(pose.translation)[:, None]
         roots = self._roots(drive, pose)
         far, most = np.linalg.norm(goals - roots, axis=1), self._longest
         # no iteration finds lengths for a place out of reach, nor with slack for a taut strand that is shaken

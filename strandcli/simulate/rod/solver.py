@@ -103,7 +103,9 @@ class RodSolver(Solver):
         arrays = self.state, self.material, self.drive
         self.pins: Pins | None = None
         if rod.end == "pinned":
-            self._pin()
+            self.pins = Pins(self.state, self.material, self.drive, self.pose)
+            self.material.mass[-1] *= HEAVY
+            self.needs = self.needs._replace(pinned=True)
         self.roots = Roots(self.deforming, groom, rod, arrays, shape.curled)
         self._tolerance = TOLERANCES[double]
         self._torsion = torsion(rod, shape.coiled), ANCHOR if self.roots.hinged else CLAMP
@@ -113,13 +115,6 @@ class RodSolver(Solver):
         self._last_step = 0.0
         self.place_roots(1)
         self.kernel = StepKernel(self.strands, arrays, self.surroundings)
-
-    def _pin(self) -> Pins:
-        """Pin the tips of strands where they are."""
-        self.pins = pins = Pins(self.state, self.material, self.drive, self.pose)
-        self.material.mass[-1] *= HEAVY
-        self.needs = self.needs._replace(pinned=True)
-        return pins
 
     def _numbers(
         self, dt: float, bdf2: bool, air: tuple[float, float, float], pose: Pose, change: tuple[float, ...]
@@ -170,9 +165,6 @@ class RodSolver(Solver):
         """Add to the mass of tips, over that of a segment."""
         self.material.mass[-1] += mass
 
-    def hold_tip(self, at: tuple[float, float, float], seconds: float = 1.0) -> None:
-        """Bring the tips of strands to a place (metres, in the emitter's frame) in so many seconds, and pin them."""
-        (self.pins or self._pin()).bring(at, seconds)
 
     def step(self, time: float, dt: float) -> None:
         """A step of ``dt`` seconds that ends at ``time``, in several where swings ask for it; nothing where it is 0."""
@@ -236,7 +228,7 @@ class RodSolver(Solver):
     def _run(self, pose: Pose) -> None:
         """Run the kernel to a pose of the emitter."""
         if self.pins is not None:
-            self.pins.aim(self.state, self.drive, (self.pose, pose), self._moment[0])
+            self.pins.aim(self.state, self.drive, (self.pose, pose))
         self.kernel.run(self.now, self.needs)
 
     def _put_outside(self, time: float) -> None:

@@ -1,13 +1,14 @@
 """The axis of motion: where a preset's strands are, against the limit that finer settings of the same solver lead to.
 
 Strands are compared at fixed physical times and at even shares of their length; the error is that of the median strand,
-and those of the worst are told beside. Every solver is measured against its own limit, because each moves another
-matter; how far its limit is from that of the preset's own solver is told too.
+and those of the worst are reported beside. Every solver is measured against its own limit, because each moves another
+matter. Cells of the rule interaction are varied where they are named.
 """
 
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from itertools import pairwise
@@ -20,10 +21,8 @@ from ...errors import UsageError
 from ...groom.record import Groom
 from ...scene.model import Scene
 from ...simulate import solver_of
-from ...simulate.rod.material import rigidity
-from ...simulate.rod.surroundings import gravity
 from ..axes import STRANDS, Experiment, Request, chosen_solvers
-from ..points import Limit, Parameters, Point, described, grid, limit
+from ..points import CELL, Limit, Parameters, Point, described, grid, limit
 from ..settings import changed
 from .runs import apart, guides_of, least, resample, warm, with_fewer_guides
 
@@ -32,7 +31,7 @@ PLACES = 33
 TIMES = 8
 """Frames that are compared, at the most."""
 NOISE = 1e-6
-"""Share of the length below which positions in single precision tell nothing."""
+"""Share of the length below which positions in single precision say nothing."""
 MOST_ITERATIONS = 1000
 """That a preset may ask for."""
 SPAN = 1.0
@@ -41,12 +40,6 @@ SUBSTEPS = (1, 2, 4, 8)
 """Steps a frame to try."""
 FEW = 2
 """Iterations a step to try beside the preset's own."""
-
-
-def frames_of(scene: Scene, span: float | None) -> list[int]:
-    """Frames that are compared, of so many seconds of a scene's film."""
-    last = min(scene.time.frames, max(2, round((SPAN if span is None else span) * scene.time.fps) + 1))
-    return sorted({round(frame) for frame in np.linspace(1, last, min(TIMES, last))})
 
 
 class Motion(Experiment):
@@ -59,7 +52,13 @@ class Motion(Experiment):
         self.request = request
         self.scene = scene = with_fewer_guides(request.single, request.name, request.strands or STRANDS)
         self.title = f"{request.name}: positions against the limit of each solver"
-        self.frames = frames_of(scene, request.span)
+        span = SPAN if request.span is None else request.span
+        last = min(scene.time.frames, max(2, round(span * scene.time.fps) + 1))
+        self.frames = sorted({round(frame) for frame in np.linspace(1, last, min(TIMES, last))})
+        uses = [use.name for use in scene.rules]
+        if request.cells and "interaction" not in uses:
+            raise UsageError(f"--cells: {request.name} lists no rule interaction, whose cells they are")
+        self._cell = f"rules.{uses.index('interaction')}.parameters.cell" if request.cells else ""
         refused = {name: self.refusal(name) for name in chosen_solvers(request)}
         self.absent = [{"solver": name, "why": f"not represented: {why}"} for name, why in refused.items() if why]
         self.solvers = [name for name, why in refused.items() if not why]
@@ -103,12 +102,14 @@ class Motion(Experiment):
         return self.request.iterations or tuple(sorted({FEW, self.scene.rod.iterations}))
 
     def settings(self) -> list[dict[str, Any]]:
-        """Substeps, particles, and of rods iterations."""
+        """Substeps, particles, of rods iterations, and cells where they are named."""
         out: list[dict[str, Any]] = []
         for name in self.solvers:
             choices: dict[str, Any] = {"solver": (name,), "emitter.particles": self.particles()}
             if name == "rod":
                 choices["rod.iterations"] = self.iterations()
+            if self.request.cells:
+                choices[CELL] = self.request.cells
             out += grid({**choices, "time.substeps": self.substeps()})
         return out
 
@@ -122,13 +123,14 @@ class Motion(Experiment):
                 "emitter.particles": max(2, -(-segments // part) + 1),
                 "time.substeps": max(1, steps // part),
                 **({"rod.iterations": most} if solver == "rod" else {}),
+                **({CELL: min(self.request.cells) * part / 2} if self.request.cells else {}),
             }
             for part in (4, 2, 1)
         ]
 
     def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
         """Find each solver's limit, and how well it is known."""
-        told: dict[str, Any] = {}
+        reported: dict[str, Any] = {}
         for name in self.solvers:
             runs = []
             for parameters in self.finer(name):
@@ -139,20 +141,8 @@ class Motion(Experiment):
             gaps = [gap if np.isfinite(gap) else math.inf for gap in gaps]
             self.limits[name] = limit(gaps[0], gaps[1], NOISE)
             self.finest[name] = runs[-1]
-            told[name] = {"parameters": parameters, "gaps": gaps, **asdict(self.limits[name])}
-        own = self.finest.get(self.scene.solver)
-        for name, strands in self.finest.items():
-            away = None if own is None else apart(strands, own, self.lengths)[self.metric]
-            told[name]["from_own_solver"] = away if away is not None and np.isfinite(away) else None
-        return {"name": self.request.name, "frames": self.frames, "limits": told, "bend": self.bend()}
-
-    def bend(self) -> float | None:
-        """Within what share of their length rods bend at their roots: 1 / √Γ, Γ = g L³ ρ A / B. Longer segments cannot
-        show it. None without a rod, or without weight."""
-        pull = float(np.linalg.norm(gravity(self.scene)))
-        if pull == 0 or "rod" not in self.solvers:
-            return None
-        return float(np.sqrt(rigidity(self.scene.rod) / (pull * np.mean(self.lengths, dtype=np.float64) ** 3)))
+            reported[name] = {"parameters": parameters, "gaps": gaps, **asdict(self.limits[name])}
+        return {"name": self.request.name, "frames": self.frames, "limits": reported}
 
     def margins(self) -> Mapping[str, float]:
         """The uncertainty of each solver's limit."""
@@ -167,18 +157,22 @@ class Motion(Experiment):
             error.update(apart(strands, finest, self.lengths))
         dt = 1 / (self.scene.time.fps * parameters["time.substeps"])
         sizes = {"dt": dt, "segment": 1 / (parameters["emitter.particles"] - 1)}
+        sizes |= {"cell": parameters[CELL]} if self._cell else {}
         return Point(parameters, seconds, {**error, **worst}, parameters["solver"], sizes)
 
     def run(self, parameters: Parameters) -> tuple[tuple[NDArray[np.float64], dict[str, float | None]], float]:
         """(T, strands, places, 3) metres at the frames that are compared, the greatest stretch and penetration as
         shares of the mean length, and the seconds that the steps took."""
-        scene = changed(self.scene, parameters)
+        paths = {CELL: self._cell}
+        scene = changed(self.scene, {paths.get(path, path): value for path, value in parameters.items()})
         groom = self._groom(scene)
-        solver, watch = warm(lambda: solver_of(scene)(scene, groom), 1 / (scene.time.fps * scene.time.substeps))
-        found = []
+        solver = warm(lambda: solver_of(scene)(scene, groom), 1 / (scene.time.fps * scene.time.substeps))
+        found, seconds = [], 0.0
         worst: dict[str, float | None] = {"stretch": None, "penetration": None}
         for frame in self.frames:
+            began = time.perf_counter()
             solver.advance(frame)
+            seconds += time.perf_counter() - began
             found.append(resample(solver.particles(), PLACES))
             errors = solver.errors(frame)
             for name, value, unit in (
@@ -187,4 +181,4 @@ class Motion(Experiment):
             ):
                 if value is not None and np.isfinite(value):
                     worst[name] = max(worst[name] or 0.0, value / unit)
-        return (np.array(found), worst), watch.seconds
+        return (np.array(found), worst), seconds

@@ -17,8 +17,6 @@ from ...scene.model import Scene
 
 T = TypeVar("T")
 Array = NDArray[np.float64]
-OUTLIER, LONG = 50.0, 0.02
-"""A step that takes so many times the median, and so many seconds, was interrupted."""
 
 
 def guides_of(scene: Scene, most: int | None = None) -> Groom:
@@ -46,43 +44,12 @@ def with_fewer_guides(scene: Scene, name: str, most: int) -> Scene:
     return completed(replace(scene, emitter=emitter))
 
 
-class Stopwatch:
-    """Times every step of one solver, from now on."""
-
-    def __init__(self, solver: Any) -> None:
-        self.times: list[float] = []
-        step = solver.step
-
-        def timed(at: float, dt: float) -> None:
-            began = time.perf_counter()
-            step(at, dt)
-            self.times.append(time.perf_counter() - began)
-
-        solver.step = timed
-
-    @property
-    def seconds(self) -> float:
-        """All steps together; one during which the machine was elsewhere counts as the median one."""
-        return without_pauses(self.times)
-
-
-def without_pauses(times: list[float]) -> float:
-    """The sum of times in seconds, interrupted ones replaced by the median."""
-    if not times:
-        return 0.0
-    values = np.array(times)
-    usual = float(np.median(values))
-    return float(np.where(values > max(OUTLIER * usual, LONG), usual, values).sum())
-
-
-def warm(make: Callable[[], Any], dt: float) -> tuple[Any, Stopwatch]:
-    """A solver and a watch on its steps. What has to be compiled is compiled by two steps of one that is thrown
-    away."""
+def warm(make: Callable[[], Any], dt: float) -> Any:
+    """A solver. What has to be compiled is compiled by two steps of one that is thrown away."""
     solver = make()
     for i in range(2):
         solver.step((i + 1) * dt, dt)
-    solver = make()
-    return solver, Stopwatch(solver)
+    return make()
 
 
 def least(run: Callable[[], tuple[T, float]], quick: float = 0.2, times: int = 3) -> tuple[T, float]:
@@ -99,15 +66,17 @@ def follow(make: Callable[[], Any], dt: float, span: float, moving: bool) -> tup
     """Run a solver from rest for a span of seconds in steps of ``dt``; returns times (T,), positions
     (T, strands, particles, 3), of every step where it is ``moving`` and else of the first and the last, and the seconds
     that the steps took, compiling not counted."""
-    solver, watch = warm(make, dt)
-    steps = max(1, round(span / dt))
+    solver = warm(make, dt)
+    steps, seconds = max(1, round(span / dt)), 0.0
     times, positions = [0.0], [solver.particles().astype(np.float64)]
     for i in range(steps):
+        began = time.perf_counter()
         solver.step((i + 1) * dt, dt)
+        seconds += time.perf_counter() - began
         if moving or i == steps - 1:
             times.append((i + 1) * dt)
             positions.append(solver.particles().astype(np.float64))
-    return np.array(times), np.array(positions), watch.seconds
+    return np.array(times), np.array(positions), seconds
 
 
 def resample(strands: NDArray[np.floating], places: int) -> Array:
@@ -131,8 +100,8 @@ def apart(a: Array, b: Array, lengths: NDArray[np.floating]) -> dict[str, float]
     metres: ``median`` and ``p95`` over strands of each one's root mean square over places and times; ``rms`` over all,
     and the greatest distance of all, ``max``.
 
-    Where strands meet solids, some fall to this side or to that by the least of differences; such motion has no limit.
-    They show in p95 and max, and would drown all others in a mean.
+    Where strands meet solids, the least of differences decides to which side some fall; such motion has no limit. They
+    show in p95 and max.
     """
     away = np.linalg.norm(a - b, axis=-1) / np.asarray(lengths, np.float64)[:, None]
     each = np.sqrt(np.mean(away**2, axis=(0, 2)))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from . import catenary, elastica, incline, layer, oscillation, spring, tuft
+from . import elastica, incline, layer, oscillation, spring, tuft
 from .base import Case, Reference, Track
 
 REFERENCES: Mapping[str, Reference] = {
     one.name: one
     for one in (
-        elastica.ELASTICA, elastica.BUCKLING, oscillation.BEAM, oscillation.CHAIN, oscillation.SWING,
-        catenary.CATENARY, spring.SPRING, incline.INCLINE, layer.LAYER, tuft.TUFT,
+        elastica.ELASTICA, oscillation.BEAM, oscillation.SWING, spring.SPRING, incline.INCLINE, layer.LAYER,
+        tuft.TUFT,
     )
 }  # fmt: skip
 """By name, in the order in which `--reference all` goes through them."""

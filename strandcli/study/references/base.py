@@ -46,8 +46,6 @@ class Case:
     groom: Groom
     tip_mass: float = 0.0
     """On the last particle, in units of a strand's own mass."""
-    tip_held_at: tuple[float, float, float] | None = None
-    """Where the last particle is brought to and held, metres."""
 
 
 @dataclass(frozen=True)

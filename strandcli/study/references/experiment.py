@@ -90,8 +90,6 @@ def solver_for(scene: Scene, case: Case) -> RodSolver:
     if case.tip_mass:
         # masses are kept relative to a segment's, of which a strand has as many as it has particles but the root
         solver.weight_tip(case.tip_mass * (scene.emitter.particles - 1))
-    if case.tip_held_at is not None:
-        solver.hold_tip(case.tip_held_at)
     return solver
 
 

@@ -1,4 +1,4 @@
-"""Small oscillations: frequencies and decay of a clamped beam, a hanging chain, and hair that swings as in a film.
+"""Small oscillations: frequencies and decay of a clamped beam, and of hair that swings as in a film.
 
 The exact modes are eigenproblems of integral operators, solved in double precision; those of a run are fitted.
 """
@@ -27,8 +27,6 @@ SLOWEST = 2 * math.pi
 """Angular frequency of the beam's first mode, rad/s: a swing a second."""
 LIGHT = 0.02
 """Γ of the beam: so little gravity that its swing stays in the linear range."""
-TILT = 0.02
-"""Of the chain, off the vertical, radians."""
 LENGTH = 0.25
 """Metres, of hair to the shoulders; at 24 steps a second ω h is .31, 20 steps a cycle."""
 LET_GO = math.pi / 36
@@ -152,9 +150,9 @@ def beam_case(particles: int) -> Case:
     return Case(preset(rigidity(), 1, particles, gravity=LIGHT * rigidity()), groom([[1, 0, 0]], [1.0]))
 
 
-def hanging_case(particles: int, tilt: float, length: float) -> Case:
+def swing_case(particles: int) -> Case:
     """A strand that bends freely, let go off the vertical in air that does not slow it."""
-    return Case(preset(0.0, 1, particles), groom([[math.sin(tilt), -math.cos(tilt), 0]], [length]))
+    return Case(preset(0.0, 1, particles), groom([[math.sin(LET_GO), -math.cos(LET_GO), 0]], [LENGTH]))
 
 
 def measure_swing(track: Track) -> Errors:
@@ -174,16 +172,9 @@ BEAM = Reference(
     exact=lambda: {f"β² {i + 1}": float(value) for i, value in enumerate(beam().frequencies)},
     case=beam_case, measure=lambda track: errors(beam(), math.sqrt(rigidity()), track, axis=1),
 )  # fmt: skip
-CHAIN = Reference(
-    name="chain", title="frequencies of a hanging chain", metric="swing", unit="of the frequency",
-    needs="inertia", span=6.0, moving=True, steps=STEPS,
-    exact=lambda: {f"ω {i + 1}": float(value) for i, value in enumerate(chain().frequencies)},
-    case=lambda particles: hanging_case(particles, TILT, 1.0),
-    measure=lambda track: errors(chain(), math.sqrt(G), track, axis=0),
-)  # fmt: skip
 SWING = Reference(
     name="swing", title="hair that swings at the steps of a film", metric="swing", unit="of the frequency",
     needs="inertia", span=6.0, moving=True, steps=(1 / 24, 1 / 48, 1 / 96, 1 / 192),
     exact=lambda: {"ω": float(chain().frequencies[0]) * math.sqrt(G / LENGTH)},
-    case=lambda particles: hanging_case(particles, LET_GO, LENGTH), measure=measure_swing,
+    case=swing_case, measure=measure_swing,
 )  # fmt: skip
