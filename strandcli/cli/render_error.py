@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..output.report import RunReport
     from ..run.frame import Frame
     from ..scene.model import Scene
-    from ..study.picture_advice import PictureAdvice
+    from ..study.advice import Advice
     from .progress import Progress
 
 max_error_option = click.option(
@@ -49,15 +49,16 @@ def advised(
     if given["quality"] is not None or "quality" in fixed:
         raise UsageError("--quality: --max-error chooses how finely a picture is drawn; leave one of the two out")
     from ..compiling import runtime
-    from ..study.picture_advice import METRICS, advise
+    from ..study.advice import METRICS, advise_picture
+    from ..study.settings import changed
 
     name = options.preset_name(preset)
     wanted = {METRICS[one]: most for one, most in asked.items()}
     with _progress(talk) as progress:
         runtime.start(threads, progress.note)
-        advice = advise(scene, name, wanted, sorted(fixed), progress.checked_step, progress.begin)
+        advice = advise_picture(scene, name, wanted, sorted(fixed), progress.checked_step, progress.begin)
     _report(name, asked, advice.text(), talk)
-    return advice.apply(scene), PictureError(scene, name, advice)
+    return changed(scene, advice.settings), PictureError(scene, name, advice)
 
 
 def _motion(scene: Scene, preset: str, bounds: Mapping[str, float], fixed: set[str], talk: Talk) -> tuple[str, ...]:
@@ -87,7 +88,7 @@ def _report(name: str, asked: Mapping[str, float], text: str, talk: Talk) -> Non
 class PictureError:
     """The error that a run's pictures are bound to, and the frame that is looked at afterwards: the first it draws."""
 
-    def __init__(self, scene: Scene, name: str, advice: PictureAdvice) -> None:
+    def __init__(self, scene: Scene, name: str, advice: Advice) -> None:
         """``scene``: before the advice."""
         self._scene, self._name, self._advice = scene, name, advice
         self._frame: Frame | None = None
@@ -100,12 +101,12 @@ class PictureError:
     def check(self, report: RunReport, warn: Callable[[str], None], notify: Callable[[str], None]) -> None:
         """Measure that frame's error, write it into the report, and warn where it is more than was asked for. A frame
         that cannot be measured again costs the report its figures, and not the run its pictures."""
-        found: dict[str, Any] = {**self._advice.report(), "measured": None}
+        found: dict[str, Any] = {**self._advice.report, "measured": None}
         report.picture_error = found
         frame, image = self._frame, None if self._frame is None else self._frame.image
         if frame is None or image is None:
             return
-        from ..study.picture_advice import check
+        from ..study.advice import check
         from ..study.report import share
 
         notify(f"measuring the error of frame {frame.number}")
@@ -116,7 +117,7 @@ class PictureError:
         except StrandError as trouble:
             warn(f"frame {frame.number}: its error could not be measured: {trouble}")
             return
-        for metric, most in self._advice.asked.items():
+        for metric, most in self._advice.report["asked"].items():
             error = found["measured"][metric]
             if error is not None and error > most:
                 warn(f"frame {frame.number}: its error ({metric}) is {share(error)}, more than {share(most)}")

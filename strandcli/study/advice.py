@@ -1,83 +1,88 @@
-"""The cheapest setting of a preset's own solver under an error: what `render --max-error` uses.
+"""The cheapest settings of a preset under an error: what `render --max-error` uses, of motion and of pictures.
 
-A study is cached beside the compiled kernels, by everything that moves its strands and by all code of strandcli, and
-serves any error that is asked for later.
+A study is cached beside the compiled kernels, by all that it follows from and by all code of strandcli, and serves any
+error that is asked for later.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .. import __version__
 from ..compiling import runtime
 from ..errors import MismatchError, StrandError
 from ..output.files import read_json, write_json
-from ..output.report import finite, is_number, is_number_or_none
+from ..output.report import finite
+from ..run.fingerprint import fingerprint
 from ..scene.dump import plain
 from ..scene.model import Scene
 from . import sweep
 from .axes import STRANDS, Request, settled
+from .pictures.frame import CHECKED, FrameStudy
+from .points import described
 from .registry import find
-from .report import share
+from .report import seconds, share
+from .settings import changed
 
 MOVING = ("seed", "solver", "rod", "time", "emitter", "rules", "solids")
 """The settings of a scene that its motion depends on."""
 ADVISED = ("time.substeps", "rod.iterations", "emitter.particles")
-"""The parameters that are turned, unless the user has set them."""
+"""The parameters of motion that are varied, unless the user has set them."""
+METRICS = {"picture": "rmse", "flip": "flip"}
+"""Errors of pictures by the names that they are asked for by."""
+UNITS = {"rmse": "of the mean light", "flip": "ꟻLIP"}
+FRAME = 1
+"""That pictures are studied of, whichever are drawn: what is cached serves all."""
+Step = Callable[[str], None]
+Begin = Callable[[int], None]
 
 
 @dataclass(frozen=True)
 class Advice:
-    """A setting that keeps under an error."""
+    """Settings that keep under an error."""
 
     settings: dict[str, Any]
     """By dotted path, as after `--set`."""
-    error: float
-    margin: float
-    """How well the limit is known that the error is measured from."""
+    basis: str
+    """What the study was of and the errors that it found, for people."""
     reused: bool
     """Whether the study was made before."""
+    report: Mapping[str, Any]
+    """What report.json says of it."""
 
     def text(self) -> str:
         """The line for the user."""
-        chosen = " ".join(f"{path}={value}" for path, value in self.settings.items()) or "nothing to change"
-        source = "an earlier study" if self.reused else "a study"
-        return (
-            f"{chosen} (by {source} of {STRANDS} strands at the most: error {share(self.error)} of the length, "
-            f"its limit known to {share(self.margin)})"
-        )
+        chosen = " ".join(f"{path}={value}" for path, value in self.settings.items()) or "the preset's own settings"
+        return f"{chosen} (by {'an earlier study' if self.reused else 'a study'} of {self.basis})"
 
 
-def advise(
-    scene: Scene,
-    name: str,
-    max_error: float,
-    fixed: Sequence[str] = (),
-    step: Callable[[str], None] = lambda text: None,
-    begin: Callable[[int], None] = lambda runs: None,
-) -> Advice:
+def advise(scene: Scene, name: str, max_error: float, fixed: Sequence[str], step: Step, begin: Begin) -> Advice:
     """The cheapest setting of the scene's solver whose error is at most ``max_error``, a share of the strands' length.
 
     ``fixed`` are parameters that the user has set and that stay. Where no usual setting will do, but the solver has a
     limit, finer ones are tried. Raises `MismatchError` where none of these does either.
     """
-    own = settled(scene, fixed)
-    for more in ({}, {**finer(scene), **own}):
-        chosen = {**own, **more}
-        path = folder() / f"{key(scene, chosen)}.json"
-        data = read_motion(path, scene.solver)
-        reused = data is not None
-        if data is None:
+    own, particles = settled(scene, fixed), scene.emitter.particles
+    finer = {"substeps": (8, 16, 32), "particles": (particles, 2 * particles - 1)}
+    for more in ({}, finer):
+        chosen = {**more, **own}
+
+        def study(chosen: Mapping[str, Any] = chosen) -> dict[str, Any]:
             request = Request(scene=scene, name=name, solvers=(scene.solver,), **chosen)
-            study = sweep.run(find("motion"), request, None, step, begin)
-            data = finite({**study.as_dict(), "margin": study.margins[scene.solver]})
-            write(path, data)
+            found = sweep.run(find("motion"), request, None, step, begin)
+            return {**found.as_dict(), "margin": found.margins[scene.solver]}
+
+        data, reused = cached("motion", motion_of(scene, chosen), study)
         try:
             return choose(data, name, scene.solver, max_error, fixed, reused)
         except MismatchError:
@@ -86,16 +91,10 @@ def advise(
     raise AssertionError("the second round returns or raises")
 
 
-def finer(scene: Scene) -> dict[str, tuple[int, ...]]:
-    """Substeps and particles of a second round."""
-    own = scene.emitter.particles
-    return {"substeps": (8, 16, 32), "particles": (own, 2 * own - 1)}
-
-
 def choose(
-    data: dict[str, Any], name: str, solver: str, max_error: float, fixed: Sequence[str], reused: bool
+    data: Mapping[str, Any], name: str, solver: str, max_error: float, fixed: Sequence[str], reused: bool
 ) -> Advice:
-    """The advice that a study's figures give. Raises `MismatchError` where no setting keeps under the error."""
+    """The advice that a study of motion gives. Raises `MismatchError` where no setting keeps under the error."""
     metric, margin = data["metric"], data["margin"]
     known = [point for point in data["points"] if point["error"].get(metric) is not None]
     fit = [] if margin is None else [one for one in known if one["error"][metric] + margin <= max_error]
@@ -111,24 +110,115 @@ def choose(
         )
     best = min(fit, key=lambda one: float(one["seconds"]))
     settings = {path: value for path, value in best["parameters"].items() if path in ADVISED and path not in fixed}
-    return Advice(settings, best["error"][metric], margin, reused)
+    basis = f"{STRANDS} strands at the most: error {share(best['error'][metric])} of the length, its limit known to "
+    return Advice(settings, basis + share(margin), reused, {})
+
+
+def advise_picture(
+    scene: Scene, name: str, asked: Mapping[str, float], fixed: Sequence[str], step: Step, begin: Begin
+) -> Advice:
+    """The cheapest settings of drawing whose errors are at most those ``asked`` for, by metric: of windows of the
+    scene's first frame, against a converged picture. ``fixed`` are dotted paths that the user has set and that stay.
+    Raises `MismatchError` where no settings keep under them, and `UsageError` for scenes that studies do not draw."""
+
+    def study() -> dict[str, Any]:
+        request = Request(scene=scene, name=name, frame=FRAME, fixed=frozenset(fixed))
+        return sweep.run(FrameStudy, request, None, step, begin).as_dict()
+
+    return choose_picture(*cached("picture", picture_of(scene, fixed), study), name, asked)
+
+
+def choose_picture(data: Mapping[str, Any], reused: bool, name: str, asked: Mapping[str, float]) -> Advice:
+    """The advice that a study of pictures gives. Raises `MismatchError` where no setting keeps under the errors."""
+    known = [one for one in data["points"] if all(one["error"].get(metric) is not None for metric in UNITS)]
+    fit = [one for one in known if all(one["error"][metric] <= most for metric, most in asked.items())]
+    if not fit:
+        raise MismatchError(_missed(known, name, asked))
+    best, reference = min(fit, key=lambda one: float(one["seconds"])), data["reference"]
+    errors = {metric: best["error"][metric] for metric in UNITS}
+    words = " and ".join(f"{share(errors[metric])} {unit}" for metric, unit in UNITS.items())
+    settings = {**best["parameters"], **reference["width"]}
+    report = {
+        "asked": dict(asked), "settings": settings,
+        "predicted": {**errors, "frame": FRAME, "seconds": best["seconds"]},
+        "reference": {"what": reference["what"], "frame": FRAME, "windows": reference["windows"],
+                      "nearest": min(one["error"]["rmse"] for one in known)},
+        "study": {"remembered": reused, "untried": len(data["points"]) - len(known)},
+    }  # fmt: skip
+    return Advice(settings, f"windows of frame {FRAME}: {words}, {seconds(best['seconds'])} a frame", reused, report)
+
+
+def _missed(known: Sequence[Mapping[str, Any]], name: str, asked: Mapping[str, float]) -> str:
+    """Why nothing keeps under the errors: the least that was reached, by what, and what it costs."""
+    wanted = " and ".join(f"{share(most)} {UNITS[metric]}" for metric, most in asked.items())
+    words = f"{name}: no settings of drawing keep under {wanted}; "
+    if not known:
+        return words + "the frame's windows are black, so that no error is known"
+    metric = max(asked, key=lambda one: min(point["error"][one] for point in known) / asked[one])
+    best = min(known, key=lambda point: (point["error"][metric], point["seconds"]))
+    least = f"the least is {share(best['error'][metric])} in {seconds(best['seconds'])} a frame"
+    return f"{words}{least} ({described(best['parameters']) or 'the settings it has'})"
+
+
+def check(
+    scene: Scene, name: str, number: int, image: NDArray[np.uint8], positions: NDArray[np.float32] | None,
+    settings: Mapping[str, Any],
+) -> dict[str, Any]:  # fmt: skip
+    """The errors of a frame that was drawn with ``settings``, in other windows than those of the study, by metric.
+
+    image (height, width, 3): the frame's pixels; positions (strands, particles, 3): its simulated strands, or None to
+    simulate them again. The frame's light, which its pixels do not show, is that of the frame drawn once more;
+    ``redrawn_apart`` is the mean difference of the two in pixels, a share of their range.
+    """
+    study = FrameStudy(Request(scene=scene, name=name, frame=number), CHECKED, positions)
+    windows = study.windows
+    windows.move()
+    study.draw_reference()
+    again = windows.draw_whole(changed(study.scene, settings))
+    drawn = np.concatenate(windows.cut(image))
+    assert again.pixels is not None
+    levels = np.abs(np.concatenate(windows.cut(again.pixels)).astype(np.int16) - drawn)
+    return {
+        "frame": number,
+        "rmse": study.rmse(np.concatenate(windows.cut(again.image))),
+        "flip": study.flip(drawn),
+        "windows": [list(window) for window in windows.windows],
+        "redrawn_apart": float(levels.mean()) / 255,
+    }
+
+
+def motion_of(scene: Scene, chosen: Mapping[str, Any]) -> list[Any]:
+    """What a study of motion follows from: everything that moves the strands, and the study's parameters."""
+    return [STRANDS, {name: plain(getattr(scene, name)) for name in MOVING}, chosen]
+
+
+def picture_of(scene: Scene, fixed: Sequence[str]) -> list[Any]:
+    """What a study of pictures follows from: everything that changes the picture, the parameters that were fixed, and
+    the threads that it is timed with."""
+    import numba
+
+    whole = replace(scene, image=replace(scene.image, aovs=()))
+    return [fingerprint(whole), FRAME, sorted(fixed), numba.get_num_threads()]
+
+
+def cached(kind: str, given: Any, make: Callable[[], dict[str, Any]]) -> tuple[dict[str, Any], bool]:
+    """The figures of a study that follows from what is ``given``, and whether they are an earlier run's. Where the
+    folder cannot be written, the next run makes the study again."""
+    text = json.dumps([__version__, _sources(), given], sort_keys=True, default=str)
+    path = folder() / f"{kind}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.json"
+    with suppress(OSError, ValueError):
+        earlier: dict[str, Any] = read_json(path)
+        return earlier, True
+    data: dict[str, Any] = finite(make())
+    with suppress(OSError, StrandError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_json(path, data)
+    return data, False
 
 
 def folder() -> Path:
-    """Where studies are kept: beside the kernels that they timed, and with them forgotten."""
+    """Where studies are cached: beside the kernels that they timed, with which they are removed."""
     return runtime.cache_folder() / "studies"
-
-
-def key(scene: Scene, chosen: dict[str, Any]) -> str:
-    """What a study is cached by: everything that moves the strands, the code that does, and the study's parameters."""
-    parts = {name: plain(getattr(scene, name)) for name in MOVING}
-    return digest([STRANDS, parts, chosen])
-
-
-def digest(parts: Any) -> str:
-    """A name for a study of data that can be written as JSON, by this version of strandcli."""
-    text = json.dumps([__version__, _sources(), parts], sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
 @cache
@@ -141,39 +231,3 @@ def _sources() -> str:
         if inside.parts[0] != "cli":
             found.update(str(inside).encode() + b"\0" + path.read_bytes())
     return found.hexdigest()
-
-
-def read_motion(path: Path, solver: str) -> dict[str, Any] | None:
-    """An earlier study of motion; None where there is none that can be read, or one of another shape."""
-
-    def is_sound(data: dict[str, Any]) -> bool:
-        converges = data["reference"]["limits"][solver]["converges"]
-        return isinstance(data["metric"], str) and isinstance(converges, bool) and is_number_or_none(data["margin"])
-
-    return read(path, is_sound, lambda data: (data["metric"],))
-
-
-def read(
-    path: Path, is_sound: Callable[[dict[str, Any]], bool], metrics: Callable[[dict[str, Any]], Sequence[str]]
-) -> dict[str, Any] | None:
-    """An earlier study whose points have numbers, or None, as errors by ``metrics``; None where there is none that can
-    be read, or one of another shape."""
-    try:
-        data = read_json(path)
-        points = data["points"]
-        sound = is_sound(data) and isinstance(points, list)
-        for point in points:
-            sound = sound and all(is_number_or_none(point["error"].get(metric)) for metric in metrics(data))
-            sound = sound and isinstance(point["parameters"], dict) and is_number(point["seconds"])
-    except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError):
-        return None
-    return data if sound else None
-
-
-def write(path: Path, data: dict[str, Any]) -> None:
-    """Cache a study; a folder that cannot be written costs the next run the same time again, and nothing else."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_json(path, data)
-    except (OSError, StrandError):
-        return

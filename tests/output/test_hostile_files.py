@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import struct
 import tracemalloc
@@ -22,7 +21,6 @@ from strandcli.output.files import read_json
 from strandcli.output.layers import is_of, read_layer
 from strandcli.output.positions import PositionsWriter, read_positions
 from strandcli.output.report import read_report
-from strandcli.study.advice import read_motion
 
 
 def test_a_pipe_or_a_device_as_report_is_none(tmp_path: Path) -> None:
@@ -82,23 +80,6 @@ def test_archives_that_say_they_are_encrypted_or_packed_oddly_are_refused(
     path.write_bytes(data)
     with pytest.raises(UsageError, match="not a file of positions"):
         read_positions(path, (2, 3, 3))
-
-
-SOUND = {
-    "points": [{"error": {"tip": 0.1}, "parameters": {"substeps": 2}, "seconds": 1.0}],
-    "metric": "tip", "margin": 0.01, "reference": {"limits": {"rod": {"converges": True}}},
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("path", ["points", "metric", "margin", "reference"])
-def test_a_remembered_study_of_another_shape_is_none(path: str, tmp_path: Path) -> None:
-    file = tmp_path / "study.json"
-    file.write_text(json.dumps(SOUND))
-    assert read_motion(file, "rod") == SOUND
-    for odd in ([1], {"a": 1}, [{"error": 3}], True, "text"):
-        if (path, odd) != ("metric", "text") and (path, odd) != ("margin", True):
-            file.write_text(json.dumps({**SOUND, path: odd}))
-            assert read_motion(file, "rod") is None or path == "metric"
 
 
 @pytest.mark.parametrize("kind", ["longer than it is", "cut off", "wider than it can be", "a sky"])

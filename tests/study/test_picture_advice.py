@@ -12,7 +12,7 @@ import pytest
 import strandcli
 from cli_runs import Runner
 from strandcli.errors import MismatchError, UsageError
-from strandcli.study import advice, picture_advice, sweep
+from strandcli.study import advice, sweep
 from strandcli.study.axes import Request
 from strandcli.study.pictures import windows as module
 from strandcli.study.pictures.windows import Windows, spread
@@ -107,53 +107,36 @@ def test_the_cheapest_that_keeps_under_all_errors_is_chosen() -> None:
     study = data((0.2, 0.01, 1.0), (0.04, 0.2, 2.0), (0.04, 0.02, 5.0), (0.03, 0.02, 4.0), (None, None, 0.0))
 
     def chosen(**asked: float) -> int:
-        return int(picture_advice.choose(study, "a", asked, True).settings["image.supersample"])
+        return int(advice.choose_picture(study, True, "a", asked).settings["image.supersample"])
 
     assert chosen(rmse=0.2) == 1
     assert chosen(rmse=0.1) == 2
     assert chosen(rmse=0.1, flip=0.05) == 4
     assert chosen(flip=0.015) == 1
-    told = picture_advice.choose(study, "a", {"rmse": 0.1}, False).report()
-    assert told["predicted"] == {"rmse": 0.04, "flip": 0.2, "frame": 1, "seconds": 2.0}
-    assert told["reference"]["nearest"] == 0.03
-    assert told["study"] == {"remembered": False, "untried": 1}
+    report = advice.choose_picture(study, False, "a", {"rmse": 0.1}).report
+    assert report["predicted"] == {"rmse": 0.04, "flip": 0.2, "frame": 1, "seconds": 2.0}
+    assert report["reference"]["nearest"] == 0.03
+    assert report["study"] == {"remembered": False, "untried": 1}
 
 
 def test_what_is_said_where_nothing_keeps_under_the_error() -> None:
     with pytest.raises(MismatchError) as caught:
-        picture_advice.choose(data((0.2, 0.1, 1.0), (0.05, 0.1, 3.0), (None, None, 0.0)), "fur", {"rmse": 0.01}, False)
+        advice.choose_picture(data((0.2, 0.1, 1.0), (0.05, 0.1, 3.0), (None, None, 0.0)), False, "fur", {"rmse": 0.01})
     assert str(caught.value) == (
-        "fur: no settings of drawing keep under 1 % of the mean light; the least is 5 % in 3 s a frame "
-        "(supersample 2); 1 more were not tried, for lack of time"
+        "fur: no settings of drawing keep under 1 % of the mean light; the least is 5 % in 3 s a frame (supersample 2)"
     )
     with pytest.raises(MismatchError, match="are black"):
-        picture_advice.choose(data((None, None, 1.0)), "fur", {"rmse": 0.01}, False)
+        advice.choose_picture(data((None, None, 1.0)), False, "fur", {"rmse": 0.01})
 
 
-def test_a_study_is_kept_by_the_scene_what_is_fixed_and_the_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = strandcli.load("minimal")
-    first = picture_advice.key(scene, [])
-    assert first == picture_advice.key(strandcli.load("minimal", overrides=["image.aovs=depth"]), [])
-    others = {
-        picture_advice.key(strandcli.load("minimal", overrides=["material.width=0.005"]), []),
-        picture_advice.key(strandcli.load("minimal", overrides=["rules.gravity.acceleration=[0, -1, 0]"]), []),
-        picture_advice.key(scene, ["image.supersample"]),
-    }
-    monkeypatch.setattr(advice, "_sources", lambda: "other code")
-    others.add(picture_advice.key(scene, []))
-    assert len(others - {first}) == 4
+def test_advice_of_pictures_follows_from_the_scene_and_what_is_fixed() -> None:
+    def follows(*overrides: str, fixed: tuple[str, ...] = ()) -> str:
+        return json.dumps(advice.picture_of(strandcli.load("minimal", overrides=overrides), fixed), default=str)
 
-
-@pytest.mark.parametrize("spoilt", [{}, [], {"points": 3}, {"reference": {}}, {"points": [{"error": {"rmse": "x"}}]}])
-def test_a_study_of_another_shape_is_not_used(tmp_path: Path, spoilt: Any) -> None:
-    path = tmp_path / "study.json"
-    path.write_text(json.dumps(data((0.1, 0.1, 1.0))))
-    assert picture_advice.read_picture(path) is not None
-    path.write_text(json.dumps({**data((0.1, 0.1, 1.0)), **spoilt} if isinstance(spoilt, dict) and spoilt else spoilt))
-    assert picture_advice.read_picture(path) is None
-    path.write_text("{")
-    assert picture_advice.read_picture(path) is None
-    assert picture_advice.read_picture(tmp_path / "none.json") is None
+    first = follows()
+    assert first == follows("image.aovs=depth")
+    rest = {follows("material.width=0.005"), follows("rules.gravity.acceleration=[0, -1, 0]")}
+    assert len({first, follows(fixed=("image.supersample",)), *rest}) == 4
 
 
 def test_render_keeps_under_an_error_and_says_how_it_knows(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:

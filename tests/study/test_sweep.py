@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -223,7 +225,7 @@ def test_advice_is_the_cheapest_that_is_sure() -> None:
             advice.choose(data(margin), "hair", "rod", 0.001, [], False)
 
 
-def test_finer_settings_are_tried_where_the_usual_will_not_do(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_finer_settings_are_tried_where_the_usual_will_not_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A made-up solver of second order in its substeps, whose limit is known."""
     asked: list[axes.Request] = []
 
@@ -239,24 +241,43 @@ def test_finer_settings_are_tried_where_the_usual_will_not_do(tmp_path: Any, mon
     monkeypatch.setattr(advice, "folder", lambda: tmp_path)
     monkeypatch.setattr(sweep, "run", study)
     scene = changed(scene_of(HANGING), {"solver": "rod"})
-    assert advice.advise(scene, "made", 0.01).settings == {"time.substeps": 2}
+
+    def advised(most: float, fixed: Sequence[str] = ()) -> advice.Advice:
+        return advice.advise(scene, "made", most, fixed, lambda text: None, lambda runs: None)
+
+    assert advised(0.01).settings == {"time.substeps": 2}
     assert len(asked) == 1
-    found = advice.advise(scene, "made", 1e-3)
+    found = advised(1e-3)
     assert found.settings == {"time.substeps": 8}
     assert (asked[1].substeps, asked[1].particles) == ((8, 16, 32), (5, 9))
-    assert len(asked) == 2  # the first round was kept
-    assert advice.advise(scene, "made", 1e-3).reused
+    assert len(asked) == 2  # the first round was cached
+    assert advised(1e-3).reused
     with pytest.raises(MismatchError, match="nearest"):
-        advice.advise(scene, "made", 1e-7)
+        advised(1e-7)
     with pytest.raises(MismatchError):
-        advice.advise(scene, "made", 1e-3, ["time.substeps"])
+        advised(1e-3, ["time.substeps"])
     assert asked[-1].substeps == (1,)
 
 
-def test_advice_is_kept_by_what_moves_the_strands() -> None:
+def test_advice_of_motion_follows_from_what_moves_the_strands() -> None:
     scene = scene_of(HANGING)
     same = scene_of(HANGING + "image: {size: [30, 20]}\nmaterial: {diffuse: 0.9}\n")
-    other = scene_of(HANGING + "seed: 3\n")
-    assert advice.key(scene, {}) == advice.key(same, {})
-    assert advice.key(scene, {}) != advice.key(other, {})
-    assert advice.key(scene, {}) != advice.key(scene, {"time.substeps": (2,)})
+    assert advice.motion_of(scene, {}) == advice.motion_of(same, {})
+    assert advice.motion_of(scene, {}) != advice.motion_of(scene_of(HANGING + "seed: 3\n"), {})
+    assert advice.motion_of(scene, {}) != advice.motion_of(scene, {"time.substeps": (2,)})
+
+
+def test_a_study_is_cached_by_what_it_follows_from_and_the_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(advice, "folder", lambda: tmp_path)
+    assert advice.cached("motion", [1], lambda: {"a": 1}) == ({"a": 1}, False)
+    assert advice.cached("motion", [1], lambda: {"a": 2}) == ({"a": 1}, True)
+    assert advice.cached("motion", [2], lambda: {"a": 2}) == ({"a": 2}, False)
+    for path in tmp_path.iterdir():
+        path.write_text("{")  # cut off
+    assert advice.cached("motion", [1], lambda: {"a": 3}) == ({"a": 3}, False)
+    monkeypatch.setattr(advice, "_sources", lambda: "other code")
+    assert advice.cached("motion", [1], lambda: {"a": 4}) == ({"a": 4}, False)
+    monkeypatch.setattr(advice, "folder", lambda: tmp_path / "nothing" / "\0")
+    assert advice.cached("motion", [1], lambda: {"a": 5}) == ({"a": 5}, False)
