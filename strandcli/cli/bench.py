@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import click
-from click.core import ParameterSource
 
 from ..common.counted import counted
 from ..errors import UsageError
@@ -14,30 +13,21 @@ from . import options
 from .progress import Talk
 
 OWN = {
-    "emitter.strands": "--strands", "emitter.particles": "--particles", "image.size": "--size", "solver": "--solver",
-    "quality": "--quality", "time.frames": "--frames",
+    "emitter.strands": "--strands", "emitter.particles": "--particles", "solver": "--solver", "image.size": "--size",
 }  # fmt: skip
 """Settings that have options of their own here."""
-
-
-CHANGED = {"strands": "emitter.strands", "particles": "emitter.particles", "solver": "solver"}
-"""Options with defaults of the headline scene, with the setting of a preset that each changes where it is given."""
+USUAL = {"emitter.strands": 10_000, "emitter.particles": 10, "solver": "thesis"}
+"""Those of the headline scene."""
 FRAMES, FRAMES_OF_A_PRESET = 60, 3
-AGREE = 0.8, 1.25
-"""How many times as long a step may take within frames as alone, for both to count as the same."""
 
 
 @click.command()
 @click.argument("preset", required=False)
 @click.option(
-    "--strands",
-    type=options.COUNT_STRANDS,
-    default=10_000,
-    metavar="N",
-    help="Strands.  [default: 10,000, of PRESET its own]",
+    "--strands", type=options.COUNT_STRANDS, metavar="N", help="Strands.  [default: 10,000, of PRESET its own]"
 )
 @click.option(
-    "--particles", type=options.COUNT_PARTICLES, default=10, metavar="N",
+    "--particles", type=options.COUNT_PARTICLES, metavar="N",
     help="Particles a strand.  [default: 10, of PRESET its own]",
 )  # fmt: skip
 @click.option(
@@ -45,31 +35,19 @@ AGREE = 0.8, 1.25
     help=f"Frames to time.  [default: {FRAMES}, of PRESET {FRAMES_OF_A_PRESET}]",
 )  # fmt: skip
 @click.option("--size", type=options.SIZE, default="800x600", show_default=True, help="Picture.")
-@click.option(
-    "--solver", default="thesis", metavar="NAME", help="How strands move.  [default: thesis, of PRESET its own]"
-)
-@click.option(
-    "--quality",
-    type=click.Choice(("preset", "draft", "default", "best")),
-    default="preset",
-    show_default=True,
-    help="How finely the scene is drawn; preset: as it is written.",
-)
+@click.option("--solver", metavar="NAME", help="How strands move.  [default: thesis, of PRESET its own]")
 @options.overrides
 @click.option("--growth", is_flag=True, help="Simulate alone: what a particle costs as strands and particles grow.")
 @click.option("--cpu", is_flag=True, help="Of PRESET: the processor's time of all threads, where other programs run.")
 @options.threads
 @options.talk("Say what is compiled, where stderr is no terminal too.")
-@click.pass_context
 def command(
-    ctx: click.Context,
     preset: str | None,
-    strands: int,
-    particles: int,
+    strands: int | None,
+    particles: int | None,
     frames: int | None,
     size: tuple[int, int],
-    solver: str,
-    quality: str,
+    solver: str | None,
     overrides: tuple[str, ...],
     growth: bool,
     cpu: bool,
@@ -85,8 +63,15 @@ def command(
 
     Compile time is reported apart. Compare times of one sitting only.
     """
-    given = {name for name in ctx.params if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE}
-    refuse_contradictions(preset, given, overrides)
+    for path in (text.partition("=")[0].strip() for text in overrides):
+        if path in OWN:
+            raise UsageError(f"--set {path}: write {OWN[path]} for it")
+    if cpu and preset is None:
+        raise UsageError("--cpu: is of a preset; name one, such as strandcli bench hair --cpu")
+    if growth and preset is not None:
+        raise UsageError(f"--growth: is of the headline scene, not of {preset}; leave out one of them")
+    given = {"emitter.strands": strands, "emitter.particles": particles, "solver": solver}
+    changes = {path: value for path, value in given.items() if value is not None}
     frames = frames or (FRAMES if preset is None else FRAMES_OF_A_PRESET)
     from ..compiling import runtime
 
@@ -97,111 +82,45 @@ def command(
         if preset is not None:
             from ..study import bench_preset
 
-            wishes = {"strands": strands, "particles": particles, "solver": solver}
-            changes = {path: wishes[name] for name, path in CHANGED.items() if name in given}
-            data = bench_preset.run(preset, frames, size, threads, quality, overrides, progress.note, cpu, changes)
+            data = bench_preset.run(preset, frames, size, threads, overrides, progress.note, cpu, changes)
         elif growth:
-            grown = bench.time_growth(solver, overrides, progress.note)
-            data = {"solver": solver, **grown, "machine": runtime.machine()}
+            moved_by = solver or "thesis"
+            grown = bench.time_growth(moved_by, overrides, progress.note)
+            data = {"solver": moved_by, **grown, "machine": runtime.machine()}
         else:
-            data = bench.run(
-                strands=strands,
-                particles=particles,
-                frames=frames,
-                size=size,
-                threads=threads,
-                solver=solver,
-                quality=quality,
-                overrides=overrides,
-                notify=progress.note,
-            )
-    shown = stage_table if preset is not None else growth_table if growth else table
+            data = bench.run({**USUAL, **changes}, frames, size, threads, overrides, progress.note)
+    shown = growth_table if growth else table
     talk.result(data, lambda: shown(data))
     talk.warn_if_busy(data["busy"], "times are longer than they would be, so repeat this when it is idle")
 
 
-def refuse_contradictions(preset: str | None, given: set[str], overrides: Sequence[str]) -> None:
-    """Raise `UsageError` for options and settings that say the same, or that do not go together."""
-    for text in overrides:
-        path = text.partition("=")[0].strip()
-        free = preset is not None and path in {*CHANGED.values(), "time.frames"}
-        if path in OWN and not (free and not any(path == CHANGED.get(name) for name in given)):
-            raise UsageError(f"--set {path}: write {OWN[path]} for it")
-    if preset is None:
-        if "cpu" in given:
-            raise UsageError("--cpu: is of a preset; name one, such as strandcli bench hair --cpu")
-        return
-    if "growth" in given:
-        raise UsageError(f"--growth: is of the headline scene, not of {preset}; leave out one of them")
-
-
-def stage_table(data: Mapping[str, Any]) -> str:
-    """A row a stage: what it takes, and what it works on."""
+def table(data: Mapping[str, Any]) -> str:
+    """A row a stage: what it takes, and of a preset what it works on; then what the headline scene has besides."""
     wide, high = data["size"]
-    lines = [
-        f"{data['preset']}, {wide}x{high}, {counted(data['frames'], 'frame')} one by one, "
-        f"{counted(data['threads'], 'thread')}" + (", the processor's time of all" if data["clock"] == "cpu" else ""),
-        "",
-        f"{'stage':<10}{'median ms':>10}{'least ms':>10}{'elements':>14} {'each a':<24}{'ns':>8}",
-    ]
-    for name, row in data["stages"].items():
-        line = f"{name:<10}{_ms(row['median_ms']):>10}{_ms(row['min_ms']):>10}"
-        if row["element"] is not None:
+    frames, threads = counted(data["frames"], "frame"), counted(data["threads"], "thread")
+    of_preset = "preset" in data
+    subject = data.get("preset") or f"{counted(data['strands'], 'strand')} x {data['particles']} particles"
+    words = ", the processor's time of all" if data.get("clock") == "cpu" else ""
+    lines = [f"{subject}, {wide}x{high}, {frames}{' one by one' if of_preset else ''}, {threads}{words}", ""]
+    if data.get("frames_at_once", 1) > 1:
+        lines[1:1] = [f"{data['frames_at_once']} frames at once, each on its share of threads"]
+    head = f"{'elements':>14} {'each a':<24}{'ns':>8}" if of_preset else ""
+    lines.append(f"{'stage':<12}{'median ms':>10}{'least ms':>10}{head}")
+    for name, row in {**data["stages"], "frame": data["frame"]}.items():
+        line = f"{name:<12}{_ms(row['median_ms']):>10}{_ms(row.get('min_ms')):>10}"
+        if row.get("element") is not None:
             line += f"{row['count']:>14,} {row['element']:<24}{row['element_ns']:>8.3g}"
         lines.append(line)
-    frame = data["frame"]
-    lines += [f"{'frame':<10}{_ms(frame['median_ms']):>10}{_ms(frame['min_ms']):>10}", ""]
-    lines.append(f"compiling took {data['compile_seconds']:.1f} s, not counted above")
-    return "\n".join(lines)
-
-
-def table(data: Mapping[str, Any]) -> str:
-    """The figures for people: a row a stage, then what they add up to."""
-    wide, high = data["size"]
-    at_once = data.get("frames_at_once", 1)
-    lines = [
-        f"{counted(data['strands'], 'strand')} x {data['particles']} particles, {wide}x{high}, "
-        f"{counted(data['frames'], 'frame')}, {counted(data['threads'], 'thread')}",
-        "",
-        f"{'stage':<12}{'median ms':>12}{'min ms':>12}{'max ms':>12}"
-        + (f"   {at_once} frames at once, each on its share of threads" if at_once > 1 else ""),
-    ]
-    for name, times in data["stages"].items():
-        lines.append(f"{name:<12}{_ms(times['median_ms']):>12}{_ms(times['min_ms']):>12}{_ms(times['max_ms']):>12}")
-    frame = data["frame"]
-    lines += [f"{'frame':<12}{_ms(frame['median_ms']):>12}   {frame['fps']:.1f} frames/s", ""]
-    for name, value in data["counts"].items():
-        lines.append(f"{name:<20}{value:>14,}")
-    for name in ("particle_step_ns", "segment_ns"):
-        if data.get(name) is not None:
-            lines.append(f"{name:<20}{data[name]:>14.3g}")
-    step = ("particle_step_ns", "a particle and step")
-    alone = (("steps", *step), ("rules", *step), ("lines", "fragment_ns", "a fragment"))
-    for name, unit, of in alone:
-        if name in data:
-            lines.append(f"{name + ' alone':<20}{data[name]['ms']:>11.2f} ms   {data[name][unit]:.2f} ns {of}")
-    lines.append(f"{'a step of a frame':<20}{step_words(data)}")
-    for name, value in data["error"].items():
-        if value is not None:
-            lines.append(f"{name:<20}{value:>14.3g}")
-    lines.append(f"compiling took {data['compile_seconds']:.1f} s, not counted above")
-    return "\n".join(lines)
-
-
-def step_words(data: Mapping[str, Any]) -> str:
-    """How many times as long a step takes within frames as alone, and where that is not about once, why."""
-    from ..study.busy import busy_words
-
-    ratio = data["particle_step_ns"] / data["steps"]["particle_step_ns"]
-    words = f"{ratio:>11.2f} times as long as alone"
-    if AGREE[0] <= ratio <= AGREE[1]:
-        return words
-    at_once, threads = data["frames_at_once"], data["threads"]
-    slow = ratio > 1
-    why = [f"it has {threads // at_once} of {threads} threads, beside those that draw"] if slow and at_once > 1 else []
-    why += [f"alone it waits for the slowest of {threads} threads"] if not slow and threads > 1 else []
-    why += ["the machine was busy"] if busy_words(data["busy"]) else []
-    return f"{words}: {'; '.join(why) or 'frames leave other data in the caches'}"
+    lines.append("")
+    if not of_preset:
+        lines.append(f"{'frames a second':<20}{data['frame']['fps']:>14.1f}")
+        lines += [f"{name:<20}{value:>14,}" for name, value in data["counts"].items()]
+        lines.append(f"{'particle_step_ns':<20}{data['particle_step_ns']:>14.3g}")
+        for name in ("steps", "rules"):
+            took, each = data[name]["ms"], data[name]["particle_step_ns"]
+            lines.append(f"{name + ' alone':<20}{took:>11.2f} ms   {each:.2f} ns a particle and step")
+        lines += [f"{name:<20}{value:>14.3g}" for name, value in data["error"].items() if value is not None]
+    return "\n".join([*lines, f"compiling took {data['compile_seconds']:.1f} s, not counted above"])
 
 
 def growth_table(data: Mapping[str, Any]) -> str:

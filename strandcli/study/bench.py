@@ -4,8 +4,8 @@ The scene is the preset `headline`. Times of stages are medians over frames afte
 because it compiles, touches fresh memory and fills caches. Where frames are drawn at once (`run.ordered_map`),
 stages take the time of one frame on its share of the threads, and a frame takes the whole run's time over the number of
 frames. Threads that draw and write files take turns on the cores with the one that simulates, and a stage's time is
-that of the clock on the wall. So more figures stand on their own: `steps` (the solver asked for), `rules` (six rules
-and two spheres) and `lines` (one-pixel lines with colours into a z-buffer).
+that of the clock on the wall. So two figures stand on their own: `steps` (the solver asked for) and `rules` (six rules
+and two spheres).
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import load
 from ..compiling import runtime
+from ..output.report import peak_rss_bytes
 from ..plan import checked_plan
 from ..scene.model import Scene
 from .busy import Load
@@ -45,35 +45,21 @@ FEWEST = 10
 
 
 def run(
-    strands: int = 10_000,
-    particles: int = 10,
-    frames: int = 60,
-    size: tuple[int, int] = (800, 600),
-    threads: int | None = None,
-    solver: str = "thesis",
-    quality: str = "preset",
-    overrides: Sequence[str] = (),
-    notify: Notify | None = None,
-) -> dict[str, Any]:
-    """All figures of one sitting. ``overrides`` change other settings of the scene, as after ``--set``, but not what
-    `rules` and `lines` time."""
-    settings = {
-        "emitter.strands": strands,
-        "emitter.particles": particles,
-        "image.size": list(size),
-        "time.frames": max(frames + 1, 2),
-        "solver": solver,
-        "quality": quality,
-    }
+    settings: Mapping[str, Any], frames: int, size: tuple[int, int], threads: int | None = None,
+    overrides: Sequence[str] = (), notify: Notify | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """All figures of one sitting. ``settings``, by path, have ``emitter.strands``, ``emitter.particles`` and
+    ``solver``; ``overrides`` change others, as after ``--set``, but not what `rules` times."""
+    strands, particles = settings["emitter.strands"], settings["emitter.particles"]
+    settings = {**settings, "image.size": list(size), "time.frames": max(frames + 1, 2)}
     scene = load("headline", overrides=overrides, settings=settings, option="--set")
     checked_plan(scene, range(1, frames + 2))
     runtime.start(threads, notify)
     timed = time_frames(scene, frames, threads, notify)
     if notify is not None:
-        notify("one loop alone: steps, rules, lines")
+        notify("one loop alone: steps, rules")
     stages = {name: spread(values) for name, values in timed["seconds"].items()}
     counts = timed["counts"]
-    drawn = stages["raster"]["median_ms"]
     at_once = runtime.machine()["threads"] // timed["share"]
     return {
         "strands": strands,
@@ -81,7 +67,6 @@ def run(
         "size": list(size),
         "frames": frames,
         "threads": runtime.machine()["threads"],
-        "quality": quality,
         "set": list(overrides),
         "compile_seconds": runtime.compile_seconds(),
         "frames_at_once": at_once,
@@ -89,13 +74,11 @@ def run(
         "frame": {"median_ms": timed["frame_ms"], "fps": 1e3 / timed["frame_ms"]},
         "counts": {name: counts[name] for name in ("segments", "fragments", "fragment_bytes") if name in counts},
         "particle_step_ns": 1e6 * stages["simulate"]["median_ms"] / (strands * particles) / at_once,
-        "segment_ns": 1e6 * drawn / counts["segments"] / at_once,
         "error": timed["error"],
         "busy": timed["busy"],
-        "steps": time_steps(solver, strands, particles, 20, overrides),
+        "steps": time_steps(settings["solver"], strands, particles, 20, overrides),
         "rules": time_rules(strands, particles),
-        "lines": time_lines(strands, 37, *size),
-        "peak_rss_bytes": _peak(),
+        "peak_rss_bytes": peak_rss_bytes(),
         "machine": runtime.machine(),
     }
 
@@ -199,61 +182,6 @@ def at_first_frame(scene: Scene) -> Solver:
     return one
 
 
-def time_lines(strands: int, points: int, width: int, height: int, repeats: int = 9) -> dict[str, float]:
-    """A ball of drooping polylines into a z-buffer with a colour at every vertex: milliseconds a frame."""
-    import numba
-
-    from ..draw.common.kernels.keys import EMPTY
-    from ..draw.common.scratch import Scratch
-    from ..draw.film.kernels import film
-    from ..draw.geometry.curves import Polylines
-    from ..draw.zbuffer import raster
-
-    screen, colours = drooping(strands, points, width, height)
-    first = np.arange(strands + 1, dtype=np.int64) * points
-    lines = Polylines(first, screen)
-    keys = np.empty(width * height, np.uint64)
-    image = np.zeros((height, width, 3), np.float32)
-    scratch = Scratch()
-    workers = numba.get_num_threads()
-
-    def draw(_: int) -> None:
-        keys.fill(EMPTY)
-        raster.draw(lines, screen, None, 0, (width, height), workers, scratch, keys)
-        film.colours(keys, 0, screen, 0, 1, colours, image)
-
-    took = median_seconds(draw, repeats)
-    segments = strands * (points - 1)
-    fragments = count_fragments(screen, points)
-    return {
-        "segments": segments,
-        "fragments": fragments,
-        "ms": 1e3 * took,
-        "segment_ns": 1e9 * took / segments,
-        "fragment_ns": 1e9 * took / fragments,
-    }
-
-
-def drooping(strands: int, points: int, width: int, height: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Polylines on the screen (strands * points, 3), x and y in pixels and inverse depth, and colours of that shape."""
-    rng = np.random.default_rng(0)
-    angle = rng.uniform(0, 2 * np.pi, strands)[:, None]
-    radius = np.sqrt(rng.uniform(0, 1, strands))[:, None] * height * 0.2
-    t = np.linspace(0, 1, points)
-    sway = rng.normal(size=(strands, 1)) * 5 * np.sin(6 * t)
-    screen = np.empty((strands, points, 3), np.float32)
-    screen[..., 0] = width / 2 + radius * np.cos(angle) + np.cos(angle) * t * height * 0.15 + sway
-    screen[..., 1] = height * 0.4 + radius * np.sin(angle) + np.sin(angle) * t * height * 0.1 + t**2 * height * 0.25
-    screen[..., 2] = 1 / (rng.uniform(1, 2, strands)[:, None] + 0.1 * t)
-    return screen.reshape(-1, 3), rng.uniform(0, 1, (strands * points, 3)).astype(np.float32)
-
-
-def count_fragments(screen: NDArray[np.float32], points: int) -> int:
-    """Pixels that lines touch before any is hidden: one for each started pixel of a segment's longer axis."""
-    xy = screen.reshape(-1, points, 3)[..., :2]
-    return int((np.abs(np.diff(xy, axis=1)).max(-1).astype(np.int64) + 1).sum())
-
-
 def median_seconds(call: Callable[[int], None], repeats: int) -> float:
     """Median time of a call, whose number it is handed, after one that does not count."""
     times = []
@@ -273,9 +201,3 @@ def spread(seconds: Iterable[float]) -> dict[str, float]:
 def _worst(into: dict[str, Any], error: Mapping[str, Any]) -> None:
     for name, value in error.items():
         into[name] = value if into.get(name) is None else max(into[name], value or 0)
-
-
-def _peak() -> int:
-    from ..output.report import peak_rss_bytes
-
-    return peak_rss_bytes()

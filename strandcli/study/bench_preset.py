@@ -50,19 +50,15 @@ ELEMENTS: dict[str, tuple[tuple[str, Callable[[Mapping[str, int]], int]], ...]] 
 
 
 def run(
-    preset: str, frames: int = 3, size: tuple[int, int] = (800, 600), threads: int | None = None,
-    quality: str = "preset", overrides: Sequence[str] = (), notify: Notify | None = None, cpu: bool = False,
-    changes: Mapping[str, Any] | None = None,
+    preset: str, frames: int, size: tuple[int, int], threads: int | None, overrides: Sequence[str],
+    notify: Notify | None, cpu: bool, changes: Mapping[str, Any],
 ) -> dict[str, Any]:  # fmt: skip
     """All figures of one sitting: ``stages`` has a row a stage (see `stage_row`), ``counts`` are those of the last
     frame; ``cpu``: in the processor's time of all threads, where other programs run meanwhile; ``changes``: settings by
     dotted path.
 
     Raises `UsageError` for a preset of several panels, or of fewer frames than are asked for."""
-    settings: dict[str, Any] = {"image.size": list(size), **(changes or {})}
-    if quality != "preset":
-        settings["quality"] = quality
-    scene = load(preset, overrides=overrides, settings=settings, option="--set")
+    scene = load(preset, overrides=overrides, settings={"image.size": list(size), **changes}, option="--set")
     if scene.panels:
         raise UsageError(f"{preset}: has {len(scene.panels)} panels, and bench times a single picture")
     if scene.time.frames < frames + 1:
@@ -83,8 +79,7 @@ def run(
         "size": list(size),
         "frames": frames,
         "threads": runtime.machine()["threads"] if threads is None else threads,
-        "quality": quality,
-        "set": [*overrides, *(f"{path}={value}" for path, value in (changes or {}).items())],
+        "set": [*overrides, *(f"{path}={value}" for path, value in changes.items())],
         "clock": "cpu" if cpu else "wall",
         "compile_seconds": runtime.compile_seconds(),
         "stages": {name: stage_row(name, timed) for name in timed[-1][0]},

@@ -1,4 +1,4 @@
-"""Whether figures of speed say that the machine was busy, and why two figures of a step differ."""
+"""Whether figures of speed say that the machine was busy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-from strandcli.cli.bench import step_words
 from strandcli.study import busy
 from strandcli.study.busy import Load, busy_words
 
@@ -52,17 +51,3 @@ def test_this_machine_tells_shares() -> None:
     sum(range(1_000_000))
     found = load.since()
     assert all(0 <= share <= 1 for share in found.values())
-
-
-def test_two_figures_of_a_step_agree_or_it_is_told_why() -> None:
-    def words(within: float, at_once: int, threads: int, others: float) -> str:
-        return step_words({
-            "particle_step_ns": within, "steps": {"particle_step_ns": 2.0}, "frames_at_once": at_once,
-            "threads": threads, "busy": {"others": others, "stolen": 0.0},
-        }).strip()  # fmt: skip
-
-    assert words(2.2, 2, 4, 0.5) == "1.10 times as long as alone"
-    assert words(4, 2, 4, 0) == "2.00 times as long as alone: it has 2 of 4 threads, beside those that draw"
-    assert words(4, 1, 4, 0.5) == "2.00 times as long as alone: the machine was busy"
-    assert words(1, 2, 4, 0) == "0.50 times as long as alone: alone it waits for the slowest of 4 threads"
-    assert words(4, 1, 1, 0).endswith(": frames leave other data in the caches")

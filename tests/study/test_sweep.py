@@ -279,5 +279,6 @@ def test_a_study_is_cached_by_what_it_follows_from_and_the_code(
     assert advice.cached("motion", [1], lambda: {"a": 3}) == ({"a": 3}, False)
     monkeypatch.setattr(advice, "_sources", lambda: "other code")
     assert advice.cached("motion", [1], lambda: {"a": 4}) == ({"a": 4}, False)
-    monkeypatch.setattr(advice, "folder", lambda: tmp_path / "nothing" / "\0")
+    (tmp_path / "file").touch()
+    monkeypatch.setattr(advice, "folder", lambda: tmp_path / "file" / "folder")
     assert advice.cached("motion", [1], lambda: {"a": 5}) == ({"a": 5}, False)
