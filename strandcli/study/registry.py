@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from ..errors import UsageError
 from .axes import Experiment
 from .motion.experiment import Motion
-from .pictures.coverage import CoverageStudy
-from .pictures.frame import QualityStudy
+from .pictures.frame import CoverageStudy, QualityStudy
 from .pictures.occlusion import OcclusionStudy
 from .pictures.shadow import ShadowStudy
 from .references.experiment import References

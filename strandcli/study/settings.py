@@ -12,16 +12,6 @@ from ..scene.specs import ChoiceSpec
 from .points import Parameters
 
 
-def silhouette(scene: Scene) -> Scene:
-    """A scene whose picture is what strands cover of each pixel: white strands in even light before black, alone."""
-    plain = {"colour": (1.0, 1.0, 1.0), "tip_colour": None, "colour_variation": 0.0, "specular": 0.0, "pigment": "rgb",
-             "eumelanin": None, "pheomelanin": None, "grey": 0.0}  # fmt: skip
-    settings: dict[str, Any] = {f"material.{key}": value for key, value in plain.items()}
-    settings |= {"image.background": (0.0, 0.0, 0.0), "image.horizon": None, "ambient": (1.0, 1.0, 1.0)}
-    settings |= {"lights": (), "solids": (), "environment": None}
-    return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})
-
-
 def changed(scene: Scene, settings: Parameters) -> Scene:
     """A scene with settings at dotted paths replaced, items of lists by their number. Values are not validated."""
     for path, value in settings.items():

@@ -69,12 +69,11 @@ class Pictures(Experiment):
     def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
         """Move the strands, and draw the reference."""
         self.subject.move()
-        told = self.reference()
+        found = self.reference()
         step(f"{self.subject.name}: reference")
         return {
             "name": self.subject.name, "frame": self.subject.frame, "size": list(self.scene.image.size),
-            "strands": self.scene.emitter.strands, "strand_px": self.subject.pixels_wide(),
-            "width_given": self.subject.widened, **told,
+            "strands": self.scene.emitter.strands, "width_given": self.subject.widened, **found,
         }  # fmt: skip
 
     @abstractmethod

@@ -1,5 +1,6 @@
 """Settings of drawing against a converged picture, in windows of a preset's whole frame: what `render --max-error
-picture=ERROR` chooses by, and where `quality: draft, default, best` stand beside the front of settings.
+picture=ERROR` chooses by, what samples and resolvers cost, and where `quality: draft, default, best` stand beside the
+front of settings.
 
 All strands are there and pixels are those of the picture: strands that are a fifth of a pixel wide and crowded have
 errors several times those of the first 2,000 in a small picture.
@@ -48,6 +49,7 @@ class FrameStudy(Pictures):
     """Parameters of drawing that make a preset's picture cheaper or finer, strands and their number untouched."""
 
     axis = "frame"
+    what = f"{SAMPLES}×{SAMPLES} samples a pixel, curves within {TOLERANCE} samples, opacity maps of {LAYERS} layers"
 
     def __init__(self, request: Request, phase: float = STUDIED, positions: NDArray[np.floating] | None = None) -> None:
         """``phase``: which windows are taken; ``positions``: simulated strands of the frame, where they are known."""
@@ -130,11 +132,8 @@ class FrameStudy(Pictures):
         """Draw the reference, and learn what a whole frame takes."""
         self._began, self._measured = time.monotonic(), 0
         self.draw_reference()
-        what = (
-            f"{SAMPLES}×{SAMPLES} samples a pixel, curves within {TOLERANCE} samples, opacity maps of {LAYERS} layers"
-        )
         return {
-            "what": what, "mean": self.windows.mean, "counts": self.fine.counts,
+            "what": self.what, "mean": self.windows.mean, "counts": self.fine.counts,
             "windows": [list(window) for window in self.windows.windows], "own_seconds": self.windows.calibrate(),
             "width": self.width_given(),
         }  # fmt: skip
@@ -176,17 +175,50 @@ class FrameStudy(Pictures):
         return float(np.mean([mean_flip(one, other) for one, other in pairs]))
 
 
-class QualityStudy(FrameStudy):
-    """The three by name, and samples, tolerances and levels of detail about them, all of the settings of `default`
-    else. Every one is drawn, however long that takes; seconds are the processor's, so that other programs do not move
-    the front."""
-
-    axis = "quality"
+class WholeFrame(FrameStudy):
+    """A study of its own: every setting is drawn, however long that takes. Seconds are the processor's, so that other
+    programs do not move the front."""
 
     def __init__(self, request: Request) -> None:
         scene = request.single if request.size is None else changed(request.single, {"image.size": request.size})
         super().__init__(Request(scene=scene, name=request.name, frame=request.frame, fixed=request.fixed))
         self.windows.of_processor = True
+
+    def settings(self) -> list[Parameters]:
+        """Those that the preset has."""
+        return Pictures.settings(self)
+
+    def reference(self) -> dict[str, Any]:
+        """As in `FrameStudy`."""
+        found = super().reference()
+        return {**found, "what": f"{found['what']}; seconds are the processor's, of a whole frame"}
+
+    def measure(self, parameters: Parameters) -> Point:
+        """Draw one setting."""
+        return Pictures.measure(self, parameters)
+
+
+class CoverageStudy(WholeFrame):
+    """Samples and resolvers of `image`, all other settings as the preset has them."""
+
+    axis = "coverage"
+    what = f"{SAMPLES}×{SAMPLES} samples a pixel, sorted"
+
+    def choices(self) -> list[Parameters]:
+        """Every resolver with its own useful range of samples."""
+        out: list[Parameters] = [{"image.resolver": "zbuffer", "image.supersample": n} for n in (1, 2, 3, 4, 6, 8)]
+        return out + [{"image.resolver": "sorted", "image.supersample": n} for n in (1, 2, 3, 4)]
+
+    def converged(self) -> dict[str, Any]:
+        """The settings of the reference."""
+        return {"image.resolver": "sorted", "image.supersample": SAMPLES}
+
+
+class QualityStudy(WholeFrame):
+    """The three by name, and samples, tolerances and levels of detail about them, all of the settings of `default`
+    else."""
+
+    axis = "quality"
 
     def choices(self) -> list[Parameters]:
         """Those by name, then the grid."""
@@ -198,10 +230,6 @@ class QualityStudy(FrameStudy):
         ]
         return found + [{**ADAPTIVE, "curves.tolerance": 1.0, "detail.pixels": pixels} for pixels in (0.25, 0.5, 0.75)]
 
-    def settings(self) -> list[Parameters]:
-        """Those that the preset has."""
-        return Pictures.settings(self)
-
     def paths(self, parameters: Parameters) -> Parameters:
         """Of a name what it stands for; of the grid what it changes of `default`."""
         name = parameters.get("quality", "default")
@@ -211,15 +239,6 @@ class QualityStudy(FrameStudy):
     def series(self, parameters: Parameters) -> str:
         """By name, or of the grid."""
         return "by name" if "quality" in parameters else "grid"
-
-    def reference(self) -> dict[str, Any]:
-        """As in `FrameStudy`."""
-        told = super().reference()
-        return {**told, "what": f"{told['what']}; seconds are the processor's, of a whole frame"}
-
-    def measure(self, parameters: Parameters) -> Point:
-        """Draw one setting."""
-        return Pictures.measure(self, parameters)
 
 
 def quality_text(points: Sequence[Point]) -> str:

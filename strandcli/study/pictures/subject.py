@@ -214,18 +214,6 @@ class Subject:
         """The camera of a scene at the frame, in its picture's own pixels."""
         return camera_view(scene.camera, self.at, *scene.image.size, self.bounds())
 
-    def needs_sorting(self, samples: int) -> bool:
-        """Whether strands show others through, or become thinner than one of so many samples along a pixel's side: a
-        z-buffer draws nothing thinner."""
-        material = self.scene.material
-        return material.opacity < 1 or self.pixels_wide() * (1 - material.drawn_taper) * samples < 1
-
-    def pixels_wide(self) -> float:
-        """Width of a strand at its root in pixels, in the middle of the groom."""
-        view, (low, high) = self.view(self.scene), self.bounds()
-        depth = max(float(((low + high) / 2 - view.eye) @ view.forward), view.near) if view.perspective else 1.0
-        return self.scene.material.width * view.focal / depth
-
     def draw(
         self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False, renderer: LinearRenderer | None = None
     ) -> Picture:
@@ -271,20 +259,6 @@ def _small(size: tuple[int, int]) -> tuple[int, int]:
     """A picture's size at about `PIXELS` pixels, its shape kept; a smaller one as it is."""
     share = min(1.0, math.sqrt(PIXELS / (size[0] * size[1])))
     return max(1, round(size[0] * share)), max(1, round(size[1] * share))
-
-
-def differences(image: NDArray[np.float64], reference: NDArray[np.float64]) -> dict[str, float | None]:
-    """How far a picture is from another, as shares of that one's mean: root mean square, signed mean, and what 99 % of
-    all values stay under."""
-    off = image - reference
-    mean = float(reference.mean())
-    if not mean > 0:
-        return {"rmse": None, "bias": None, "p99": None}
-    return {
-        "rmse": float(np.sqrt((off**2).mean())) / mean,
-        "bias": float(off.mean()) / mean,
-        "p99": float(np.percentile(np.abs(off), 99)) / mean,
-    }
 
 
 def total(seconds: Mapping[str, float], stages: tuple[str, ...]) -> float:
