@@ -43,9 +43,7 @@ def command(output: Path | None, repeats: int, threads: int | None, overwrite: b
 
         data = claims.run(threads=threads, notify=progress.note, repeats=repeats)
     if output is not None:
-        from ..study.claims_chart import chart
-
-        for name, text in zip(FILES, (to_csv(data["claims"]), chart(data["claims"])), strict=True):
+        for name, text in zip(FILES, (to_csv(data["claims"]), claims.chart(data["claims"])), strict=True):
             write_pieces(output / name, [text.encode()])
     talk.result(data, lambda: table(data["claims"]))
     talk.warn_if_busy(data["busy"], "repeat this when it is idle")

@@ -11,11 +11,9 @@ import click
 
 from ..common.counted import counted
 from ..errors import MismatchError, UsageError
-from ..scene.faults import shown
 from . import complete, options
 from .progress import Talk
 from .say import say
-from .values import Parsed
 
 if TYPE_CHECKING:
     from ..study.stress.run import Result, Task
@@ -24,25 +22,10 @@ if TYPE_CHECKING:
 MOST_TOLD = 20
 """Failing cases that are named one by one; --json has all."""
 
-KINDS = ("interaction", "twist")
-
-
-def together(text: str) -> tuple[str, ...]:
-    """What every case has, separated by commas."""
-    kinds = tuple(dict.fromkeys(word.strip() for word in text.split(",")))
-    for kind in kinds:
-        if kind not in KINDS:
-            raise ValueError(f"unknown {shown(kind)}; choose {', '.join(KINDS)}, or both with a comma")
-    return kinds
-
 
 @click.command()
 @click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--solver", type=click.Choice(("rod", "thesis", "both")), help="Solver to test.  [default: both]")
-@click.option(
-    "--with", "kinds", type=Parsed("KINDS", together, (*KINDS, ",".join(KINDS))), default=(),
-    help="Run the cases of rods that have these: interaction, twist, or both with a comma.",
-)  # fmt: skip
 @click.option("--case", "case", metavar="NAME", help="Run this case alone, as the table and --json name it.")
 @click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name has all of WORDS; or a pattern.")
 @click.option("--list", "listing", is_flag=True, help="Name the cases and run nothing.")
@@ -54,7 +37,6 @@ def together(text: str) -> tuple[str, ...]:
 def command(
     preset: str | None,
     solver: str | None,
-    kinds: tuple[str, ...],
     case: str | None,
     pattern: str | None,
     listing: bool,
@@ -72,13 +54,11 @@ def command(
     """
     if pattern is not None and not pattern.strip():
         raise UsageError("--filter: the text is empty; leave it out to run all cases")
-    if kinds and (case or preset or solver == "thesis"):
-        raise UsageError("--with: takes the solver rod's matrix, without PRESET; --case runs its cases by name alone")
     if html is not None:
         options.refuse_existing(html, overwrite)
     from ..study.stress import run as stress
 
-    work, only = _chosen(preset, "rod" if kinds else solver, case, pattern, quick, kinds)
+    work, only = _chosen(preset, solver, case, pattern, quick)
     from ..study.stress.run import names_of
 
     names = [name for task in work for name in names_of(task) if only(name)]
@@ -121,8 +101,8 @@ def command(
 
 
 def _chosen(
-    preset: str | None, solver: str | None, case: str | None, pattern: str | None, quick: bool, kinds: tuple[str, ...]
-) -> tuple[Sequence[Task], Any]:  # fmt: skip
+    preset: str | None, solver: str | None, case: str | None, pattern: str | None, quick: bool
+) -> tuple[Sequence[Task], Any]:
     """The work to do, and which names of it are wanted."""
     from ..study.stress import run as stress
 
@@ -136,7 +116,7 @@ def _chosen(
     elif case is not None:
         work = [stress.named(case)]
     else:
-        work = stress.tasks(("rod", "thesis") if solver in (None, "both") else (str(solver),), quick, kinds)
+        work = stress.tasks(("rod", "thesis") if solver in (None, "both") else (str(solver),), quick)
     if case is not None:
         wanted = case if preset is not None else stress.canonical(case)
         return work, wanted.__eq__

@@ -62,9 +62,14 @@ def chart(study: Study, max_error: float | None = None) -> str:
     else:
         items.append(text((LEFT, TOP + 30), "no run has an error to be shown", FAINT, 15))
     items += _legend(study, styles if shown else {})
+    return drawing(WIDTH, HEIGHT, items)
+
+
+def drawing(width: float, height: float, items: Sequence[str]) -> str:
+    """The text of an SVG file, white behind its items."""
     return "\n".join([
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" '
-        'font-family="Helvetica, Arial, sans-serif">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:g}" '
+        f'viewBox="0 0 {width:g} {height:g}" font-family="Helvetica, Arial, sans-serif">',
         '<rect width="100%" height="100%" fill="#ffffff"/>', *items, "</svg>", "",
     ])  # fmt: skip
 

@@ -6,6 +6,7 @@ repeats where time is measured, with the least and the greatest.
 
 from __future__ import annotations
 
+import statistics
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -18,6 +19,7 @@ from ..groom.emit import emit
 from ..scene.model import Scene
 from ..simulate.thesis.solver import ThesisSolver
 from .bench import time_frames
+from .chart import FAINT, GRID, INK, drawing, line, marker, text
 
 Notify = Callable[[str], None]
 
@@ -42,25 +44,24 @@ def run(threads: int | None = None, notify: Notify | None = None, repeats: int =
 
 
 def row(
-    claim: str, source: str, ours: str, quantity: str, values: Sequence[float],
-    span: tuple[float, float] | None = None, **numbers: Any,
-) -> dict[str, Any]:  # fmt: skip
+    claim: str, source: str, ours: str, quantity: str, values: Sequence[float], span: tuple[float, float] | None = None
+) -> dict[str, Any]:
     """A claim with the source's figure, ours in words, our ``values`` of a quantity, one for each repeat where time is
-    measured, the ``span`` of the source's figure, and the numbers behind them."""
+    measured, and the ``span`` of the source's figure."""
     return {
         "claim": claim, "source": source, "ours": ours, "quantity": quantity, "values": [float(v) for v in values],
-        "range": span and list(span), **numbers,
+        "range": span and list(span),
     }  # fmt: skip
 
 
 def _timed(threads: int | None) -> dict[str, Any]:
     """Figures of one repeat: frames a second, and shares of a frame."""
     timed = {
-        name: time_frames(load("headline", settings=settings), frames, threads, None)
+        name: time_frames(load("headline", settings={"time.frames": 20, **settings}), frames, threads, None)
         for name, settings, frames in (
-            ("all", {"time.frames": 20}, 12),
-            ("straight", {"time.frames": 20, "curves.mode": "off"}, 12),
-            ("many", {"time.frames": 20, "emitter.strands": 100_000, "emitter.particles": 9}, 4),
+            ("all", {}, 12),
+            ("straight", {"curves.mode": "off"}, 12),
+            ("many", {"emitter.strands": 100_000, "emitter.particles": 9}, 4),
         )
     }
     frame = {name: one["frame_ms"] for name, one in timed.items()}
@@ -69,33 +70,30 @@ def _timed(threads: int | None) -> dict[str, Any]:
     return {
         "fps": 1e3 / frame["all"], "many": 1e3 / frame["many"], "smoothing": 100 * stage["curves"] / work,
         "saved": 100 * (1 - frame["straight"] / frame["all"]), "shadow": 100 * stage["shadow"] / work,
-        "stages_ms": stage, "busy": timed["all"]["busy"],
+        "busy": timed["all"]["busy"],
     }  # fmt: skip
 
 
 def _speed(timed: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     values = {name: [one[name] for one in timed] for name in ("fps", "many", "smoothing", "saved", "shadow")}
-    middle = {name: float(np.median(found)) for name, found in values.items()}
     words = {name: spread_words(found) for name, found in values.items()}
-    stages = {name: float(np.median([one["stages_ms"][name] for one in timed])) for name in timed[0]["stages_ms"]}
     return [
         row(
             "10,000 strands of 10 particles, all on, 800x600: frames a second", "25-30 (2012, drawn by a GPU)",
             f"{words['fps']} (CPU alone, PNG files written)", "frames a second", values["fps"], (25, 30),
-            fps=middle["fps"], stages_ms=stages,
         ),
         row(
             "100,000 strands, 900,000 particles: frames a second", "PhysX on a GPU: 840,000 particles",
-            words["many"], "frames a second", values["many"], fps=middle["many"],
+            words["many"], "frames a second", values["many"],
         ),
         row(
             "smoothing's share of a frame", "30-50 %",
             f"{words['smoothing']} % in its own stage; a frame of straight segments takes {words['saved']} % less",
-            "%", values["smoothing"], (30, 50), share=middle["smoothing"] / 100, saved_without=middle["saved"] / 100,
+            "%", values["smoothing"], (30, 50),
         ),
         row(
             "the shadow map's share of a frame", "about 5 % of CPU time", f"{words['shadow']} %",
-            "%", values["shadow"], (5, 5), share=middle["shadow"] / 100,
+            "%", values["shadow"], (5, 5),
         ),
     ]  # fmt: skip
 
@@ -109,23 +107,21 @@ def spread_words(values: Sequence[float]) -> str:
 def _stiffness() -> dict[str, Any]:
     """Where tips rest under gravity and stiffness, for one step length against another."""
     tips = {fps: rest(_drooping(fps))[:, -1] for fps in (30, 60, 120)}
-    length = 1.0
-    drift = {fps: float(np.linalg.norm(tips[fps] - tips[30], axis=-1).mean() / length) for fps in (60, 120)}
+    drift = {fps: 100 * float(np.linalg.norm(tips[fps] - tips[30], axis=-1).mean()) for fps in (60, 120)}
     return row(
         "stiffness changes when the step changes: how far resting tips move", "admitted, no figure",
-        f"{100 * drift[60]:.0f} % of a strand's length from 1/30 to 1/60 s, {100 * drift[120]:.0f} % to 1/120 s",
-        "% of a length", [100 * drift[60]], drift={str(fps): value for fps, value in drift.items()},
+        f"{drift[60]:.0f} % of a strand's length from 1/30 to 1/60 s, {drift[120]:.0f} % to 1/120 s",
+        "% of a length", [drift[60]],
     )  # fmt: skip
 
 
 def _trembling() -> dict[str, Any]:
     """How far from each other places are that resting tips come to, with steps longer and shorter by a half."""
-    reach = {jitter: tremble(_drooping(24, 8.0, jitter)) for jitter in (0.0, 0.5)}
+    equal, varied = (100 * tremble(_drooping(24, 8.0, jitter)) for jitter in (0.0, 0.5))
     return row(
         "stiffness trembles when steps vary: reach of resting tips, steps of 1/24 s longer and shorter by half",
-        "admitted, no figure",
-        f"{100 * reach[0.5]:.2g} % of a strand's length; {100 * reach[0.0]:.2g} % with equal steps",
-        "% of a length", [100 * reach[0.5]], reach=reach[0.5], reach_of_equal_steps=reach[0.0],
+        "admitted, no figure", f"{varied:.2g} % of a strand's length; {equal:.2g} % with equal steps",
+        "% of a length", [varied],
     )  # fmt: skip
 
 
@@ -191,7 +187,7 @@ def _tunnelling() -> dict[str, Any]:
         "strands cut by a capsule of radius 0.03, segments about 0.3 long: points against segments",
         "admitted for points, no figure",
         f"{100 * shares[False]:.0f} % with points, {100 * shares[True]:.0f} % with segments: true",
-        "% of strands, points", [100 * shares[False]], points=shares[False], segments=shares[True],
+        "% of strands, points", [100 * shares[False]],
     )  # fmt: skip
 
 
@@ -216,7 +212,7 @@ def _fewer(threads: int | None) -> list[dict[str, Any]]:
             rows.append(row(
                 f"{strands:,} strands instead of 10,000 at distance {distance}", "looks the same when far",
                 f"RMSE {plain['rmse']:.1f} of 255, area x{plain['area']:.2f}; widened: RMSE {wide['rmse']:.1f}, "
-                f"area x{wide['area']:.2f}", "RMSE of 255", [plain["rmse"]], plain=plain, widened=wide,
+                f"area x{wide['area']:.2f}", "RMSE of 255", [plain["rmse"]],
             ))  # fmt: skip
     return rows
 
@@ -257,3 +253,27 @@ def _difference(image: NDArray[np.uint8], reference: NDArray[np.uint8]) -> Mappi
 def covered(image: NDArray[np.uint8]) -> float:
     """Pixels that are not black, each by its brightness up to a twentieth of white."""
     return float(np.minimum(image.max(-1).astype(float) / 12.75, 1.0).sum())
+
+
+WIDTH, TOP, ROW = 1080, 70.0, 44.0
+LEFT, RIGHT = 560.0, 170.0
+BAND, OURS = "#cfd8e3", "#d55e00"
+"""Of the chart, pixels and colours."""
+
+
+def chart(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The chart as SVG: a row a claim, the source's range and our repeats, on an axis of its own that begins at 0."""
+    what = "grey: the source's range; dot: ours, the median; line: the least and the greatest of our repeats"
+    items = [text((24, 26), "What the thesis claims, measured", INK, 19), text((24, 50), what, FAINT, 13)]
+    for place, row in enumerate(rows):
+        y, values, source = TOP + ROW * (place + 0.5), row["values"], row["range"] or []
+        middle = statistics.median(values)
+        span = (WIDTH - LEFT - RIGHT) / (1.1 * max(*values, *source, 1e-9))
+        x = [LEFT + span * value for value in (min(values), middle, max(values))]
+        items += [text((24, y), row["claim"], INK, 12), line([(LEFT, y), (WIDTH - RIGHT, y)], GRID)]
+        if source:
+            low, high = (LEFT + span * value for value in source)
+            items.append(line([(low - 1, y), (high + 1, y)], BAND, 18))
+        items += [line([(x[0], y), (x[2], y)], OURS, 3), marker("disc", (x[1], y), 5, OURS, "#ffffff")]
+        items.append(text((WIDTH - RIGHT + 10, y), f"{middle:.3g} {row['quantity']}", INK, 12))
+    return drawing(WIDTH, TOP + ROW * len(rows) + 20, items)

@@ -155,20 +155,3 @@ def test_several_processes_come_to_the_same_verdicts() -> None:
     alone = run.run(work, processes=1)
     assert [one.as_dict() for one in shared.verdicts] == [one.as_dict() for one in alone.verdicts]
     assert sum(counted) == len(alone.verdicts)
-
-
-def test_rods_that_interact_and_twist_are_run_and_listed(command: Runner) -> None:
-    listed = command("stress", "--with", "twist,interaction", "--quick", "--list").out.split()
-    both = ("stress", "--with", "interaction,twist", "--quick")
-    assert listed == command(*both, "--list", "--solver", "rod").out.split()
-    result = command(*both, "--filter", "between=grid n=1/", "--json", "--no-progress")
-    assert result.code == 0, result.err
-    data = json.loads(result.out)
-    assert data["summary"]["pass"] == len(data["cases"]) > 1
-    name = data["cases"][0]["name"]
-    assert json.loads(command("stress", "--case", name, "--json").out)["cases"] == data["cases"][:1]
-    only = command("stress", "--with", "twist", "--quick", "--list").out.split()
-    assert all("twist=" in name and "between=" not in name for name in only)
-    assert "choose interaction, twist, or both" in command("stress", "--with", "twst").error()
-    for more in (("--solver", "thesis"), ("--case", "rod"), ("hair",)):
-        assert command("stress", "--with", "twist", *more).code == 2

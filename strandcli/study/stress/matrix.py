@@ -35,8 +35,6 @@ BESIDE: dict[str, tuple[str, ...]] = {
     "contact": (), "n": ("1", "2", "10"), "L": (), "tip": ("1e-3", "1", "1e3"), "start": (), "root": (), "torsion": (),
 }  # fmt: skip
 """Axes whose pairs every combination of `between`, `twist` and `end` meets."""
-KINDS = {"interaction": "between", "twist": "twist"}
-"""What `stress --with` asks for, by the axis that has it."""
 
 Row = dict[str, str]
 Pair = tuple[str, str, str, str]
@@ -144,14 +142,6 @@ def quick(solver: str) -> tuple[Case, ...]:
     if solver == "rod":
         cases += [Case.of(solver, {**row, "end": "pinned"}) for row in covering(QUICK)[6:12]]
     return tuple(dict.fromkeys(cases))
-
-
-def with_kinds(kinds: Sequence[str]) -> tuple[Case, ...]:
-    """The cases of rods with some of `KINDS` on and the others off."""
-    on = set(kinds)
-    return tuple(
-        case for case in groups() if {kind for kind, axis in KINDS.items() if case.label(axis) != "none"} == on
-    )
 
 
 def batches(cases: Sequence[Case]) -> list[tuple[Case, ...]]:

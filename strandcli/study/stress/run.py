@@ -58,10 +58,8 @@ class Result:
         }
 
 
-def tasks(solvers: Sequence[str], quick: bool = False, kinds: Sequence[str] = ()) -> list[Task]:
-    """The matrix of some solvers as pieces of work; with ``kinds``, the cases of rods with these on."""
-    if kinds:
-        return list(matrix.batches(matrix.with_kinds(kinds)[:: 16 if quick else 1]))
+def tasks(solvers: Sequence[str], quick: bool = False) -> list[Task]:
+    """The matrix of some solvers as pieces of work."""
     take = matrix.quick if quick else matrix.full
     return [batch for solver in solvers for batch in matrix.batches(take(solver))]
 
