@@ -50,7 +50,7 @@ def advised(
         raise UsageError("--quality: --max-error chooses how finely a picture is drawn; leave one of the two out")
     from ..compiling import runtime
     from ..study.advice import METRICS, advise_picture
-    from ..study.settings import changed
+    from ..study.axes import changed
 
     name = options.preset_name(preset)
     wanted = {METRICS[one]: most for one, most in asked.items()}

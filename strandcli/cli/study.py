@@ -79,7 +79,7 @@ def command(
     such. Exit code 3: no setting stays under --max-error.
     """
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
-    from ..study.registry import find
+    from ..study.sweep import find
 
     requests = _requests(preset, reference, axis, wishes)
     folder = output or Path("out", "study")
@@ -115,7 +115,7 @@ def _requests(
     preset: str | None, reference: tuple[str, ...] | None, axis: str | None, wishes: dict[str, Any]
 ) -> list[Request]:
     from ..study.axes import Request, chosen_solvers, settled
-    from ..study.registry import find
+    from ..study.sweep import find
 
     overrides, seed = wishes.pop("overrides"), wishes.pop("seed")
     if (preset is None) == (reference is None):

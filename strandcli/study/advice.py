@@ -27,12 +27,10 @@ from ..run.fingerprint import fingerprint
 from ..scene.dump import plain
 from ..scene.model import Scene
 from . import sweep
-from .axes import STRANDS, Request, settled
+from .axes import STRANDS, Request, changed, settled
 from .pictures.frame import CHECKED, FrameStudy
 from .points import described
-from .registry import find
 from .report import seconds, share
-from .settings import changed
 
 MOVING = ("seed", "solver", "rod", "time", "emitter", "rules", "solids")
 """The settings of a scene that its motion depends on."""
@@ -79,7 +77,7 @@ def advise(scene: Scene, name: str, max_error: float, fixed: Sequence[str], step
 
         def study(chosen: Mapping[str, Any] = chosen) -> dict[str, Any]:
             request = Request(scene=scene, name=name, solvers=(scene.solver,), **chosen)
-            found = sweep.run(find("motion"), request, None, step, begin)
+            found = sweep.run(sweep.find("motion"), request, None, step, begin)
             return {**found.as_dict(), "margin": found.margins[scene.solver]}
 
         data, reused = cached("motion", motion_of(scene, chosen), study)

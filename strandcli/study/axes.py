@@ -1,18 +1,22 @@
 """What an axis of study is: what a person can ask of one, and what it makes of that, an `Experiment`.
 
 `sweep.run` does the rest: it measures every setting, finds the front, fits orders and recommends. An axis of another
-kind is one more class of experiment, and one entry in `registry`.
+kind is one more class of experiment, and one entry in `sweep.AXES`.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from ..errors import UsageError
+from ..scene.fields import settings_of
 from ..scene.model import Scene
+from ..scene.paths import made, with_value
+from ..scene.specs import ChoiceSpec
 from .points import Parameters, Point
 
 SOLVERS = ("thesis", "rod")
@@ -112,3 +116,30 @@ def chosen_solvers(request: Request) -> list[str]:
         if name not in SOLVERS:
             raise UsageError(f"no solver '{name}'; the solvers are {', '.join(SOLVERS)}")
     return [name for name in SOLVERS if request.solvers is None or name in request.solvers]
+
+
+def changed(scene: Scene, settings: Parameters) -> Scene:
+    """A scene with settings at dotted paths replaced, items of lists by their number. Values are not validated."""
+    for path, value in settings.items():
+        scene = with_value(scene, path, value)
+    return scene
+
+
+def knows(scene: Scene, path: str, value: Any = None) -> bool:
+    """Whether a scene has a setting at a dotted path, and where that is one of a few words, ``value`` (not None)."""
+    node: Any = scene
+    spec = None
+    for part in path.split("."):
+        if isinstance(node, tuple):
+            if not part.isdecimal() or int(part) >= len(node):
+                return False
+            node = node[int(part)]
+            continue
+        cls: Any = type(node)
+        settings = settings_of(cls) if dataclasses.is_dataclass(node) else {}
+        if part not in settings:
+            return False
+        spec = settings[part].spec
+        inner = getattr(node, settings[part].attribute)
+        node = made(node, part) if inner is None else inner
+    return value is None or not isinstance(spec, ChoiceSpec) or value in spec.options

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from itertools import cycle
 from xml.sax.saxutils import escape
 
-from .points import CELL, Point, by_line
-from .report import order_words, seconds, share, step
+from .points import Point, by_line, described
+from .report import order_words, seconds, share
 from .sweep import Study
 
 XY = tuple[float, float]
@@ -20,8 +20,6 @@ STYLES = {"thesis": ("#d55e00", "diamond"), "rod": ("#0072b2", "disc")}
 COLOURS = ("#e69f00", "#56b4e9", "#5c6066", "#8b5a2b", "#117733", "#882255")
 OTHERS = tuple((COLOURS[i % 6], ("disc", "square", "triangle", "diamond")[i % 4]) for i in range(12))
 """Of lines without a style of their own; no two look the same."""
-SHORT = {"emitter.particles": "n", "time.substeps": "sub", "rod.iterations": "it", CELL: "cell"}
-KEY = "n: particles, sub: steps a frame, it: iterations"
 
 
 class Scale:
@@ -51,8 +49,6 @@ class Scale:
 def chart(study: Study, max_error: float | None = None) -> str:
     """The text of an SVG file. Points without an error, or with none at all, are left out."""
     what = f"error ({study.metric}, a share {study.unit}) against run time. Ringed: on the Pareto front"
-    if any(parameter in point.parameters for point in study.points for parameter in SHORT):
-        what += f". {KEY}"
     what += "; star: recommended" if max_error else ""
     styles = styles_of(study.points)
     items = [text((LEFT, 28), study.title, INK, 19), text((LEFT, 52), what, FAINT, 13)]
@@ -140,18 +136,6 @@ def marker(kind: str, at: XY, size: float, fill: str, edge: str = "none", width:
     return f'<polygon points="{" ".join(points)}" {style}/>'
 
 
-def brief(point: Point) -> str:
-    """A setting in a few letters."""
-    parts = [
-        f"{word}={point.parameters[parameter]}" for parameter, word in SHORT.items() if parameter in point.parameters
-    ]
-    if "dt" in point.parameters:
-        parts.append(step(point.parameters["dt"]))
-    if not parts:
-        parts = [f"{name.rpartition('.')[2]} {value}" for name, value in point.parameters.items() if name != "solver"]
-    return ", ".join(parts)
-
-
 def _frame(x: Scale, y: Scale, study: Study) -> list[str]:
     left, right, top, bottom = LEFT, WIDTH - RIGHT, TOP, HEIGHT - BOTTOM
     items = []
@@ -183,7 +167,7 @@ def _labels(points: Sequence[Point], places: dict[int, XY]) -> list[str]:
     taken = [(x - 7, y - 7, x + 7, y + 7) for x, y in places.values()]
     items = []
     for at, point in {places[id(point)]: point for point in points}.items():
-        words, (x, y) = brief(point), at
+        words, (x, y) = described(point.parameters).removeprefix(f"{point.solver}, "), at
         wide, high = 5.8 * len(words), 14.0
         for dx, dy in ((12, -13), (12, 13), (-12 - wide, -13), (-12 - wide, 13), (12, -28), (-12 - wide, 28), (12, 28)):
             box = (x + dx, y + dy - high / 2, x + dx + wide, y + dy + high / 2)

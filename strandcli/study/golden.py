@@ -3,14 +3,12 @@
 A folder holds ``golden.yaml``, the list of them (`strandcli.study.golden_list`), and,
 made by `update`, a ``NAME.png`` for each and ``hashes.json`` with the hashes of decoded pixels.
 
-How strict: two machines of one class (`machine_class`) must agree in every bit. On a machine of a class that no hash
-was recorded for, sines and rounding may differ by an ulp, which moves a strand across the edge of a pixel here and
-there; there a picture may differ in at most ``most_over`` of its pixels by more than ``THRESHOLD``, and by
-``most_rmse`` over all. Nothing else in strandcli has a tolerance for images. The numbers of an entry without its own
-stand between two measurements on a moving head of 3,000 strands, six rules, 48 frames at 160x120: an ulp in the
-emitter's radius, in the strands' length, in the field of view or in the frame rate changed no pixel by more than 4/255
-(RMSE 0.025), ten ulps none by more than 6/255 (RMSE 0.07); strands 0.6 % longer changed 1.8 to 7.6 % of all pixels by
-more than 8/255 (RMSE 2.2 to 6.5).
+Two machines of one class (`machine_class`) must agree in every bit. On a machine of a class that no hash was recorded
+for, sines and rounding may differ by an ulp, which moves a strand across the edge of a pixel here and there; there a
+picture may differ in at most ``most_over`` of its pixels by more than `THRESHOLD`, and by ``most_rmse`` over all.
+Nothing else in strandcli has a tolerance for images. On a head of 3,000 strands an ulp in lengths or frame rate changed
+no pixel by more than 4/255, ten ulps none by more than 6/255; strands .6 % longer changed 1.8 to 7.6 % of all pixels by
+more than 8/255.
 """
 
 from __future__ import annotations
@@ -18,6 +16,7 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,7 +30,6 @@ from ..output.files import prepare_folder, write_json
 from .golden_list import LIST, Entry
 
 THRESHOLD = 8  # of 255
-
 HASHES = "hashes.json"
 SCHEMA_VERSION = 1
 
@@ -75,21 +73,13 @@ def machine_class() -> str:
     shown: Any = np.show_config(mode="dicts")
     simd = shown.get("SIMD Extensions", {})
     widest = (simd.get("found") or simd.get("baseline") or ["plain"])[-1]
+    versions = {name: ".".join(module.__version__.split(".")[:2])
+                for name, module in (("numba", numba), ("numpy", np), ("pillow", PIL))}  # fmt: skip
     libc, version = platform.libc_ver()
-    parts = [
-        platform.machine(),
-        widest,
-        f"numba-{_minor(numba.__version__)}",
-        f"llvm-{llvm.llvm_version_info[0]}",
-        f"numpy-{_minor(np.__version__)}",
-        f"{libc or 'libc'}-{version or 'unknown'}",
-        f"pillow-{_minor(PIL.__version__)}",
-    ]
-    return " ".join(parts)
-
-
-def _minor(version: str) -> str:
-    return ".".join(version.split(".")[:2])
+    return (
+        f"{platform.machine()} {widest} numba-{versions['numba']} llvm-{llvm.llvm_version_info[0]} "
+        f"numpy-{versions['numpy']} {libc or 'libc'}-{version or 'unknown'} pillow-{versions['pillow']}"
+    )
 
 
 def tolerable(comparison: Comparison, entry: Entry) -> bool:
@@ -167,9 +157,10 @@ def update(directory: Path, entry: Entry, drawer: Draw) -> str | None:
     here = machine_class()
     found = drawer(entry, directory)
     digest = png.pixels_sha256(found)
-    old = _readable(picture)
-    sound = old is not None and record is not None and png.pixels_sha256(old) == record["picture"]
-    if sound and record is not None and old is not None:
+    old = None
+    with suppress(UsageError):
+        old = png.read(picture)
+    if old is not None and record is not None and png.pixels_sha256(old) == record["picture"]:
         if record["classes"].get(here) == digest:
             return None
         same = old.shape == found.shape and tolerable(compare(old, found, THRESHOLD), entry)
@@ -185,13 +176,6 @@ def update(directory: Path, entry: Entry, drawer: Draw) -> str | None:
     if old.shape != found.shape:
         return f"now {size_of(found)}, was {size_of(old)}"
     return f"changed: {compare(old, found)}"
-
-
-def _readable(picture: Path) -> png.Pixels | None:
-    try:
-        return png.read(picture)
-    except UsageError:
-        return None
 
 
 def prune(directory: Path, entries: Sequence[Entry]) -> list[str]:
@@ -217,15 +201,13 @@ def read_hashes(directory: Path) -> dict[str, Any]:
     except (OSError, ValueError, RecursionError) as error:
         raise UsageError(f"{path}: cannot be read: {error}") from None
     images = data.get("images") if isinstance(data, dict) else None
-    if not isinstance(images, dict) or not all(_is_record(record) for record in images.values()):
+    kinds = {"picture": str, "classes": dict}
+    if not isinstance(images, dict) or not all(
+        isinstance(one, dict) and all(isinstance(one.get(key), kind) for key, kind in kinds.items())
+        for one in images.values()
+    ):
         raise UsageError(f"{path}: is damaged; remove it and run 'strandcli golden update'")
     return images
-
-
-def _is_record(record: Any) -> bool:
-    return (
-        isinstance(record, dict) and isinstance(record.get("picture"), str) and isinstance(record.get("classes"), dict)
-    )
 
 
 def write_hashes(directory: Path, images: dict[str, Any]) -> None:

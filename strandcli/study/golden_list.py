@@ -14,7 +14,7 @@ A list of entries ::
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,20 @@ _LARGEST = 1 << 20
 """Bytes of a list."""
 MOST_OVER, MOST_RMSE = 0.001, 1.0
 """The tolerance of an image that states none: a share of all pixels, and of 255."""
+NAME, SIZE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*"), re.compile(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})")
+KEYS: Mapping[str, tuple[Callable[[Any], Any], str]] = {
+    "preset": (lambda one: isinstance(one, str) and one, "a shipped name or a file"),
+    "name": (lambda one: isinstance(one, str) and NAME.fullmatch(one), "letters, digits, '.', '_' or '-'"),
+    "frame": (lambda one: type(one) is int and one >= 1, "a whole number from 1"),
+    "size": (lambda one: isinstance(one, str) and SIZE.fullmatch(one), "a width and a height such as 160x120"),
+    "set": (
+        lambda one: isinstance(one, list) and all(isinstance(text, str) and "=" in text for text in one),
+        "a list of texts such as 'wind.strength=3'",
+    ),
+    "allow": (lambda one: type(one) in (int, float) and 0 <= one <= 100, "a number from 0 to 100"),
+    "rmse": (lambda one: type(one) in (int, float) and 0 <= one <= 255, "a number from 0 to 255"),
+}
+"""By key: whether a value is one, and what it must be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,37 +87,19 @@ def read_entries(directory: Path) -> list[Entry]:
 def _entry(data: Any, where: str) -> Entry:
     if not isinstance(data, dict):
         raise UsageError(f"{where}: must be a mapping such as 'preset: hair'")
-    known = ("preset", "name", "frame", "size", "set", "allow", "rmse")
-    for key in data:
-        if key not in known:
-            raise UsageError(f"{where}: unknown key '{key}'; the keys are {', '.join(known)}")
-    preset = data.get("preset")
-    if not isinstance(preset, str) or not preset:
-        raise UsageError(f"{where}: 'preset' must be a shipped name or a file")
-    name = data.get("name", Path(preset).stem if preset.endswith((".yaml", ".yml")) else preset.replace("/", "-"))
-    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", name):
-        raise UsageError(f"{where}: 'name' must be letters, digits, '.', '_' or '-', not {name!r}")
-    frame = data.get("frame", 1)
-    if type(frame) is not int or frame < 1:
-        raise UsageError(f"{where}: 'frame' must be a whole number from 1, not {frame!r}")
-    overrides = data.get("set", [])
-    if not isinstance(overrides, list) or not all(isinstance(one, str) and "=" in one for one in overrides):
-        raise UsageError(f"{where}: 'set' must be a list of texts such as 'wind.strength=3'")
-    size = data.get("size")
-    match = re.fullmatch(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})", size) if isinstance(size, str) else None
-    if size is not None and match is None:
-        raise UsageError(f"{where}: 'size' must be a width and a height such as 160x120, not {size!r}")
-    most_over = _number(data, "allow", 100 * MOST_OVER, 100, where) / 100
-    most_rmse = _number(data, "rmse", MOST_RMSE, 255, where)
-    wanted = (int(match[1]), int(match[2])) if match else None
-    return Entry(name, preset, tuple(overrides), frame, wanted, most_over, most_rmse)
-
-
-def _number(data: Mapping[str, Any], key: str, default: float, most: float, where: str) -> float:
-    value = data.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= most:
-        raise UsageError(f"{where}: '{key}' must be a number from 0 to {most:g}, not {value!r}")
-    return float(value)
+    for key, value in {"preset": None, **data}.items():
+        if key not in KEYS:
+            raise UsageError(f"{where}: unknown key '{key}'; the keys are {', '.join(KEYS)}")
+        is_sound, words = KEYS[key]
+        if not is_sound(value):
+            raise UsageError(f"{where}: '{key}' must be {words}, not {value!r}")
+    preset = data["preset"]
+    name = Path(preset).stem if preset.endswith((".yaml", ".yml")) else preset.replace("/", "-")
+    wide, high = map(int, data["size"].split("x")) if "size" in data else (0, 0)
+    return Entry(
+        data.get("name", name), preset, tuple(data.get("set", ())), data.get("frame", 1),
+        (wide, high) if wide else None, data.get("allow", 100 * MOST_OVER) / 100, float(data.get("rmse", MOST_RMSE)),
+    )  # fmt: skip
 
 
 def select(entries: Sequence[Entry], names: Sequence[str]) -> list[Entry]:

@@ -135,24 +135,17 @@ def _rows(study: Study) -> list[str]:
     metrics = metrics[:MOST_METRICS]
     table = [["", *[HEADS.get(name, name) for name in parameters], "time", *metrics]]
     for point in study.points:
-        row = ["*" if point.pareto else ""]
-        for name in parameters:
-            value = point.parameters.get(name)
-            row.append(_cell(value) if name != "dt" or value is None else step(value))
-        row += [seconds(point.seconds), *(_error(name, point.error.get(name)) for name in metrics)]
-        table.append(row)
+        row = [_cell(name, point.parameters.get(name)) for name in parameters]
+        errors = [point.error.get(name) for name in metrics]
+        row += [seconds(point.seconds), *("-" if error is None else share(error) for error in errors)]
+        table.append(["*" if point.pareto else "", *row])
     return columns(table, (0, 1))  # the mark, and the solver's name
 
 
-def _cell(value: Any) -> str:
-    return "-" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _error(metric: str, value: float | None) -> str:
-    """An error for people: a share, or pixels where the metric's name ends so."""
+def _cell(name: str, value: Any) -> str:
     if value is None:
         return "-"
-    return f"{value:.3g}" if metric.endswith(" px") else share(value)
+    return step(value) if name == "dt" else f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def why_missed(studies: Sequence[Study], most: float) -> str:

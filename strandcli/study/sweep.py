@@ -6,11 +6,28 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..errors import UsageError
 from .axes import Experiment, Request
+from .motion.experiment import Motion
+from .pictures.frame import CoverageStudy, QualityStudy
+from .pictures.occlusion import OcclusionStudy
+from .pictures.shadow import ShadowStudy
 from .points import Point, by_line, cheapest, described, orders, pareto
+from .references.experiment import References
+
+AXES: Mapping[str, type[Experiment]] = {
+    one.axis: one for one in (Motion, References, CoverageStudy, ShadowStudy, OcclusionStudy, QualityStudy)
+}
 
 LADDER = (0.1, 0.05, 0.02, 0.01, 0.005, 0.001)
 """Errors for which a setting is recommended where none was asked for."""
+
+
+def find(name: str) -> type[Experiment]:
+    """An axis by name. Raises `UsageError`."""
+    if name not in AXES:
+        raise UsageError(f"no axis '{name}'; the axes are {', '.join(AXES)}")
+    return AXES[name]
 
 
 @dataclass
@@ -32,28 +49,16 @@ class Study:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data: the mapping that `study --json` prints."""
-        return {
-            "axis": self.axis,
-            "name": self.name,
-            "title": self.title,
-            "metric": self.metric,
-            "unit": self.unit,
-            "reference": self.reference,
-            "points": [
-                {
-                    "parameters": dict(point.parameters),
-                    "dt": point.sizes.get("dt"),
-                    "seconds": point.seconds,
-                    "error": point.error,
-                    "pareto": point.pareto,
-                    **({"counts": dict(point.counts)} if point.counts else {}),
-                }
-                for point in self.points
-            ],
-            "orders": self.orders,
-            "not_represented": list(self.absent),
-            "recommended": self.recommended,
-        }
+        plain = ("axis", "name", "title", "metric", "unit", "reference", "orders", "recommended")
+        points = [
+            {
+                "parameters": dict(point.parameters), "dt": point.sizes.get("dt"), "seconds": point.seconds,
+                "error": point.error, "pareto": point.pareto,
+                **({"counts": dict(point.counts)} if point.counts else {}),
+            }
+            for point in self.points
+        ]  # fmt: skip
+        return {**{name: getattr(self, name) for name in plain}, "points": points, "not_represented": self.absent}
 
 
 def run(

@@ -12,13 +12,12 @@ import pytest
 import strandcli
 from cli_runs import Runner
 from strandcli.draw.view.camera import axes
-from strandcli.study.axes import Request
+from strandcli.study.axes import Request, changed, knows
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.frame import quality_text
 from strandcli.study.pictures.shadow import ShadowStudy, frames_along
 from strandcli.study.pictures.subject import LinearRenderer, Subject
 from strandcli.study.points import Point
-from strandcli.study.settings import changed, knows
 
 SMALL = """\
 title: a small brush

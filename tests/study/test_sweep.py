@@ -12,11 +12,11 @@ import pytest
 
 from strand_kit import scene_of
 from strandcli.errors import MismatchError, UsageError
-from strandcli.study import advice, axes, registry, sweep
+from strandcli.study import advice, axes, sweep
+from strandcli.study.axes import changed
 from strandcli.study.motion.experiment import Motion
 from strandcli.study.points import CELL, Point
 from strandcli.study.references.experiment import References
-from strandcli.study.settings import changed
 from study_kit import Synthetic, made
 
 
@@ -67,11 +67,11 @@ def test_json_has_the_documented_keys() -> None:
 
 
 def test_the_registry_has_every_axis_by_its_name() -> None:
-    assert {"motion", "reference"} <= set(registry.AXES)
-    for name, axis in registry.AXES.items():
-        assert registry.find(name) == axis
+    assert {"motion", "reference"} <= set(sweep.AXES)
+    for name, axis in sweep.AXES.items():
+        assert sweep.find(name) == axis
     with pytest.raises(UsageError, match="axes are"):
-        registry.find("colour")
+        sweep.find("colour")
     with pytest.raises(UsageError, match="solvers are"):
         axes.chosen_solvers(axes.Request(solvers=("mass_spring",)))
 
@@ -165,7 +165,7 @@ def test_strands_of_a_study_are_the_first_of_the_groom() -> None:
 def test_the_thesis_falls_slower_in_smaller_steps_and_is_told_to_have_no_limit() -> None:
     """Its speed is g Δt (thesis §2): refining it changes the motion, and the study has to say so."""
     study = sweep.run(
-        registry.find("motion"),
+        sweep.find("motion"),
         axes.Request(scene=scene_of(HANGING), name="hanging", solvers=("thesis",), substeps=(1, 2), strands=20),
         0.01,
     )
@@ -173,7 +173,7 @@ def test_the_thesis_falls_slower_in_smaller_steps_and_is_told_to_have_no_limit()
     assert study.recommended == []
     still = scene_of(HANGING.replace("[gravity, elasticity]", "[elasticity]"))
     request = axes.Request(scene=still, name="still", solvers=("thesis",), substeps=(1, 2), strands=20)
-    at_rest = sweep.run(registry.find("motion"), request, 0.01)
+    at_rest = sweep.run(sweep.find("motion"), request, 0.01)
     assert at_rest.margins["thesis"] == pytest.approx(0, abs=1e-5)
     assert all(point.error["max"] == pytest.approx(0, abs=1e-5) for point in at_rest.points)
 

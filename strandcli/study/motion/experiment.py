@@ -21,9 +21,8 @@ from ...errors import UsageError
 from ...groom.record import Groom
 from ...scene.model import Scene
 from ...simulate import solver_of
-from ..axes import STRANDS, Experiment, Request, chosen_solvers
+from ..axes import STRANDS, Experiment, Request, changed, chosen_solvers
 from ..points import CELL, Limit, Parameters, Point, described, grid, limit
-from ..settings import changed
 from .runs import apart, guides_of, least, resample, warm, with_fewer_guides
 
 PLACES = 33

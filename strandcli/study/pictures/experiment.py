@@ -9,9 +9,8 @@ from typing import Any
 from ...errors import UsageError
 from ...scene.model import Scene
 from ...scene.paths import value_at
-from ..axes import Experiment, Request
+from ..axes import Experiment, Request, changed, knows
 from ..points import Parameters, Point
-from ..settings import changed, knows
 from .subject import Picture, Subject, total
 
 

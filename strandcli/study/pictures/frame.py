@@ -20,9 +20,8 @@ from ...errors import RefusedError
 from ...output.flip import mean_flip
 from ...plan import checked_plan
 from ...scene.quality import LOOKS, QUALITIES, settings_for, shadowed
-from ..axes import Request
+from ..axes import Request, changed
 from ..points import Parameters, Point, described, grid
-from ..settings import changed
 from .experiment import Pictures
 from .subject import Picture
 from .windows import Windows

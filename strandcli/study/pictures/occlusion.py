@@ -18,8 +18,8 @@ from ...draw.lighting import occlusion
 from ...draw.solids.kernels import rays
 from ...errors import UsageError
 from ...scene.model import AmbientOcclusion, DirectionalLight
+from ..axes import changed
 from ..points import Parameters
-from ..settings import changed
 from .experiment import Pictures
 from .shadow import bundle, transmittance
 from .subject import Picture

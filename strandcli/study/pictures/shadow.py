@@ -19,10 +19,9 @@ from ...draw.geometry.extent import Thickness
 from ...errors import UsageError
 from ...groom.emit import PLASTIC
 from ...scene.model import DirectionalLight, Light, Scene
-from ..axes import Request
+from ..axes import Request, changed, knows
 from ..kernels import cylinders
 from ..points import Parameters
-from ..settings import changed, knows
 from .experiment import Pictures
 from .subject import Picture, Vertices
 

@@ -24,8 +24,7 @@ from ...groom.combed import Combed
 from ...groom.emit import emit
 from ...plan import available_memory, checked_plan
 from ...scene.model import Scene
-from ..axes import Request
-from ..settings import changed
+from ..axes import Request, changed
 
 STRANDS = 2000
 """Of a preset, where not said otherwise."""

@@ -15,8 +15,8 @@ from strandcli.draw.fibre import chiang, marschner
 from strandcli.draw.fibre.tables import N_PHI, N_THETA
 from strandcli.groom.blocks import lanes
 from strandcli.scene.model import Material, Scene
+from strandcli.study.axes import changed
 from strandcli.study.pictures.subject import LinearRenderer
-from strandcli.study.settings import changed
 from tests.draw.geometry.test_detail import positions_of
 from tests.reference import chiang as chiang_reference
 
