@@ -11,7 +11,7 @@ from ...scene.model import Scene
 from ...scene.paths import value_at
 from ..axes import Experiment, Request, changed, knows
 from ..points import Parameters, Point
-from .subject import Picture, Subject, total
+from .subject import Picture, Subject
 
 
 class Pictures(Experiment):
@@ -90,5 +90,5 @@ class Pictures(Experiment):
 
     def point(self, parameters: Parameters, picture: Picture, error: dict[str, float | None]) -> Point:
         """The figures of a setting."""
-        seconds = total(picture.seconds, self.stages)
+        seconds = sum(took for stage, took in picture.seconds.items() if not self.stages or stage in self.stages)
         return Point(parameters, seconds, error, series=self.series(parameters), counts=picture.counts)

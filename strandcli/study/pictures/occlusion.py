@@ -25,11 +25,12 @@ from .shadow import bundle, transmittance
 from .subject import Picture
 
 PROBES = 300
-DIRECTIONS = 96
+SKY = 96
+"""Directions of the reference."""
 RAYS = 6
 """Of each direction, over a disc as wide as the distance between strands."""
 CELLS = (8_000, 25_000, 50_000, 100_000, 200_000, 400_000)
-WAYS = (8, 16, 64, 128)
+DIRECTIONS = (8, 16, 64, 128)
 
 
 class OcclusionStudy(Pictures):
@@ -41,9 +42,10 @@ class OcclusionStudy(Pictures):
     def choices(self) -> list[Parameters]:
         """None at all, cells, and directions with the usual cells."""
         usual = AmbientOcclusion()
-        out: list[Parameters] = [{"ambient_occlusion": None}]
-        out += [_knobs(cells, usual.directions) for cells in CELLS]
-        return out + [_knobs(usual.cells, ways) for ways in WAYS]
+        grids = [(cells, usual.directions) for cells in CELLS] + [(usual.cells, count) for count in DIRECTIONS]
+        return [{"ambient_occlusion": None}] + [
+            {"ambient_occlusion.cells": cells, "ambient_occlusion.directions": count} for cells, count in grids
+        ]
 
     def series(self, parameters: Parameters) -> str:
         """By which of the two parameters is turned."""
@@ -70,7 +72,7 @@ class OcclusionStudy(Pictures):
         )  # fmt: skip
         self.truth = halves.mean(1)
         noise = float(np.abs(halves[:, 0] - halves[:, 1]).mean() / 2)
-        return {"what": f"{RAYS} rays in each of {DIRECTIONS} directions from {len(chosen)} points that are seen, "
+        return {"what": f"{RAYS} rays in each of {SKY} directions from {len(chosen)} points that are seen, "
                         "against cylinders and solids",
                 "mean": float(self.truth.mean()), "noise": noise, "spacing": spacing}  # fmt: skip
 
@@ -104,19 +106,16 @@ class OcclusionStudy(Pictures):
 
 def seen_of_sky(
     lines: Polylines, thickness: Thickness, packed: shapes.Solids | None, points: NDArray[np.float64],
-    own: NDArray[np.int64], jitter: NDArray[np.float64], skin: float, ways: int = DIRECTIONS,
+    own: NDArray[np.int64], jitter: NDArray[np.float64], skin: float,
 ) -> NDArray[np.float64]:  # fmt: skip
     """(P, 2): the share of an even sky that polylines as cylinders and solids leave points (P, 3) on the strands
     ``own`` (P,), by the even and the odd rays of bundles ``jitter`` (R, 2) metres wide in each direction."""
     found = np.zeros((len(points), 2))
-    for way in occlusion.directions(ways).astype(np.float64):
-        left = transmittance(lines, thickness, DirectionalLight(direction=tuple(-way)), points, own, jitter)
+    for direction in occlusion.directions(SKY).astype(np.float64):
+        left = transmittance(lines, thickness, DirectionalLight(direction=tuple(-direction)), points, own, jitter)
         if packed is not None:
+            to, far = direction.astype(np.float32), np.float32(1e30)
             for p, point in enumerate(points.astype(np.float32)):
-                left[p] *= rays.visibility(packed, *point, *way.astype(np.float32), np.float32(1e30), np.float32(skin))
-        found += left / ways
+                left[p] *= rays.visibility(packed, *point, *to, far, np.float32(skin))
+        found += left / SKY
     return found
-
-
-def _knobs(cells: int, ways: int) -> Parameters:
-    return {"ambient_occlusion.cells": cells, "ambient_occlusion.directions": ways}

@@ -88,11 +88,7 @@ class ShadowStudy(Pictures):
     def measure(self, parameters: Parameters) -> Any:
         """One map: timed with the strands' own material, compared on white ones."""
         picture = self.subject.draw(changed(alone(self.scene, self.light), parameters))
-        point = self.point(parameters, picture, self.errors(parameters, picture))
-        shadow, model = changed(self.scene, parameters).lights[self.light].shadow, SHADOWS[point.series]
-        flat = model.casts_map(True) and model.layers(shadow) == 0
-        point.counts = {**picture.counts, "map_bytes": 8 * model.side_of(shadow) ** 2} if flat else picture.counts
-        return point
+        return self.point(parameters, picture, self.errors(parameters, picture))
 
     def errors(self, parameters: Parameters, picture: Picture) -> dict[str, float | None]:
         """Mean of the absolute difference of transmittance, signed mean, 95th percentile."""
@@ -138,18 +134,8 @@ def transmittance(
     along = np.concatenate([np.linspace(0, 1, count) for count in np.diff(lines.first)])
     radii = 0.5 * thickness.width * (1 - thickness.taper * along)
     out = np.empty((len(points), 2))
-    cylinders.transmittance(
-        lines.first,
-        lines.world.astype(np.float64),
-        radii,
-        points,
-        own,
-        frames,
-        reaches,
-        jitter,
-        np.broadcast_to(np.asarray(wide, np.float64), len(points)).copy(),
-        out,
-    )
+    world, widths = lines.world.astype(np.float64), np.full(len(points), wide, np.float64)
+    cylinders.transmittance(lines.first, world, radii, points, own, frames, reaches, jitter, widths, out)
     return out
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -18,11 +17,11 @@ from ...draw.geometry.spacing import spacing_at, spacing_of
 from ...draw.renderer import Renderer
 from ...draw.strand_batches import StrandBatch
 from ...draw.view.camera import View, camera_view
-from ...errors import RefusedError, SimulationError, UsageError
+from ...errors import SimulationError, UsageError
 from ...groom.children import Children
 from ...groom.combed import Combed
 from ...groom.emit import emit
-from ...plan import available_memory, checked_plan
+from ...plan import checked_plan
 from ...scene.model import Scene
 from ..axes import Request, changed
 
@@ -30,8 +29,6 @@ STRANDS = 2000
 """Of a preset, where not said otherwise."""
 PIXELS = 30_000
 """Of a picture, about, where not said otherwise."""
-SAMPLE_BYTES = 48
-"""Memory a sample of a picture: z-buffer, light, backdrop, and what keeps them for a moment."""
 DRAWS = 3
 """Times that a setting is drawn; a stage takes the least of its times."""
 
@@ -216,18 +213,9 @@ class Subject:
     def draw(
         self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False, renderer: LinearRenderer | None = None
     ) -> Picture:
-        """Draw a scene with the subject's strands; ``renderer`` stands in for the usual one of the scene.
-
-        Raises `RefusedError` where the samples would not fit into memory."""
+        """Draw a scene with the subject's strands; ``renderer`` stands in for the usual one of the scene."""
         import numba
 
-        need = SAMPLE_BYTES * math.prod(scene.image.drawn) * scene.image.supersample**2
-        free = available_memory()
-        if free is not None and need > free:
-            raise RefusedError(
-                f"{self.name}: {scene.image.supersample}×{scene.image.supersample} samples a pixel would take about "
-                f"{need / 1e9:.1f} GB and {free / 1e9:.1f} GB are free: use a smaller --size"
-            )
         renderer = renderer or LinearRenderer(scene, self.groom)
         if self.of_processor:
             renderer.clocked = ProcessorDrawing
@@ -258,8 +246,3 @@ def _small(size: tuple[int, int]) -> tuple[int, int]:
     """A picture's size at about `PIXELS` pixels, its shape kept; a smaller one as it is."""
     share = min(1.0, math.sqrt(PIXELS / (size[0] * size[1])))
     return max(1, round(size[0] * share)), max(1, round(size[1] * share))
-
-
-def total(seconds: Mapping[str, float], stages: tuple[str, ...]) -> float:
-    """Seconds of some stages together; of all where none is named."""
-    return sum(took for stage, took in seconds.items() if not stages or stage in stages)

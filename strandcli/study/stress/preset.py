@@ -101,16 +101,11 @@ def changed(scene: Scene, case: Case) -> Scene:
             rules.insert(0, RuleUse("emitter_motion", registry()["emitter_motion"].Parameters(), "emitter_motion"))
         home = emitter_pose(emitter, 0.0).translation
         turned = emitter.keys[0].rotation if emitter.keys else emitter.rotation
-        keys = tuple(
-            PoseKey(
-                key.time,
-                tuple(a + length * b for a, b in zip(home, key.position, strict=True)),  # type: ignore[arg-type]
-                tuple(a + b for a, b in zip(turned, key.rotation, strict=True)),  # type: ignore[arg-type]
-                "step",
-            )
-            for key in keys_of(case, times)
-        )
-        emitter = replace(emitter, keys=keys)
+        keys = []
+        for key in keys_of(case, times):
+            at, rotation = np.add(home, np.multiply(length, key.position)), np.add(turned, key.rotation)
+            keys.append(PoseKey(key.time, tuple(at.tolist()), tuple(rotation.tolist()), "step"))
+        emitter = replace(emitter, keys=tuple(keys))
     emitter = replace(emitter, strands=min(emitter.strands, MOST_STRANDS))
     return replace(scene, rules=tuple(rules), emitter=emitter)
 

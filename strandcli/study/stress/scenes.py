@@ -79,7 +79,7 @@ def scene_of(case: Case, times: NDArray[np.float64]) -> Scene:
     if case.solver == "thesis":
         # B in 1/s² is the strength of the source's stiffness; it always collides, with a ball that is never there
         rules.append(("stiffness", {"strength": max(B, NOTHING)}))
-        solids = solids or (_ball((0.0, 1e6 * L, 0.0), L),)
+        solids = solids or (SphereSolid(radius=L, position=(case.value("offset") * L, 1e6 * L, 0.0)),)
     if solids:
         rules.append(("collision", {"segments": case.value("collide")}))
     if case.solver == "thesis":
@@ -100,7 +100,7 @@ def scene_of(case: Case, times: NDArray[np.float64]) -> Scene:
             strands=strands_of(case), particles=case.value("n") + 1, length=L, keys=keys_of(case, times)
         ),
         rules=tuple(RuleUse(name, registry()[name].Parameters(**given), name) for name, given in rules),
-        solids=moved(solids, (case.value("offset") * L, 0.0, 0.0)),
+        solids=solids,
     )  # fmt: skip
 
 
@@ -196,40 +196,25 @@ def keys_of(case: Case, times: NDArray[np.float64]) -> tuple[PoseKey, ...]:
 
 
 def solids_of(case: Case, times: NDArray[np.float64]) -> tuple[SphereSolid, ...]:
-    """What the strand, which reaches from the origin to (L, 0, 0), has to do with."""
+    """What the strand, which reaches from its root by L along x, has to do with."""
     L, n = case.value("L"), case.value("n")
+    root = case.value("offset") * L
+
+    def ball(x: float, y: float, radius: float) -> SphereSolid:
+        return SphereSolid(radius=radius, position=(x + root, y, 0.0))
+
     match case.label("contact"):
         case "inside":  # the root on the surface
-            return (_ball((0.6 * L, 0.0, 0.0), 0.6 * L),)
+            return (ball(0.6 * L, 0.0, 0.6 * L),)
         case "through":
-            return (_ball((0.5 * L, 0.0, 0.0), 0.3 * L),)
+            return (ball(0.5 * L, 0.0, 0.3 * L),)
         case "overlap":
-            return (_ball((0.5 * L, 0.1 * L, 0.0), 0.25 * L), _ball((0.5 * L, -0.1 * L, 0.0), 0.25 * L))
+            return (ball(0.5 * L, 0.1 * L, 0.25 * L), ball(0.5 * L, -0.1 * L, 0.25 * L))
         case "small":  # between two particles
-            return (_ball(((n // 2 + 0.5) * L / n, 0.0, 0.0), 0.4 * L / n),)
+            return (ball((n // 2 + 0.5) * L / n, 0.0, 0.4 * L / n),)
         case "moving":  # through the strand from above, in half of the run
             late = float(times[len(times) // 2])
-            way = [(0.0, (0.6 * L, L, 0.0)), (late, (0.6 * L, -L, 0.0))]
-            keys = tuple(PoseKey(time, place, (0.0, 0.0, 0.0), "linear") for time, place in way)
-            return (replace(_ball((0.0, 0.0, 0.0), 0.3 * L), keys=keys),)
+            ends = (0.0, ball(0.6 * L, L, 0.0)), (late, ball(0.6 * L, -L, 0.0))
+            keys = tuple(PoseKey(time, one.position, (0.0, 0.0, 0.0), "linear") for time, one in ends)
+            return (replace(ball(0.0, 0.0, 0.3 * L), keys=keys),)
     return ()
-
-
-def _ball(centre: tuple[float, float, float], radius: float) -> SphereSolid:
-    return SphereSolid(radius=radius, position=centre)
-
-
-def moved(solids: tuple[SphereSolid, ...], by: tuple[float, float, float]) -> tuple[SphereSolid, ...]:
-    """Solids put elsewhere, keys and all."""
-    return tuple(
-        replace(
-            one,
-            position=_sum(one.position, by),
-            keys=tuple(replace(key, position=_sum(key.position, by)) for key in one.keys),
-        )
-        for one in solids
-    )
-
-
-def _sum(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, float, float]:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
