@@ -12,7 +12,7 @@ that they are not in rows. A clump belongs to the wider clump that contains its 
 from __future__ import annotations
 
 import dataclasses
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -23,7 +23,6 @@ from ..constants import VECTOR, W
 from ..errors import SimulationError
 from ..scene.motion import emitter_pose
 from ..scene.rule_type import touched
-from . import fringe
 from .deforming import Deforming, FileRoots, deforming
 from .emit import emit
 from .family import Family, family_of
@@ -179,11 +178,7 @@ class Children:
     @cached_property
     def every(self) -> Groom:
         """The children as emitted."""
-        emitter, seed, edges = self.scene.emitter, self.scene.seed, self.settings.fringe
-        moved = None
-        if edges is not None:
-            moved = partial(fringe.roots, edges, emitter, seed, guides=self.groom.strands)
-        return emit(dataclasses.replace(emitter, strands=self.count), seed, fringe=moved)
+        return emit(dataclasses.replace(self.scene.emitter, strands=self.count), self.scene.seed)
 
     @cached_property
     def _standing(self) -> NDArray[np.int32]:

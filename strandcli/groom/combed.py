@@ -12,19 +12,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import solids
 from ..constants import W
 from ..scene.model import MeshShape
-from ..scene.motion import Pose, emitter_pose, solid_pose
-from ..solids.shapes import capsule, sphere
+from ..scene.motion import emitter_pose
 from .blocks import pack
 from .emit import stream
 from .record import Groom
-from .tie import Floats, chosen, paths, wisps
+from .tie import Floats, Over, chosen, paths, wisps
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
-    from ..scene.model.emitter import Tie
 
 BATCH = 1 << 16
 """Strands that are combed at once, which bounds the memory."""
@@ -78,7 +75,7 @@ class Combed:
             groom, emitter, seed = self.groom, self.scene.emitter, self.scene.seed
             assert groom.grown is not None
             lots = np.stack([groom.placed(stream(seed, 12 + k, groom.strands))[self.short] for k in range(4)], 1)
-            self._wisps = wisps(emitter, groom.grown[self.short], lots, rows, _Over(self.scene, self.tie))
+            self._wisps = wisps(emitter, groom.grown[self.short], lots, rows, _over(emitter.shape))
         return self._wisps
 
     @cached_property
@@ -93,7 +90,7 @@ class Combed:
         assert groom.grown is not None
         far = self.tie.slack * stream(seed, 9, groom.strands) ** BOW_POWER
         bows = groom.placed(np.stack([far, far * (2.0 * stream(seed, 10, groom.strands) - 1.0)], 1))
-        over = _Over(self.scene, self.tie)
+        over = _over(emitter.shape)
         found = []
         for begin in range(0, groom.strands, BATCH):
             some = slice(begin, begin + BATCH)
@@ -105,35 +102,14 @@ class Combed:
         return np.concatenate(found)
 
 
-class _Over:
-    """Lifts points out of the solids that combed strands lie over, with their poses at time 0, and of the mesh that
-    they grow on."""
+def _over(shape: Any) -> Over:
+    """Return what lifts points out of the mesh that strands grow on; they are on any other shape."""
 
-    def __init__(self, scene: Scene, tie: Tie) -> None:
-        self.shape = scene.emitter.shape
-        # only spheres and capsules: checked with the scene
-        named: list[Any] = [solid for solid in scene.solids if solid.name and solid.name in tie.over]
-        outer = emitter_pose(scene.emitter, 0.0)
-        turn, centre = np.array(outer.rotation), np.array(outer.translation)
-        rows = []
-        for solid in named:  # a sphere is a capsule whose axis has no length
-            pose = solid_pose(solid, scene.emitter, 0.0, outer)
-            a, b, c = (tuple(row) for row in turn.T @ np.array(pose.rotation))
-            numbers = solids.numbers(solid, Pose((a, b, c), tuple(turn.T @ (pose.translation - centre))))
-            if solid.kind == "sphere":
-                numbers = [*numbers[: sphere.RADIUS], 0.0, 0.0, 0.0, solid.radius, 0.0, sphere.TINY]
-            rows.append(numbers)
-        self.rows = np.array(rows, np.float64).reshape(-1, capsule.COLUMNS)
+    def over(points: Floats, normals: Floats) -> Floats:
+        if not isinstance(shape, MeshShape):
+            return np.zeros(len(points))
+        from .on_mesh import rise
 
-    def __call__(self, points: Floats, normals: Floats) -> Floats:
-        """Return (N,) how far points (N, 3) must move along normals (N, 3), metres."""
-        out = np.zeros(len(points))
-        if len(self.rows):
-            from .kernels import combed as kernel
+        return np.maximum(rise(shape, points, normals), 0.0)
 
-            kernel.lift(points, np.ascontiguousarray(normals), self.rows, out)
-        if isinstance(self.shape, MeshShape):
-            from .on_mesh import rise
-
-            out = np.maximum(out, rise(self.shape, points, normals))
-        return out
+    return over

@@ -9,8 +9,6 @@ counter-based Philox generator, one stream for each.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,8 +18,6 @@ from ..scene.specs import SMALLEST
 from .record import Bend, Groom, frame
 from .tie import bind
 
-Moved = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-"""Maps roots (strands, 3), metres, on a sphere around the origin to other points of it."""
 PLASTIC = 1.3247179572447460260  # the real root of x³ = x + 1
 
 
@@ -30,8 +26,8 @@ def stream(seed: int, number: int, count: int) -> NDArray[np.float64]:
     return np.random.Generator(np.random.Philox(key=(seed, number))).random(count)
 
 
-def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved | None = None) -> Groom:
-    """Return the first ``strands`` strands of an emitter, by default all; ``fringe`` moves some of the roots."""
+def emit(emitter: Emitter, seed: int, strands: int | None = None) -> Groom:
+    """Return the first ``strands`` strands of an emitter, by default all."""
     count = emitter.strands if strands is None else min(strands, emitter.strands)
     start = stream(seed, 1, 2)
     index = np.arange(count, dtype=np.float64)
@@ -44,10 +40,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved 
         ground = ground_of(emitter.shape, float(start[0]), count)
         roots, normals = ground.points, ground.normals
     else:
-        roots, normals = _surface(emitter, u, v, seed)
-    if fringe is not None:
-        roots = fringe(roots)
-        normals = roots / np.linalg.norm(roots, axis=1)[:, None]
+        roots, normals = _surface(emitter, u, v)
     grown = None
     if emitter.tie is not None:
         grown = roots
@@ -88,13 +81,13 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None, fringe: Moved 
 
 
 def _surface(
-    emitter: Emitter, u: NDArray[np.float64], v: NDArray[np.float64], seed: int
+    emitter: Emitter, u: NDArray[np.float64], v: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return points, uniform by area, and their normals, both (strands, 3); u, v: uniform in [0, 1)."""
     shape = emitter.shape
     assert not isinstance(shape, MeshShape)
     if isinstance(shape, SphereShape):
-        y = 1.0 - u * (1.0 - np.cos(np.radians(rim(shape, v, seed))))
+        y = 1.0 - u * (1.0 - np.cos(np.radians(shape.cap)))
         ring = np.sqrt(np.maximum(1.0 - y * y, 0.0))
         normals = np.stack([ring * np.cos(2 * np.pi * v), y, ring * np.sin(2 * np.pi * v)], 1)
         return shape.radius * normals, normals
@@ -104,19 +97,6 @@ def _surface(
         r = shape.radius * np.sqrt(u)
         return np.stack([r * np.cos(2 * np.pi * v), 0 * u, r * np.sin(2 * np.pi * v)], 1), up
     return np.stack([(u - 0.5) * shape.width, 0 * u, (v - 0.5) * shape.depth], 1), up
-
-
-def rim(shape: SphereShape, v: NDArray[np.float64], seed: int) -> NDArray[np.float64] | float:
-    """Return the greatest polar angle of roots, degrees, on the meridian at the share v of a turn of each strand: the
-    cap's less up to `ragged`, half of that by waves along the rim and half at random, so that density decreases
-    there."""
-    if shape.ragged == 0:
-        return shape.cap
-    waves = np.array([3, 5, 8, 13, 21])
-    turns = np.outer(v, waves) + stream(seed, 7, len(waves))
-    height = np.sin(2 * np.pi * turns) @ waves**-0.5 / (waves**-0.5).sum()
-    less = 0.5 * (0.5 + 0.5 * height) + 0.5 * stream(seed, 8, len(v)) ** 2
-    return np.asarray(np.maximum(shape.cap - shape.ragged * less, 1e-3))
 
 
 SLANT = 0.2

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from ..jit.kept import Arrays, kept
 from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
-from . import fringe
 from .blocks import spatial_order
 from .emit import sides, stream
 from .kernels.inputs import PARENTS
@@ -126,8 +125,6 @@ def _made(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave], where
     ]
     shares = 1.0 - settings.cut * stream(seed, RANDOM + 1, count)
     shares *= np.where(stream(seed, RANDOM + 2, count) < settings.undercoat, settings.undercoat_length, 1.0)
-    if settings.fringe is not None:
-        shares *= fringe.lengths(settings.fringe, seed, count, groom.strands)
     # strands of a clump share their waves
     clump_of = middles[0] if settings.clumps else np.zeros(count, np.int32)
     radii, phases, turns = [], [], []

@@ -43,9 +43,8 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from mesh_clashes(scene)
     yield from rod_clashes(scene)
     yield from _mesh(scene.emitter)
-    yield from _tie(scene.emitter, scene.solids)
+    yield from _tie(scene.emitter)
     yield from _locks(scene.children)
-    yield from _fringe(scene.children, scene.emitter)
     yield from _times(scene.emitter.keys, "emitter.keys")
     yield from _solid_names(scene.solids)
     for index, solid in enumerate(scene.solids):
@@ -87,7 +86,7 @@ def _mesh(emitter: Emitter) -> Iterator[Finding]:
         yield Finding(places, "strands that are tied are combed to their tie; take one of the two out")
 
 
-def _tie(emitter: Emitter, solids: Sequence[Solid]) -> Iterator[Finding]:
+def _tie(emitter: Emitter) -> Iterator[Finding]:
     """Strands can be combed to the tie: it is above the surface that bears them, and nothing else leads them."""
     tie = emitter.tie
     if tie is None:
@@ -104,14 +103,6 @@ def _tie(emitter: Emitter, solids: Sequence[Solid]) -> Iterator[Finding]:
         if getattr(emitter, key) is not None:
             places = (f"emitter.{key}", "emitter.tie")
             yield Finding(places, "strands that are tied are combed to their tie; take one of the two out")
-    known = {solid.name: solid for solid in solids if solid.name}
-    for index, name in enumerate(tie.over):
-        places = (f"emitter.tie.over.{index}", "emitter.tie.over")
-        if name not in known:
-            yield Finding(places, f"no solid has the name {shown(name)}; {hint(name, known, 'the names are')}")
-        elif known[name].kind not in ("sphere", "capsule"):
-            message = f"{shown(name)} is a {known[name].kind}; strands lie over spheres and capsules alone"
-            yield Finding(places, message)
 
 
 def _normal(tie: Tie, emitter: Emitter) -> Vector | None:
@@ -141,19 +132,6 @@ def _locks(children: Children | None) -> Iterator[Finding]:
                 f"{clumps[index - 1].size:g} m",
                 (path, f"children.clumps.{index - 1}.size"),
             )
-
-
-def _fringe(children: Children | None, emitter: Emitter) -> Iterator[Finding]:
-    """There is an edge that a fringe can grow at."""
-    if children is None or children.fringe is None:
-        return
-    path, shape = "children.fringe", emitter.shape
-    if emitter.tie is not None:
-        places = (path, "emitter.tie")
-        yield Finding(places, "strands that are tied have `emitter.tie.wisps` in its place; take it out")
-    elif not isinstance(shape, SphereShape) or (shape.cap == 180 and emitter.parting is None):
-        message = "a fringe grows at a sphere's `cap` of less than 180 degrees or at its parting; there is none"
-        yield Finding((path,), message, (path, "emitter.shape", "emitter.parting"))
 
 
 def _times(keys: Sequence[PoseKey | CameraKey | MeshKey], path: str) -> Iterator[Finding]:

@@ -148,26 +148,6 @@ def test_everything_that_is_emitted_is_a_finite_strand(
     np.testing.assert_allclose(np.linalg.norm(groom.directions, axis=1), 1, atol=1e-6)
 
 
-def test_a_ragged_rim_wanders_and_thins_out_below_its_cap() -> None:
-    shape = SphereShape(radius=1.0, cap=90.0, ragged=30.0)
-    roots = grown(2, strands=40_000, shape=shape).roots.astype(float)
-    angle = np.degrees(np.arccos(roots[:, 1]))
-    assert angle.max() <= 90
-    plain = grown(2, strands=40_000, shape=SphereShape(radius=1.0, cap=90.0)).roots
-    # less of it near the rim, as much as ever at the crown
-    share = [((angle > a) & (angle < b)).mean() for a, b in ((80, 90), (60, 70))]
-    whole = [((one > a) & (one < b)).mean() for one in [np.degrees(np.arccos(plain[:, 1]))]
-             for a, b in ((80, 90), (60, 70))]  # fmt: skip
-    assert share[0] < 0.7 * whole[0]
-    assert share[1] > whole[1]
-    # the rim is not the same all round
-    around = np.floor((np.arctan2(roots[:, 2], roots[:, 0]) / (2 * np.pi) % 1) * 36).astype(int)
-    lowest = np.array([np.quantile(angle[around == k], 0.99) for k in range(36)])
-    assert 3 < np.ptp(lowest) < 30
-    few = grown(2, strands=500, shape=shape).roots
-    np.testing.assert_array_equal(few, grown(2, strands=40_000, shape=shape).roots[:500])
-
-
 def test_combed_strands_lie_along_the_surface_toward_the_comb() -> None:
     settings = {"shape": SphereShape(radius=1.0), "comb": (0.0, 0.0, -2.0), "lift": 20.0}
     groom = grown(1, strands=5000, **settings)

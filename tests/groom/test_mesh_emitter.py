@@ -241,7 +241,6 @@ def test_what_needs_a_formula_clashes_with_a_mesh(ball: str) -> None:
     shape = f"emitter: {{shape: {{kind: mesh, file: {ball}}}"
     for text, words in (
         (f"{shape[:-1]}, comb: x}}, tie: {{}}}}", "strands that are tied are combed to their tie"),
-        (f"{shape}}}\nchildren: {{fringe: {{}}}}", "a fringe grows at a sphere's `cap`"),
         ("emitter: {shape: {kind: mesh}}", "must be the path of a mesh"),
         (f"emitter: {{shape: {{kind: mesh, file: {ball}, density: none.png}}}}", "there is no file"),
     ):

@@ -115,17 +115,11 @@ def test_a_plan_tells_of_what_is_combed() -> None:
         ("tie: {direction: [1, -0.1, 0]}",
          "p.yaml:1:28: emitter.tie.direction: points into the emitter's surface; turn it outward"),
         ("tie: {}, comb: [1, 0, 0]", "strands that are tied are combed to their tie; take one of the two out"),
-        ("tie: {over: [skul]}", "emitter.tie.over.0: no solid has the name 'skul'"),
         ("tie: {radius: 0}", "emitter.tie.radius: must be a number above 0"),
     ],
 )  # fmt: skip
 def test_refused(text: str, says: str) -> None:
     assert says in complaint(f"emitter: {{{text}}}")
-
-
-def test_boxes_and_planes_are_not_combed_over() -> None:
-    text = "emitter: {tie: {over: [floor]}}\nsolids: [{kind: plane, name: floor}]"
-    assert complaint(text).endswith("'floor' is a plane; strands lie over spheres and capsules alone")
 
 
 RADIUS = 0.1

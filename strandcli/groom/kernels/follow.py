@@ -84,27 +84,17 @@ def trace(now, rest, lane, turn, turns, table):
         t = at - j
         for c in range(3):
             k = c * W + lane
-            old = smooth(rest, j, k, t)
-            moved = 0.0
+            old = moved = 0.0
             for i in range(4):
-                one = min(max(j - 1 + i, 0), n - 1)
-                moved += cubic(i, j, n, t) * (np.float64(now[one + 1, k]) - rest[one + 1, k])
+                one = min(max(j - 1 + i, 0), n - 1) + 1
+                weight = cubic(i, j, n, t)
+                old += weight * np.float64(rest[one, k])
+                moved += weight * (np.float64(now[one, k]) - rest[one, k])
             table[row, SHIFT + c] = moved
             table[row, REST + c] = old
         for c in range(4):
             table[row, TURN + c] = turns[j, c] + t * (turns[j + 1, c] - turns[j, c])
         table[row, TURN + 4] = table[row, TURN + 5] = ZERO
-
-
-@device
-def smooth(rows, j, k, t):
-    """Column k at t between particles j and j + 1, on the cubic that central differences give."""
-    n = rows.shape[0] - 1
-    total = 0.0
-    for i in range(4):
-        at = min(max(j - 1 + i, 0), n - 1)
-        total += cubic(i, j, n, t) * np.float64(rows[at + 1, k])
-    return total
 
 
 @device

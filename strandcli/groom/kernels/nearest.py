@@ -50,8 +50,8 @@ def search(point, cells, names, squares):
     squares[:] = np.float32(np.inf)
     last = names.shape[0] - 1
     a, b = np.float64(point[cells.a]) - cells.low_a, np.float64(point[cells.b]) - cells.low_b
-    column = cell_of(a, cells.size, cells.columns)
-    row = cell_of(b, cells.size, cells.rows)
+    column = np.int64(min(max(a / cells.size, 0.0), np.float64(cells.columns - 1)))  # at the border the one next to it
+    row = np.int64(min(max(b / cells.size, 0.0), np.float64(cells.rows - 1)))
     ring = np.int64(0)
     while True:
         left, right = max(column - ring, 0), min(column + ring, cells.columns - 1)
@@ -64,24 +64,15 @@ def search(point, cells, names, squares):
                     visit(point, cells, first + left, first + left + 1, names, squares)
                 if column + ring < cells.columns:
                     visit(point, cells, first + right, first + right + 1, names, squares)
-        beyond = min(
-            way_out(a, column, ring, cells.size, cells.columns), way_out(b, row, ring, cells.size, cells.rows)
-        ) - cells.slack  # fmt: skip
-        if beyond > 0.0 and beyond * beyond >= squares[last]:
-            return
-        if beyond == np.inf:
+        across = beyond(a, column, ring, cells.size, cells.columns)
+        away = min(across, beyond(b, row, ring, cells.size, cells.rows)) - cells.slack
+        if (away > 0.0 and away * away >= squares[last]) or away == np.inf:
             return
         ring += 1
 
 
 @device
-def cell_of(x, size, count):
-    """Return the cell at x, or that of the grid's border next to it."""
-    return np.int64(min(max(x / size, 0.0), np.float64(count - 1)))
-
-
-@device
-def way_out(x, cell, ring, size, count):
+def beyond(x, cell, ring, size, count):
     """Return the distance from x to the nearest cell, along one axis, that is more than `ring` cells from a cell;
     infinite where the grid has none."""
     low = x - size * np.float64(cell - ring) if cell - ring > 0 else np.inf
@@ -93,24 +84,20 @@ def way_out(x, cell, ring, size, count):
 def visit(point, cells, cell, stop, names, squares):
     """Put the points of the cells from `cell` to stop − 1 in their places among those found, where they are nearer than
     the last of them."""
-    for at in range(cells.begins[cell], cells.begins[stop]):
-        insert(cells.points, at, point, cells.names[at], names, squares)
-
-
-@device
-def insert(others, at, point, name, names, found):
-    """Put one of the others in its place among those found, where it is nearer than the last of them."""
-    square = np.float32(0.0)
     last = names.shape[0] - 1
-    for c in range(point.shape[0]):
-        d = point[c] - others[at, c]
-        square += d * d
-        if not square < found[last]:
-            return
-    k = last
-    while k > 0 and square < found[k - 1]:
-        found[k] = found[k - 1]
-        names[k] = names[k - 1]
-        k -= 1
-    found[k] = square
-    names[k] = name
+    for at in range(cells.begins[cell], cells.begins[stop]):
+        square = np.float32(0.0)
+        for c in range(point.shape[0]):
+            d = point[c] - cells.points[at, c]
+            square += d * d
+            if not square < squares[last]:
+                break
+        if not square < squares[last]:
+            continue
+        k = last
+        while k > 0 and square < squares[k - 1]:
+            squares[k] = squares[k - 1]
+            names[k] = names[k - 1]
+            k -= 1
+        squares[k] = square
+        names[k] = cells.names[at]

@@ -17,4 +17,4 @@ from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Lig
 from .placed import MeshKey, MeshShape, PoseKey
 from .scene import RuleUse, Scene, Time
 from .solids import SOLIDS, BoxSolid, CapsuleSolid, PlaneSolid, Solid, SolidSettings, SphereSolid
-from .strands import PIGMENTS, Children, Clump, Curves, Detail, Fringe, Material, Rod, Wave
+from .strands import PIGMENTS, Children, Clump, Curves, Detail, Material, Rod, Wave

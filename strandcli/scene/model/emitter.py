@@ -17,9 +17,6 @@ class SphereShape:
     kind: str = choice("sphere", ("sphere",))
     radius: float = number(1.0, above=0, unit="m", doc="radius")
     cap: float = number(180.0, above=0, high=180, unit="deg", doc="polar angle from +y down to which roots reach")
-    ragged: float = number(
-        0.0, low=0, high=90, unit="deg", doc="how far the rim of a cap wanders and thins out; 0: a circle"
-    )
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -64,9 +61,6 @@ class Tie:
         above=0,
         unit="m",
         doc="greatest length of wisps, and distance from the hairline over which they become rare (1/e)",
-    )
-    over: tuple[str, ...] = names(
-        doc="names of spheres and capsules that strands are combed over, as placed at frame 1"
     )
 
 

@@ -153,15 +153,6 @@ class Wave:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Fringe:
-    """Moves some children to the hairline (the rim of a sphere's cap) and the parting, where skin would show."""
-
-    share: float = number(0.15, low=0, high=1, doc="fraction of the children that is moved there")
-    within: float = number(0.01, above=0, unit="m", doc="distance from the hairline at which their density is 1/e")
-    length: float = number(0.5, above=0, high=1, doc="least length relative to the others'")
-
-
-@dataclass(frozen=True, slots=True, repr=False)
 class Children:
     """Strands drawn around the simulated ones. Each follows its three nearest guides; then come clumps, waves, its own
     length, and the solids of a collision rule."""
@@ -170,7 +161,6 @@ class Children:
     cut: float = number(0.0, low=0, high=1, doc="lengths are uniform in 1 - cut ... 1 times the guides'")
     undercoat: float = number(0.0, low=0, high=1, doc="fraction of strands that are short")
     undercoat_length: float = number(0.5, above=0, high=1, doc="length of the undercoat relative to the others'")
-    fringe: Fringe | None = optional(Fringe, doc="denser hair at hairline and parting; absent: none")
     clumps: tuple[Clump, ...] = items(Clump, doc="clumps and clumps in clumps, from wide to narrow")
     waves: tuple[Wave, ...] = items(Wave, doc="waves, curls and frizz, added up")
 
