@@ -1,8 +1,7 @@
 """Ties: strands that are combed to one point of the emitter and bound there, as a ponytail.
 
-The surface has geodesic polar coordinates around the point below the tie: each root is at a distance D in a direction
-ψ on the shortest path, a great circle of a sphere or a line of a plane. Per radian, A(d) is the area of the surface
-within d, and c(d) = A′(d) is the arc at d.
+A sphere has geodesic polar coordinates around the point below the tie: each root is at a distance D in a direction ψ on
+the shortest path, a great circle. Per radian, A(d) is the area within d, and c(d) = A′(d) is the arc at d.
 
 Hair keeps its volume. A bundle of radius ρ contains all of it, each strand at ρ √(A(D) / A(D_rim)): uniform roots fill
 it uniformly, neighbours stay neighbours, and those from the hairline are outermost. Conservation of volume gives the
@@ -27,7 +26,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape, SphereShape
+from ..scene.model import Emitter, MeshShape, SphereShape
 from ..scene.model.emitter import TIED
 from .record import frame
 
@@ -54,86 +53,67 @@ BELOW = 0.9
 
 @dataclass(frozen=True)
 class Chart:
-    """Geodesic polar coordinates of an emitter's surface around the point below its tie, the foot."""
+    """Geodesic polar coordinates of an emitter's sphere around the point below its tie, the foot; of a mesh, of the
+    sphere below it."""
 
-    shape: SphereShape | DiscShape | PlaneShape | MeshShape
+    cap: float
+    """Polar angle from +y down to which strands grow, radians; of a mesh not used."""
     foot: Floats
     """(3,) metres."""
     normal: Floats
     """(3,)"""
     radius: float
-    """Radius of curvature, metres; infinite for a flat surface."""
+    """Of the sphere, metres."""
     reach: Floats | None = None
     """(SECTORS,) of a mesh: the greatest polar angle of roots, radians, in equal sectors about the normal."""
 
     def polar(self, points: Floats) -> tuple[Floats, Floats]:
         """Return the distances (N,) of points (N, 3) of the surface from the foot along it, and the unit directions
         (N, 3) of their paths at the foot."""
-        away = points - self.foot
-        if np.isfinite(self.radius):
-            away = points - (points @ self.normal)[:, None] * self.normal
+        away = points - (points @ self.normal)[:, None] * self.normal
         size = np.linalg.norm(away, axis=1)
         some = np.cross(self.normal, [0.0, 0.0, 1.0] if abs(self.normal[2]) < 0.9 else [1.0, 0.0, 0.0])
         ways = np.where(size[:, None] > NEAR, away / np.maximum(size, NEAR)[:, None], some / np.linalg.norm(some))
-        if np.isfinite(self.radius):
-            size = self.radius * np.arctan2(size, points @ self.normal)
-        return size, ways
+        return self.radius * np.arctan2(size, points @ self.normal), ways
 
     def area(self, d: Floats) -> Floats:
-        """Return A(d), m²."""
-        if np.isfinite(self.radius):
-            return np.asarray(2 * (self.radius * np.sin(0.5 * d / self.radius)) ** 2)
-        return 0.5 * d * d
+        """Return A(d), m² a radian."""
+        return np.asarray(2 * (self.radius * np.sin(0.5 * d / self.radius)) ** 2)
 
     def arc(self, d: Floats) -> Floats:
-        """Return c(d), metres."""
-        return np.asarray(self.radius * np.sin(d / self.radius)) if np.isfinite(self.radius) else d
+        """Return c(d), metres a radian."""
+        return np.asarray(self.radius * np.sin(d / self.radius))
 
-    def point(self, d: Floats, ways: Floats, height: Floats) -> tuple[Floats, Floats]:
-        """Return points at distances d (N,) on paths with the directions ``ways`` (N, 3) at the foot, at a height (N,)
-        above the surface, and its normals there; (N, 3) both."""
-        if not np.isfinite(self.radius):
-            normals = np.broadcast_to(self.normal, ways.shape)
-            return self.foot + d[:, None] * ways + height[:, None] * normals, normals
+    def point(self, d: Floats, ways: Floats) -> tuple[Floats, Floats]:
+        """Return points at distances d (N,) on paths with the directions ``ways`` (N, 3) at the foot, and the sphere's
+        normals there; (N, 3) both."""
         turn = (d / self.radius)[:, None]
         normals = np.cos(turn) * self.normal + np.sin(turn) * ways
-        return (self.radius + height[:, None]) * normals, normals
+        return self.radius * normals, normals
 
     def rim(self, ways: Floats) -> Floats:
         """Return D_rim (N,), the greatest distance of roots on paths with the directions ``ways`` at the foot."""
-        shape, x, z = self.shape, ways[:, 0], ways[:, 2]
         if self.reach is not None:
             every = np.arange(SECTORS + 1)
             return self.radius * np.interp(_sectors(self.normal, ways), every, np.append(self.reach, self.reach[0]))
-        if isinstance(shape, SphereShape):  # the polar angle θ along a path: cos θ = a cos(d − δ)
-            a = np.hypot(self.normal[1], ways[:, 1])
-            middle = np.arctan2(ways[:, 1], self.normal[1])
-            open_ = np.arccos(np.clip(np.cos(np.radians(shape.cap)) / np.maximum(a, 1e-12), -1.0, 1.0))
-            # a circle entirely within the cap is followed as far as it is a shortest path
-            return np.asarray(self.radius * np.where(open_ < np.pi, np.clip(middle + open_, 1e-3, np.pi), np.pi))
-        assert not isinstance(shape, MeshShape)
-        u, w = self.foot[0], self.foot[2]
-        if isinstance(shape, DiscShape):
-            along = u * x + w * z
-            return np.asarray(np.sqrt(np.maximum(along**2 + shape.radius**2 - u * u - w * w, 0.0)) - along)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            sides = [
-                (half - np.sign(way) * at) / np.abs(way)
-                for half, at, way in ((shape.width / 2, u, x), (shape.depth / 2, w, z))
-            ]
-        return np.asarray(np.nanmin(sides, axis=0))
+        # the polar angle θ along a path: cos θ = a cos(d − δ)
+        a = np.hypot(self.normal[1], ways[:, 1])
+        middle = np.arctan2(ways[:, 1], self.normal[1])
+        open_ = np.arccos(np.clip(np.cos(self.cap) / np.maximum(a, 1e-12), -1.0, 1.0))
+        # a circle entirely within the cap is followed as far as it is a shortest path
+        return np.asarray(self.radius * np.where(open_ < np.pi, np.clip(middle + open_, 1e-3, np.pi), np.pi))
 
 
 def chart_of(emitter: Emitter) -> Chart:
     """Return the chart of an emitter with a tie."""
     assert emitter.tie is not None
     at = np.array(emitter.tie.position, np.float64)
-    if isinstance(emitter.shape, SphereShape):
-        normal = at / np.linalg.norm(at)
-        return Chart(emitter.shape, emitter.shape.radius * normal, normal, emitter.shape.radius)
+    normal = at / np.linalg.norm(at)
     if isinstance(emitter.shape, MeshShape):
-        return _chart_of_mesh(emitter.shape, at / np.linalg.norm(at))
-    return Chart(emitter.shape, at * [1.0, 0.0, 1.0], np.array([0.0, 1.0, 0.0]), np.inf)
+        return _chart_of_mesh(emitter.shape, normal)
+    assert isinstance(emitter.shape, SphereShape)
+    radius = emitter.shape.radius
+    return Chart(float(np.radians(emitter.shape.cap)), radius * normal, normal, radius)
 
 
 def _chart_of_mesh(shape: MeshShape, normal: Floats) -> Chart:
@@ -145,7 +125,7 @@ def _chart_of_mesh(shape: MeshShape, normal: Floats) -> Chart:
     far = np.linalg.norm(places, axis=1)
     radius = BELOW * max(float(far.min()), NEAR)
     foot = radius * normal[None]
-    chart = Chart(shape, (foot + rise(shape, foot, normal[None])[:, None] * normal)[0], normal, radius)
+    chart = Chart(np.pi, (foot + rise(shape, foot, normal[None])[:, None] * normal)[0], normal, radius)
     d, ways = chart.polar(places)
     reach = np.zeros(SECTORS)
     np.maximum.at(reach, np.rint(_sectors(normal, ways)).astype(int) % SECTORS, d / radius)
@@ -201,7 +181,7 @@ def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
         below = np.maximum(chart.area(d) - chart.area(at), 0.0)
         height = 0.5 * tie.radius**2 * below / np.maximum(whole * chart.arc(at), 1e-30)
         bow = np.sin(np.pi * np.clip(at / np.maximum(d, NEAR), 0.0, 1.0)) ** 2
-        bare, normals = chart.point(at, ways, 0 * at)
+        bare, normals = chart.point(at, ways)
         height += bows[:, 0] * bow + over(bare, normals)
         return np.asarray(bare + height[:, None] * normals + (bows[:, 1] * bow)[:, None] * aside)
 
@@ -212,7 +192,7 @@ def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
     way = _unit(start - on(last + step))
     # a cubic Hermite curve into the bundle
     size = np.linalg.norm(ends - start, axis=1)[:, None]
-    normals = chart.point(last, ways, 0 * last)[1]
+    normals = chart.point(last, ways)[1]
     turn = TIED - ON_SURFACE
     for k in range(turn):
         t = k / turn
@@ -268,10 +248,9 @@ def wisps(emitter: Emitter, roots: Floats, lots: Floats, rows: int, over: Over) 
     tie, chart = emitter.tie, chart_of(emitter)
     assert tie is not None
     d, ways = chart.polar(roots)
-    none = np.zeros(len(roots))
-    ahead = chart.point(d - 1e-4 * tie.wisp_length, ways, none)[0] - chart.point(d, ways, none)[0]
+    begins, normals = chart.point(d, ways)
+    ahead = chart.point(d - 1e-4 * tie.wisp_length, ways)[0] - begins
     ahead /= np.linalg.norm(ahead, axis=1)[:, None]
-    normals = chart.point(d, ways, none)[1]
     aside = np.cross(normals, ahead)
     length = tie.wisp_length * (SHORTEST + (1.0 - SHORTEST) * lots[:, LENGTH])
     begin, bend = ASIDE * (2.0 * lots[:, DIRECTION] - 1.0), BEND * (2.0 * lots[:, SWING] - 1.0)
@@ -279,10 +258,8 @@ def wisps(emitter: Emitter, roots: Floats, lots: Floats, rows: int, over: Over) 
     found, flat = [], roots.astype(np.float64)
     for k in range(pieces + 1):
         way = k / pieces
-        bare, up = flat, normals
-        if np.isfinite(chart.radius):
-            up = flat / np.linalg.norm(flat, axis=1)[:, None]
-            bare = chart.radius * up
+        up = flat / np.linalg.norm(flat, axis=1)[:, None]
+        bare = chart.radius * up
         height = OFF * lots[:, TIP] ** 3 * length * way * way + over(bare, up)
         found.append(bare + height[:, None] * up)
         turn = begin + bend * (way + 0.5 / pieces)

@@ -13,12 +13,10 @@ from .model import (
     Camera,
     CameraKey,
     Children,
-    DiscShape,
     Emitter,
     Image,
     MeshKey,
     MeshShape,
-    PlaneShape,
     PoseKey,
     Scene,
     Solid,
@@ -93,7 +91,9 @@ def _tie(emitter: Emitter) -> Iterator[Finding]:
         return
     own = ("emitter.tie.position", "emitter.tie", "emitter.shape")
     normal = _normal(tie, emitter)
-    if normal is None:
+    if not isinstance(emitter.shape, SphereShape | MeshShape):
+        yield Finding(("emitter.tie", "emitter.shape"), "strands are tied on a sphere or a mesh; take another shape")
+    elif normal is None:
         message = "the tie is above no place of the emitter's surface that strands grow from; move it there"
         yield Finding(own, message)
     elif tie.direction is not None and _dot(tie.direction, normal) <= 1e-3 * math.hypot(*tie.direction):
@@ -108,10 +108,6 @@ def _tie(emitter: Emitter) -> Iterator[Finding]:
 def _normal(tie: Tie, emitter: Emitter) -> Vector | None:
     """The emitter's normal below the tie; None where no strands grow there."""
     shape, (x, y, z) = emitter.shape, tie.position
-    if isinstance(shape, DiscShape):
-        return (0.0, 1.0, 0.0) if math.hypot(x, z) < shape.radius else None
-    if isinstance(shape, PlaneShape):
-        return (0.0, 1.0, 0.0) if abs(x) < shape.width / 2 and abs(z) < shape.depth / 2 else None
     away = math.hypot(x, y, z)
     beyond = (
         isinstance(shape, SphereShape)

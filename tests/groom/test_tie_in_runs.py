@@ -111,7 +111,7 @@ def test_a_plan_tells_of_what_is_combed() -> None:
     [
         ("tie: {position: [0, -1, 0]}, shape: {kind: sphere, cap: 90}",
          "the tie is above no place of the emitter's surface that strands grow from; move it there"),
-        ("tie: {position: [0.6, 0, 0]}, shape: {kind: disc, radius: 0.5}", "emitter.tie.position: the tie is above no"),
+        ("tie: {position: [0.6, 0, 0]}, shape: {kind: disc, radius: 0.5}", "strands are tied on a sphere or a mesh"),
         ("tie: {direction: [1, -0.1, 0]}",
          "p.yaml:1:28: emitter.tie.direction: points into the emitter's surface; turn it outward"),
         ("tie: {}, comb: [1, 0, 0]", "strands that are tied are combed to their tie; take one of the two out"),

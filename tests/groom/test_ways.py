@@ -11,20 +11,17 @@ import pytest
 
 from strandcli.groom.emit import emit
 from strandcli.groom.tie import Chart, chart_of, paths
-from strandcli.scene.model import DiscShape, Emitter, PlaneShape, SphereShape, Tie
+from strandcli.scene.model import Emitter, SphereShape, Tie
 from strandcli.scene.model.emitter import TIED
 
 RADIUS = 0.1
 BALL, HEAD, CAP = (SphereShape(radius=RADIUS, cap=cap) for cap in (180, 110, 60))
-DISC, FLOOR = DiscShape(radius=0.1), PlaneShape(width=0.3, depth=0.2)
 LOW, THICK = {"radius": 0.016, "lift": 0.002}, {"radius": 0.006, "lift": 0.012}
 """Ties whose bundle begins to turn up by its radius, and by the tie's height."""
 TIES = [
     (BALL, Tie(position=(0.05, -0.03, 0.08), **LOW)),
     (HEAD, Tie(position=(0.02, 0.09, -0.04), **THICK, direction=(0.3, 0.5, -1.0), spread=25.0)),
     (CAP, Tie(position=(0.0, 0.08, 0.06), **LOW)),
-    (DISC, Tie(position=(0.03, 1.0, -0.05), **THICK, direction=(1.0, 1.0, 0.0))),
-    (FLOOR, Tie(position=(-0.1, 1.0, 0.06), **LOW)),
 ]
 
 
@@ -39,27 +36,19 @@ def turned(vector: np.ndarray, axis: np.ndarray, angle: float) -> np.ndarray:
 
 
 def at(chart: Chart, d: float, way: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The point of the surface at a distance d along a way, and the normal there: a turn of the ball, a straight line
-    of what is flat."""
-    if not isinstance(chart.shape, SphereShape):
-        return chart.foot + d * way, np.array([0.0, 1.0, 0.0])
+    """The point of the surface at a distance d along a way, and the normal there: a turn of the ball."""
     normal = turned(chart.normal, np.cross(chart.normal, way), d / RADIUS)
     return RADIUS * normal, normal
 
 
 def grows(chart: Chart, point: np.ndarray) -> bool:
     """Whether strands grow at a place of the surface."""
-    shape = chart.shape
-    if isinstance(shape, SphereShape):
-        return bool(np.degrees(np.arccos(np.clip(point[1] / RADIUS, -1, 1))) <= shape.cap)
-    if isinstance(shape, DiscShape):
-        return bool(np.hypot(point[0], point[2]) <= shape.radius)
-    return bool(abs(point[0]) <= shape.width / 2 and abs(point[2]) <= shape.depth / 2)
+    return bool(np.arccos(np.clip(point[1] / RADIUS, -1, 1)) <= chart.cap)
 
 
 def rim(chart: Chart, way: np.ndarray) -> float:
     """How far along a way strands grow, found by going there: at the most to the place opposite of the foot."""
-    far = np.pi * RADIUS if isinstance(chart.shape, SphereShape) else 1.0
+    far = np.pi * RADIUS
     steps = np.linspace(0, far, 100)
     out = [d for d in steps if not grows(chart, at(chart, d, way)[0])]
     if not out:
@@ -81,20 +70,19 @@ def way_of(emitter: Emitter, root: np.ndarray, end: np.ndarray, leaves: np.ndarr
     more by its bow and by what it lies over, then six of a curve by Bézier up into the bundle."""
     chart, tie = chart_of(emitter), emitter.tie
     assert tie is not None
-    ball = isinstance(chart.shape, SphereShape)
-    normal = chart.foot / RADIUS if ball else np.array([0.0, 1.0, 0.0])
-    along = root - (root @ normal) * normal if ball else root - chart.foot
+    normal = chart.foot / RADIUS
+    along = root - (root @ normal) * normal
     along = along / np.linalg.norm(along)
-    whole = RADIUS * np.arccos(np.clip(root @ normal / RADIUS, -1, 1)) if ball else np.linalg.norm(root - chart.foot)
+    whole = RADIUS * np.arccos(np.clip(root @ normal / RADIUS, -1, 1))
 
     def cap(d: float) -> float:
-        return float(RADIUS**2 * (1 - np.cos(d / RADIUS)) if ball else d * d / 2)
+        return float(RADIUS**2 * (1 - np.cos(d / RADIUS)))
 
     most = cap(rim(chart, along))
 
     def on(d: float) -> np.ndarray:
         bare, up = at(chart, d, along)
-        ring = RADIUS * np.sin(d / RADIUS) if ball else d
+        ring = RADIUS * np.sin(d / RADIUS)
         rooted_farther = max(cap(whole) - cap(d), 0.0) / most
         height = 0.5 * tie.radius**2 * rooted_farther / ring + float(away(bare[None])[0])
         bowed = np.sin(np.pi * min(d / whole, 1.0)) ** 2
