@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from strandcli.scene.model import SphereSolid
-from strandcli.simulate import health, solver_of
+from strandcli.simulate import health
 from strandcli.simulate.contact.forces import Forces
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
@@ -203,29 +203,12 @@ def test_forces_of_contact_that_no_step_can_carry_do_not_end_a_run(monkeypatch: 
     assert "stopped" not in run.perform(run.named(name))[0].failed
 
 
-def troubles(labels: dict[str, str]) -> list[str]:
-    """What stops a run of all starts together, step by step."""
-    cases = [Case.of("rod", {**labels, "start": start}) for start in AXES["start"]]
-    times = scenes.times_of(cases[0])
-    scene = scenes.scene_of(cases[0], times)
-    solver = solver_of(scene)(scene, scenes.groom_of(cases))
-    found, past = [], 0.0
-    for step, time in enumerate(times):
-        solver.step(float(time), float(time) - past)
-        past = float(time)
-        trouble = health.examine(solver, step + 1, solver.errors(step + 1))
-        if trouble is not None:
-            found.append(f"{labels}: {trouble.message}")
-    return found
-
-
 def test_a_case_that_would_stop_a_run_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     lost = 1.5 * health.RESIDUAL_MOST
     monkeypatch.setattr(RodSolver, "strand_residuals", lambda self: np.full(self.strands, lost))
     labels = {"dt": "10", "wind": "gale"}  # a step so long that the residual itself is told and not judged
     (outcome,) = drive.run([Case.of("rod", labels)])
     assert outcome.metrics["stopped"] == 1
-    assert len(troubles(labels)) == len(scenes.times_of(Case.of("rod", labels)))
     monkeypatch.setattr(RodSolver, "strand_residuals", lambda self: np.full(self.strands, np.nan))
     (outcome,) = drive.run([Case.of("rod", labels)])
     assert outcome.metrics["stopped"] == 1

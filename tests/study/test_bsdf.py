@@ -12,10 +12,6 @@ from tests.reference import marschner as ref
 DEGREES = math.pi / 180
 
 
-def test_reflectance_at_normal_incidence_is_the_closed_form():
-    assert ref.fresnel(1.55, 0.0, np.array([0.0]))[0] == pytest.approx((0.55 / 2.55) ** 2, rel=1e-12)
-
-
 @pytest.mark.parametrize("eta", [1.1, 1.55, 2.5])
 def test_two_index_reflectance_is_fresnels_at_the_true_angle(eta):
     """Bravais' two indices restate the plain dielectric whose angle of incidence has the cosine cos θ_d cos γ."""
@@ -57,14 +53,6 @@ def test_a_traced_ray_confirms_the_chord_and_the_exit_angles(theta, h):
         left = math.atan2(directions[lobe - 1][1], directions[lobe - 1][0])
         difference = left - ref.exit_angle(lobe, eta, theta, gamma)[0]
         assert math.remainder(difference, 2 * math.pi) == pytest.approx(0, abs=1e-9)
-
-
-@pytest.mark.parametrize("deviation", [0.02, 0.3, 1.0])
-def test_the_detector_has_unit_area_and_is_periodic(deviation):
-    phi = np.linspace(-np.pi, np.pi, 4000, endpoint=False)
-    bell = ref.wrapped_gaussian(phi, deviation)
-    assert bell.mean() * 2 * np.pi == pytest.approx(1, abs=1e-9)
-    assert ref.wrapped_gaussian(phi + 6 * np.pi, deviation) == pytest.approx(bell, rel=1e-6, abs=1e-9)
 
 
 def test_azimuthal_functions_sum_to_what_leaves_the_cylinder():

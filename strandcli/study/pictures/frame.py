@@ -100,32 +100,19 @@ class FrameStudy(Pictures):
 
     def settings(self) -> list[Parameters]:
         """The choices that are left by what was set by hand, by the look and by the memory that is free."""
+        assert self.request.scene is not None
         looks, drawn = LOOKS.get(self.scene.look, ()), []
         allowed = {one.path.replace("*", str(i)): one.values for one in looks for i in range(len(self.scene.lights))}
         found = []
-        for chosen in super().settings():
-            parameters = self._fitting(chosen)
-            if parameters is None:
-                continue
+        for parameters in super().settings():
             scene = changed(self.scene, parameters)
-            if scene not in drawn and all(value in allowed.get(path, (value,)) for path, value in parameters.items()):
+            if scene in drawn or any(value not in allowed.get(path, (value,)) for path, value in parameters.items()):
+                continue
+            with suppress(RefusedError):
+                checked_plan(changed(self.request.scene, parameters), (self.windows.frame,))
                 drawn.append(scene)
                 found.append(parameters)
         return found
-
-    def _fitting(self, parameters: Parameters) -> Parameters | None:
-        """A choice with the highest level of curves that the whole frame has memory for; None where it has none."""
-        assert self.request.scene is not None
-        for level in (None, 5, 4, 3, 2):
-            made = dict(parameters)
-            if level is not None:
-                if not parameters.get("curves.level", 0) > level:
-                    continue
-                made["curves.level"] = level
-            with suppress(RefusedError):
-                checked_plan(changed(self.request.scene, made), (self.windows.frame,))
-                return made
-        return None
 
     def reference(self) -> dict[str, Any]:
         """Draw the reference, and learn what a whole frame takes."""
