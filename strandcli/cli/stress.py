@@ -95,9 +95,9 @@ def command(
         say(table(result))
     failed = [one for one in result.verdicts if one.verdict == "fail"]
     if failed:
-        told = f"{failed[0].name}: {failed[0].why}"
+        first = f"{failed[0].name}: {failed[0].why}"
         more = "" if case else f"; again with: strandcli stress --case {failed[0].name}"
-        raise MismatchError(f"{len(failed)} of {counted(len(result.verdicts), 'case')} failed, such as {told}{more}")
+        raise MismatchError(f"{len(failed)} of {counted(len(result.verdicts), 'case')} failed, such as {first}{more}")
 
 
 def _chosen(
@@ -139,10 +139,9 @@ def table(result: Result) -> str:
     for solver in result.solvers:
         mine = [one for one in result.verdicts if one.name.partition("/")[0] == solver]
         for metric, (word, limit, _) in LIMITS.items():
-            told = [one for one in mine if metric in one.told]
-            held = [one for one in mine if metric not in one.told]
-            lines += _row(solver, metric, f"{word} {limit:g}" if word else "told", held)
-            lines += _row(solver, metric, "told", told)
+            for reported in (False, True):
+                must = f"{word} {limit:g}" if word and not reported else "reported"
+                lines += _row(solver, metric, must, [one for one in mine if (metric in one.unjudged) == reported])
         ended = [one for one in mine if "exception" in one.failed]
         lines.append(f"{solver:<8}{'exception':<20}{'none':>10}{'':>11}{len(mine):>8,}{len(ended):>8,}")
     failed = [one for one in result.verdicts if one.verdict == "fail"]
@@ -150,7 +149,9 @@ def table(result: Result) -> str:
         lines += ["", "failed:"] + [f"  {one.name}: {one.why}" for one in failed[:MOST_TOLD]]
         if len(failed) > MOST_TOLD:
             lines.append(f"  and {len(failed) - MOST_TOLD:,} more, which --json names")
-    over = {(metric, one.told[metric]) for one in result.verdicts for metric in one.told if metric in one.metrics}
+    over = {
+        (metric, one.unjudged[metric]) for one in result.verdicts for metric in one.unjudged if metric in one.metrics
+    }
     if over:
         lines += ["", "reported and not judged:", *(f"  {metric}: {reason}" for metric, reason in sorted(over))]
     absent = [one for one in result.verdicts if one.verdict == "not_represented"]

@@ -68,7 +68,7 @@ def run(
     step: Callable[[str], None] = lambda text: None,
     begin: Callable[[int], None] = lambda runs: None,
 ) -> Study:
-    """Measure all settings of a subject. ``begin`` is told how many runs there will be, ``step`` a line after each."""
+    """Measure all settings of a subject. ``begin`` gets how many runs there will be, ``step`` a line after each."""
     experiment = axis(request)
     settings = list(experiment.settings())
     begin(experiment.references + len(settings))

@@ -103,7 +103,7 @@ def test_what_a_preset_is_not_judged_by_has_a_row_and_a_reason(command: Runner) 
     rows = {tuple(line.split()[1:3]): line.split() for line in told if line.startswith("rod")}
     assert ("penetration", "<=") not in rows
     assert ("stretch", "<=") in rows
-    deepest = rows["penetration", "told"]
+    deepest = rows["penetration", "reported"]
     assert float(deepest[3]) > 0.01
     assert any(line.startswith("  penetration: only who wrote a preset") for line in told)
     case = command("stress", "own.yaml", "--case", deepest[6]).out

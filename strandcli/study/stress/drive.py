@@ -63,7 +63,7 @@ class Meter:
     """Keeps the greatest of every measure, strand by strand."""
 
     def __init__(self, scene: Scene, segments: NDArray[np.float64], length: float, touching: bool) -> None:
-        """``segments`` (strands,) rest lengths of a segment, ``length`` that of a strand: depths are told in it, where
+        """``segments`` (strands,) rest lengths of a segment, ``length`` that of a strand, the unit of depths, where
         strands are ``touching`` the scene's spheres; of whole segments where the scene keeps those out."""
         self.segments, self.length, self.scene = segments, length, scene
         self.spheres = [one for one in scene.solids if isinstance(one, SphereSolid) and touching]

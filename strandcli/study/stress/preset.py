@@ -1,7 +1,7 @@
 """A preset's own scene in every extreme of step, wind and motion: what a user's hair has to go through.
 
-Its strands, matter, rules and solids stay; of a large groom the first strands stand for all. Depths are told and not
-judged, because only the preset's author knows which solids are meant to overlap.
+Its strands, matter, rules and solids stay; of a large groom the first strands stand for all. Depths are not judged,
+because only the preset's author knows which solids are meant to overlap.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .axes import DEFAULTS, SOLVERS, Case
 from .drive import Meter
 from .matrix import values
 from .scenes import keys_of, times_of, wind_of
-from .verdicts import Verdict, judge, told_of
+from .verdicts import Verdict, judge, unjudged_of
 
 VARIED = ("dt", "substeps", "wind", "emitter")
 MOST_STRANDS = 256
@@ -80,10 +80,10 @@ def perform(one: PresetCase) -> Verdict:
         raise
     except Exception as error:  # whatever a solver raises is what is looked for here
         return judge(one.name, labels, {}, f"{type(error).__name__}: {error}")
-    told = {"penetration": DEPTH, "segment_penetration": DEPTH, "pinned_off": DEPTH, **told_of(case)}
+    unjudged = {"penetration": DEPTH, "segment_penetration": DEPTH, "pinned_off": DEPTH, **unjudged_of(case)}
     if case.solver == "thesis" and "elasticity" not in rules:
-        told["stretch"] = STRETCHES
-    return judge(one.name, labels, meter.metrics(slice(None)), unjudged=told)
+        unjudged["stretch"] = STRETCHES
+    return judge(one.name, labels, meter.metrics(slice(None)), unjudged=unjudged)
 
 
 def changed(scene: Scene, case: Case) -> Scene:

@@ -17,7 +17,7 @@ from ...compiling import runtime
 from . import drive, matrix, preset, verdicts
 from .axes import AXES, SOLVERS, Case, case_named
 from .preset import PresetCase
-from .verdicts import WORDS, Verdict, judge, told_of
+from .verdicts import WORDS, Verdict, judge, unjudged_of
 
 Notify = Callable[[str], None]
 Task = PresetCase | tuple[Case, ...]
@@ -92,7 +92,7 @@ def run(
     step: Callable[[int], None] | None = None,
     tell: Callable[[Verdict], None] | None = None,
 ) -> Result:
-    """Judge the cases of ``work``, those alone whose name ``only`` accepts; ``step`` is told how many more are done,
+    """Judge the cases of ``work``, those alone whose name ``only`` accepts; ``step`` gets how many more are done,
     ``tell`` each verdict."""
     began = time.perf_counter()
     accept = only or (lambda name: True)
@@ -168,5 +168,6 @@ def perform(task: Task) -> list[Verdict]:
     if task[0].solver == "thesis" and task[0].label("tip") != "1":
         return [judge(case.name, case.parameters, {}, absent=MASSLESS) for case in task]
     return [
-        judge(one.case.name, one.case.parameters, one.metrics, one.error, told_of(one.case)) for one in drive.run(task)
+        judge(one.case.name, one.case.parameters, one.metrics, one.error, unjudged_of(one.case))
+        for one in drive.run(task)
     ]

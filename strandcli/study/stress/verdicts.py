@@ -26,7 +26,7 @@ LIMITS: dict[str, tuple[str, float, str]] = {
     "overlap": ("", 0.0, "depth in overlapping spheres, L"),
     "pinned_off": ("<=", 1e-3, "distance of pinned tips from their places, L"),
 }
-"""By metric: how it compares with which limit ("" is told and not judged), and what it is."""
+"""By metric: how it compares with which limit ("" is reported and not judged), and what it is."""
 WORDS = ("pass", "expected_failure", "fail", "not_represented")
 RESIDUAL_WITHIN = "has a limit in steps of at most 1/24 s and up to 32 segments; lengths are made exact after it"
 PINNED_WITHIN = "has a limit where nothing is in a strand's way and its pull moves no tip in a step"
@@ -37,8 +37,8 @@ START, STRAIGHT = "/start=", "straight"
 
 @dataclass
 class Verdict:
-    """One case's outcome, judged. ``failed`` are the metrics beyond their limits, ``told`` those that no limit of the
-    case holds to, with the reasons."""
+    """One case's outcome, judged. ``failed`` are the metrics beyond their limits, ``unjudged`` those that have no limit
+    in this case, with the reasons."""
 
     name: str
     parameters: Mapping[str, Any]
@@ -46,7 +46,7 @@ class Verdict:
     verdict: str
     why: str = ""
     failed: tuple[str, ...] = ()
-    told: Mapping[str, str] = field(default_factory=dict)
+    unjudged: Mapping[str, str] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON, numbers to four digits."""
@@ -59,7 +59,7 @@ class Verdict:
         }
 
 
-def told_of(case: Case) -> dict[str, str]:
+def unjudged_of(case: Case) -> dict[str, str]:
     """What of a case no limit holds to, and why: the residual of long steps and of long strands, and how far pinned
     tips are that something pushes or pulls too hard."""
     step = case.value("dt") / case.value("substeps")
@@ -81,9 +81,8 @@ def judge(
     name: str, parameters: Mapping[str, Any], metrics: Mapping[str, float], error: str = "",
     unjudged: Mapping[str, str] | None = None, absent: str = "",
 ) -> Verdict:  # fmt: skip
-    """The verdict on what was measured. ``unjudged`` metrics are told alone, for the reasons given, which a case that
-    passed gives where they are beyond their limits; ``absent`` says why the solver does not represent what the case is
-    about."""
+    """The verdict on what was measured. ``unjudged`` metrics are only reported; the reasons given stand in a case that
+    passed where they are beyond their limits. ``absent``: why the solver does not represent what the case is about."""
     if absent:
         return Verdict(name, parameters, metrics, "not_represented", absent)
     unjudged = unjudged or {}
@@ -93,14 +92,14 @@ def judge(
     if not failed:
         over = [key for key in metrics if key in unjudged and beyond(key, metrics[key])]
         why = "; ".join(f"{_words(key, metrics[key], 'not held to')}: {unjudged[key]}" for key in over)
-        return Verdict(name, parameters, metrics, "pass", why, told=unjudged)
+        return Verdict(name, parameters, metrics, "pass", why, unjudged=unjudged)
     listed = expected(name.partition("/")[0])[1]
     reasons = {key: listed.get((name, key), "") for key in failed}
     if all(reasons.values()):
         why = "; ".join(dict.fromkeys(reasons.values()))
         return Verdict(name, parameters, metrics, "expected_failure", why, failed, unjudged)
-    told = [error if key == "exception" else _words(key, metrics[key]) for key in failed if not reasons[key]]
-    return Verdict(name, parameters, metrics, "fail", "; ".join(told), failed, unjudged)
+    words = [error if key == "exception" else _words(key, metrics[key]) for key in failed if not reasons[key]]
+    return Verdict(name, parameters, metrics, "fail", "; ".join(words), failed, unjudged)
 
 
 def _words(metric: str, value: float, must: str = "must be") -> str:
