@@ -15,7 +15,7 @@ from strandcli.draw.view.camera import axes
 from strandcli.study.axes import Request, changed, knows
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.frame import quality_text
-from strandcli.study.pictures.shadow import ShadowStudy, frames_along
+from strandcli.study.pictures.shadow import ShadowStudy, frames_along, pieces_of
 from strandcli.study.pictures.subject import LinearRenderer, Subject
 from strandcli.study.points import Point
 
@@ -73,11 +73,24 @@ def test_rays_are_stopped_by_what_stands_in_their_way() -> None:
     frames = np.broadcast_to(np.eye(3), (2, 3, 3)).copy()
     out = np.empty((2, 2))
     wide = np.array([1.0, 0.5])
-    cylinders.transmittance(
-        first, world, radii, probes, np.array([-1, 0]), frames, np.full(2, 5.0), jitter, wide, out
-    )  # fmt: skip
+    pieces = pieces_of(first, world, radii)
+    cylinders.transmittance(pieces, probes, np.array([-1, 0]), frames, np.full(2, 5.0), jitter, wide, out)
     assert out[0] == pytest.approx(1 - 0.2, abs=0.01)
     assert (out[1] == 1).all()  # the strand that a probe is on does not count
+
+
+def test_balls_enclose_their_runs() -> None:
+    rng = np.random.default_rng(0)
+    first = np.cumsum([0, 2, 12, 9, 30])
+    world, radii = rng.normal(size=(53, 3)), rng.uniform(0, 0.1, 53)
+    pieces = pieces_of(first, world, radii)
+    assert np.diff(pieces.runs).max() == 8
+    np.testing.assert_array_equal(pieces.strands, np.repeat(np.arange(4), [1, 2, 1, 4]))
+    of = np.repeat(np.arange(8), np.diff(pieces.runs))
+    for ends in (pieces.begins, pieces.ends):
+        away = np.linalg.norm(ends - pieces.middles[of], axis=1) + pieces.radii
+        assert (away <= pieces.reaches[of] + 1e-12).all()
+    assert len(pieces.radii) == 53 - 4
 
 
 @pytest.mark.long

@@ -30,6 +30,8 @@ RAYS = 2048
 """From about a probe: with 256 their noise, .02 in `hair`, was as much as maps are off."""
 BUNDLE = 1.5
 """Radius of a probe's bundle of rays, in distances between strands there."""
+RUN = 8
+"""Pieces of a strand with a ball about them."""
 BEYOND = 1e9
 """Metres: a bias behind which nothing is, for the light without a map's shade."""
 
@@ -134,9 +136,26 @@ def transmittance(
     along = np.concatenate([np.linspace(0, 1, count) for count in np.diff(lines.first)])
     radii = 0.5 * thickness.width * (1 - thickness.taper * along)
     out = np.empty((len(points), 2))
-    world, widths = lines.world.astype(np.float64), np.full(len(points), wide, np.float64)
-    cylinders.transmittance(lines.first, world, radii, points, own, frames, reaches, jitter, widths, out)
+    pieces, widths = pieces_of(lines.first, lines.world.astype(np.float64), radii), np.full(len(points), wide)
+    cylinders.transmittance(pieces, points, own, frames, reaches, jitter, widths, out)
     return out
+
+
+def pieces_of(first: NDArray[np.integer], world: NDArray[np.float64], radii: NDArray[np.float64]) -> cylinders.Pieces:
+    """Polylines, whose vertices world (V, 3) with radii (V,) begin at first (S + 1,), as pieces in runs of `RUN`."""
+    counts = np.diff(first) - 1
+    begin = np.delete(np.arange(len(world)), first[1:] - 1)
+    a, b, widths = world[begin], world[begin + 1], 0.5 * (radii[begin] + radii[begin + 1])
+    place = np.arange(len(begin)) - np.repeat(np.cumsum(counts) - counts, counts)  # on its strand
+    starts = np.flatnonzero(place % RUN == 0)
+    low, high = (
+        extreme(extreme.reduceat(a, starts), extreme.reduceat(b, starts)) for extreme in (np.minimum, np.maximum)
+    )
+    middles, runs = 0.5 * (low + high), np.append(starts, len(begin))
+    middle = np.repeat(middles, np.diff(runs), 0)
+    far = np.maximum(np.linalg.norm(a - middle, axis=1), np.linalg.norm(b - middle, axis=1)) + widths
+    strands = np.repeat(np.arange(len(counts)), counts)[starts]
+    return cylinders.Pieces(a, b, widths, runs, strands, middles, np.maximum.reduceat(far, starts))
 
 
 def frames_along(ways: NDArray[np.float64]) -> NDArray[np.float64]:
