@@ -156,8 +156,7 @@ def test_lengths_and_combing_are_those_of_the_vertices(ball: str) -> None:
     assert np.median(np.degrees(np.arcsin(sine))) == pytest.approx(30, abs=0.5)
     turned = grown(ball, comb="way", lift=0.0, up="z")
     x, y, _ = turned.roots.astype(np.float64).T
-    ring = np.hypot(x, turned.roots[:, 2]) > 0.3
-    way = np.stack([x * 0, y, y], axis=1) * 0 + np.stack([-y, x, 0 * x], axis=1)  # about −z, which was y
+    way = np.stack([-y, x, 0 * x], axis=1)  # about −z, which was y
     ring = np.hypot(x, y) > 0.3
     along = (turned.directions * way).sum(axis=1) / np.maximum(np.linalg.norm(way, axis=1), 1e-9)
     assert np.abs(along[ring]).min() > 0.999

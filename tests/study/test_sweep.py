@@ -139,7 +139,7 @@ def test_iterations_are_few_and_as_many_as_the_preset_allows() -> None:
 
 def test_cells_are_varied_where_they_are_named() -> None:
     """The limit has cells half as wide as the least."""
-    text = HANGING.replace("[gravity,", "[gravity, interaction: {density: 1.0e+4},")
+    text = HANGING.replace("[gravity,", "[gravity, interaction: {density: 1.0e+4},") + "solver: rod\n"
     wishes = {"solvers": ("rod",), "substeps": (1,), "iterations": (2,), "particles": (5,)}
     opened = Motion(axes.Request(scene=scene_of(text), name="hanging", cells=(0.1, 0.2), **wishes))
     assert [one[CELL] for one in opened.settings()] == [0.1, 0.2]
