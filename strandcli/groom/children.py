@@ -128,11 +128,11 @@ class Children:
 
     def _ramps(self, m: int, size: int) -> NDArray[np.float32]:
         """Return how much of their pull clumps have along a path of m particles, as `Clumps.ramps`."""
-        way = np.linspace(0.0, 1.0, m)
+        share = np.linspace(0.0, 1.0, m)
         clumps = self.settings.clumps[self._pulling]
         ramps = np.zeros((len(clumps), size), np.float32)
         for ramp, clump in zip(ramps, clumps, strict=True):
-            ramp[3 : 3 * (m + 1)] = np.repeat(way**clump.shape, 3)
+            ramp[3 : 3 * (m + 1)] = np.repeat(share**clump.shape, 3)
         return ramps
 
     def roots(self, ids: NDArray[np.int32], at: float) -> NDArray[np.float32]:

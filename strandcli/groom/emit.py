@@ -50,7 +50,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None) -> Groom:
     else:
         given = np.array(emitter.direction, np.float64)
         directions = np.broadcast_to(given / np.linalg.norm(given), normals.shape)
-    combed = None if ground is None else ground.ways
+    combed = None if ground is None else ground.combed
     if emitter.tie is None and (emitter.comb is not None or combed is not None):
         directions = _combed(emitter, roots, normals, combed)
     if emitter.jitter > 0:
@@ -111,15 +111,15 @@ def _combed(
     """Return unit directions along the surface toward that of the comb, mirrored left of the parting, and lifted;
     ``combed`` (strands, 3): directions that go before it where they are not 0."""
     comb = np.zeros(3) if emitter.comb is None else np.array(emitter.comb, np.float64)
-    way = np.repeat((comb / max(float(np.linalg.norm(comb)), SMALLEST))[None], len(roots), 0)
-    way[:, 0] *= sides(emitter, roots)
+    along = np.repeat((comb / max(float(np.linalg.norm(comb)), SMALLEST))[None], len(roots), 0)
+    along[:, 0] *= sides(emitter, roots)
     if combed is not None:
         size = np.linalg.norm(combed, axis=1)[:, None]
-        way = np.where(size > UNCOMBED, combed / np.maximum(size, UNCOMBED), way)
-    way -= (way * normals).sum(1)[:, None] * normals
-    way /= np.maximum(np.linalg.norm(way, axis=1), SLANT)[:, None]
+        along = np.where(size > UNCOMBED, combed / np.maximum(size, UNCOMBED), along)
+    along -= (along * normals).sum(1)[:, None] * normals
+    along /= np.maximum(np.linalg.norm(along, axis=1), SLANT)[:, None]
     lift = np.radians(emitter.lift)
-    found = np.cos(lift) * way + (np.sin(lift) + 1e-3) * normals
+    found = np.cos(lift) * along + (np.sin(lift) + 1e-3) * normals
     return np.asarray(found / np.linalg.norm(found, axis=1)[:, None])
 
 

@@ -51,7 +51,7 @@ class Ground(NamedTuple):
     anchors: Anchors
     lengths: Floats
     """(n,) factors of the length."""
-    ways: Floats | None
+    combed: Floats | None
     """(n, 3) directions in which strands are combed; None: the mesh has none."""
 
 
@@ -89,11 +89,11 @@ def ground(shape: MeshShape, start: float, count: int) -> Ground:
     if shape.length:
         found = lookup(bed.mesh, shape.length, Place(shape.file, "emitter.shape.length"), triangles, shares)
         lengths = np.clip(found, LEAST_MAPPED, 1.0)
-    ways = None
+    combed = None
     if shape.comb:
         rows = vectors(bed.mesh, shape.comb, Place(shape.file, "emitter.shape.comb"), shape.up)
-        ways = np.einsum("nk,nkc->nc", shares, rows[bed.mesh.triangles[triangles]])
-    return Ground(points, normals, anchors, lengths, ways)
+        combed = np.einsum("nk,nkc->nc", shares, rows[bed.mesh.triangles[triangles]])
+    return Ground(points, normals, anchors, lengths, combed)
 
 
 def at_anchors(mesh: TriangleMesh, anchors: Anchors) -> tuple[Floats, Floats]:

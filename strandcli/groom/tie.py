@@ -9,7 +9,7 @@ thickness of the hair that crosses the arc at d; a strand lies on all strands ro
 
     h(d) = ρ² / 2 · (A(D) − A(d)) / (A(D_rim) c(d)).
 
-A mesh has the coordinates of a sphere about the emitter's origin, from which its surface is seen: ways are great
+A mesh has the coordinates of a sphere about the emitter's origin, from which its surface is seen: paths are great
 circles of the sphere, moved out of the mesh.
 
 Wisps are strands along the hairline that are too short for the tie, and stand off at their tips. Their share is `wisps`
@@ -73,8 +73,8 @@ class Chart:
         away = points - (points @ self.normal)[:, None] * self.normal
         size = np.linalg.norm(away, axis=1)
         some = np.cross(self.normal, [0.0, 0.0, 1.0] if abs(self.normal[2]) < 0.9 else [1.0, 0.0, 0.0])
-        ways = np.where(size[:, None] > NEAR, away / np.maximum(size, NEAR)[:, None], some / np.linalg.norm(some))
-        return self.radius * np.arctan2(size, points @ self.normal), ways
+        headings = np.where(size[:, None] > NEAR, away / np.maximum(size, NEAR)[:, None], some / np.linalg.norm(some))
+        return self.radius * np.arctan2(size, points @ self.normal), headings
 
     def area(self, d: Floats) -> Floats:
         """Return A(d), m² a radian."""
@@ -84,21 +84,21 @@ class Chart:
         """Return c(d), metres a radian."""
         return np.asarray(self.radius * np.sin(d / self.radius))
 
-    def point(self, d: Floats, ways: Floats) -> tuple[Floats, Floats]:
-        """Return points at distances d (N,) on paths with the directions ``ways`` (N, 3) at the foot, and the sphere's
+    def point(self, d: Floats, headings: Floats) -> tuple[Floats, Floats]:
+        """Return points at distances d (N,) on paths with the ``headings`` (N, 3) at the foot, and the sphere's
         normals there; (N, 3) both."""
         turn = (d / self.radius)[:, None]
-        normals = np.cos(turn) * self.normal + np.sin(turn) * ways
+        normals = np.cos(turn) * self.normal + np.sin(turn) * headings
         return self.radius * normals, normals
 
-    def rim(self, ways: Floats) -> Floats:
-        """Return D_rim (N,), the greatest distance of roots on paths with the directions ``ways`` at the foot."""
+    def rim(self, headings: Floats) -> Floats:
+        """Return D_rim (N,), the greatest distance of roots on paths with the ``headings`` at the foot."""
         if self.reach is not None:
             every = np.arange(SECTORS + 1)
-            return self.radius * np.interp(_sectors(self.normal, ways), every, np.append(self.reach, self.reach[0]))
+            return self.radius * np.interp(_sectors(self.normal, headings), every, np.append(self.reach, self.reach[0]))
         # the polar angle θ along a path: cos θ = a cos(d − δ)
-        a = np.hypot(self.normal[1], ways[:, 1])
-        middle = np.arctan2(ways[:, 1], self.normal[1])
+        a = np.hypot(self.normal[1], headings[:, 1])
+        middle = np.arctan2(headings[:, 1], self.normal[1])
         open_ = np.arccos(np.clip(np.cos(self.cap) / np.maximum(a, 1e-12), -1.0, 1.0))
         # a circle entirely within the cap is followed as far as it is a shortest path
         return np.asarray(self.radius * np.where(open_ < np.pi, np.clip(middle + open_, 1e-3, np.pi), np.pi))
@@ -126,19 +126,19 @@ def _chart_of_mesh(shape: MeshShape, normal: Floats) -> Chart:
     radius = BELOW * max(float(far.min()), NEAR)
     foot = radius * normal[None]
     chart = Chart(np.pi, (foot + rise(shape, foot, normal[None])[:, None] * normal)[0], normal, radius)
-    d, ways = chart.polar(places)
+    d, headings = chart.polar(places)
     reach = np.zeros(SECTORS)
-    np.maximum.at(reach, np.rint(_sectors(normal, ways)).astype(int) % SECTORS, d / radius)
+    np.maximum.at(reach, np.rint(_sectors(normal, headings)).astype(int) % SECTORS, d / radius)
     some = np.flatnonzero(reach)
     reach = np.interp(np.arange(SECTORS), some, reach[some], period=SECTORS)
     smooth = np.mean([np.roll(reach, k) for k in range(-2, 3)], axis=0)
     return replace(chart, reach=smooth)
 
 
-def _sectors(normal: Floats, ways: Floats) -> Floats:
+def _sectors(normal: Floats, headings: Floats) -> Floats:
     """Return where unit vectors (N, 3) perpendicular to the normal lie about it, in sectors from 0 to `SECTORS`."""
     first, second = frame(normal[None])
-    turn = np.arctan2(ways @ second[0], ways @ first[0])
+    turn = np.arctan2(headings @ second[0], headings @ first[0])
     return np.asarray(turn / (2 * np.pi) % 1.0 * SECTORS)
 
 
@@ -148,11 +148,11 @@ def bind(emitter: Emitter, roots: Floats) -> tuple[Floats, Floats]:
     tie, chart = emitter.tie, chart_of(emitter)
     assert tie is not None
     axis = _axis(emitter, chart)
-    d, ways = chart.polar(roots)
-    # the least rotation from the normal to the axis, applied to the ways
+    d, headings = chart.polar(roots)
+    # the least rotation from the normal to the axis, applied to the headings
     both = chart.normal + axis
-    sides = ways - (ways @ axis / (1.0 + axis @ chart.normal))[:, None] * both
-    share = np.sqrt(np.clip(chart.area(d) / chart.area(chart.rim(ways)), 0.0, 1.0))
+    sides = headings - (headings @ axis / (1.0 + axis @ chart.normal))[:, None] * both
+    share = np.sqrt(np.clip(chart.area(d) / chart.area(chart.rim(headings)), 0.0, 1.0))
     angle = np.radians(tie.spread) * share[:, None]
     return (
         chart.foot + tie.lift * axis + tie.radius * share[:, None] * sides,
@@ -171,9 +171,9 @@ def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
     assert tie is not None
     assert groom.grown is not None
     ends, directions = groom.roots.astype(np.float64), groom.directions.astype(np.float64)
-    d, ways = chart.polar(groom.grown)
-    aside = np.cross(chart.normal, ways)
-    whole = chart.area(chart.rim(ways))
+    d, headings = chart.polar(groom.grown)
+    aside = np.cross(chart.normal, headings)
+    whole = chart.area(chart.rim(headings))
     own = np.linalg.norm(ends - chart.foot - tie.lift * _axis(emitter, chart), axis=1)
     last = np.minimum(own + TURN * max(tie.lift, 0.5 * tie.radius), 0.5 * d)
 
@@ -181,7 +181,7 @@ def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
         below = np.maximum(chart.area(d) - chart.area(at), 0.0)
         height = 0.5 * tie.radius**2 * below / np.maximum(whole * chart.arc(at), 1e-30)
         bow = np.sin(np.pi * np.clip(at / np.maximum(d, NEAR), 0.0, 1.0)) ** 2
-        bare, normals = chart.point(at, ways)
+        bare, normals = chart.point(at, headings)
         height += bows[:, 0] * bow + over(bare, normals)
         return np.asarray(bare + height[:, None] * normals + (bows[:, 1] * bow)[:, None] * aside)
 
@@ -189,15 +189,15 @@ def paths(emitter: Emitter, groom: Groom, bows: Floats, over: Over) -> Floats:
     found = [on(d + step)]
     found += [on(d + (last - d) * (k / ON_SURFACE)) for k in range(ON_SURFACE)]
     start = on(last)
-    way = _unit(start - on(last + step))
+    tangent = _unit(start - on(last + step))
     # a cubic Hermite curve into the bundle
     size = np.linalg.norm(ends - start, axis=1)[:, None]
-    normals = chart.point(last, ways)[1]
+    normals = chart.point(last, headings)[1]
     turn = TIED - ON_SURFACE
     for k in range(turn):
         t = k / turn
         there = (
-            (1 + 2 * t) * (1 - t) ** 2 * start + t * (1 - t) ** 2 * size * way
+            (1 + 2 * t) * (1 - t) ** 2 * start + t * (1 - t) ** 2 * size * tangent
             + t * t * (3 - 2 * t) * ends - t * t * (1 - t) * size * directions
         )  # fmt: skip
         found.append(there + over(there, normals)[:, None] * normals)
@@ -236,8 +236,8 @@ def chosen(emitter: Emitter, groom: Groom, lots: Floats) -> NDArray[np.int64]:
     tie, chart = emitter.tie, chart_of(emitter)
     assert tie is not None
     assert groom.grown is not None
-    d, ways = chart.polar(groom.grown)
-    inside = np.maximum(chart.rim(ways) - d, 0.0)
+    d, headings = chart.polar(groom.grown)
+    inside = np.maximum(chart.rim(headings) - d, 0.0)
     return np.flatnonzero(lots < tie.wisps * np.exp(-inside / tie.wisp_length))
 
 
@@ -247,9 +247,9 @@ def wisps(emitter: Emitter, roots: Floats, lots: Floats, rows: int, over: Over) 
     `tie.paths`."""
     tie, chart = emitter.tie, chart_of(emitter)
     assert tie is not None
-    d, ways = chart.polar(roots)
-    begins, normals = chart.point(d, ways)
-    ahead = chart.point(d - 1e-4 * tie.wisp_length, ways)[0] - begins
+    d, headings = chart.polar(roots)
+    begins, normals = chart.point(d, headings)
+    ahead = chart.point(d - 1e-4 * tie.wisp_length, headings)[0] - begins
     ahead /= np.linalg.norm(ahead, axis=1)[:, None]
     aside = np.cross(normals, ahead)
     length = tie.wisp_length * (SHORTEST + (1.0 - SHORTEST) * lots[:, LENGTH])
@@ -257,11 +257,11 @@ def wisps(emitter: Emitter, roots: Floats, lots: Floats, rows: int, over: Over) 
     pieces = rows - 2
     found, flat = [], roots.astype(np.float64)
     for k in range(pieces + 1):
-        way = k / pieces
+        share = k / pieces
         up = flat / np.linalg.norm(flat, axis=1)[:, None]
         bare = chart.radius * up
-        height = OFF * lots[:, TIP] ** 3 * length * way * way + over(bare, up)
+        height = OFF * lots[:, TIP] ** 3 * length * share * share + over(bare, up)
         found.append(bare + height[:, None] * up)
-        turn = begin + bend * (way + 0.5 / pieces)
+        turn = begin + bend * (share + 0.5 / pieces)
         flat = flat + (length / pieces)[:, None] * (np.cos(turn)[:, None] * ahead + np.sin(turn)[:, None] * aside)
     return np.stack([2.0 * found[0] - found[1], *found], 1).astype(np.float32)

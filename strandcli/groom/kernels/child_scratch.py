@@ -11,7 +11,7 @@ from ...simd.turning import cosine_sine
 
 ZERO = np.float32(0.0)
 ONE_PLACE = np.uint64(1)
-REST, SHARE, WAY, ACROSS, FIRST_WAVE = 0, 1, 2, 3, 6
+REST, SHARE, REACH, ACROSS, FIRST_WAVE = 0, 1, 2, 3, 6
 """First rows: segment length, metres; ratio of the length to that of the guides; metres that a strand may go on before
 any solid can be met; x, y, z of the unit vector across. Then follow `TURNING` rows of each wave."""
 RADIUS, COSINE, SINE, TURN_COSINE, TURN_SINE = 0, 1, 2, 3, 4
@@ -33,7 +33,7 @@ def load_children(guides, following, waves, own, begin, scratch, lengths):
         rest *= following.shares[i]
         scratch[np.uint64(REST * W) + lane] = rest
         scratch[np.uint64(SHARE * W) + lane] = following.shares[i]
-        scratch[np.uint64(WAY * W) + lane] = ZERO
+        scratch[np.uint64(REACH * W) + lane] = ZERO
         for c in range(np.uint64(3)):
             scratch[np.uint64(ACROSS * W) + c * np.uint64(W) + lane] = waves.across[i, c]
         for w in range(np.uint64(waves.forms.shape[0])):

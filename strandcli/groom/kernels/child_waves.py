@@ -13,16 +13,16 @@ from .child_scratch import (
     COSINE,
     FIRST_WAVE,
     RADIUS,
+    REACH,
     REST,
     SHARE,
     SINE,
     TURN_COSINE,
     TURN_SINE,
     TURNING,
-    WAY,
 )
 from .inputs import ONSET, ROUNDNESS
-from .keep_out import keep_lane_out, lead_out, takes_slopes, way_on
+from .keep_out import keep_lane_out, reach_on, slide_out, takes_slopes
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -75,22 +75,22 @@ def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
         px, py, pz = px + rest * ex, py + rest * ey, pz + rest * ez
         store3(x, top + j * 3 * W, W, px, py, pz)
         if solid:
-            way = load(own, WAY * W + k) - rest
-            left = movemask(~(way > 0.0))
+            reach = load(own, REACH * W + k) - rest
+            left = movemask(~(reach > 0.0))
             if left != 0:
                 if takes_slopes(solids):
-                    px, py, pz, way, left = lead_out(
-                        solids, (px, py, pz), load3(x, top + (j - 1) * 3 * W, W), rest, way
+                    px, py, pz, reach, left = slide_out(
+                        solids, (px, py, pz), load3(x, top + (j - 1) * 3 * W, W), rest, reach
                     )
                     store3(x, top + j * 3 * W, W, px, py, pz)
                 else:
-                    way = max(way, way_on(solids, px, py, pz, rest))
-                    left = movemask(~(way > 0.0))
-            store(own, WAY * W + k, way)
+                    reach = max(reach, reach_on(solids, px, py, pz, rest))
+                    left = movemask(~(reach > 0.0))
+            store(own, REACH * W + k, reach)
             if left != 0:
                 for lane in range(k, k + lane_count(x)):
                     if (left >> (lane - k)) & 1:
-                        scratch[WAY * W + lane] = keep_lane_out(out, b, j, lane, scratch[REST * W + lane], solids)
+                        scratch[REACH * W + lane] = keep_lane_out(out, b, j, lane, scratch[REST * W + lane], solids)
                 px, py, pz = load3(x, top + j * 3 * W, W)
         bx, by, bz = hx, hy, hz
         hx, hy, hz = nx, ny, nz

@@ -33,36 +33,36 @@ FAR = np.float32(1e6)
 
 
 @device
-def way_on(solids, x, y, z, rest):
+def reach_on(solids, x, y, z, rest):
     """Return how far strands may go on from particles before any solid can be met, metres; 0 where that is not known.
     Vectors of lanes."""
     none = broadcast(x, -FAR)
-    way = max(-FREE * deepest_in_shapes(solids, x, y, z, none) - CLEAR * rest, ZERO)
+    reach = max(-FREE * deepest_in_shapes(solids, x, y, z, none) - CLEAR * rest, ZERO)
     if other.count(solids) == 0:
-        return way
+        return reach
     if not other.takes_vectors(solids):
         return rest - rest
-    return min(way, max(-SURE * (other.deepen(solids, x, y, z, none) + CLEAR * rest), ZERO))
+    return min(reach, max(-SURE * (other.deepen(solids, x, y, z, none) + CLEAR * rest), ZERO))
 
 
 @device
 def takes_slopes(solids):
-    """Return whether `lead_out` can be called."""
+    """Return whether `slide_out` can be called."""
     return other.has_slopes(solids) and built_in.count(solids) == 0
 
 
 @inlined
-def lead_out(solids, p, o, rest, way):
+def slide_out(solids, p, o, rest, reach):
     """Return particles p, moved along solids to where they are outside and at the distance ``rest`` from the particles
     before them, o; how far strands may go on from there before any solid can be met; and in which lanes, as bits, that
-    has to be done by `keep_lane_out`. Vectors of lanes, metres; way: how far they might go on before.
+    has to be done by `keep_lane_out`. Vectors of lanes, metres; reach: how far they might go on before.
 
     A solid is taken to be flat about a particle, and looked at again where the particle has come to lie."""
     x, y, z = p
     clear = CLEAR * rest
     away, nx, ny, nz = other.nearest_slope(solids, x, y, z)
-    way = max(way, max(SURE * (away - clear), ZERO))
-    touching = ~(way > ZERO)
+    reach = max(reach, max(SURE * (away - clear), ZERO))
+    touching = ~(reach > ZERO)
     lost = np.uint64(0)
     if any_lane(touching):
         for _ in range(ROUNDS):
@@ -84,7 +84,7 @@ def lead_out(solids, p, o, rest, way):
             touching = touching & (clear - away > SLACK * clear)
             if not any_lane(touching):
                 break
-    return x, y, z, way, lost
+    return x, y, z, reach, lost
 
 
 @device_if_built_in(lambda solids, x, y, z, deep: deep)
@@ -113,9 +113,9 @@ def keep_lane_out(rows, b, j, lane, rest, solids):
     y = rows[b, j, W + lane]
     z = rows[b, j, 2 * W + lane]
     if built_in.count(solids) == 0 and not other.takes_vectors(solids):
-        way = SURE * (other.least_distance(solids, x, y, z) - CLEAR * rest)
-        if way > ZERO:
-            return way
+        reach = SURE * (other.least_distance(solids, x, y, z) - CLEAR * rest)
+        if reach > ZERO:
+            return reach
     ox = rows[b, j - 1, lane]
     oy = rows[b, j - 1, W + lane]
     oz = rows[b, j - 1, 2 * W + lane]
