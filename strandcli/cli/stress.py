@@ -118,7 +118,7 @@ def _chosen(
     else:
         work = stress.tasks(("rod", "thesis") if solver in (None, "both") else (str(solver),), quick)
     if case is not None:
-        wanted = case if preset is not None else stress.canonical(case)
+        wanted = case if preset is not None else stress.case_named(case).name  # axes in their order, no defaults
         return work, wanted.__eq__
     return work, stress.matching(pattern) if pattern else lambda name: True
 

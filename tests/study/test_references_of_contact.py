@@ -81,14 +81,14 @@ def test_the_angle_of_friction_is_where_ways_of_sliding_strands_vanish() -> None
         return incline.measure(Track(np.array([0.0, 1.0]), positions))["angle"]
 
     assert angle(0) == pytest.approx(0, abs=1e-9)
-    assert angle(-2) == pytest.approx(2 / incline.exact()["angle"], rel=1e-6)
+    assert angle(-2) == pytest.approx(2 / incline.ANGLE, rel=1e-6)
     assert angle(4) is None  # none slides
     assert angle(0, 0.02) is None  # those that should stick move as far as those that slide
 
 
 def test_a_strand_across_others_begins_to_slide_at_the_angle_of_friction() -> None:
     found = incline.measure(track_of(incline.case(11), 1 / 60, incline.INCLINE.span))["angle"]
-    assert found * incline.exact()["angle"] < 0.6
+    assert found * incline.ANGLE < 0.6
 
 
 def test_an_even_layer_has_its_density_and_a_pile_before_the_plate_its_own() -> None:

@@ -18,6 +18,7 @@ from ...groom.record import Groom
 from .base import Case, Errors, Reference, Track, groom, preset
 
 MU = 0.4
+ANGLE = math.degrees(math.atan(MU))
 BENDING = 2.0
 """B / (ρ A), m⁴/s²: rails bend by hundredths of a degree, and the tip of what slides goes millimetres and more."""
 OFF = tuple(np.arange(-3.5, 4.0).tolist())
@@ -56,11 +57,6 @@ def strands() -> Groom:
     return groom(np.array(ways), lengths, np.array(roots))
 
 
-def exact() -> dict[str, float]:
-    """The angle in degrees."""
-    return {"angle": math.degrees(math.atan(MU))}
-
-
 def case(particles: int) -> Case:
     """All slopes at once."""
     made = strands()
@@ -79,11 +75,11 @@ def measure(track: Track) -> Errors:
     each, level = np.polyfit(off[steep], ways[steep], 1)
     if ways[~steep].max() >= ways[steep].min() or each < STEEPER:
         return {"angle": None}
-    return {"angle": abs(float(level / each)) / exact()["angle"]}
+    return {"angle": abs(float(level / each)) / ANGLE}
 
 
 INCLINE = Reference(
     name="incline", title="a strand across others begins to slide at atan µ", metric="angle", unit="of the angle",
-    needs="bending stiffness in physical units, contact between strands", span=1.0, exact=exact, case=case,
-    measure=measure, particles=(11, 21),
+    needs="bending stiffness in physical units, contact between strands", span=1.0,
+    exact=lambda: {"angle": ANGLE}, case=case, measure=measure, particles=(11, 21),
 )  # fmt: skip

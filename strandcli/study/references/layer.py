@@ -54,11 +54,6 @@ def strands() -> Groom:
     return groom([[0.0, -1.0, 0.0]] * len(roots), np.full(len(roots), LENGTH), roots)
 
 
-def exact() -> dict[str, float]:
-    """Strands a square metre."""
-    return {"density": DENSE}
-
-
 def case(particles: int) -> Case:
     """Both layers, each between two walls, and their plates."""
     made, outside, solids = strands(), DEPTH / 2 + THICK / 2, []
@@ -112,6 +107,6 @@ def measure(track: Track) -> Errors:
 
 LAYER = Reference(
     name="layer", title="a layer of strands that a plate presses keeps n strands a square metre", metric="density",
-    unit="of n", needs="strands that push each other apart", span=SPAN, exact=exact, case=case, measure=measure,
-    particles=(11, 21),
+    unit="of n", needs="strands that push each other apart", span=SPAN, exact=lambda: {"density": DENSE}, case=case,
+    measure=measure, particles=(11, 21),
 )  # fmt: skip

@@ -90,11 +90,6 @@ def way(arm: int) -> float:
     return float((sizes * ((load * unit).sum(1) - twisting + twisting / TORSION)).sum() / rigid)
 
 
-def exact() -> dict[str, float]:
-    """The way of the end over that of a slender coil, G d⁴ / (8 n D³), for each coil."""
-    return {f"way, arm of {arm}": way(arm) / (STRETCH * R) for arm in ARM}
-
-
 def case(particles: int) -> Case:
     """One coil at rest, that the weight then stretches."""
     arm = arm_of(particles)
@@ -121,5 +116,6 @@ def measure(track: Track) -> Errors:
 SPRING = Reference(
     name="spring", title="a coil that a weight on its axis stretches, G d⁴ / (8 n D³)", metric="stiffness",
     unit="of the stiffness", needs="bending stiffness in physical units, a mass on the tip, twist", span=0.5,
-    exact=exact, case=case, measure=measure, steps=(1 / 480,), particles=tuple(len(coil(arm)) for arm in ARM),
+    exact=lambda: {f"stretch, arm of {arm}": way(arm) / (STRETCH * R) for arm in ARM},
+    case=case, measure=measure, steps=(1 / 480,), particles=tuple(len(coil(arm)) for arm in ARM),
 )  # fmt: skip

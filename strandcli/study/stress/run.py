@@ -78,11 +78,6 @@ def names_of(task: Task) -> tuple[str, ...]:
     return (task.name,) if isinstance(task, PresetCase) else tuple(case.name for case in task)
 
 
-def canonical(name: str) -> str:
-    """A case's name as it is listed: axes in their order, defaults left out."""
-    return case_named(name).name
-
-
 def run(
     work: Sequence[Task],
     *,
