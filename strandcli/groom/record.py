@@ -92,9 +92,9 @@ class Groom:
     """How strands that are not curled bend; None: they are straight."""
     phases: NDArray[np.float32] | None = None
     """(strands,) in [−1, 1): by which curled strands are turned around their axes; None: tones."""
-    ways: NDArray[np.float64] | None = None
-    """(strands, n − 1, 3) unit vectors: the edges of strands that are simulated with n particles in a shape of their
-    own; else None."""
+    edges: NDArray[np.float64] | None = None
+    """(strands, n − 1, 3) unit vectors, or zero: the edges of strands that are simulated with n particles in a shape of
+    their own; else None."""
     anchors: Anchors | None = None
     """Where roots stand on the emitter's mesh; None: it is none."""
     film: Any = None
@@ -119,8 +119,8 @@ class Groom:
     def edge(self, j: int, edges: int) -> NDArray[np.float64]:
         """Return (strands, 3) unit directions of edge j of ``edges``, root to tip, at its middle. Curled strands are
         helices, each turned around its axis by its phase."""
-        if self.ways is not None:
-            return self.ways[:, min(j, edges - 1)]
+        if self.edges is not None:
+            return self.edges[:, min(j, self.edges.shape[1] - 1)]  # solvers may ask for one more than there are
         angle, turns = self.curl
         axes = self.directions.astype(np.float64)
         if angle == 0 and self.bend is not None:

@@ -121,7 +121,7 @@ def chained(groom: Groom, own: NDArray[np.int64], particles: int) -> tuple[Groom
         sizes.sum(1).astype(np.float32),
         groom.tones[own],
         places=np.argsort(np.argsort(placed)).astype(np.int32),
-        ways=ways,
+        edges=ways,
         anchors=None if groom.anchors is None else groom.anchors.of(own),
     )
     return guides, deviation

@@ -26,7 +26,7 @@ def hanging(particles: int) -> float:
     edges[:, (particles - 1) // 2 :, 1] *= -1
     settings = preset(0.0, 1, particles, drag=2.0)
     settings["rod"]["end"] = "pinned"
-    strand = track_of(Case(settings, replace(groom([[1, 0, 0]], [1.0]), ways=edges)), 1 / 24, 10.0).last[0]
+    strand = track_of(Case(settings, replace(groom([[1, 0, 0]], [1.0]), edges=edges)), 1 / 24, 10.0).last[0]
     u = np.linspace(0.1, 5, 1_000_000)
     a = APART / (2 * u[np.argmin(np.abs(np.sinh(u) / u - 1 / APART))])
     x = a * np.arcsinh((np.linspace(0, 1, particles) - 0.5) / a)

@@ -33,7 +33,7 @@ def laid_pair(n: int, turns: float, radius: float, length: float) -> Groom:
     ways /= np.linalg.norm(ways, axis=2)[:, :, None]
     return Groom(
         np.array([p[0] for p in points], np.float32), ways[:, 0].astype(np.float32), lengths.astype(np.float32),
-        np.zeros(2, np.float32), ways=ways,
+        np.zeros(2, np.float32), edges=ways,
     )  # fmt: skip
 
 

@@ -99,7 +99,7 @@ def case(particles: int) -> Case:
     length = len(edges) * R / arm
     made = Groom(
         np.zeros((1, 3), np.float32), (tangent / np.linalg.norm(tangent)).astype(np.float32),
-        np.array([length], np.float32), np.zeros(1, np.float32), ways=edges[None],
+        np.array([length], np.float32), np.zeros(1, np.float32), edges=edges[None],
     )  # fmt: skip
     settings = preset(bending(arm), 1, len(corners), drag=120.0)
     settings["rod"] |= {"rest": "shape", "torsion": TORSION}

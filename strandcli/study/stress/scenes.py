@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -34,18 +34,6 @@ RADIUS = 0.02
 """Of theirs, in L: others have 2 L, which no cell could be smaller than."""
 COIL, AXIS = 0.6, np.array([0.8, 0.6, 0.0])
 """Radians by which a coil's edges turn from one to the next, about which unit vector."""
-
-
-@dataclass(frozen=True)
-class Started(Groom):
-    """A groom whose edges begin anywhere: ``edges`` (strands, segments, 3), unit vectors or zero."""
-
-    edges: NDArray[np.float64] | None = None
-
-    def edge(self, j: int, edges: int) -> NDArray[np.float64]:
-        """(strands, 3): edge j as it begins."""
-        assert self.edges is not None
-        return self.edges[:, min(j, self.edges.shape[1] - 1)]  # solvers may ask for one more than there are
 
 
 def times_of(case: Case) -> NDArray[np.float64]:
@@ -110,7 +98,7 @@ def _scaled(settings: Mapping[str, Any], L: float) -> dict[str, Any]:
     return {key: value * L ** powers[key] if key in powers else value for key, value in settings.items()}
 
 
-def groom_of(cases: Sequence[Case]) -> Started:
+def groom_of(cases: Sequence[Case]) -> Groom:
     """The strands of a batch: one a case where cases are single strands, else those of the one groom."""
     first = cases[0]
     n, L, strands, free = first.value("n"), first.value("L"), strands_of(first), first.label("contact") == "none"
@@ -129,7 +117,7 @@ def groom_of(cases: Sequence[Case]) -> Started:
     if first.label("twist") == "coil":
         edges = coil(edges)
     near = np.float32(CLOSE if first.grouped and free else 1.0)
-    return Started(
+    return Groom(
         roots.astype(np.float32) * near, directions.astype(np.float32), (L * (1 + spread)).astype(np.float32),
         np.zeros(len(roots), np.float32), edges=edges,
     )  # fmt: skip
