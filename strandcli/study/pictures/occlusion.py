@@ -106,16 +106,16 @@ class OcclusionStudy(Pictures):
 
 def seen_of_sky(
     lines: Polylines, thickness: Thickness, packed: shapes.Solids | None, points: NDArray[np.float64],
-    own: NDArray[np.int64], jitter: NDArray[np.float64], skin: float,
+    own: NDArray[np.int64], jitter: NDArray[np.float64], skin: float, sky: int = SKY,
 ) -> NDArray[np.float64]:  # fmt: skip
     """(P, 2): the share of an even sky that polylines as cylinders and solids leave points (P, 3) on the strands
     ``own`` (P,), by the even and the odd rays of bundles ``jitter`` (R, 2) metres wide in each direction."""
     found = np.zeros((len(points), 2))
-    for direction in occlusion.directions(SKY).astype(np.float64):
+    for direction in occlusion.directions(sky).astype(np.float64):
         left = transmittance(lines, thickness, DirectionalLight(direction=tuple(-direction)), points, own, jitter)
         if packed is not None:
             to, far = direction.astype(np.float32), np.float32(1e30)
             for p, point in enumerate(points.astype(np.float32)):
                 left[p] *= rays.visibility(packed, *point, *to, far, np.float32(skin))
-        found += left / SKY
+        found += left / sky
     return found

@@ -23,7 +23,7 @@ from strandcli.draw.shadows.shadow import map_arrays, plan_maps
 from strandcli.draw.view.camera import axes
 from strandcli.scene.model import DirectionalLight, Light, Material, PointLight, Shadow
 from strandcli.study.kernels import cylinders
-from strandcli.study.pictures.shadow import bundle, frames_along
+from strandcli.study.pictures.shadow import bundle, frames_along, pieces_of
 from tests.draw.shadows.test_opacity import straight
 
 DEEP = Shadow(model="opacity")
@@ -91,8 +91,8 @@ def truth_of(light: DirectionalLight | PointLight, points: NDArray[np.float64], 
     probes = np.tile(points, (rays, 1))
     left = np.zeros((len(probes), 2))
     cylinders.transmittance(
-        LINES.first, LINES.world.astype(np.float64), radii_of(), probes, np.full(len(probes), -1), frames_along(ways),
-        np.full(len(probes), np.inf), np.zeros((2, 2)), np.ones(len(probes)), left,
+        pieces_of(LINES.first, LINES.world.astype(np.float64), radii_of()), probes, np.full(len(probes), -1),
+        frames_along(ways), np.full(len(probes), np.inf), np.zeros((2, 2)), np.ones(len(probes)), left,
     )  # fmt: skip
     return np.asarray(left.mean(1).reshape(rays, -1).mean(0))
 
