@@ -169,6 +169,7 @@ def test_what_is_set_by_hand_is_not_turned_and_what_does_not_fit_is_refused(run:
     for options, word in (
         (("--axis", "coverage", "--dt", "1/24"), "--dt"),
         (("--axis", "coverage", "--frame", "900"), "--frame 900"),
+        (("--axis", "coverage", "--strands", "9"), "--strands: axis coverage draws all of them"),
         (("--frame", "2"), "--frame"),
         (("--axis", "shadow", "--set", "lights=[]"), "no light"),
         (("--axis", "colour"), "no axis 'colour'"),

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import RefusedError
+from ...errors import RefusedError, UsageError
 from ...output.flip import mean_flip
 from ...plan import checked_plan
 from ...scene.quality import LOOKS, QUALITIES, settings_for, shadowed
@@ -166,6 +166,8 @@ class WholeFrame(FrameStudy):
     programs do not move the front."""
 
     def __init__(self, request: Request) -> None:
+        if request.strands is not None:
+            raise UsageError(f"--strands: axis {self.axis} draws all of them; use --set emitter.strands")
         scene = request.single if request.size is None else changed(request.single, {"image.size": request.size})
         super().__init__(Request(scene=scene, name=request.name, frame=request.frame, fixed=request.fixed))
         self.windows.of_processor = True
