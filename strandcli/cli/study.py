@@ -47,7 +47,7 @@ max_error = click.option("--max-error", type=ERROR, metavar="ERROR", help="Error
 @click.option("--cells", type=several("METRES", metres, "0.01,0.02"), metavar="METRES",
               help="Cells of the rule interaction to try.  [default: the preset's own]")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
-              help="Strands of the preset: the first N.  [default: 256; pictures: 2000]")  # fmt: skip
+              help="Strands of the preset: the first N.  [default: 256; shadow, occlusion: 2000]")  # fmt: skip
 @click.option("--span", type=click.FloatRange(1e-3, 3600), metavar="SECONDS",
               help="Part of the preset's film to run, after its pre-roll.  [default: 1]")  # fmt: skip
 @click.option("--frame", type=options.Whole(1), metavar="N", help="Frame to draw, of pictures.  [default: 1]")
