@@ -222,8 +222,6 @@ def test_motion_of_guides_is_studied_and_pictures_are_not(tmp_path: Path) -> Non
     for axis in ("coverage", "quality", "shadow"):
         with pytest.raises(UsageError, match="a: axes of pictures draw strands that are grown, and this preset has"):
             find(axis)(Request(given, "a"))
-    with pytest.raises(UsageError, match="a: has the strands of a file"):
-        find("interaction")(Request(given, "a", guides=(3,)))
     still = scene(tmp_path / "a.data")
     with pytest.raises(UsageError, match="a: nothing moves the strands of its file"):
         Motion(Request(still, "a"))
