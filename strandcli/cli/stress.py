@@ -11,12 +11,12 @@ import click
 
 from ..common.counted import counted
 from ..errors import MismatchError, UsageError
-from . import complete, options
+from . import options
 from .progress import Talk
 from .say import say
 
 if TYPE_CHECKING:
-    from ..study.stress.run import Result, Task
+    from ..study.stress.run import Result
     from ..study.stress.verdicts import Verdict
 
 MOST_TOLD = 20
@@ -24,7 +24,6 @@ MOST_TOLD = 20
 
 
 @click.command()
-@click.argument("preset", required=False, shell_complete=complete.presets)
 @click.option("--solver", type=click.Choice(("rod", "thesis", "both")), help="Solver to test.  [default: both]")
 @click.option("--case", "case", metavar="NAME", help="Run this case alone, as the table and --json name it.")
 @click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name has all of WORDS; or a pattern.")
@@ -35,7 +34,6 @@ MOST_TOLD = 20
 @options.threads
 @options.talk("Name each case as it fails, and what is compiled.")
 def command(
-    preset: str | None,
     solver: str | None,
     case: str | None,
     pattern: str | None,
@@ -48,9 +46,7 @@ def command(
 ) -> None:
     """Run the solvers through every extreme of step, stiffness, weight, wind, motion, contact and start.
 
-    With PRESET, that preset's own scene through every extreme of step, wind and motion instead; depths in its solids
-    are reported but not judged, for only its author knows which overlaps are meant. Exit code 3 where a case fails that
-    was not expected to; --case NAME runs one case again.
+    Exit code 3 where a case fails that was not expected to; --case NAME runs one case again.
     """
     if pattern is not None and not pattern.strip():
         raise UsageError("--filter: the text is empty; leave it out to run all cases")
@@ -58,10 +54,14 @@ def command(
         options.refuse_existing(html, overwrite)
     from ..study.stress import run as stress
 
-    work, only = _chosen(preset, solver, case, pattern, quick)
-    from ..study.stress.run import names_of
-
-    names = [name for task in work for name in names_of(task) if only(name)]
+    if case is not None:
+        work = [stress.named(case)]
+        own = stress.case_named(case).name  # axes in their order, without defaults
+    else:
+        work = stress.tasks(("rod", "thesis") if solver in (None, "both") else (str(solver),), quick)
+    accept = stress.matching(pattern) if pattern else lambda name: True
+    only = accept if case is None else lambda name: name == own
+    names = [one.name for task in work for one in task if only(one.name)]
     if not names:
         raise UsageError(f"--filter {pattern}: no case has such a name; --list names them all")
     if listing:
@@ -98,29 +98,6 @@ def command(
         first = f"{failed[0].name}: {failed[0].why}"
         more = "" if case else f"; again with: strandcli stress --case {failed[0].name}"
         raise MismatchError(f"{len(failed)} of {counted(len(result.verdicts), 'case')} failed, such as {first}{more}")
-
-
-def _chosen(
-    preset: str | None, solver: str | None, case: str | None, pattern: str | None, quick: bool
-) -> tuple[Sequence[Task], Any]:
-    """The work to do, and which names of it are wanted."""
-    from ..study.stress import run as stress
-
-    if preset is not None:
-        from ..study.stress import preset as presets
-
-        if case is not None:
-            work: Sequence[Task] = [presets.named(options.load_scene(preset), case)]
-        else:
-            work = presets.cases_of(options.load_scene(preset), None if solver in (None, "both") else solver)
-    elif case is not None:
-        work = [stress.named(case)]
-    else:
-        work = stress.tasks(("rod", "thesis") if solver in (None, "both") else (str(solver),), quick)
-    if case is not None:
-        wanted = case if preset is not None else stress.case_named(case).name  # axes in their order, no defaults
-        return work, wanted.__eq__
-    return work, stress.matching(pattern) if pattern else lambda name: True
 
 
 def detail(verdict: Verdict) -> str:

@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from cli_runs import Runner
-from strandcli.simulate import rules
 from strandcli.study.stress import drive, run, verdicts
 from strandcli.study.stress.axes import AXES, case_named
 
@@ -84,43 +83,6 @@ def test_a_replay_gives_the_same_numbers(command: Runner) -> None:
     assert found[0][0]["metrics"] == {key: float(f"{value:.4g}") for key, value in metrics.items()}
 
 
-def test_a_presets_own_scene_goes_through_it_too(command: Runner) -> None:
-    Path("own.yaml").write_text("emitter: {strands: 9, particles: 4}\nrules: [gravity, elasticity]\n")
-    result = command("stress", "own.yaml", "--filter", "emitter=flip wind=gale", "--json")
-    assert result.code == 0
-    data = json.loads(result.out)
-    assert data["summary"]["pass"] == len(data["cases"]) == 7 * 3
-    name = data["cases"][4]["name"]
-    assert name.startswith("thesis/preset/")
-    assert json.loads(command("stress", "own.yaml", "--case", name, "--json").out)["cases"] == [data["cases"][4]]
-    assert "no case of a preset" in command("stress", "own.yaml", "--case", "thesis/preset/dt=7").error()
-
-
-def test_what_a_preset_is_not_judged_by_has_a_row_and_a_reason(command: Runner) -> None:
-    balls = "solids: [{kind: sphere, position: [0.5, 0, 0]}, {kind: sphere, position: [-0.5, 0, 0]}]\n"
-    Path("own.yaml").write_text("emitter: {strands: 9, particles: 4}\nrules: [gravity, collision]\n" + balls)
-    told = command("stress", "own.yaml", "--filter", "dt=24Hz", "--solver", "rod").out.splitlines()
-    rows = {tuple(line.split()[1:3]): line.split() for line in told if line.startswith("rod")}
-    assert ("penetration", "<=") not in rows
-    assert ("stretch", "<=") in rows
-    deepest = rows["penetration", "reported"]
-    assert float(deepest[3]) > 0.01
-    assert any(line.startswith("  penetration: only who wrote a preset") for line in told)
-    case = command("stress", "own.yaml", "--case", deepest[6]).out
-    assert f"{deepest[6]}: pass (penetration " in case
-    assert "not held to <= 1e-06: only who" in case
-    soft = command("stress", "own.yaml", "--filter", "dt=24Hz wind=gale", "--solver", "thesis").out
-    assert "  stretch: strands of the rules" in soft
-
-
-def test_a_preset_whose_gusts_travel_goes_through_other_winds_too(command: Runner) -> None:
-    wind = "{wind: {strength: 3, gust: 0.5, wavelength: 2}}"
-    Path("own.yaml").write_text(f"emitter: {{strands: 9, particles: 4}}\nsolver: rod\nrules: [gravity, {wind}]\n")
-    result = command("stress", "own.yaml", "--filter", "dt=24Hz wind=gale emitter=flip")
-    assert result.code == 0, result.err
-    assert "3 pass" in result.out
-
-
 def test_a_process_ends_when_the_one_that_began_it_is_killed() -> None:
     code = (
         "import os, signal\n"
@@ -135,16 +97,6 @@ def test_a_process_ends_when_the_one_that_began_it_is_killed() -> None:
     found = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, timeout=60, check=False)
     assert found.stdout == "True\n"
     assert found.returncode == -signal.SIGKILL
-
-
-def test_rules_that_a_preset_brings_are_run(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    import bad_rules
-
-    monkeypatch.setitem(rules._registry, "rooted", bad_rules.rooted)
-    Path("own.yaml").write_text("emitter: {strands: 9, particles: 4}\nrules: [rooted, elasticity]\n")
-    result = command("stress", "own.yaml", "--case", "thesis/preset/dt=10")
-    assert result.code == 3
-    assert "nonfinite" in result.err
 
 
 def test_several_processes_come_to_the_same_verdicts() -> None:

@@ -34,7 +34,7 @@ def test_every_pair_is_covered(axes: dict[str, Any]) -> None:
 def test_a_name_leads_back_to_its_case() -> None:
     for case in (*matrix.quick("rod"), *matrix.pairs("thesis"), *matrix.grooms("rod"), *matrix.groups()):
         assert case_named(case.name) == case
-        assert case.name in run.names_of(run.named(case.name))
+        assert case in run.named(case.name)
     assert Case.of("rod").name == "rod"
     assert case_named("rod/start=folded/dt=0.5").name == "rod/dt=0.5/start=folded"
     assert case_named("thesis").parameters == DEFAULTS

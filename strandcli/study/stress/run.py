@@ -14,14 +14,13 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 from ...compiling import runtime
-from . import drive, matrix, preset, verdicts
+from . import drive, matrix, verdicts
 from .axes import AXES, SOLVERS, Case, case_named
-from .preset import PresetCase
 from .verdicts import WORDS, Verdict, judge, unjudged_of
 
 Notify = Callable[[str], None]
-Task = PresetCase | tuple[Case, ...]
-"""A piece of work: a preset's case, or a batch of cases that differ in the start alone."""
+Task = tuple[Case, ...]
+"""A piece of work: a batch of cases that differ in the start alone."""
 CHUNK = 6
 """Tasks that a process is handed at once."""
 MASSLESS = "its particles have no mass"
@@ -73,11 +72,6 @@ def named(name: str) -> Task:
     return tuple(case.with_labels(start=start) for start in AXES["start"])
 
 
-def names_of(task: Task) -> tuple[str, ...]:
-    """What the results of a piece of work are called."""
-    return (task.name,) if isinstance(task, PresetCase) else tuple(case.name for case in task)
-
-
 def run(
     work: Sequence[Task],
     *,
@@ -91,7 +85,7 @@ def run(
     ``tell`` each verdict."""
     began = time.perf_counter()
     accept = only or (lambda name: True)
-    wanted = [task for task in work if any(accept(name) for name in names_of(task))]
+    wanted = [task for task in work if any(accept(case.name) for case in task)]
     found: list[Verdict] = []
     for several in _results(wanted, processes, notify):
         kept = [one for one in several if accept(one.name)]
@@ -149,17 +143,14 @@ def _one_of_each(work: Iterable[Task]) -> list[Task]:
     """A task for every kernel that the work needs."""
     found: dict[Any, Task] = {}
     for task in work:
-        if not isinstance(task, PresetCase):
-            case = task[0]
-            free = case.label("contact") == "none" or case.solver == "thesis"
-            found.setdefault((case.solver, case.value("n") > 10, free, *case.value("between")), task)
+        case = task[0]
+        free = case.label("contact") == "none" or case.solver == "thesis"
+        found.setdefault((case.solver, case.value("n") > 10, free, *case.value("between")), task)
     return list(found.values())
 
 
 def perform(task: Task) -> list[Verdict]:
     """Verdicts on one piece of work."""
-    if isinstance(task, PresetCase):
-        return [preset.perform(task)]
     if task[0].solver == "thesis" and task[0].label("tip") != "1":
         return [judge(case.name, case.parameters, {}, absent=MASSLESS) for case in task]
     return [
