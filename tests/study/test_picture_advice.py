@@ -34,6 +34,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(advice, "folder", lambda: tmp_path / "kept")
     monkeypatch.setattr(module, "SIDE", 12)
+    monkeypatch.setattr("strandcli.study.pictures.frame.PATIENCE", 1e9)
     return Runner(tmp_path, capsys)
 
 
