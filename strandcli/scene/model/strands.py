@@ -10,7 +10,7 @@ from typing import Any
 
 from ...common.registry import FIBRES
 from .. import fields
-from ..fields import Colour, boolean, choice, colour, integer, items, number, optional, parameters
+from ..fields import Colour, boolean, choice, colour, integer, items, number, parameters
 
 PIGMENTS = (
     "rgb", "black", "dark_brown", "brown", "light_brown", "auburn", "red", "dark_blond", "blond", "platinum", "white",
