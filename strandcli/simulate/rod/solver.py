@@ -165,7 +165,6 @@ class RodSolver(Solver):
         """Add to the mass of tips, over that of a segment."""
         self.material.mass[-1] += mass
 
-
     def step(self, time: float, dt: float) -> None:
         """A step of ``dt`` seconds that ends at ``time``, in several where swings ask for it; nothing where it is 0."""
         count = parts(self._swing_rate, dt)
