@@ -73,6 +73,30 @@ def obj(strands: Sequence[Strand], segments: bool = False, back: bool = False) -
     return text.encode()
 
 
+def gltf(
+    strands: Sequence[Strand], mode: int = 3, index: str = "<u2", **node: object
+) -> tuple[dict[str, object], bytes]:
+    """The tree of a glTF of lines and its buffer: strips (3), pairs (1) or loops (2), a primitive a strand."""
+    codes = {"<u1": 5121, "<u2": 5123, "<u4": 5125}
+    buffer, views, accessors, primitives = b"", [], [], []
+    for one in strands:
+        rows = np.arange(len(one))
+        rows = np.stack([rows[:-1], rows[1:]], 1).reshape(-1) if mode == 1 else rows
+        for values, kind, width in ((one.astype("<f4"), 5126, "VEC3"), (rows.astype(index), codes[index], "SCALAR")):
+            buffer += bytes(-len(buffer) % 4)
+            views.append({"buffer": 0, "byteOffset": len(buffer), "byteLength": values.nbytes})
+            accessors.append({"bufferView": len(views) - 1, "componentType": kind, "count": len(values), "type": width})
+            buffer += values.tobytes()
+        attributes = {"POSITION": len(accessors) - 2}
+        primitives.append({"mode": mode, "attributes": attributes, "indices": len(accessors) - 1})
+    tree = {
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, **node}],
+        "meshes": [{"primitives": primitives}], "accessors": accessors, "bufferViews": views,
+        "buffers": [{"byteLength": len(buffer)}],
+    }  # fmt: skip
+    return tree, buffer
+
+
 def tfx4(strands: Sequence[Strand], uv: bool = True) -> bytes:
     """`.tfx` of version 4."""
     each = len(strands[0])

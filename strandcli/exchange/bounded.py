@@ -64,9 +64,9 @@ class Bounded:
     def room(self, field: str, count: int, each: int) -> None:
         """Raise where ``count`` items of ``each`` bytes in memory take far more than the file: few bytes may name the
         same things again and again."""
-        if count * each > TIMES * self.size + SPARE:
-            raise self.damaged(f"{field}: {count:,} take {amount(count * each)} of memory, of a file of "
-                               f"{amount(self.size)}", 0)  # fmt: skip
+        why = too_many(field, count, each, self.size)
+        if why:
+            raise self.damaged(why, 0)
 
     def seek(self, field: str, position: int, at: int | None = None) -> None:
         """Go on reading at a byte that the file itself names."""
@@ -146,6 +146,14 @@ def opened(path: Path, what: str, lenient: bool = False) -> Iterator[Bounded]:
     """A file to be read; arguments as for `Bounded`. Raises as `strandcli.files.inputs.opened`."""
     with inputs.opened(path) as file:
         yield Bounded(path, file, os.fstat(file.fileno()).st_size, what, lenient)
+
+
+def too_many(field: str, count: int, each: int, size: int) -> str | None:
+    """What is wrong with ``count`` items of ``each`` bytes in memory, of a file of ``size`` bytes; None where there is
+    room for them."""
+    if count * each <= TIMES * size + SPARE:
+        return None
+    return f"{field}: {count:,} take {amount(count * each)} of memory, of a file of {amount(size)}"
 
 
 def not_finite(values: npt.NDArray[Any]) -> tuple[int, int]:

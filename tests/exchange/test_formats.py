@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 import abc_kit
 import exchange_kit as kit
+import mesh_kit
 from strandcli.errors import UsageError
 from strandcli.exchange.files import ReadOptions, read, write
 from strandcli.exchange.strands import Attribute, Strands
@@ -65,6 +66,8 @@ WRITERS: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "obj": (".obj", kit.obj),
     "obj of segments": (".obj", lambda strands: kit.obj(strands, segments=True)),
     "obj that counts back": (".obj", lambda strands: kit.obj(strands, back=True)),
+    "glb of strips": (".glb", lambda strands: mesh_kit.glb(*kit.gltf(strands))),
+    "glb of pairs": (".glb", lambda strands: mesh_kit.glb(*kit.gltf(strands, 1, "<u4"))),
 }
 EVEN: dict[str, tuple[str, Callable[[Sequence[kit.Strand]], bytes]]] = {
     "hair": (".hair", lambda strands: kit.hair(strands, segments=False)),

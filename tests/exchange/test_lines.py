@@ -1,4 +1,4 @@
-"""Strands as lines of .obj, and as one array of numpy."""
+"""Strands as lines of .obj and glTF, and as one array of numpy."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import exchange_kit as kit
+import mesh_kit
 from cli_runs import Runner
 from strandcli.cli.complete import files
 from strandcli.errors import UsageError
@@ -27,6 +28,14 @@ def file(tmp_path: Path, name: str, content: bytes) -> Path:
     path = tmp_path / name
     path.write_bytes(content)
     return path
+
+
+def test_loops_end_where_they_begin_and_nodes_place_lines(tmp_path: Path) -> None:
+    path = file(tmp_path, "a.glb", mesh_kit.glb(*kit.gltf(TWO[:1], 2, translation=[0, 0, 5], scale=[2, 1, 1])))
+    found = read(path)
+    wanted = np.concatenate([TWO[0], TWO[0][:1]]) * np.float32([2, 1, 1]) + np.float32([0, 0, 5])
+    assert found.points == pytest.approx(wanted)
+    assert (found.source.unit, found.source.up) == (1.0, "y")
 
 
 def test_lines_of_obj_may_name_textures_and_go_on_in_the_next_line(tmp_path: Path) -> None:
@@ -51,9 +60,15 @@ def test_what_is_wrong_with_an_obj_has_its_line(content: bytes, words: str, tmp_
 
 def test_lines_that_name_a_vertex_often_take_no_memory_for_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bounded, "SPARE", 0)
-    content = b"v 0 0 0\nl" + 5000 * b" 1" + b"\n"
-    with pytest.raises(UsageError, match="points of its lines: 5,000 take 80 kB of memory, of a file of 10 kB"):
-        read(file(tmp_path, "a.obj", content))
+    tree, buffer = kit.gltf(TWO)
+    tree["nodes"] *= 999
+    tree["scenes"][0]["nodes"] = list(range(len(tree["nodes"])))
+    for name, content, words in (
+        ("a.obj", b"v 0 0 0\nl" + 5000 * b" 1" + b"\n", "5,000 take 80 kB of memory, of a file of 10 kB"),
+        ("a.glb", mesh_kit.glb(tree, buffer), r"[\d,]+ take [\d.]+ kB of memory, of a file of .*; write fewer"),
+    ):
+        with pytest.raises(UsageError, match=f"points of its lines: {words}"):
+            read(file(tmp_path, name, content))
 
 
 def saved(values: object) -> bytes:
@@ -113,7 +128,7 @@ def test_the_ends_of_names_stand_once(tmp_path: Path, monkeypatch: pytest.Monkey
     assert files("") == sorted(f"a{suffix}" for suffix in (*known, ".yaml"))
 
 
-def test_objects_of_obj_keep_their_names(tmp_path: Path) -> None:
+def test_objects_of_obj_and_gltf_keep_their_names(tmp_path: Path) -> None:
     first = read(
         file(tmp_path, "a.obj", b"g cap\n" + kit.obj(TWO).replace(b"strand1", b"two words") + b"g none\nl 1 2\n")
     )
@@ -124,3 +139,9 @@ def test_objects_of_obj_keep_their_names(tmp_path: Path) -> None:
     assert again.objects == first.objects
     assert (again.points == first.points).all()
     assert read(file(tmp_path, "c.obj", b"v 0 0 0\nv 1 1 1\nl 1 2\n")).objects == ()
+    tree, buffer = kit.gltf(TWO)
+    tree["nodes"] = [{"mesh": 0, "name": "brows"}, {"mesh": 0, "translation": [1, 0, 0]}]
+    tree["scenes"] = [{"nodes": [0, 1]}]
+    found = read(file(tmp_path, "d.glb", mesh_kit.glb(tree, buffer)))
+    assert found.objects == ("brows", "mesh0")
+    assert found.attributes["object"].values.tolist() == [0, 0, 1, 1]

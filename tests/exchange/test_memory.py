@@ -69,7 +69,7 @@ def BasisCurves "a" {{
 """
 
 
-def test_texts_of_usd_take_fifty_times_their_file(tmp_path: Path) -> None:
+def test_texts_of_usd_take_three_times_their_file(tmp_path: Path) -> None:
     pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
     small, large = tmp_path / "small.usda", tmp_path / "large.usda"
     point = "(0.25, 1, 2.5), (0, -1, 3.5)"
@@ -80,4 +80,4 @@ def test_texts_of_usd_take_fifty_times_their_file(tmp_path: Path) -> None:
     found = read(large)
     assert found.count == 200_000
     assert (found.points.reshape(-1, 2, 3) == read(small).points).all()
-    assert peak_of_worker() - before < 50 * large.stat().st_size
+    assert peak_of_worker() - before < TIMES * large.stat().st_size + 20e6

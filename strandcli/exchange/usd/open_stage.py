@@ -9,16 +9,19 @@ from itertools import chain
 from pxr import Ar, Sdf, Usd, UsdUtils
 
 from .messages import RefusedFileError
+from .text import layer_of_text
 
 
 def opened(path: str) -> Usd.Stage:
     """The stage of a file. Raises `RefusedFileError` and Tf.ErrorException."""
-    known = Sdf.Layer.Find(path)
-    layer = known or Sdf.Layer.FindOrOpen(path)
+    layer = layer_of_text(path)
     if layer is None:
-        raise RefusedFileError("is no USD that Pixar's library opens")
-    if known is not None:
-        known.Reload(force=True)
+        known = Sdf.Layer.Find(path)
+        layer = known or Sdf.Layer.FindOrOpen(path)
+        if layer is None:
+            raise RefusedFileError("is no USD that Pixar's library opens")
+        if known is not None:
+            known.Reload(force=True)
     named = _layers_named(layer)  # which are open until the stage has them
     stage = Usd.Stage.Open(layer, Usd.Stage.LoadAll)
     del named
@@ -36,7 +39,7 @@ def _layers_named(root: Sdf.Layer) -> list[Sdf.Layer]:
             place = layer.ComputeAbsolutePath(name)
             if place not in seen and _is_file(place, name):
                 seen.add(place)
-                inner = Sdf.Layer.FindOrOpen(place)
+                inner = layer_of_text(place) or Sdf.Layer.FindOrOpen(place)
                 found += [] if inner is None else [inner]
     return found
 
