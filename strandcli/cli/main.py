@@ -47,6 +47,9 @@ COMMANDS = {
     "warmup": "Compile ahead of the first run.",
 }
 
+LIGHT = ("presets", "schema", "completion", "doctor")
+"""Commands that need no kernels, or tell themselves what is wrong with them."""
+
 
 class LazyGroup(click.Group):
     """Knows its commands by name and imports one when it is called for; `--help` imports none."""
@@ -82,6 +85,9 @@ class LazyGroup(click.Group):
             close = get_close_matches(name, COMMANDS, n=1)
             hint = f"did you mean '{close[0]}'?" if close else f"commands are {', '.join(COMMANDS)}"
             raise click.UsageError(f"no command '{name}'; {hint}", ctx)
+        if name not in LIGHT and not ctx.resilient_parsing and not {"-h", "--help"} & set(args):
+            runtime.require_addresses()
+            runtime.require_threads()
         return super().resolve_command(ctx, args)
 
 
@@ -187,8 +193,10 @@ def _outcome(error: BaseException, debug: bool) -> tuple[int, str]:
         case NotImplementedError() if runtime.lacks_compiler(error):
             return USAGE, runtime.NO_COMPILER
         case MemoryError():
+            limit = runtime.address_limit()
+            least = "" if limit is None else f" ('ulimit -v' leaves {limit / 1e6:,.0f} MB of addresses)"
             smaller = "ask for fewer --strands or --particles or a smaller --size"
-            return REFUSED, f"out of memory; {smaller} ('strandcli plan' estimates the need)"
+            return REFUSED, f"out of memory{least}; {smaller} ('strandcli plan' estimates the need)"
         case OSError() if error.errno in _REFUSALS:
             return REFUSED, _os_error(error)
         case OSError() if error.strerror:

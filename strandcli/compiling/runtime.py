@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from ..errors import UsageError
+from ..errors import RefusedError, UsageError, said
 from .clock import clock
 from .folder import cache
 
@@ -21,6 +21,12 @@ SPINS = "30000"
 """How often an idle thread looks for work before it sleeps. GNU's OpenMP looks 300,000 times, a millisecond in which
 another process could have run: beside a busy one, small frames took 3 to 40 times as long. Less than this and
 every step of a small simulation waits for a thread to wake up."""
+
+MOST_THREADS = 4096
+"""That NUMBA_NUM_THREADS may ask for; of a hundred thousand Numba crashes."""
+
+ADDRESSES = 800_000_000
+"""Bytes of addresses that Python takes with the libraries, NumPy's and LLVM's among them, and a small picture."""
 
 M_MMAP_THRESHOLD = -3
 """Of mallopt(3): bytes from which on arrays have pages of their own."""
@@ -51,11 +57,13 @@ def tell(notify: Callable[[str], None] | None, warn: Callable[[str], None] | Non
 
 def checked_threads(threads: int | None) -> int:
     """The number of threads to use; all for None. Raises `UsageError` as `start` does."""
+    require_threads()
     import numba
 
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         raise UsageError(NO_COMPILER)
     most = int(numba.config.NUMBA_NUM_THREADS)  # type: ignore[attr-defined]
+    _check_threading_layer()
     if threads is None:
         threads = most
     if not 1 <= threads <= most:
@@ -104,6 +112,59 @@ def give_back_large() -> None:
 
     with suppress(OSError, AttributeError):  # of C libraries that have no such setting
         ctypes.CDLL(None).mallopt(M_MMAP_THRESHOLD, LARGE)
+
+
+def address_limit() -> int | None:
+    """Bytes of addresses that this process may use, such as a shell sets by ``ulimit -v``; None where all are free."""
+    try:
+        import resource
+    except ImportError:  # no POSIX
+        return None
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return None if limit == resource.RLIM_INFINITY else limit
+
+
+def require_addresses() -> None:
+    """Raise `RefusedError` where libraries cannot be loaded: some end the process then, without a word of ours."""
+    limit = address_limit()
+    if limit is not None and limit < ADDRESSES:
+        raise RefusedError(
+            f"this process may use {limit / 1e6:,.0f} MB of addresses, and the libraries take {ADDRESSES / 1e6:,.0f}; "
+            "raise the limit: 'ulimit -v unlimited'"
+        )
+
+
+def _check_threading_layer() -> None:
+    """Raise `UsageError` for a threading layer that Numba is asked for and has not."""
+    import numba
+
+    asked = str(numba.config.THREADING_LAYER)  # type: ignore[attr-defined]
+    if asked == "default":
+        return
+    from numba.np.ufunc import parallel
+
+    try:
+        parallel._launch_threads()
+    except ValueError as error:
+        raise UsageError(
+            f"NUMBA_THREADING_LAYER={asked}: {said(error)}; unset it, and Numba takes one that is there"
+        ) from None
+
+
+def require_threads() -> None:
+    """Raise `UsageError` for numbers of threads that Numba would take from its variable, and fail by."""
+    asked = os.environ.get("NUMBA_NUM_THREADS")
+    if asked is None:
+        return
+    try:
+        fine = 1 <= int(asked) <= MOST_THREADS
+    except ValueError:
+        fine = False
+    if not fine:
+        raise UsageError(
+            f"NUMBA_NUM_THREADS={asked!r}: must be a whole number from 1 to {MOST_THREADS}; where it is not set, each "
+            "core has a thread"
+        )
 
 
 def cache_folder() -> Path:

@@ -13,6 +13,8 @@ from importlib import metadata
 
 from .. import __version__
 from ..common.extras import install
+from ..compiling.runtime import require_addresses
+from ..errors import RefusedError
 from . import BROKEN, NOTE, OK, Finding
 
 LEAST = {"numba": (0, 61), "numpy": (1, 26), "pillow": (10, 3), "click": (8, 1), "pyyaml": (6, 0)}
@@ -60,6 +62,11 @@ def numbers(version: str) -> tuple[int, ...]:
 
 def numba_settings() -> Iterator[Finding]:
     """Numba, its compiler, and variables that change what it does."""
+    try:
+        require_addresses()
+    except RefusedError as error:
+        yield Finding("numba", BROKEN, str(error), "ulimit -v unlimited")
+        return
     try:
         import llvmlite.binding as llvm
         import numba

@@ -1,20 +1,48 @@
-"""Settings of Numba's: those with which nothing can be drawn are refused, and arithmetic has no shortcuts."""
+"""What of Numba and of the system no run can do with is refused in one line; arithmetic has no shortcuts."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numba
 import pytest
+from numba.np.ufunc import parallel
 
-from cli_runs import Runner
+from cli_runs import TINY, Runner, environment
+from strandcli.compiling import runtime
+from strandcli.doctor import BROKEN, software
 from strandcli.draw.zbuffer.kernels import lines, raster
+from strandcli.errors import UsageError
+
+try:
+    import resource
+except ImportError:  # no POSIX
+    resource = None  # type: ignore[assignment]
 
 
-def test_a_run_without_numbas_compiler_is_refused_in_one_line(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(numba.config, "DISABLE_JIT", 1)
-    done = run("render", "tiny.yaml", "-f", "1", "-o", "a")
-    assert done.code == 2
-    assert "NUMBA_DISABLE_JIT is set" in done.error()
-    assert "unset it" in done.error()
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        *(("NUMBA_NUM_THREADS", value, "must be a whole number from 1 to 4096")
+          for value in ("0", "abc", "4097")),
+        ("NUMBA_DISABLE_JIT", "1", "unset it"),
+    ],
+)  # fmt: skip
+def test_settings_of_numba_with_which_nothing_works_are_refused_in_one_line(
+    tmp_path: Path, name: str, value: str, words: str
+) -> None:
+    (tmp_path / "one.yaml").write_text(TINY, encoding="utf-8")
+    command = [sys.executable, "-m", "strandcli", "render", "one.yaml", "-f", "1", "-o", "a"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env={**environment(), name: value}, capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) == 1, done.stderr
+    assert done.stderr.startswith(f"strandcli: error: {name}")
+    assert words in done.stderr
 
 
 def test_kernels_are_compiled_without_shortcuts_in_arithmetic() -> None:
@@ -25,3 +53,30 @@ def test_kernels_are_compiled_without_shortcuts_in_arithmetic() -> None:
         assert options["error_model"] == "numpy"
         assert options["nogil"]
     assert raster.draw_strands.targetoptions["parallel"]
+
+
+def test_a_threading_layer_that_is_not_there_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba.config, "THREADING_LAYER", "nowhere")
+    monkeypatch.setattr(parallel, "_is_initialized", False)
+    with pytest.raises(UsageError, match=r"NUMBA_THREADING_LAYER=nowhere: .*[^.]; unset it"):
+        runtime.checked_threads(None)
+    monkeypatch.setattr(numba.config, "THREADING_LAYER", "default")
+    assert runtime.checked_threads(None) >= 1
+
+
+@pytest.mark.skipif(resource is None, reason="no limits of addresses here")
+def test_too_few_addresses_for_the_libraries_are_refused(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = Runner(tmp_path, capsys)
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (409_600_000, resource.RLIM_INFINITY))
+    done = run("render", "minimal", "-o", str(tmp_path / "out"))
+    assert done.code == 4
+    assert "this process may use 410 MB of addresses, and the libraries take 800; raise the limit" in done.error()
+    assert not (tmp_path / "out").exists()
+    assert run("presets").code == 0
+    assert run("render", "--help").code == 0
+    (found,) = software.numba_settings()
+    assert (found.state, found.advice) == (BROKEN, "ulimit -v unlimited")
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (900_000_000, resource.RLIM_INFINITY))
+    runtime.require_addresses()
