@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
-from .beside import Beside, picture
-from .gltf_file import Gltf, placed_meshes
+from ..exchange.beside import Beside, picture
+from ..exchange.gltf_file import Gltf, placed_meshes
 from .make import RawMesh, lines_beside
 
 TRIANGLES, OTHERS = 4, (5, 6)

@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
+from ..exchange.beside import Beside
 from ..exchange.bounded import Growing, opened
 from ..exchange.obj_lines import MENDS as ANEW
 from ..exchange.obj_lines import blocks, line_of, no_numbers, numbers, shown
-from .beside import Beside
 from .make import RawMesh, lines_beside
 from .mesh import fans_of_lists, linear
 

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..exchange.beside import Beside
 from ..exchange.bounded import Bounded, Growing, opened
 from ..exchange.ply_file import Element, NumbersOfText, read_header, whole_numbers
-from .beside import Beside
 from .make import RawMesh
 from .mesh import SLICE, fans_of_lists, linear
 

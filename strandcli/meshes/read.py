@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import StrandError, UsageError, about, one_line
+from ..exchange.beside import Beside
 from ..files.inputs import reading
 from . import SUFFIXES
-from .beside import Beside
 from .gltf import read_gltf
 from .make import RawMesh, mesh_of
 from .mesh import TriangleMesh

@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError, one_line
+from ..exchange.beside import Beside
 from ..exchange.bounded import Bounded, Growing, opened
-from .beside import Beside
 from .make import RawMesh
 
 BLOCK, LONGEST = 1 << 18, 1 << 16

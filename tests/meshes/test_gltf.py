@@ -18,9 +18,9 @@ from PIL import Image
 
 import mesh_kit as kit
 from strandcli.errors import UsageError
+from strandcli.exchange.beside import Beside, picture
 from strandcli.files import picture_samples
 from strandcli.meshes import gltf
-from strandcli.meshes.beside import Beside, picture
 from strandcli.meshes.gltf import read_gltf
 from strandcli.meshes.read import read_mesh
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import mesh_kit as kit
 from strandcli.errors import UsageError
+from strandcli.exchange.beside import Beside
 from strandcli.meshes import stl
-from strandcli.meshes.beside import Beside
 
 BALL = kit.mesh("ball")
 CORNERS = BALL.vertices[BALL.triangles]

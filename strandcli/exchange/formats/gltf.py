@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ...errors import UsageError
-from ...meshes.beside import Beside
-from ...meshes.gltf_file import MAGIC, Gltf, placed_meshes
+from ..beside import Beside
 from ..bounded import not_finite, too_many
 from ..files import ReadOptions
+from ..gltf_file import MAGIC, Gltf, placed_meshes
 from ..parts import Part, concatenated, joined, moved
 from ..strands import Offsets, Points, Source, Strands, without_short
 from .obj import IS_MESH, OF_POINT, Lines, at_rows, joined_lines

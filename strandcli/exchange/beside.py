@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import StrandError
-from ..exchange.bounded import Bounded, opened
 from ..files.picture_samples import pixels
+from .bounded import Bounded, opened
 
 LARGEST = 1 << 31
 """Bytes of a file that another one names, at most."""
