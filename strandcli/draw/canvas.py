@@ -27,8 +27,8 @@ from .geometry.curves import Polylines
 from .lighting.lighting import Lighting
 from .shadows.vertex_shadows import VertexShadows
 from .solids import triangles
-from .solids.edges import Edges, find_edges
-from .solids.kernels import rasterise
+from .solids.edges import ALL, PIXELS, Edges, find_edges
+from .solids.kernels import visible
 from .solids.solids import frames_of
 from .strand_batches import StrandBatch
 from .transmittance import Transmittance, draw_solids
@@ -211,7 +211,7 @@ def clear(keys: NDArray[np.uint64], size: tuple[int, int], lighting: Lighting) -
         by_rays = frames.copy()
         by_rays[[one.number for one in found]] = 0
         if by_rays.any():
-            rasterise.draw(lighting.solids, by_rays, view.pack(), *size, keys)
+            visible.find(PIXELS, ALL, size[0], view.pack(), lighting.solids, by_rays, keys)
         else:
             keys.fill(EMPTY)
         for one in found:

@@ -11,7 +11,7 @@ from ..constants import W
 from ..scene.model import Curves, Material, Scene
 from .common.scratch import Scratch
 from .geometry.curves import Polylines, flatten
-from .geometry.extent import bounds_of
+from .geometry.extent import bounds_of, extents_of
 from .geometry.kernels.curves import find_shares
 from .strand_batches import Strands
 from .view.camera import camera_view
@@ -30,7 +30,7 @@ def evenly_cut(curves: Curves, level: int | None = None) -> Curves:
 
 def polylines(scene: Scene, strands: Strands, curves: Curves, scratch: Scratch) -> Polylines:
     """Return the polylines of drawn strands, of curves that do not depend on the view."""
-    view = camera_view(scene.camera, 0.0, W, W, bounds_of(strands.positions, strands.count))
+    view = camera_view(scene.camera, 0.0, W, W, bounds_of(extents_of(strands.positions), strands.count))
     return flatten(strands.positions, strands.lengths, strands.count, curves, view, True, scratch)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,21 +14,20 @@ from ..groom.record import Groom
 from ..scene.model import Scene
 from ..solids import Solids, pack_all
 from .canvas import Canvas, Exposed
-from .common.drawing import Drawing
+from .common.drawing import Drawing, ProcessorDrawing
 from .common.scratch import IN_LIGHT, POSITIONS, Scratch
 from .coverage.coverage import Coverage
 from .drawn_strands import DrawnStrands
 from .film.aovs import Recorder
 from .film.film import backdrop_of, develop, grain_of
 from .geometry.curves import Polylines
-from .geometry.extent import Thickness, bounds_of, boxes_of, extents_of, thickness_of
+from .geometry.extent import Extents, Thickness, bounds_of, extents_of, thickness_of
 from .geometry.spacing import first_emitted, spacing_of
 from .lighting import occlusion
 from .lighting.environment import sky_of
 from .lighting.lighting import Lighting, pack_lights
 from .lighting.occlusion import Occlusion
 from .lighting.palette import Palette
-from .needed_strands import can_leave_out, needed_strands
 from .shadows.shadow import ShadowMaps, map_arrays, plan_maps
 from .shadows.shadow_model import casts_map, counts_strands, model_of, needs_counts, shades_vertices
 from .shadows.strands_in_map import chances_of
@@ -143,19 +141,16 @@ class Renderer:
         strands = self.drawn.at(scene, at, positions, lengths, self.tones, self.ids, drawing)
         if recorder is not None:
             recorder.ids = strands.ids
-        extents = None if strands.level is None else extents_of(strands.positions)
-        boxes = None if extents is not None else boxes_of(strands.positions, strands.count)
-        bounds = bounds_of(strands.positions, strands.count, strands.fade, extents, boxes)
+        extents = extents_of(strands.positions)
+        bounds = bounds_of(extents, strands.count, strands.fade)
         view = self._view(shot, bounds, pinhole)
         solids, thickness = self.solids(at), thickness_of(scene.material, view, bounds, strands.shares)
         if made is None:
-            maps, hidden = self._plan_shadows(strands, bounds, thickness, solids, self._spacing(strands, boxes))
+            maps, hidden = self._plan_shadows(strands, bounds, thickness, solids, self._spacing(strands, extents))
         else:
             maps, hidden = made.maps, made.occlusion
         drawing.lap("shadow")
         batches = self._batches(strands, view, maps is not None)
-        if can_leave_out(scene) and not self.keeps_light:
-            batches = replace(batches, fade=needed_strands(scene, at, strands, extents, bounds, view, maps))
         lines = next(batches.lines()) if len(batches.ranges) == 1 else None
         if maps is not None and made is None:
             self._fill_maps(maps, batches, lines, workers)
@@ -202,7 +197,6 @@ class Renderer:
         ranges = [(0, strands.count)] if whole else divide(strands.count, segments, self.scene.curves)
         return StrandBatches(
             self.scene, strands, view, self._thins, ranges, mapped or bool(self.shadowed), self._drawing, self.scratch,
-            strands.fade,
         )  # fmt: skip
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:
@@ -276,7 +270,7 @@ class Renderer:
         """Return a picture (height, width, channels) with undefined contents."""
         return np.empty((*self.scene.image.drawn[::-1], self.scene.image.channels), np.uint8)
 
-    def _spacing(self, strands: Strands, boxes: NDArray[np.float32] | None) -> float:
+    def _spacing(self, strands: Strands, extents: Extents) -> float:
         """Return the distance between neighbouring drawn strands, metres, for opacity maps; 0 if there are none. It is
         measured between all of these strands, and converted to the density that level of detail leaves."""
         if not self._deep:
@@ -284,8 +278,14 @@ class Renderer:
         count, level, whole, ids = strands.total, strands.level, strands.whole, strands.ids
         even = whole is None and (ids is None or isinstance(self.children, Children))
         among = first_emitted(count, ids) if even else None
-        spacing = spacing_of(*((strands.positions, count, among, boxes) if whole is None else whole.around()))
+        spacing = spacing_of(*((strands.positions, count, among, extents) if whole is None else whole.around()))
         return spacing if level is None else spacing * math.sqrt(count / self._most / level.share)
+
+
+class ProcessorRenderer(Renderer):
+    """A `Renderer` whose times are those of the processor."""
+
+    clocked = ProcessorDrawing
 
 
 def shadows_of_any_view(scene: Scene) -> bool:

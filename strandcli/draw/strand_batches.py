@@ -17,7 +17,7 @@ from .coverage.width_profiles import profiles_of
 from .geometry.curves import Polylines, flatten, greatest_pieces
 from .geometry.detail import Level
 from .geometry.extent import lost_of, widths_of
-from .geometry.kernels import detail
+from .geometry.kernels.curves import shorten
 from .view.camera import View
 from .zbuffer import raster
 
@@ -104,8 +104,6 @@ class StrandBatches:
     """Whether strands off the screen are needed too, because they cast shadows."""
     drawing: Drawing
     scratch: Scratch
-    fade: NDArray[np.float32] | None
-    """(count,) from the level of detail, 0 for strands that are left out; None: all are drawn whole."""
 
     def lines(self) -> Iterator[Polylines]:
         """Yield the polylines of each batch; they are valid until the next are requested."""
@@ -132,7 +130,7 @@ class StrandBatches:
         """Return the polylines of the strands begin <= s < end."""
         strands, blocks = self.strands, slice(begin // W, -(-end // W))
         level = strands.level
-        fade = None if self.fade is None else self.fade[begin:end]
+        fade = None if level is None else level.fade[begin:end]
         curves = self.scene.curves
         shares = None if strands.shares is None else strands.shares[begin:end]
         radii = None
@@ -147,7 +145,7 @@ class StrandBatches:
         if level is not None:
             lines = replace(lines, scale=level.scale[begin:end])
             if not self.thins:
-                detail.shorten(lines.first, lines.world, level.fade[begin:end])
+                shorten(lines.first, lines.world, level.fade[begin:end])
         if lines.error is not None:
             self.drawing.curve_px_max = max(lines.error, self.drawing.curve_px_max or 0.0)
         self.drawing.lap("curves")

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from .model.solids import SHAPES
 
-OPTIONAL = ("meet", "meets", "normal", "hides", "look", "look_after", "distances", "slopes", "bounds", "drift")
+OPTIONAL = ("meet", "meets", "normal", "hides", "look", "distances", "slopes", "bounds", "drift")
 """Compiled functions that a shape may have."""
 
 
@@ -32,12 +32,11 @@ class SolidShape(Protocol):
     * ``hides(x, y, z, dx, dy, dz, reach, skin, numbers)``: whether it stands between a point and a light at ``reach``
       along the unit vector d. The point may be up to ``skin`` under the surface, which counts as on it. Else by
       `distance` until the ray is clear of the surface, and `meet`.
-    * ``look(x, y, z, eye, width, numbers)``: how it is drawn at a point of its surface, as three triples: a vector
-      along the normal, the point from which shadow rays set out, and the linear colour, which with a negative number is
-      the solid's `colour`. ``eye`` is the unit vector to the eye, or 0 where that does not matter, ``width`` that of a
-      pixel there, metres. Else `normal`, the point and `colour`.
-    * ``look_after(x, y, z, eye, width, before, numbers)``: the same and a whole number, instead of `look`. It comes
-      back as ``before`` with a point nearby, and may make it quicker to look at, but change nothing; at first it is -1.
+    * ``look(x, y, z, eye, width, before, numbers)``: how it is drawn at a point of its surface, as three triples: a
+      vector along the normal, the point from which shadow rays set out, and the linear colour, which with a negative
+      number is the solid's `colour`; and a whole number, which comes back as ``before`` with a point nearby, and may
+      make it quicker to look at, but change nothing; at first it is -1. ``eye`` is the unit vector to the eye, or 0
+      where that does not matter, ``width`` that of a pixel there, metres. Else `normal`, the point and `colour`.
     * ``distances(x, y, z, numbers)``: `distance` of vectors of `strandcli.simd`, which have no branches. Soft shadows
       look it up many times for each point. Else points are taken one by one.
     * ``slopes(x, y, z, numbers)``: `distances`, and as three more vectors their gradients, which may be 0 and need not

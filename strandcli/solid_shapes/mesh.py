@@ -18,7 +18,7 @@ folds = True
 LAZY = {
     "Data": "kernels.arrays", "data": "data", "triangles": "data", "distance": "kernels.shape",
     "normal": "kernels.shape", "meet": "kernels.shape", "meets": "kernels.shape", "hides": "kernels.shape",
-    "look_after": "kernels.shape", "distances": "kernels.shape", "slopes": "kernels.shape", "bounds": "kernels.shape",
+    "look": "kernels.shape", "distances": "kernels.shape", "slopes": "kernels.shape", "bounds": "kernels.shape",
     "drift": "kernels.shape",
 }  # fmt: skip
 """Parts of the shape that are imported when they are asked for, by the module of `strandcli.mesh_file`."""

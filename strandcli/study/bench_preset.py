@@ -28,25 +28,17 @@ Clock = Callable[[], float]
 """Tells seconds."""
 Timed = list[tuple[dict[str, float], dict[str, int]]]
 """Seconds by stage and counts, of each frame."""
-ELEMENTS: dict[str, tuple[tuple[str, Callable[[Mapping[str, int]], int]], ...]] = {
-    "simulate": (("particle and step", lambda c: c["particle_steps"]),),
-    "children": (("child's particle", lambda c: c.get("child_particles", 0)),),
-    "curves": (("vertex", lambda c: c["vertices"]),),
-    "shadow": (
-        ("texel on a line", lambda c: c.get("map_texels", 0)),
-        ("vertex in a map", lambda c: c.get("strand_vertices_in_maps", 0)),
-    ),
-    "raster": (
-        ("fragment", lambda c: c.get("fragments_found", 0)), ("sample on a line", lambda c: c.get("line_samples", 0)),
-    ),
-    "shade": (
-        ("vertex and light", lambda c: c["lit_vertices"] * c["lights"]),
-        ("solid's sample and light", lambda c: c["solid_samples"] * c["lights"]),
-    ),
-    "film": (("sample", lambda c: c["samples"]),),
-    "write": (("byte", lambda c: c["bytes"]),),
-}  # fmt: skip
-"""What a stage works on, and how many of these a frame has, from its counts: of several the first that it has."""
+ELEMENTS: dict[str, tuple[str, Callable[[Mapping[str, int]], int]]] = {
+    "simulate": ("particle and step", lambda c: c["particle_steps"]),
+    "children": ("child's particle", lambda c: c["particles"]),
+    "curves": ("segment", lambda c: c["segments"]),
+    "shadow": ("segment and light", lambda c: c["segments"] * c["lights"]),
+    "raster": ("fragment", lambda c: c["fragments"]),
+    "shade": ("segment and light", lambda c: c["segments"] * c["lights"]),
+    "film": ("sample", lambda c: c["samples"]),
+    "write": ("byte", lambda c: c["bytes"]),
+}
+"""What a stage works on, and how many of these a frame has, from its counts."""
 
 
 def run(
@@ -94,7 +86,7 @@ def time_stages(
     scene: Scene, frames: int, clock: Clock, notify: Notify | None
 ) -> tuple[Timed, dict[str, float] | None]:
     """Seconds a stage and the counts of frames 2 to ``frames`` + 1, and how busy the machine was (`Load.since`)."""
-    from ..draw.counting import CountingRenderer, ProcessorRenderer
+    from ..draw.renderer import ProcessorRenderer, Renderer
     from ..output import png
     from ..output.files import write_pieces
     from ..run import compile_ahead
@@ -107,7 +99,7 @@ def time_stages(
     compile_ahead.begin(scene, None)
     try:
         moved = SimulationStage(scene, numbers, None, RunOptions(notify=notify))
-        draw = FrameRenderer(moved, ProcessorRenderer if clock is time.process_time else CountingRenderer)
+        draw = FrameRenderer(moved, ProcessorRenderer if clock is time.process_time else Renderer)
         with tempfile.TemporaryDirectory(prefix="strandcli-bench-") as folder:
             for number in numbers:
                 if notify is not None:
@@ -128,6 +120,8 @@ def time_stages(
                     "particles_a_strand": particles // moved.groom.strands,
                     "particle_steps": particles * scene.time.substeps,
                     "bytes": frame.image.size,
+                    "samples": int(np.prod(scene.image.drawn)) * scene.image.supersample**2,
+                    "lights": len(scene.lights),
                 }
                 if number == 1:  # whose kernels other processes compile
                     load = Load()
@@ -144,8 +138,9 @@ def stage_row(name: str, timed: Timed) -> dict[str, Any]:
     seconds = np.array([one.get(name) or 0.0 for one, _ in timed])
     fastest = int(np.argmin(seconds))
     row: dict[str, Any] = {**spread(seconds), "element": None, "count": None, "element_ns": None}
-    for element, count in ELEMENTS.get(name, ()):
-        if row["element"] is None and count(timed[fastest][1]):
+    if name in ELEMENTS:
+        element, count = ELEMENTS[name]
+        if count(timed[fastest][1]):
             each = 1e9 * float(seconds[fastest]) / count(timed[fastest][1])
             row |= {"element": element, "count": count(timed[-1][1]), "element_ns": each}
     return row

@@ -17,7 +17,7 @@ def test_a_presets_stages_stand_beside_what_they_work_on(run: Runner) -> None:
     assert stages["simulate"]["count"] == 150 * 5
     assert (stages["write"]["element"], stages["write"]["count"]) == ("byte", 3 * 64 * 48)
     assert stages["film"]["count"] == data["counts"]["samples"]
-    assert stages["shade"]["count"] == data["counts"]["lit_vertices"] * data["counts"]["lights"]
+    assert stages["shade"]["count"] == data["counts"]["segments"] * data["counts"]["lights"]
     for row in stages.values():
         assert row["min_ms"] <= row["median_ms"]
         if row["element"] is not None:

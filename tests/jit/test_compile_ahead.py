@@ -8,11 +8,12 @@ import pytest
 
 from strand_kit import frames_of, groom_of, scene_of
 from strandcli.draw.compile_parts import compile_part
-from strandcli.draw.coverage.kernels import resolve, strand_extents, tile_binning
+from strandcli.draw.coverage.kernels import resolve, tile_binning
 from strandcli.draw.film.kernels import film
+from strandcli.draw.geometry.kernels import ribbon
 from strandcli.draw.lighting.kernels import shade_strands, shade_surfaces
 from strandcli.draw.renderer import Renderer
-from strandcli.draw.solids.kernels import edge_pixels, edges
+from strandcli.draw.solids.kernels import visible
 from strandcli.run import compile_ahead
 
 SCENE = """
@@ -29,8 +30,7 @@ solids: [{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 
 KERNELS = {
     "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.resolve, resolve.blend, film.develop),
     "coverage": (
-        edges.depths, edge_pixels.look_outside, edge_pixels.find, edges.sample, edges.part,
-        edges.composite, strand_extents.find_extents, tile_binning.bin_segments, resolve.resolve,
+        visible.find, ribbon.find_on_screen, tile_binning.bin_segments, resolve.resolve,
     ),
 }  # fmt: skip
 

@@ -20,7 +20,6 @@ from strandcli.solids.shapes.other_code import depth as depth_by_distance
 
 Floats = NDArray[np.float64]
 STILL = Emitter()
-FAR, SKIN = np.float32(1e3), np.float32(1e-3)
 ASKEW: dict[str, Any] = {"position": (0.1, -0.2, 0.3), "rotation": (25.0, 40.0, -10.0)}
 SHAPES_OF_IT: dict[str, dict[str, float]] = {
     "flat": {"radius": 0.8, "top": 0.3, "length": 0.2},
@@ -127,38 +126,6 @@ def test_rays_meet_it_where_it_begins(sizes: dict[str, float], away: float) -> N
     assert math.isinf(float(rays.meet(solids, 0, *middle, *np.eye(3, dtype=np.float32)[1])))  # begun inside
 
 
-@EVERY
-def test_it_hides_a_light_where_it_is_in_the_way(sizes: dict[str, float]) -> None:
-    solid = of(sizes)
-    solids = pack_all([solid], STILL, 0.0)
-    share = np.linspace(0, 3, 4001)[:, None]
-    kinds = {True: 0, False: 0}
-    for o, d in rays_at(solid, 200, 1.5, 5):
-        way = d / np.linalg.norm(d)
-        within = int(inside(solid, o + share * way.astype(float)).sum())
-        if within == 0 and signed(solid, o + share[::40] * way.astype(float), ANGLES[::20]).min() < 0.02:
-            continue  # grazes
-        if 0 < within < 20:
-            continue
-        kinds[within > 0] += 1
-        assert rays.visibility(solids, *o, *way, FAR, SKIN) == (0 if within else 1)
-        assert rays.visibility(solids, *o, *-way, FAR, SKIN) == 1
-        if within:  # and a light just in front of it, or just behind its surface
-            surface = np.float32(share[inside(solid, o + share * way.astype(float)).argmax(), 0])
-            assert rays.visibility(solids, *o, *way, surface - np.float32(0.01), SKIN) == 1
-            assert rays.visibility(solids, *o, *way, surface + np.float32(0.01), SKIN) == 0
-    assert min(kinds.values()) > 20
-    for point in np.random.default_rng(6).normal(size=(100, 3)):  # of its own surface: what faces the light is lit
-        n = point / np.linalg.norm(point)
-        d = (-2 * n).astype(np.float32)
-        o = (np.array(solid.position) + 2 * n).astype(np.float32)
-        t = float(rays.meet(solids, 0, *o, *d))
-        surface = (o + t * d).astype(np.float32)
-        facing = float(np.array(rays.normal(solids, 0, *surface)) @ n)
-        assert facing < 0.2 or rays.visibility(solids, *surface, *n.astype(np.float32), FAR, SKIN) == 1
-        assert rays.visibility(solids, *surface, *-n.astype(np.float32), FAR, SKIN) == 0
-
-
 STRAND = """
 emitter: {strands: 1, particles: 4, length: 1}
 rules: [collision]
@@ -196,37 +163,3 @@ def test_reported_depths_are_those_of_dense_segments(sizes: dict[str, float]) ->
 def row_of(solid: Any) -> Floats:
     """A solid's packed row in double precision."""
     return np.asarray(pack_all([solid], STILL, 0.0, np.float64)[4][0])
-
-
-HANGING = """
-solver: {solver}
-time: {{preroll: 0, fps: 30, frames: 20}}
-image: {{size: 8x8}}
-emitter: {{strands: 64, length: 1.4, particles: {particles}, position: [0, 0.1, 0], rotation: [180, 0, 0],
-  shape: {{kind: disc, radius: 0.45}}}}
-rules: [{rules}]
-solids:
-  - {{kind: cone, radius: 0.5, top: 0.2, length: 0.6, position: [0.15, -0.6, 0.1], rotation: [20, 0, 30]}}
-"""
-
-
-@pytest.mark.parametrize(("solver", "segments", "particles"), [
-    ("thesis", False, 12), ("thesis", True, 6), ("rod", False, 12), ("rod", True, 6),
-])  # fmt: skip
-def test_strands_stay_outside(solver: str, segments: bool, particles: int) -> None:
-    found = []
-    for collision in ("", f", {{collision: {{segments: {str(segments).lower()}}}}}"):
-        if solver == "thesis":  # whose elasticity moves particles after the last collision, as beside any solid
-            rules = f"gravity{collision}, elasticity" if segments else f"gravity, elasticity{collision}"
-        else:
-            rules = f"gravity{collision}"
-        scene = scene_of(HANGING.format(solver=solver, rules=rules, particles=particles))
-        run = solver_of(scene)
-        run.advance(20)
-        x = run.particles().astype(np.float64)
-        share = np.linspace(0, 1, 65 if segments else 2)[:, None, None, None]
-        places = x[:, 1:-1] + share * (x[:, 2:] - x[:, 1:-1])
-        found.append(depth_by_distance(scene.solids[0], row_of(scene.solids[0]), places.reshape(-1, 3)).max())
-    free, kept = found
-    assert free > 0.1
-    assert kept < (5e-4 if segments else 1e-6)

@@ -18,7 +18,8 @@ import solid_shape as ring
 
 from shadow_kit import soft_visibility
 from strandcli.draw.shadows.kernels import penumbra
-from strandcli.draw.solids.kernels import rasterise, rays
+from strandcli.draw.solids.edges import ALL, PIXELS
+from strandcli.draw.solids.kernels import rays, visible
 from strandcli.draw.solids.solids import frames_of
 from strandcli.draw.view.camera import camera_view
 from strandcli.errors import UsageError
@@ -109,7 +110,7 @@ def test_its_silhouette_is_a_ring_of_pixels() -> None:
     solids = packed(position=(0.2, 0.0, 0.0))
     keys = np.zeros(width * height, np.uint64)
     frames = frames_of(solids, view)
-    rasterise.draw(solids, frames, view.pack(), width, height, keys)
+    visible.find(PIXELS, ALL, width, view.pack(), solids, frames, keys)
     seen = (keys != keys.max()).reshape(height, width)
     y, x = np.mgrid[:height, :width]
     metre = height / 2.0

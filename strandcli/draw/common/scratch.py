@@ -91,13 +91,6 @@ class Scratch:
             self._buffers[name] = buffer = made
         return buffer[:size]
 
-    def arange(self, count: int) -> NDArray[np.int32]:
-        """Return (count,) int32: 0, 1, … Do not write to it."""
-        buffer = self._buffers.get("arange")
-        if buffer is None or len(buffer) < count:
-            buffer = self._buffers["arange"] = np.arange(count + count // 8, dtype=np.int32)
-        return buffer[:count]
-
 
 def _aligned(size: int) -> NDArray[np.uint8]:
     """Return memory of so many bytes and an eighth more, which begins with a line of the cache."""

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +21,15 @@ from ...errors import RefusedError
 from ..common.kernels.view_columns import FLAT, DepthSlope
 from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
+from ..geometry.extent import extents_on_screen
 from ..geometry.kernels.ribbon import ScreenLines
 from ..solids.edges import Edges
-from .kernels import resolve, strand_extents, tile_binning
+from .kernels import resolve, tile_binning
 from .kernels.fragments import SolidPixels
 from .kernels.tile_binning import TileSegments
 from .kernels.tiles import PIXELS, STEP, TILE_HEIGHT, TILE_WIDTH, Fragments
 from .kernels.width_profiles import Profiles, add_to_fragments
-from .kernels.windows import BLOCK, MOST, PictureWindows, find_picture_windows
+from .kernels.windows import BLOCK, MOST, SAFE, SPAN, PictureWindows
 from .room import LAYER_ROOM
 
 NO_WINDOWS = PictureWindows(np.zeros(0, np.float32), 0, 0)
@@ -39,7 +41,7 @@ class Picture:
 
     lines: ScreenLines
     extents: NDArray[np.float32]
-    """(S, `COLUMNS`) from `kernels.strand_extents.find_extents`."""
+    """(S, `COLUMNS`) from `geometry.extent.extents_on_screen`."""
     stride: int
     """Every stride-th vertex is lit."""
     edges: Edges | None
@@ -51,15 +53,17 @@ class Picture:
     scratch: Scratch
 
 
-def windows_of(edges: Edges | None, size: tuple[int, int], scratch: Scratch) -> PictureWindows:
+def windows_of(edges: Edges | None, size: tuple[int, int]) -> PictureWindows:
     """Return the windows of a picture, behind which its solids hide strands; size: of the picture, samples."""
     across, down = (-(-samples // BLOCK) for samples in size)
     if edges is None or across * down >= MOST:
         return NO_WINDOWS
-    blocks = scratch.borrow("hidden_blocks", across * down, np.float32)
-    depths = scratch.borrow("hidden_windows", across * down + 1, np.float32)
-    find_picture_windows(edges.hides, size[0], blocks, across, depths)
-    return PictureWindows(depths, across, down)
+    padded = np.full((down * BLOCK, across * BLOCK), np.inf, np.float32)
+    padded[: size[1], : size[0]] = edges.hides.reshape(size[::-1])
+    blocks = np.full((down + SPAN - 1, across + SPAN - 1), np.inf, np.float32)
+    blocks[:down, :across] = padded.reshape(down, BLOCK, -1).min(1).reshape(down, across, BLOCK).min(2)
+    least = np.lib.stride_tricks.sliding_window_view(blocks, (SPAN, SPAN)).min((2, 3)) * SAFE
+    return PictureWindows(np.append(least, np.float32(0)), across, down)
 
 
 TASKS_A_WORKER = 16
@@ -72,10 +76,9 @@ SLIGHT = np.float32(0.05)
 """What is let through by all before a fragment, below which it takes light from every second lit vertex alone, and not
 from both about it. All such fragments have no more than this share of a pixel, however thin strands are: a bound of
 their own weights would hold for all of thin ones."""
-BROAD = np.float32(16.0)
-"""Samples. Segments that are no wider have never been seen to take minutes; wider ones are counted."""
-WIDE_PIXELS_AT_MOST = 4e9
-"""Greatest number of pixels that wide segments are tested against: some ten seconds of a core."""
+RISE = np.float32(1.5)
+"""Rows across that a cell of a strand of no width touches, on average over all slopes, about: one more where it crosses
+a border of rows, half the time."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +112,7 @@ class Coverage:
         self.size = size
         self.opacity = np.float32(opacity)
         self.room = room
-        self._rows = np.zeros(size[1])
+        self._rows: NDArray[np.floating[Any]] = np.zeros(size[1])
         """Number of fragments in each row of the last frame, or about how many there will be in the first."""
         self.fragments = 0
         """Number of fragments in the last frame."""
@@ -145,24 +148,19 @@ class Coverage:
         screen (V, 3), widths (V,), or None for lines one sample wide: as in `ScreenLines`; edges: of the solids, if
         there are any; depth_slope: of the view, for the depth of wide strands, which are round.
 
-        Raises `RefusedError` if one row of pixels has more fragments than there is room for, or if strands are so wide
-        that to find the pixels that they cover would take minutes.
+        Raises `RefusedError` if one row of pixels has more fragments than there is room for.
         """
         self.fragments = self.peak_bytes = 0
         marks = scratch.borrow("marks", len(screen), np.uint8)
         lit = None
         drawn = ScreenLines(lines.first, screen, widths)
-        extents = scratch.borrow("extents", (len(lines.first) - 1, strand_extents.COLUMNS), np.float32)
-        strand_extents.find_extents(lines.first, screen, NOTHING if widths is None else widths, self.size[0], extents)
-        widest = float(extents[:, strand_extents.WIDEST].max(initial=0.0))
-        if widths is not None and widest > float(BROAD):
-            self._require_time(drawn, extents, widest)
+        extents = extents_on_screen(lines.first, screen, widths, self.size[0], scratch)
         closed = scratch.borrow("closed", self.size[0] * self.size[1], np.uint8)
         closed.fill(0)
-        windows = windows_of(edges, self.size, scratch)
+        windows = windows_of(edges, self.size)
         picture = Picture(drawn, extents, lines.stride, edges, windows, depth_slope, closed, scratch)
         if not self._rows.any():
-            self._estimate(drawn, workers)
+            self._estimate(drawn)
         pending = self._cuts()[::-1]
         while pending:
             top, bottom = pending.pop()
@@ -179,24 +177,23 @@ class Coverage:
             self.fragments += found
             yield layer
 
-    def _estimate(self, lines: ScreenLines, workers: int) -> None:
-        """Store about how many fragments each row of the picture will have."""
-        changes = np.zeros((TASKS_A_WORKER * workers, self.size[1] + 1))
-        strand_extents.estimate_rows(lines, self.size[0], changes)
-        self._rows = UNSURE * np.maximum(np.cumsum(changes.sum(0))[:-1], 0.0)
-
-    def _require_time(self, lines: ScreenLines, extents: NDArray[np.float32], widest: float) -> None:
-        """Raise `RefusedError` if wide strands cover so many pixels that they would take minutes; extents: from
-        `strand_extents.find_extents`; widest: of the strands, samples."""
-        pixels = np.empty(len(lines.first) - 1, np.float32)
-        strand_extents.count_wide_pixels(lines, extents, *self.size, BROAD, pixels)
-        total = float(pixels.sum(dtype=np.float64))
-        if total > WIDE_PIXELS_AT_MOST:
-            raise RefusedError(
-                f"material.width: strands are up to {widest:,.0f} samples wide in the picture, and their pieces cover "
-                f"about {total:.1e} pixels one by one, more than {WIDE_PIXELS_AT_MOST:.0e}: use a smaller "
-                "material.width, or fewer --strands"
-            )
+    def _estimate(self, lines: ScreenLines) -> None:
+        """Store about how many fragments each row of the picture will have: those of a segment in the row in which it
+        begins."""
+        size = np.array(self.size, np.float32)
+        places = np.clip(lines.screen[:, :2], 0, size)
+        begin, end = places[:-1], places[1:]
+        beside = ((begin == end) & ((end == 0) | (end == size))).any(1)
+        none = beside | (lines.screen[:-1, 2] <= 0) | (lines.screen[1:, 2] <= 0)
+        last = lines.first[1:-1] - 1  # a strand's last vertex is no beginning
+        none[last[(last >= 0) & (last < len(none))]] = True
+        cells = np.abs(end - begin).max(1)
+        wide = np.float32(1) if lines.widths is None else lines.widths[:-1]
+        # a ribbon has fragments of its own wherever it touches a pixel
+        cells = np.where(wide > 1, (cells + 1) * (wide + 1), cells * (wide + RISE))
+        cells[none] = 0
+        rows = np.minimum(begin[:, 1], size[1] - 1).astype(np.int64)
+        self._rows = UNSURE * np.bincount(rows, cells, self.size[1])
 
     def _finer(self, top: int, bottom: int, found: int) -> list[tuple[int, int]]:
         """Divide rows with too many fragments into ranges for which there is room.

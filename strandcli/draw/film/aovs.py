@@ -27,14 +27,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.kernels.keys import EMPTY
+from ..common.kernels.keys import EMPTY, FIRST, LOW, depths_of, identities_of
 from ..common.scratch import Scratch
 from ..coverage.coverage import Layer
 from ..geometry.curves import Polylines
 from ..lighting.lighting import Lighting
 from ..shadows.shadow import map_arrays
-from ..solids.edges import find_edges
-from ..solids.kernels.edges import WHOLE
+from ..solids.edges import WHOLE, find_edges
 from ..solids.solids import NONE
 from ..view.camera import View
 from .film import associated
@@ -44,6 +43,8 @@ NOTHING = -1
 SOLID = -2
 LEAST = 1 / 64
 """Least share of a sample's light from strands: about that of a strand .1 pixels wide across a corner."""
+
+TINY = np.float32(1e-30)
 
 
 class Recorder:
@@ -88,31 +89,66 @@ class Recorder:
         view: View,
     ) -> None:  # fmt: skip
         """Record the strands of a batch that are in front in ``keys`` (samples · samples · height · width,); begin:
-        number of the batch's first strand; base: number of its first vertex."""
-        found = self._found
-        kernel.strands(
-            keys, self._samples, base, begin, kernel.SeenLines(lines.first, lines.world, screen), view.pack(),
-            found["strand_id"], found["tangent"], found["orientation"],
-        )  # fmt: skip
+        number of the batch's first strand; base: number of its first vertex. Tangents are interpolated between those of
+        vertices, which point from the previous vertex to the next."""
+        key, spots = self._nearest(keys)
+        number = (key & LOW).astype(np.int64) - base
+        there = (key != EMPTY) & (number >= 0) & (number < len(lines.world) - 1)
+        v, spots, each, world = number[there], spots[there], np.arange(np.count_nonzero(there)), lines.world
+        strand = np.searchsorted(lines.first, v, side="right") - 1
+        low, high = lines.first[strand], lines.first[strand + 1] - 1
+        steps = screen[v + 1, :2] - screen[v, :2]
+        axis = np.abs(steps).argmax(1)
+        step, past = steps[each, axis], spots[each, axis] - screen[v, axis]
+        t = np.clip(past / np.where(step == 0, np.float32(1), step), 0, 1)[:, None]
+        before, after = (
+            _unit(world[v + 1] - world[np.maximum(v - 1, low)]),
+            _unit(world[np.minimum(v + 2, high)] - world[v]),
+        )
+        tangents = _unit(before + t * (after - before))
+        x, y, z = np.stack([view.right, view.up, view.forward]).astype(np.float32) @ tangents.T
+        right, up = _aside(spots, view).T * np.float32(view.perspective)
+        # projected along the ray (right, up, 1): the derivative of (x, y) / z, times z
+        angles = np.arctan2(y - up * z, x - right * z) % np.float32(np.pi)
+        self._found["strand_id"][there] = begin + strand
+        self._found["tangent"][there] = tangents
+        self._found["orientation"][there] = np.where(angles < np.float32(np.pi), angles, np.float32(0))
 
     def rest(self, keys: NDArray[np.uint64], lighting: Lighting) -> None:
         """Record depth, mask, solids and, if wanted, shadow from a finished z-buffer."""
-        shape = self._found["strand_id"].shape
-        depth, mask = np.empty(shape, np.float32), np.empty(shape, np.float32)
-        point = np.empty((*shape, 3), np.float32)
-        solids = lighting.solids or NONE
-        kernel.depths(
-            keys, self._shares, self._samples, lighting.view.pack(), solids, depth, mask, point,
-            self._found["strand_id"],
-        )  # fmt: skip
-        self._found |= {"depth": depth, "mask": mask}
+        view = lighting.view
+        key, spots = self._nearest(keys)
+        (height, width), k = key.shape, self._samples
+        shares = (identities_of(keys) < FIRST).astype(np.float32) if self._shares is None else self._shares
+        there = key != EMPTY
+        number = depths_of(key.ravel()).reshape(key.shape)[there]
+        far = 1 / number if view.perspective else view.near + (1 - number) * (view.far - view.near)
+        depth = np.full(key.shape, np.inf, np.float32)
+        depth[there] = far
+        which = np.where(there & ((key & LOW) >= FIRST), (key & LOW).astype(np.int64) - int(FIRST), NOTHING)
+        self._found["strand_id"][which >= 0] = SOLID
+        self._found["depth"] = depth
+        self._found["mask"] = shares.reshape(height, k, width, k).mean((1, 3), dtype=np.float32)
         if "shadow" in self._names:
-            through = np.ones(shape, np.float32)
-            kernel.shadows(
-                self._found["strand_id"], keys, self._samples, point, *lighting.at_points(),
-                map_arrays(lighting.maps), solids, through,
+            through = np.ones(key.shape, np.float32)
+            sums = np.empty((len(far), 2), np.float32)
+            aside = _aside(spots[there], view) * (far[:, None] if view.perspective else 1)
+            points = view.eye + far[:, None] * view.forward + aside @ np.stack([view.right, view.up])
+            kernel.sum_light(
+                points.astype(np.float32), which[there], *lighting.at_points(), map_arrays(lighting.maps),
+                lighting.solids or NONE, sums,
             )  # fmt: skip
+            through[there] = np.divide(sums[:, 0], sums[:, 1], out=np.ones_like(far), where=sums[:, 1] > 0)
             self._found["shadow"] = through
+
+    def _nearest(self, keys: NDArray[np.uint64]) -> tuple[NDArray[np.uint64], NDArray[np.float32]]:
+        """Return the smallest key of each pixel's samples (height, width), and where on the screen that sample is."""
+        (height, width), k = self._found["strand_id"].shape, self._samples
+        samples = keys.reshape(height, k, width, k).transpose(0, 2, 1, 3).reshape(height, width, k * k)
+        which = samples.argmin(2)
+        y, x = np.mgrid[:height, :width] * k
+        spots = np.stack([x + which % k, y + which // k], 2).astype(np.float32) + np.float32(0.5)
+        return np.take_along_axis(samples, which[..., None], 2)[..., 0], spots
 
     def layers(self, image: NDArray[np.float32], through: NDArray[np.float32] | None = None) -> dict[str, NDArray[Any]]:
         """Return the requested layers; ``image`` is the linear picture in samples, ``through`` its transmittance where
@@ -128,3 +164,17 @@ class Recorder:
             mean = image.reshape(height // k, k, width // k, k, 3).mean((1, 3), dtype=np.float32)
             self._found["linear"] = np.where(np.isfinite(mean), mean, np.float32(0))
         return {name: self._found[name] for name in self._names}
+
+
+def _aside(spots: NDArray[np.float32], view: View) -> NDArray[np.float32]:
+    """Return how far places (n, 2) on the screen are to the right of the view's axis and above it, metres at a depth of
+    one metre."""
+    x, y = view.middle
+    return (spots - np.array([x, y], np.float32)) * np.array([1 / view.focal, -1 / view.focal], np.float32)
+
+
+def _unit(vectors: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return vectors (n, 3) scaled to length 1; 0 for zero vectors."""
+    size = np.abs(vectors).max(1, keepdims=True)  # squares of very short vectors would underflow
+    vectors = vectors / np.maximum(size, TINY)
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), TINY))

@@ -31,8 +31,7 @@ def veil_strands(
     haze: distance, metres, at which 1 / e of the light is left; screen (V, 3); marks (V,): non-zero for vertices to
     change; body: profiles of wide strands, or None."""
     slots, profile = (NO_SLOTS, NO_PROFILE) if body is None else (body.slots, body.profile)
-    words = marks[: len(marks) // kernel.WORD * kernel.WORD].view(np.uint64)
-    kernel.veil_strands(_air(haze, view), backdrop, screen, marks, words, colours, slots, profile)
+    kernel.veil_strands(_air(haze, view), backdrop, screen, marks, colours, slots, profile)
 
 
 def veil_solids(

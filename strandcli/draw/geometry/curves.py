@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...constants import W
 from ...scene.model import Curves
 from ..common.scratch import Scratch
 from ..view.camera import View
@@ -125,11 +126,17 @@ def flatten(
     world = scratch.borrow("world", (int(first[-1]), 3), np.float32)
     # pieces differ from segment to segment: by number, vertices would stand elsewhere along the strand in each view
     along = NOT_ALONG if error is None else scratch.borrow("along", len(world), np.float32)
-    kernel.flatten(positions, lengths, strands, pieces, most, printed, curves.mode == "off", first, world, along)
+    kernel.flatten(positions, lengths, strands, pieces, most, printed, first, world, along)
     if error is not None or fade is not None:
         return Polylines(first, world, error, along=None if error is None else along)
-    longest = kernel.longest_segment(positions) if lengths is None else lengths.max()
+    longest = _longest_segment(positions) if lengths is None else lengths.max()
     return Polylines(first, world, None, (n - 1) * most + 1, float(longest), most, max(most // LIT_PIECES, 1))
+
+
+def _longest_segment(positions: NDArray[np.float32]) -> float:
+    """Return the length of the longest segment of positions (blocks, n + 1, 3 W), metres."""
+    squares = ((np.diff(block[1:], axis=0) ** 2).reshape(-1, 3, W).sum(1).max() for block in positions)
+    return float(np.sqrt(max(squares)))
 
 
 def _thinned(

@@ -61,16 +61,21 @@ def level_of(
     """
     import numpy as np
 
-    from .kernels import detail as kernel
-
     if scene.detail is None or share_bounds(scene, time)[0] >= 1:
         return None
     near, by_distance = near_of(scene, time)
     total = scene.drawn_strands
-    eye = np.array(camera_at(scene.camera, time)[0] if by_distance else (), np.float64)
-    ranks = np.zeros(0, np.int32) if ids is None else ids
-    fade, scale = np.empty(strands, np.float32), np.empty(strands, np.float32)
-    kernel.fade_by_distance(positions, ranks, total, eye, near, scene.detail.fraction, BAND, fade, scale)
+    k = np.full(strands, near)
+    if by_distance:
+        roots = positions[:, 1].reshape(len(positions), 3, -1).transpose(1, 0, 2).reshape(3, -1)[:, :strands]
+        x, y, z = roots - np.array(camera_at(scene.camera, time)[0])[:, None]
+        k /= np.maximum(np.sqrt(x * x + y * y + z * z), 1e-30)
+    k = np.clip(k, scene.detail.fraction, 1.0)
+    wide = np.maximum(BAND * k, 1.0 / total)
+    rank = ((np.arange(strands) if ids is None else ids) + 0.5) / total
+    fade = np.clip((k + wide - rank) / wide, 0.0, 1.0).astype(np.float32)
+    beyond = np.maximum(k + wide - 1.0, 0.0)
+    scale = (1.0 / (k + 0.5 * wide - 0.5 * beyond * beyond / wide)).astype(np.float32)
     if not scene.detail.widen or scene.material.width == 0:
         scale.fill(1)
     if thin:

@@ -15,9 +15,10 @@ from ..common.scratch import Scratch
 from ..view.camera import View
 from ..view.kernels import project
 from .curves import Polylines
-from .kernels import bounds
-from .kernels import boxes as block_boxes
+from .kernels import ribbon
 from .kernels.curves import find_shares
+
+NO_WIDTHS = np.zeros(0, np.float32)
 
 
 @dataclass(frozen=True)
@@ -47,33 +48,19 @@ class Extents(NamedTuple):
 
 def extents_of(positions: NDArray[np.float32]) -> Extents:
     """Return the bounding box of each strand of positions (blocks, n + 1, 3 W), metres."""
-    extents = Extents(*np.empty((2, len(positions), 3 * W), np.float32))
-    bounds.find(positions, *extents)
-    return extents
+    return Extents(positions[:, 1:].min(1), positions[:, 1:].max(1))
 
 
-def boxes_of(positions: NDArray[np.float32], strands: int) -> NDArray[np.float32]:
-    """Return the bounding boxes of the first ``strands`` of positions (blocks, n + 1, 3 W), metres, in parts, from
-    `kernels.boxes.find`."""
-    found = np.empty((-(-strands // W), block_boxes.boxes_in(positions.shape[1]), block_boxes.COLUMNS), np.float32)
-    block_boxes.find(positions, strands, found)
-    return found
+def bounds_of(extents: Extents, strands: int, fade: NDArray[np.float32] | None = None) -> NDArray[np.float64]:
+    """Return the bounding box (2, 3), metres, of the first ``strands`` of those with ``extents``.
 
-
-def bounds_of(
-    positions: NDArray[np.float32], strands: int, fade: NDArray[np.float32] | None = None,
-    extents: Extents | None = None, boxes: NDArray[np.float32] | None = None,
-) -> NDArray[np.float64]:  # fmt: skip
-    """Return the bounding box (2, 3) of the first ``strands`` of positions (blocks, n + 1, 3 W), metres.
-
-    Other strands do not count, so that a frame does not depend on those that other frames need. ``fade`` (strands,):
-    strands that fade extend the box in proportion, so that it does not jump. ``extents``: from `extents_of`, and
-    ``boxes``: from `boxes_of`, if they are known."""
+    The rest does not count, so that a frame does not depend on strands that other frames need. ``fade`` (strands,):
+    strands that fade extend the box in proportion, so that it does not jump."""
+    low, high = (side.reshape(-1, 3, W) for side in extents)
     if fade is None:
-        low, high = np.split((boxes_of(positions, strands) if boxes is None else boxes)[:, -1], 2, 1)
-        return np.stack([low.min(0), high.max(0)]).astype(np.float64)
-    low, high = (side.reshape(-1, 3, W) for side in (extents_of(positions) if extents is None else extents))
-    lanes = np.full((len(positions), 1, W), -1, np.float32)
+        low, high = (side.transpose(1, 0, 2).reshape(3, -1)[:, :strands] for side in (low, high))
+        return np.stack([low.min(1), high.max(1)]).astype(np.float64)
+    lanes = np.full((len(low), 1, W), -1, np.float32)
     lanes.reshape(-1)[:strands] = fade
     whole, shares = lanes == fade.max(), np.maximum(lanes, 0)
     least = np.where(whole, low, np.float32(np.inf)).min((0, 2)).astype(np.float64)
@@ -82,6 +69,20 @@ def bounds_of(
     below = np.minimum((low - least[:, None]) * shares, 0).min((0, 2))
     above = np.maximum((high - most[:, None]) * shares, 0).max((0, 2))
     return np.stack([least + below, most + above])
+
+
+def extents_on_screen(
+    first: NDArray[np.int64],
+    screen: NDArray[np.float32],
+    widths: NDArray[np.float32] | None,
+    width: int,
+    scratch: Scratch,
+) -> NDArray[np.float32]:
+    """Return what `kernels.ribbon.find_on_screen` finds of strands in a picture so wide; widths: None for lines one
+    sample wide."""
+    found = scratch.borrow("extents", (len(first) - 1, ribbon.COLUMNS), np.float32)
+    ribbon.find_on_screen(first, screen, NO_WIDTHS if widths is None else widths, width, found)
+    return found
 
 
 def thickness_of(

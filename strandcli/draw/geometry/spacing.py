@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...groom.emit import PLASTIC
-from .extent import boxes_of
+from .extent import Extents, extents_of
 from .kernels import spacing as kernel
 
 NEIGHBOURS = 8
@@ -26,36 +26,36 @@ many strands level of detail draws."""
 
 def spacing_at(
     positions: NDArray[np.float32], strands: int, points: NDArray[np.float32], own: NDArray[np.int64],
-    boxes: NDArray[np.float32] | None = None,
+    extents: Extents | None = None,
 ) -> NDArray[np.float64]:  # fmt: skip
     """Return the distance between strands, metres, at points (P, 3) on the strands with the numbers ``own`` (P,); 0 if
     there is one strand.
 
     It is the side of the square of cross section that a strand has, if the `NEIGHBOURS` nearest ones are evenly
-    distributed. positions (blocks, n + 1, 3 W), metres, of which the first ``strands`` count; ``boxes``: of these, from
-    `boxes_of`, if they are known.
+    distributed. positions (blocks, n + 1, 3 W), metres, of which the first ``strands`` count; ``extents``: from
+    `extents_of`, if they are known.
     """
     neighbours = min(NEIGHBOURS, strands - 1)
     if neighbours < 1:
         return np.zeros(len(points))
     away = np.empty((len(points), neighbours), np.float32)
-    kernel.nearest(positions, strands, boxes_of(positions, strands) if boxes is None else boxes, points, own, away)
+    kernel.nearest(positions, strands, *(extents or extents_of(positions)), points, own, away)
     return math.sqrt(math.pi / neighbours) * away[:, -1].astype(np.float64)
 
 
 def spacing_of(
     positions: NDArray[np.float32], strands: int, among: NDArray[np.integer] | None = None,
-    boxes: NDArray[np.float32] | None = None,
+    extents: Extents | None = None,
 ) -> float:  # fmt: skip
     """Return the distance between strands of a groom, metres: the median of `spacing_at` at `POINTS` points.
 
-    The points are evenly distributed along and over the strands, or those that ``among`` says. ``boxes``: as in
-    `spacing_at`.
+    The points are evenly distributed along and over the strands, or those that ``among`` says. ``extents``: as
+    in `spacing_at`.
     """
     own = measured(strands) if among is None else among[measured(len(among))].astype(np.int64)
     rows = 1 + (_even()[:, 1] * (positions.shape[1] - 1)).astype(np.int64)
     points = positions.reshape(*positions.shape[:2], 3, W)[own // W, rows, :, own % W]
-    return float(np.median(spacing_at(positions, strands, np.ascontiguousarray(points), own, boxes)))
+    return float(np.median(spacing_at(positions, strands, np.ascontiguousarray(points), own, extents)))
 
 
 def measured(strands: int) -> NDArray[np.int64]:

@@ -21,7 +21,7 @@ from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
-from ..zbuffer.raster import sort_into_bands
+from ..zbuffer.raster import bands_of
 from .fronts import allocate_extents, spread_extents, tables_of_cells
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps, splats
@@ -188,11 +188,10 @@ class ShadowMaps:
         """Draw into a min/max map."""
         view, size = self.views[number], int(self.sizes[number])
         first, screen = project(lines, view, scratch)
-        bands = sort_into_bands(first, screen, size, 1.0, workers, scratch)
+        bands = bands_of(first, screen, None, (size, size), workers, scratch)
         seen = view_numbers(view)
         kernel.fill(
-            first, screen, bands.members, bands.begin, size, bands.rows, workers, seen.far, seen.near,
-            self.extents[number],
+            first, screen, bands, size, seen.far, seen.near, self.extents[number],
         )  # fmt: skip
 
 

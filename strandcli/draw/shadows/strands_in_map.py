@@ -15,7 +15,7 @@ from ..geometry.extent import Thickness
 from ..view.camera import View
 from ..zbuffer.raster import to_screen
 from .kernels import deep_strands, map_parts, opacity_maps, part_vertices, simplify
-from .kernels.deep_strands import CELL, DIGITS, LEVELS, NO_SKETCH, WEIGHTS, Sketch
+from .kernels.deep_strands import CELL, LEVELS, NO_SKETCH, WEIGHTS, Sketch
 from .kernels.map_parts import BITS, PART, PARTS, MapView, PartsInMap, StrandsInMap
 from .kernels.map_segments import SEGMENTS
 
@@ -118,14 +118,6 @@ def chances_of(ids: NDArray[np.int32] | None, strands: int) -> NDArray[np.float3
 def sketched_share(strands: int) -> np.float32:
     """Return the share of so many strands that is in a sketch."""
     return np.float32(min(0.25, SKETCHED / strands))
-
-
-def mark_sketched(chances: NDArray[np.float32], marks: NDArray[np.bool_]) -> None:
-    """Set the marks (strands,) of those that the sketches of maps have, where they have any; chances: from
-    `chances_of`."""
-    if len(chances) >= FEWEST:
-        digits = chances * DIGITS
-        marks |= digits - np.floor(digits) < sketched_share(len(chances))
 
 
 def sketch_of(

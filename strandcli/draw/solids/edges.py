@@ -10,19 +10,28 @@ between pixel centres, are not antialiased.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...solids import Solids
+from ..common.kernels.keys import EMPTY, FIRST, LOW, depths_of, identities_of
 from ..common.scratch import Scratch
 from ..view.camera import View
-from .kernels import edge_pixels
-from .kernels import edges as kernel
+from .kernels import visible
 from .solids import frames_of
 
 Shade = Callable[[NDArray[np.uint64], NDArray[np.float32], NDArray[np.float32]], None]
+SAMPLES = 4
+"""Samples along each side of a pixel."""
+WHOLE = SAMPLES * SAMPLES
+SLOTS = 4
+"""Solids that are distinguished within a pixel; further ones count as the last of them."""
+ALL = np.zeros(0, np.int64)
+PIXELS = np.zeros((0, 2), np.float32)
+"""Stand for all solids, and the middles of pixels, where `kernels.visible.find` looks."""
 
 
 @dataclass(frozen=True)
@@ -40,17 +49,17 @@ class Edges:
     light: NDArray[np.float32]
     """(E, 3) its radiance, after `composite`."""
     keys: NDArray[np.uint64]
+    """(E, SLOTS) key of each solid at the mean place of the samples that show it; `EMPTY` in unused slots."""
     spots: NDArray[np.float32]
+    """(E, SLOTS, 2) these places on the screen."""
     counts: NDArray[np.int64]
-    """All solids in these pixels, as written by `kernels.edges.sample`."""
+    """(E, SLOTS) the number of these samples."""
 
     def within(self, begin: int, end: int) -> Edges:
         """Return the edges in the pixels begin … end − 1, in the same arrays."""
         here = slice(*np.searchsorted(self.pixels, (begin, end)).tolist())
-        return Edges(
-            self.hides, self.pixels[here], self.depth[here], self.cover[here], self.light[here], self.keys[here],
-            self.spots[here], self.counts[here],
-        )  # fmt: skip
+        names = ("pixels", "depth", "cover", "light", "keys", "spots", "counts")
+        return replace(self, **{name: getattr(self, name)[here] for name in names})
 
     def composite(self, shade: Shade, image: NDArray[np.float32], backdrop: NDArray[np.float32]) -> None:
         """Write what the edge pixels show behind the solid in front to the picture (height, width, 3), and set `light`.
@@ -59,32 +68,85 @@ class Edges:
         the screen (pixels, 2). ``backdrop`` (height, width, 3).
         """
         behind = backdrop.reshape(-1, 3)[self.pixels]
-        colours = np.ascontiguousarray(np.repeat(behind[:, None], kernel.SLOTS, 1))
+        colours = np.ascontiguousarray(np.repeat(behind[:, None], SLOTS, 1))
         shade(self.keys.reshape(-1), colours, self.spots.reshape(-1, 2))
-        image.reshape(-1, 3)[self.pixels] = behind
-        kernel.composite(self.pixels, self.keys, self.counts, colours, self.light, image)
+        each, front = np.arange(len(self.pixels)), self.keys.argmin(1)
+        self.light[:] = colours[each, front]
+        shares = self.counts.astype(np.float32)
+        left = np.float32(WHOLE) - shares.sum(1)
+        covered = shares[each, front] == WHOLE  # a solid that all samples show is its own background
+        shares[each[~covered], front[~covered]] = 0
+        light = left[:, None] * behind
+        for slot in range(SLOTS):
+            light += shares[:, slot, None] * colours[:, slot]
+        image.reshape(-1, 3)[self.pixels] = light / (left + shares.sum(1))[:, None]
 
 
 def find_edges(keys: NDArray[np.uint64], packed: Solids, view: View, size: tuple[int, int], scratch: Scratch) -> Edges:
     """Return the edges in a z-buffer of solids, ``keys`` (height * width,); size: width and height in pixels."""
     width, height = size
-    hides = scratch.borrow("hides", len(keys), np.float32)
-    kernel.depths(keys, hides)
-    ends = scratch.borrow("ends", len(keys), np.uint8)
-    frames, beside = frames_of(packed, view), np.empty(2 * (width + height), np.uint64)
-    edge_pixels.look_outside(width, height, view.pack(), packed, frames, beside)
-    edge_pixels.find(keys, beside, width, height, ends)
-    found = edges_at(hides, np.flatnonzero(ends.view(bool)))
-    kernel.sample(found.pixels, width, view.pack(), packed, frames, found.keys, found.spots, found.counts)
-    kernel.part(found.pixels, found.keys, found.counts, hides, found.depth, found.cover)
-    return found
+    frames, numbers = frames_of(packed, view), view.pack()
+
+    def seen(spots: NDArray[np.float32], only: NDArray[np.int64] = ALL) -> NDArray[np.uint64]:
+        """The keys of solids at places (n, 2) of the screen."""
+        found = np.empty(len(spots), np.uint64)
+        if len(spots):
+            visible.find(spots, only, width, numbers, packed, frames, found)
+        return found
+
+    hides = depths_of(keys, scratch.borrow("hides", len(keys), np.float32))
+    pixels = _edge_pixels(keys, width, height, seen)
+    middles = np.stack([pixels % width, pixels // width], 1).astype(np.float32)[:, None]
+    at = (np.arange(SAMPLES, dtype=np.float32) + np.float32(0.5)) / np.float32(SAMPLES)
+    samples = middles + np.stack([np.tile(at, SAMPLES), np.repeat(at, SAMPLES)], 1)
+    found, spots, counts = _count_samples(seen(samples.reshape(-1, 2)).reshape(-1, WHOLE), samples)
+    some = counts > 0
+    # solids are convex, so the mean place shows the solid too, except for rounding
+    there = seen(spots[some], ((found[some] & LOW) - FIRST).astype(np.int64))
+    found[some] = np.where(there == EMPTY, found[some], there)
+    front, each = found.argmin(1), np.arange(len(pixels))
+    most = counts[each, front]
+    depths = depths_of(found.reshape(-1)).reshape(found.shape)
+    rest = np.where(some, depths, np.float32(np.inf))
+    rest[each, front] = np.inf
+    partly = most < WHOLE  # a solid that all samples show is the opaque background, as in the other pixels
+    hides[pixels[partly]] = np.where(counts.sum(1) == WHOLE, rest.min(1), np.float32(0))[partly]
+    cover = (most % WHOLE).astype(np.float32) / np.float32(WHOLE)
+    light = np.zeros((len(pixels), 3), np.float32)
+    return Edges(hides, pixels, depths[each, front], cover, light, found, spots, counts)
 
 
-def edges_at(hides: NDArray[np.float32], pixels: NDArray[np.int64]) -> Edges:
-    """Return edges at these pixels, not yet filled."""
-    count = len(pixels)
-    return Edges(
-        hides, pixels, np.zeros(count, np.float32), np.zeros(count, np.float32), np.zeros((count, 3), np.float32),
-        np.zeros((count, kernel.SLOTS), np.uint64), np.zeros((count, kernel.SLOTS, 2), np.float32),
-        np.zeros((count, kernel.SLOTS), np.int64),
-    )  # fmt: skip
+def _edge_pixels(keys: NDArray[np.uint64], width: int, height: int, seen: Callable[..., Any]) -> NDArray[np.int64]:
+    """Return the numbers of the pixels whose solid differs from that of one of the four neighbours, which may be beside
+    the picture."""
+    x, y = np.arange(width) + 0.5, np.arange(height) + 0.5
+    above, left = np.stack([x, np.full(width, -0.5)], 1), np.stack([np.full(height, -0.5), y], 1)
+    below, right = above + np.array([0, height + 1]), left + np.array([width + 1, 0])
+    beside = seen(np.concatenate([above, below, left, right]).astype(np.float32))
+    sides = np.split(identities_of(beside), np.cumsum([width, width, height]))
+    shown = np.empty((height + 2, width + 2), np.uint32)
+    shown[1:-1, 1:-1] = identities_of(keys).reshape(height, width)
+    shown[0, 1:-1], shown[-1, 1:-1], shown[1:-1, 0], shown[1:-1, -1] = sides
+    across, down = shown[1:-1, 1:] != shown[1:-1, :-1], shown[1:, 1:-1] != shown[:-1, 1:-1]
+    return np.flatnonzero(across[:, 1:] | across[:, :-1] | down[1:] | down[:-1])
+
+
+def _count_samples(
+    keys: NDArray[np.uint64], places: NDArray[np.float32]
+) -> tuple[NDArray[np.uint64], NDArray[np.float32], NDArray[np.int64]]:
+    """Return the solids that the samples of each pixel show: for each the least key, the mean place and the number of
+    its samples, as in `Edges`. keys (E, WHOLE), places (E, WHOLE, 2): of all samples."""
+    each = np.arange(len(keys))
+    found = np.full((len(keys), SLOTS), EMPTY)
+    spots, counts = np.zeros((len(keys), SLOTS, 2), np.float32), np.zeros((len(keys), SLOTS), np.int64)
+    for sample in range(WHOLE):
+        own = keys[:, sample]
+        free = (found == EMPTY) | ((found & LOW) == (own & LOW)[:, None])
+        free[:, -1] = True
+        some = own != EMPTY
+        at = each[some], free.argmax(1)[some]
+        found[at] = np.minimum(found[at], own[some])
+        spots[at] += places[some, sample]
+        counts[at] += 1
+    spots /= np.maximum(counts, 1).astype(np.float32)[..., None]
+    return found, spots, counts

@@ -15,8 +15,8 @@ from ...solids.shapes import other
 from ..common.kernels.keys import FIRST
 from ..view.camera import View
 from .kernels import triangles as kernels
-from .kernels.rasterise import BOTTOM, LEFT, RIGHT, TOP
 from .kernels.triangles import BAND, ROUNDING, Picture, Rays, Solid, Spans
+from .kernels.visible import BOTTOM, LEFT, RIGHT, TOP
 
 NEAR = 1.001
 """Times its reach within which an eye may be in a solid."""
@@ -68,7 +68,7 @@ def draw(
     shown: NDArray[np.int32],
 ) -> None:  # fmt: skip
     """Draw a solid into the z-buffer (height * width,), and where it is in front its triangles into ``shown``
-    (height * width,) or (0,). frame: its screen bounds, as in `kernels.rasterise.draw`."""
+    (height * width,) or (0,). frame: its screen bounds, as in `kernels.visible.find`."""
     packed = view.pack()
     rays = _rays(surface.row, frame, view)
     count = len(surface.corners)

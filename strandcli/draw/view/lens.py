@@ -20,7 +20,6 @@ from ...groom.emit import PLASTIC, stream
 from ...scene.model import Camera, Emitter
 from ...scene.motion import camera_at, emitter_pose
 from .camera import View
-from .kernels import shutter
 
 
 class Exposure(NamedTuple):
@@ -114,6 +113,7 @@ def interpolate(
         )
         first, second = (1 - share) * r @ r0.T, share * r @ r1.T
         shift = t - first @ t0 - second @ t1
-    numbers = np.concatenate([first.ravel(), second.ravel(), shift]).astype(np.float32)
-    shutter.blend(before, after, numbers, W, out)
+    sides = (moved.reshape(*moved.shape[:2], 3, W) for moved in (before, after))
+    at_start, at_end = (turn.astype(np.float32) @ side for turn, side in zip((first, second), sides, strict=True))
+    out.reshape(at_start.shape)[:] = at_start + at_end + shift.astype(np.float32)[:, None]
     return out

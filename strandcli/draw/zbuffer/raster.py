@@ -1,4 +1,4 @@
-"""Visibility of strands in the z-buffer: projection, sorting into bands of rows, and rasterisation."""
+"""Visibility of strands in the z-buffer: projection and rasterisation."""
 
 from __future__ import annotations
 
@@ -10,15 +10,14 @@ from ..common.kernels.keys import FIRST
 from ..common.kernels.view_columns import FLAT, DepthSlope
 from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
+from ..geometry.extent import extents_on_screen
 from ..geometry.kernels.ribbon import ScreenLines
 from ..view.camera import View
 from ..view.kernels import project
-from .kernels import bands as lists
 from .kernels import raster as kernel
-from .kernels.bands import Bands
 
 ROWS = 64
-"""Height of a band."""
+"""Height of a band of rows."""
 
 
 def to_screen(
@@ -32,21 +31,14 @@ def to_screen(
     return screen
 
 
-def sort_into_bands(
-    first: NDArray[np.int64], screen: NDArray[np.float32], height: int, margin: float, workers: int, scratch: Scratch
-) -> Bands:
-    """Return strands sorted into bands of `ROWS` rows, or one band for a single worker. The picture does not depend on
-    the bands. margin: half the greatest width of a line, pixels."""
-    if workers == 1:
-        strands = len(first) - 1
-        return Bands(np.array([0, strands]), scratch.arange(strands), height, workers)
-    ranges = scratch.borrow("ranges", (len(first) - 1, 2), np.int32)
-    lists.find(first, screen, height, ROWS, np.float32(margin), ranges)
-    begin = np.zeros(-(-height // ROWS) + 1, np.int64)
-    lists.count(ranges, begin)
-    members = scratch.borrow("members", int(begin[-1]), np.int32)
-    lists.scatter(ranges, begin[:-1].copy(), members)
-    return Bands(begin, members, ROWS, workers)
+def bands_of(
+    first: NDArray[np.int64], screen: NDArray[np.float32], widths: NDArray[np.float32] | None, size: tuple[int, int],
+    workers: int, scratch: Scratch,
+) -> kernel.Bands:  # fmt: skip
+    """Return the bands that workers share in a picture of a size (width, height); widths: as in `ScreenLines`."""
+    width, height = size
+    extents = extents_on_screen(first, screen, widths, width, scratch)
+    return kernel.Bands(extents, height if workers == 1 else ROWS, workers)
 
 
 def draw(
@@ -70,6 +62,5 @@ def draw(
             f"a picture holds at most {int(FIRST):,} vertices of strands: use fewer --strands or a lower curves.level"
         )
     width, height = size
-    margin = 1.0 if widths is None or not len(widths) else float(widths.max()) + 1.0
-    bands = sort_into_bands(lines.first, screen, height, margin, workers, scratch)
+    bands = bands_of(lines.first, screen, widths, size, workers, scratch)
     kernel.draw_strands(ScreenLines(lines.first, screen, widths), depth_slope, bands, width, height, base, keys)

@@ -96,7 +96,7 @@ def hides(x, y, z, dx, dy, dz, reach, skin, numbers, data):
     return first_hit(tree, x + t * dx, y + t * dy, z + t * dz, dx, dy, dz, reach - t)[1] >= 0
 
 
-def look_after(x, y, z, eye, width, before, numbers, data):
+def look(x, y, z, eye, width, before, numbers, data):
     """The smooth normal, the point lifted to where the smooth surface would be (Hanika 2021, "Hacking the shadow
     terminator"), the colour of vertices or of the texture, and the place of the triangle, from which the next point
     is looked for."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...constants import W
-from ...jit import parallel, prange
+from ...jit import inlined, parallel, prange
 from ...simd import broadcast, half_width_pointer, lane_count, load, load3, pointer, reduce_max, sqrt
 from ...solids.kernels import box, capsule, other, plane, sphere
 from ...solids.kernels.built_in import device_if_built_in
@@ -60,21 +60,30 @@ def deepest(solids, positions, b):
     spheres, capsules, planes, boxes = solids.spheres, solids.capsules, solids.planes, solids.boxes
     x = half_width_pointer(positions)  # of whole ones there are more than registers hold
     balls, pills, flats, cubes = pointer(spheres), pointer(capsules), pointer(planes), pointer(boxes)
-    particles = positions.shape[1] - 1
     most = broadcast(x, 0.0)
     along = most
     for k in range(0, W, lane_count(x)):
-        roots = (b * positions.shape[1] + 1) * ROW + k
-        for m in range(0, spheres.size, spheres.shape[1]):
-            ends, inner = sphere.deepest(balls, m, x, roots, particles)
-            most, along = max(most, ends), max(along, inner)
-        for m in range(0, capsules.size, capsules.shape[1]):
-            ends, inner = capsule.deepest(pills, m, x, roots, particles)
-            most, along = max(most, ends), max(along, inner)
-        for m in range(0, planes.size, planes.shape[1]):
-            ends, inner = plane.deepest(flats, m, x, roots, particles)
-            most, along = max(most, ends), max(along, inner)
-        for m in range(0, boxes.size, boxes.shape[1]):
-            ends, inner = box.deepest(cubes, m, x, roots, particles)
-            most, along = max(most, ends), max(along, inner)
+        start = load3(x, (b * positions.shape[1] + 1) * ROW + k, W)
+        for i in range(2, positions.shape[1]):
+            end = load3(x, (b * positions.shape[1] + i) * ROW + k, W)
+            counts = 1.0 if i == 2 else 0.0
+            for m in range(0, spheres.size, spheres.shape[1]):
+                most, along = deepen(sphere.depth, sphere.segment_depth, balls, m, start, end, counts, most, along)
+            for m in range(0, capsules.size, capsules.shape[1]):
+                most, along = deepen(capsule.depth, capsule.segment_depth, pills, m, start, end, counts, most, along)
+            for m in range(0, planes.size, planes.shape[1]):
+                most, along = deepen(plane.depth, plane.segment_depth, flats, m, start, end, counts, most, along)
+            for m in range(0, boxes.size, boxes.shape[1]):
+                most, along = deepen(box.least_depth, box.segment_depth, cubes, m, start, end, counts, most, along)
+            start = end
     return reduce_max(most), reduce_max(along)
+
+
+@inlined
+def deepen(depth, segment_depth, p, m, start, end, counts, most, along):
+    """Return the greatest depths so far and in solid m of p: of the ends of segments, and of any of their points less
+    that of their starts, if that ``counts``, 1 or 0."""
+    edge = end[0] - start[0], end[1] - start[1], end[2] - start[2]
+    over = counts * max(depth(p, m, start[0], start[1], start[2]), 0.0)
+    most = max(most, depth(p, m, end[0], end[1], end[2]))
+    return most, max(along, segment_depth(p, m, start, edge) - over)

@@ -6,7 +6,7 @@ from typing import Any
 
 from ...constants import W
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load3, sqrt, where
+from ...simd import broadcast, sqrt, where
 from ..shapes.box import HALF, ROW_X, ROW_Y, ROW_Z, X, Y, Z
 from .sphere import INF, ONE, TINY, ZERO
 
@@ -116,6 +116,13 @@ def below_faces(p, m, u, v, w):
     return min(min(p[m + HALF] - abs(u), p[m + HALF + 1] - abs(v)), p[m + HALF + 2] - abs(w))
 
 
+@inlined
+def least_depth(p, m, x, y, z):
+    """Return the depth of points below the nearest face of box m; vectors of lanes."""
+    u, v, w = own_place(p, m, (x, y, z))
+    return below_faces(p, m, u, v, w)
+
+
 @device
 def segment_depth(p, m, start, edge):
     """Return the depth as `sphere.segment_depth`; if negative, it is not a distance."""
@@ -196,42 +203,11 @@ def chosen(lanes, a, b):
     return where(lanes, a[0], b[0]), where(lanes, a[1], b[1]), where(lanes, a[2], b[2])
 
 
-@device
-def deepest(p, m, x, o, rows):
-    """Return the greatest depths of particles and of points of segments as `sphere.deepest`."""
-    most = broadcast(x, 0.0)
-    along = most
-    a = load3(x, o, W)
-    u = own_place(p, m, a)
-    under = max(0.0, below_faces(p, m, u[0], u[1], u[2]))
-    for i in range(1, rows):
-        b = load3(x, o + i * 3 * W, W)
-        v = own_place(p, m, b)
-        at_end = below_faces(p, m, v[0], v[1], v[2])
-        most = max(most, at_end)
-        if i > 1:
-            under = broadcast(x, 0.0)
-            along = max(along, most)
-        # below each face no point of the segment is deeper than where it is nearest to the middle
-        w = nearest_to_zero(u[0], v[0]), nearest_to_zero(u[1], v[1]), nearest_to_zero(u[2], v[2])
-        if any_lane(below_faces(p, m, w[0], w[1], w[2]) - under > along):
-            along = max(along, segment_depth(p, m, a, (b[0] - a[0], b[1] - a[1], b[2] - a[2])) - under)
-        a = b
-        u = v
-    return most, along
-
-
 @inlined
 def own_place(p, m, at):
     """Return points in the box's own frame; vectors of lanes."""
     x, y, z = at[0] - p[m + X], at[1] - p[m + Y], at[2] - p[m + Z]
     return own(p, m, 0, x, y, z), own(p, m, 1, x, y, z), own(p, m, 2, x, y, z)
-
-
-@inlined
-def nearest_to_zero(a, b):
-    """Return the least absolute value of numbers between a and b; vectors of lanes."""
-    return max(0.0, max(min(a, b), -max(a, b)))
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:

@@ -10,7 +10,7 @@ from numba.extending import register_jitable
 
 from ...constants import W
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load3, sqrt, where
+from ...simd import where
 from ..shapes.capsule import AXIS_X, AXIS_Y, AXIS_Z, LEAST, PER_SQUARE, RADIUS, X, Y, Z
 from . import sphere
 from .sphere import INF, ONE, TINY, ZERO
@@ -18,8 +18,6 @@ from .sphere import INF, ONE, TINY, ZERO
 HALF = np.float32(0.5)
 PARALLEL = 1e-12
 """Squared sine of the angle below which two segments count as parallel."""
-ROUNDING = 2e-6
-"""Of squared distances, as a share of the squares that they are made of: more than there is."""
 
 
 @inlined
@@ -149,50 +147,6 @@ def off_axis(p, m, start, edge):
     t = min(max((u * ea - er) / ee, 0.0), 1.0)
     u = min(max((ar + t * ea) / aa, 0.0), 1.0)
     return (x + t * edge[0] - u * ax, y + t * edge[1] - u * ay, z + t * edge[2] - u * az), t
-
-
-@device
-def deepest(p, m, x, o, rows):
-    """Return the greatest depths of particles and of points of segments as `sphere.deepest`.
-
-    The squared distance from the axis is convex along a segment, so it is nowhere less than where its tangents at both
-    ends meet; where that is no less than what was found, what is between the ends is not looked at.
-    """
-    radius, ax, ay, az = p[m + RADIUS], p[m + AXIS_X], p[m + AXIS_Y], p[m + AXIS_Z]
-    a = load3(x, o, W)
-    b = load3(x, o + 3 * W, W)
-    e = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    under = max(0.0, depth(p, m, a[0], a[1], a[2]))
-    along = broadcast(x, 0.0)
-    q = on_axis(p, m, a[0], a[1], a[2])
-    if any_lane((a[0] - q[0]) * e[0] + (a[1] - q[1]) * e[1] + (a[2] - q[2]) * e[2] < 0.0):
-        along = max(along, segment_depth(p, m, a, e) - under)
-    q = on_axis(p, m, b[0], b[1], b[2])
-    s = b[0] - q[0], b[1] - q[1], b[2] - q[2]
-    before = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
-    ends = min(radius * radius * sphere.BARELY_OUT, before)
-    inner = ends
-    for i in range(2, rows):
-        a = b
-        b = load3(x, o + i * 3 * W, W)
-        e = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-        down = s[0] * e[0] + s[1] * e[1] + s[2] * e[2]
-        q = on_axis(p, m, b[0], b[1], b[2])
-        s = b[0] - q[0], b[1] - q[1], b[2] - q[2]
-        up = s[0] * e[0] + s[1] * e[1] + s[2] * e[2]
-        after = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
-        # half the slopes at both ends; tangents meet at before + down * (before - after + 2 up) / (up - down)
-        doubt = (before + after + ax * ax + ay * ay + az * az) * ROUNDING
-        excess = (before - doubt - inner) * (up - down) + down * (before - after + 2.0 * up)
-        if any_lane(max(max(down, -up), excess) < 0.0):  # one comparison for three
-            c, _ = off_axis(p, m, a, e)
-            inner = min(inner, c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
-        before = after
-        ends = min(ends, before)
-        inner = min(inner, before)
-    if rows > 2:
-        along = max(along, radius - sqrt(inner))
-    return max(0.0, radius - sqrt(ends)), along
 
 
 @register_jitable(error_model="numpy")  # for plain Python too, in which `strandcli.simulate.health` runs passes

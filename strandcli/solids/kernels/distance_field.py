@@ -97,33 +97,18 @@ def in_world(p, m, v):
 
 @device
 def look_in_world(p, m, look):
-    """How solid m looks: its normal, place and colour from those of its own frame, in single precision."""
-    n, place, colour = look
+    """How solid m looks: its normal, place and colour from those of its own frame, in single precision; and a whole
+    number."""
+    n, place, colour, nearby = look
     x, y, z = outward(p, m, n)
     a, b, c = place
+    u = number(p, m, X) + number(p, m, ROW_X) * a + number(p, m, ROW_X + 1) * b + number(p, m, ROW_X + 2) * c
+    v = number(p, m, Y) + number(p, m, ROW_Y) * a + number(p, m, ROW_Y + 1) * b + number(p, m, ROW_Y + 2) * c
+    w = number(p, m, Z) + number(p, m, ROW_Z) * a + number(p, m, ROW_Z + 1) * b + number(p, m, ROW_Z + 2) * c
     return (
-        (np.float32(x), np.float32(y), np.float32(z)),
-        (
-            np.float32(
-                number(p, m, X) + number(p, m, ROW_X) * a + number(p, m, ROW_X + 1) * b + number(p, m, ROW_X + 2) * c
-            ),
-            np.float32(
-                number(p, m, Y) + number(p, m, ROW_Y) * a + number(p, m, ROW_Y + 1) * b + number(p, m, ROW_Y + 2) * c
-            ),
-            np.float32(
-                number(p, m, Z) + number(p, m, ROW_Z) * a + number(p, m, ROW_Z + 1) * b + number(p, m, ROW_Z + 2) * c
-            ),
-        ),
-        (np.float32(colour[0]), np.float32(colour[1]), np.float32(colour[2])),
-    )
-
-
-@device
-def looks_in_world(p, m, look):
-    """`look_in_world` of the first three of four, and the fourth."""
-    n, place, colour, number = look
-    n, place, colour = look_in_world(p, m, (n, place, colour))
-    return n, place, colour, np.int64(number)
+        (np.float32(x), np.float32(y), np.float32(z)), (np.float32(u), np.float32(v), np.float32(w)),
+        (np.float32(colour[0]), np.float32(colour[1]), np.float32(colour[2])), np.int64(nearby),
+    )  # fmt: skip
 
 
 @inlined

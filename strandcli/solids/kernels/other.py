@@ -6,7 +6,7 @@ the functions that the type has.
 
 from __future__ import annotations
 
-from functools import partial
+import inspect
 
 import numpy as np
 
@@ -26,14 +26,24 @@ def form_of(solids):
     return found if hasattr(found, "distance") else None
 
 
+def by_form(otherwise, part="distance", **options):
+    """A decorator: kernels that call the function call what it returns for the class of the `Solids` that come first,
+    or ``otherwise`` where that has no such part, a function of the same parameters."""
+
+    def decorate(make):
+        def choose(*types):
+            form = form_of(types[0])
+            return otherwise if getattr(form, part, None) is None else make(form)
+
+        choose.__signature__ = inspect.signature(otherwise)
+        return by_type(choose, **options)
+
+    return decorate
+
+
 def _has(part):
     """A function that tells whether the shapes of `Solids` have a part."""
-
-    def found(solids):
-        there = getattr(form_of(solids), part, None) is not None
-        return lambda solids: there
-
-    return by_type(found)
+    return by_form(lambda solids: False, part)(lambda form: lambda solids: True)
 
 
 has_look = _has("look")
@@ -44,20 +54,15 @@ has_slopes = _has("slopes_in_own")
 """Whether `nearest_slope` can be called: all of these have distances of vectors with their gradients."""
 
 
-@by_type
-def count(solids):
+@by_form(lambda solids: 0)
+def count(form):
     """How many of the `Solids` there are of these."""
-    if form_of(solids) is None:
-        return lambda solids: 0
     return lambda solids: solids.others.shape[0]
 
 
-@by_type
-def meet(solids, m, ox, oy, oz, dx, dy, dz):
+@by_form(lambda solids, m, ox, oy, oz, dx, dy, dz: INF)
+def meet(form):
     """`distance_field.trace` of number m of these."""
-    form = form_of(solids)
-    if form is None:
-        return lambda solids, m, ox, oy, oz, dx, dy, dz: INF
     distance, first, among = form.distance, form.meet, form.among
     return lambda solids, m, ox, oy, oz, dx, dy, dz: trace(distance, first, among(solids), m, ox, oy, oz, dx, dy, dz)
 
@@ -103,25 +108,18 @@ def trace_each(distance, meet, p, m, rays, found):
         found[k] = trace(distance, meet, p, m, ox, oy, oz, dx, dy, dz)
 
 
-@by_type
-def trace_rays(solids, m, rays, found):
+@by_form(lambda solids, m, rays, found: None)
+def trace_rays(form):
     """`meet` of the rays of a pixel: together, or one by one."""
-    form = form_of(solids)
-    if form is None:
-        return lambda solids, m, rays, found: None
     distance, first, meets, among = form.distance, form.meet, form.meets, form.among
     if meets is None:
         return lambda solids, m, rays, found: trace_each(distance, first, among(solids), m, rays, found)
     return lambda solids, m, rays, found: trace_together(distance, meets, among(solids), m, rays, found)
 
 
-@by_type
-def normal(solids, m, x, y, z):
+@by_form(lambda solids, m, x, y, z: (ZERO, field.ONE, ZERO))
+def normal(form):
     """Unit outward normal of number m of these at a point of its surface."""
-    form = form_of(solids)
-    if form is None:
-        return lambda solids, m, x, y, z: (ZERO, field.ONE, ZERO)
-
     outward, among, look = form.normal, form.among, form.look
     if look is not None:
         none, width, first = (ZERO, ZERO, ZERO), ZERO, np.int64(-1)
@@ -134,50 +132,38 @@ def normal(solids, m, x, y, z):
     return found
 
 
-@by_type
-def look(solids, m, x, y, z, eye, width, before):
-    """The normal, the place and the colour of number m of these, and a number, as `SolidShape.look_after`, in the
-    world."""
-    form = form_of(solids)
-    if form is None or form.look is None:
-        none = (ZERO, ZERO, ZERO)
-        return lambda solids, m, x, y, z, eye, width, before: (none, none, none, before)
+NOWHERE = (ZERO, ZERO, ZERO)
+
+
+@by_form(lambda solids, m, x, y, z, eye, width, before: (NOWHERE, NOWHERE, NOWHERE, before), "look")
+def look(form):
+    """The normal, the place and the colour of number m of these, and a number, as `SolidShape.look`, in the world."""
     found, among = form.look, form.among
     return lambda solids, m, x, y, z, eye, width, before: found(among(solids), m, x, y, z, eye, width, before)
 
 
-@by_type
-def folds(solids, m):
-    """Whether number m of these may hide parts of itself."""
+def may_fold(solids):
+    """Whether a type of `Solids` has shapes that may hide parts of themselves."""
     form = form_of(solids)
-    if form is None or not any(form.folds):
-        return lambda solids, m: False
+    return form is not None and any(form.folds)
+
+
+@by_form(lambda solids, m: False)
+def folds(form):
+    """Whether number m of these may hide parts of itself."""
     kinds = form.folds
+    if not any(kinds):
+        return lambda solids, m: False
     return lambda solids, m: kinds[int(solids.others[m, KIND])]
 
 
-@by_type
-def visibility(solids, x, y, z, lx, ly, lz, reach, skin):
+@by_form(lambda solids, x, y, z, lx, ly, lz, reach, skin: field.ONE)
+def visibility(form):
     """Return 1 if none of these solids is between a point, moved by `skin` along the unit vector l, and a light at the
     distance `reach`, metres; else 0."""
-    form = form_of(solids)
-    if form is None:
-        return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.ONE
     hides, among = form.hides, form.among
     return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.visibility_past_all(
         hides, among(solids), x, y, z, (lx, ly, lz), reach, skin
-    )
-
-
-@by_type
-def lowest_sine(solids, x, y, z, way, light):
-    """`soft_edge.least_sine` of all of these; `CLEAR` where there are none."""
-    form = form_of(solids)
-    if form is None:
-        return lambda solids, x, y, z, way, light: soft_edge.CLEAR
-    distance_in_own, among, parts = form.distance_in_own, form.among, parts_of(form)
-    return lambda solids, x, y, z, way, light: soft_edge.least_sine_of_all(
-        distance_in_own, parts, among(solids), x, y, z, way, light
     )
 
 
@@ -186,85 +172,72 @@ def parts_of(form):
     return soft_edge.FINE_ACROSS if form.detailed else soft_edge.ACROSS
 
 
-@by_type
-def outside(solids, x, y, z, clear):
+@by_form(lambda solids, x, y, z, way, light: soft_edge.CLEAR)
+def lowest_sine(form):
+    """`soft_edge.least_sine` of all of these; `CLEAR` where there are none."""
+    distance_in_own, among, parts = form.distance_in_own, form.among, parts_of(form)
+    return lambda solids, x, y, z, way, light: soft_edge.least_sine_of_all(
+        distance_in_own, parts, among(solids), x, y, z, way, light
+    )
+
+
+@by_form(lambda solids, x, y, z, clear: (x, y, z))
+def outside(form):
     """A point, moved to `clear` metres off the surfaces of these."""
-    form = form_of(solids)
-    if form is None:
-        return lambda solids, x, y, z, clear: (x, y, z)
     distance, outward, among = form.distance, form.normal, form.among
     return lambda solids, x, y, z, clear: field.put_outside_all(distance, outward, among(solids), x, y, z, clear)
 
 
-@by_type
-def least_distance(solids, x, y, z):
+@by_form(lambda solids, x, y, z: INF)
+def least_distance(form):
     """A distance, metres, that no surface of these is nearer than; negative inside of one."""
-    form = form_of(solids)
-    if form is None:
-        return lambda solids, x, y, z: INF
     distance, among = form.distance, form.among
     return lambda solids, x, y, z: field.least_distance_of_all(distance, among(solids), x, y, z)
 
 
-@by_type
-def deepest(solids, positions, b):
+@by_form(lambda solids, positions, b: (ZERO, ZERO))
+def deepest(form):
     """Greatest depth of a block's particles in these and of its segments, metres."""
-    form = form_of(solids)
-    if form is None:
-        return lambda solids, positions, b: (ZERO, ZERO)
     distance, place, among = form.distance, form.deepest, form.among
     return lambda solids, positions, b: segment_depth.deepest_of_block(distance, place, among(solids), positions, b)
 
 
-@by_type
-def deepen(solids, x, y, z, most):
+@by_form(lambda solids, x, y, z, most: most)
+def deepen(form):
     """The greatest of depths and of those of points in these, metres; vectors of lanes."""
-    form = form_of(solids)
-    if form is None:
-        return lambda solids, x, y, z, most: most
     distance, distances, among = form.distance, form.distances_in_own, form.among
     if distances is not None:
         return lambda solids, x, y, z, most: segment_depth.deepen_vectors(distances, among(solids), x, y, z, most)
     return lambda solids, x, y, z, most: segment_depth.deepen_lanes(distance, among(solids), x, y, z, most)
 
 
-@partial(by_type, jit_options={"forceinline": True})
-def nearest_slope(solids, x, y, z):
+@by_form(lambda solids, x, y, z: (x, x, x, x), "slopes_in_own", jit_options={"forceinline": True})
+def nearest_slope(form):
     """The distances of points from the nearest of these, metres, and their gradients there; vectors of lanes."""
-    form = form_of(solids)
-    if form is None or form.slopes_in_own is None:
-        return lambda solids, x, y, z: (x, x, x, x)
     slopes, among = form.slopes_in_own, form.among
     return lambda solids, x, y, z: segment_depth.nearest_slope_of_all(slopes, among(solids), x, y, z)
 
 
-@by_type
-def begin_walk(solids, m, point, way, light):
+@by_form(
+    lambda solids, m, point, way, light: (
+        (point[0], point[1], point[2], way[0], way[1], way[2]), light[0], light[0]
+    ), "distances_in_own",
+)  # fmt: skip
+def begin_walk(form):
     """`soft_edge.begin` of number m of these; nothing to walk where they have no distances of vectors."""
-    form = form_of(solids)
-    if form is None or form.distances_in_own is None:
-        return lambda solids, m, point, way, light: (
-            (point[0], point[1], point[2], way[0], way[1], way[2]), light[0], light[0]
-        )  # fmt: skip
     bounds, among, parts = form.bounds, form.among, parts_of(form)
     return lambda solids, m, point, way, light: soft_edge.begin(bounds, parts, among(solids), m, point, way, light)
 
 
-@by_type
-def walk(solids, m, some, others, most):
+@by_form(lambda solids, m, some, others, most: (some[1], some[3], others[1], others[3]), "distances_in_own")
+def walk(form):
     """`soft_edge.walk` of number m of these."""
-    form = form_of(solids)
-    if form is None or form.distances_in_own is None:
-        return lambda solids, m, some, others, most: (some[1], some[3], others[1], others[3])
     distances, among, parts = form.distances_in_own, form.among, parts_of(form)
     return lambda solids, m, some, others, most: soft_edge.walk(distances, parts, among(solids), m, some, others, most)
 
 
-@by_type
-def walk_alone(solids, m, ray, most):
+@by_form(lambda solids, m, ray, most: (ray[1], ray[3]), "distances_in_own")
+def walk_alone(form):
     """`soft_edge.walk_alone` of number m of these."""
-    form = form_of(solids)
-    if form is None or form.distances_in_own is None:
-        return lambda solids, m, ray, most: (ray[1], ray[3])
     distances, among, parts = form.distances_in_own, form.among, parts_of(form)
     return lambda solids, m, ray, most: soft_edge.walk_alone(distances, parts, among(solids), m, ray, most)

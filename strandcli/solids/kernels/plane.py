@@ -6,7 +6,6 @@ from typing import Any
 
 from ...constants import W
 from ...jit import device
-from ...simd import broadcast, load3
 from ..shapes.plane import HEIGHT, X, Y, Z
 from .sphere import INF, ZERO
 
@@ -40,18 +39,10 @@ def depth(p, m, x, y, z):
 
 
 @device
-def deepest(p, m, x, o, rows):
-    """Return the greatest depths of particles and of points of segments, which are those of their ends, as
-    `sphere.deepest`."""
-    a = load3(x, o, W)
-    most = broadcast(x, 0.0)
-    along = most
-    for i in range(1, rows):
-        b = load3(x, o + i * 3 * W, W)
-        most = max(most, depth(p, m, b[0], b[1], b[2]))
-        if i == 1:
-            along = max(along, most - max(0.0, depth(p, m, a[0], a[1], a[2])))
-    return most, max(along, most) if rows > 2 else along
+def segment_depth(p, m, start, edge):
+    """Return the depth as `sphere.segment_depth`: that of the deeper end."""
+    end = start[0] + edge[0], start[1] + edge[1], start[2] + edge[2]
+    return max(depth(p, m, start[0], start[1], start[2]), depth(p, m, end[0], end[1], end[2]))
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, load3, sqrt
+from ...simd import sqrt
 from ..shapes.sphere import LEAST, RADIUS, X, Y, Z
 
 ZERO = np.float32(0.0)
@@ -22,12 +22,6 @@ INF = np.float32(np.inf)
 TINY = np.float32(1e-20)
 NONE = 1e-30
 """Least divisor: squared length of a segment, m²."""
-BARELY_OUT = 1.000001
-"""Squared distance, as a multiple of the squared radius, at which a point is not inside, whatever the rounding."""
-MOST_NEARER = 0.25
-"""Of the squared length of a segment, the most by which a point of it is nearer than both of its ends, squared."""
-ROUNDING = 1e-6
-"""Of squared distances, as a share: more than there is."""
 
 
 @device
@@ -116,49 +110,6 @@ def off_centre(p, m, start, edge):
     square = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]
     t = min(max(-(x * edge[0] + y * edge[1] + z * edge[2]) / max(square, NONE), 0.0), 1.0)
     return x + t * edge[0], y + t * edge[1], z + t * edge[2]
-
-
-@device
-def deepest(p, m, x, o, rows):
-    """Return the greatest depths in sphere m of particles of strands, and of points of their segments; vectors of
-    lanes, not negative.
-
-    x: positions, of which ``o`` is the place of the roots and ``rows`` the number of particles. Roots are left out, and
-    of the first segment only the depth in excess of its root's counts.
-    """
-    radius = p[m + RADIUS]
-    a = load3(x, o, W)
-    b = load3(x, o + 3 * W, W)
-    e = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    under = max(0.0, depth(p, m, a[0], a[1], a[2]))
-    along = broadcast(x, 0.0)
-    if any_lane((a[0] - p[m + X]) * e[0] + (a[1] - p[m + Y]) * e[1] + (a[2] - p[m + Z]) * e[2] < 0.0):
-        along = max(along, segment_depth(p, m, a, e) - under)
-    # squares of distances from the centre: of the nearest end, and of the nearest point; their roots tell the depths
-    s = b[0] - p[m + X], b[1] - p[m + Y], b[2] - p[m + Z]
-    before = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
-    ends = min(radius * radius * BARELY_OUT, before)
-    inner = ends
-    for i in range(2, rows):
-        b = load3(x, o + i * 3 * W, W)
-        q = s
-        s = b[0] - p[m + X], b[1] - p[m + Y], b[2] - p[m + Z]
-        after = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
-        dot = q[0] * s[0] + q[1] * s[1] + q[2] * s[2]
-        nearest = min(before, after)
-        # a segment comes nearer than both ends if dot < nearest, by no more than a quarter of its squared length
-        least = nearest - MOST_NEARER * (before + after - 2.0 * dot) - ROUNDING * (before + after)
-        if any_lane(max(dot - nearest, least - inner) < 0.0):  # one comparison for two
-            a = load3(x, o + (i - 1) * 3 * W, W)
-            e = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-            c = off_centre(p, m, a, e)
-            inner = min(inner, c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
-        before = after
-        ends = min(ends, after)
-        inner = min(inner, after)
-    if rows > 2:
-        along = max(along, radius - sqrt(inner))
-    return max(0.0, radius - sqrt(ends)), along
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:

@@ -6,7 +6,7 @@ import functools
 import hashlib
 import inspect
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +16,12 @@ from ...errors import UsageError
 from ...scene.solid_shape import OPTIONAL, has_data, shape_of
 from .other import KIND, NUMBERS, REACH, ROW_X, count_of, data_of, kinds_of
 from .other_template import DISTANCES, DRIFT, LOOK, MEETS, MODULE, RAY, SLOPES
+
+GRADIENT = "gradient(distance, p, m, FINE * number(p, m, {reach}), x, y, z)"
+MARCH = "march(distance, p, m, x, y, z, dx, dy, dz, end)"
+HIDES = "hides_by_distance(distance, meet, p, m, x, y, z, way, reach, skin)"
+LOOKS = "look_in_world(p, m, look_{place}(u, v, w, eye, width, before, {given}))"
+PLAIN = "normal(p, m, x, y, z), (x, y, z), (np.float32(-1.0), np.float32(-1.0), np.float32(-1.0)), np.int64(-1)"
 
 
 class Kind(NamedTuple):
@@ -71,28 +77,35 @@ def _module(kinds: tuple[Kind, ...]) -> Any:
 
     imports = "".join(_imports(one) for one in kinds)
     data = fields_of(kinds)
+    vectors = _code(kinds, "distances", DISTANCES, all, "distances_{place}(u, v, w, {given})")
+    slopes = _code(kinds, "slopes", SLOPES, all, "slopes_{place}(u, v, w, {given})")
+    meets = _code(kinds, "meets", MEETS, all, "meets_{place}(rays, found, {given})")
+    look = _code(kinds, "look", LOOK, any, LOOKS, PLAIN)
+    drift = _code(kinds, "drift", DRIFT, any, "in_world(p, m, drift_{place}(u, v, w, {given}))", "0.0, 0.0, 0.0")
     parts = {
-        "distance": _chosen([f"rounded(p, distance_{one.place}(u, v, w, {_given(one)}))" for one in kinds]),
-        "normal": _chosen([_normal(one) for one in kinds]),
-        "deepest": _chosen([_deepest(one.shape) for one in kinds]),
-        "meet": _chosen([_meet(one) for one in kinds]),
-        "hides": _chosen([_hides(one) for one in kinds]),
-        "ray": RAY if _any(kinds, "hides") else "",
-        "look": LOOK.format(look=_chosen([_look(one) for one in kinds])) if _looks(kinds) else "\n",
+        "distance": _chosen(kinds, "distance", "rounded(p, distance_{place}(u, v, w, {given}))"),
+        "normal": _chosen(kinds, "normal", "outward(p, m, normal_{place}(u, v, w, {given}))", GRADIENT),
+        "deepest": _chosen(kinds, "convex", "deepest_of_all_places(distance, p, m, begin, edge)", "{deepest}"),
+        "meet": _chosen(kinds, "meet", "np.float32(meet_{place}(u, v, w, a, b, c, {given}))", MARCH),
+        "hides": _chosen(kinds, "hides", "hides_{place}(u, v, w, a, b, c, reach, skin, {given})", HIDES),
+        "bounds": _chosen(
+            kinds, "bounds", "bounds_{place}({given})", "-around, -around, -around, around, around, around"
+        ),
+        "ray": RAY if any(_has(one.shape, "hides") for one in kinds) else "",
         "fields": "".join(f"    {one}: Any\n" for one in data),
         "given": ", ".join(f"solids.{one}" for one in ("others", *data)),
-        "drift": DRIFT.format(drift=_chosen([_drift(one) for one in kinds])) if _any(kinds, "drift") else "",
-        "has_drift": "drift_of" if _any(kinds, "drift") else "None",
-        "has_look": "look" if _looks(kinds) else "None",
-        "distances": _distances(kinds) + _slopes(kinds),
-        "bounds": _chosen([_bounds(one) for one in kinds]),
-        "meets": _meets(kinds),
-        "has_meets": "meets" if _meets(kinds).strip() else "None",
-        "reach": REACH,
-        "has_distances": "distances_in_own" if _distances(kinds).strip() else "None",
-        "has_slopes": "slopes_in_own" if _slopes(kinds) else "None",
+        "look": look or "\n",
+        "drift": drift,
+        "distances": vectors + slopes,
+        "meets": meets,
+        "has_drift": "drift_of" if drift else "None",
+        "has_look": "look" if look else "None",
+        "has_meets": "meets" if meets else "None",
+        "has_distances": "distances_in_own" if vectors else "None",
+        "has_slopes": "slopes_in_own" if slopes else "None",
         "detailed": any(has_data(one.shape) for one in kinds),
         "folds": tuple(bool(getattr(one.shape, "folds", False)) for one in kinds),
+        "reach": REACH,
     }
     # kernels are kept by the name of the type, which therefore tells of all that it stands for
     name = f"Solids_{hashlib.sha256((imports + str(parts)).encode()).hexdigest()[:16]}"
@@ -108,37 +121,8 @@ def fields_of(kinds: Sequence[Kind]) -> list[str]:
     return [f"data_{one.place}_{field}" for one in kinds if has_data(one.shape) for field in one.shape.Data._fields]
 
 
-def _distances(kinds: Sequence[Kind]) -> str:
-    """Code of the distances of vectors; nothing where a kind lacks them."""
-    if not all(_has(one.shape, "distances") for one in kinds):
-        return "\n"
-    return DISTANCES.format(distances=_chosen([f"distances_{one.place}(u, v, w, {_given(one)})" for one in kinds]))
-
-
-def _slopes(kinds: Sequence[Kind]) -> str:
-    """Code of the distances of vectors with their gradients; nothing where a kind lacks them."""
-    if not all(_has(one.shape, "slopes") for one in kinds):
-        return ""
-    return SLOPES.format(slopes=_chosen([f"slopes_{one.place}(u, v, w, {_given(one)})" for one in kinds]))
-
-
-def _meets(kinds: Sequence[Kind]) -> str:
-    """Code of rays that go together; nothing where a kind lacks it."""
-    if not all(_has(one.shape, "meets") for one in kinds):
-        return "\n"
-    return MEETS.format(meets=_chosen([f"meets_{one.place}(rays, found, {_given(one)})" for one in kinds]))
-
-
-def _any(kinds: Sequence[Kind], part: str) -> bool:
-    return any(_has(one.shape, part) for one in kinds)
-
-
-def _looks(kinds: Sequence[Kind]) -> bool:
-    return _any(kinds, "look") or _any(kinds, "look_after")
-
-
 def _has(shape: Any, part: str) -> bool:
-    return getattr(shape, part, None) is not None
+    return bool(getattr(shape, part, None))
 
 
 def _imports(kind: Kind) -> str:
@@ -167,11 +151,26 @@ def _import(shape: Any, part: str, thing: Any, place: int) -> str:
     return f"from {where} import {what} as {part}_{place}  # {digest}\n"
 
 
-def _chosen(lines: list[str]) -> str:
-    """Code that runs, of a line for each kind, that of a solid's kind."""
+def _chosen(kinds: Sequence[Kind], part: str, own: str, otherwise: str = "") -> str:
+    """Code that runs, of a line for each kind, that of a solid's kind: its ``own`` where the shape has a part."""
+    lines = [
+        (own if _has(one.shape, part) else otherwise).format(
+            place=one.place, given=_given(one), reach=REACH,
+            deepest=f"deepest_{'about' if has_data(one.shape) else 'of'}_some(distance, p, m, begin, edge)",
+        ) for one in kinds
+    ]  # fmt: skip
     last = len(lines) - 1
     tests = [f"    if number(p, m, {KIND}) == {place}:\n    " if place < last else "" for place in range(len(lines))]
     return "".join(f"{test}    return {line}\n" for test, line in zip(tests, lines, strict=True))
+
+
+def _code(
+    kinds: Sequence[Kind], part: str, template: str, enough: Callable[..., bool], own: str, otherwise: str = ""
+) -> str:  # fmt: skip
+    """The function of a part, if ``enough`` of the kinds have it: all or any; else nothing."""
+    if not enough(_has(one.shape, part) for one in kinds):
+        return ""
+    return template.format(code=_chosen(kinds, part, own, otherwise))
 
 
 def _given(kind: Kind) -> str:
@@ -181,47 +180,3 @@ def _given(kind: Kind) -> str:
         return f"({numbers})"
     arrays = ", ".join(f"p.{field}" for field in fields_of([kind]))
     return f"({numbers}), Data_{kind.place}({arrays})"
-
-
-def _bounds(kind: Kind) -> str:
-    if not _has(kind.shape, "bounds"):
-        return "-around, -around, -around, around, around, around"
-    return f"bounds_{kind.place}({_given(kind)})"
-
-
-def _normal(kind: Kind) -> str:
-    if not _has(kind.shape, "normal"):
-        return f"gradient(distance, p, m, FINE * number(p, m, {REACH}), x, y, z)"
-    return f"outward(p, m, normal_{kind.place}(u, v, w, {_given(kind)}))"
-
-
-def _deepest(shape: Any) -> str:
-    way = "deepest_about_some" if has_data(shape) else "deepest_of_some"
-    way = "deepest_of_all_places" if getattr(shape, "convex", False) else way
-    return f"{way}(distance, p, m, begin, edge)"
-
-
-def _meet(kind: Kind) -> str:
-    if not _has(kind.shape, "meet"):
-        return "march(distance, p, m, x, y, z, dx, dy, dz, end)"
-    return f"np.float32(meet_{kind.place}(u, v, w, a, b, c, {_given(kind)}))"
-
-
-def _hides(kind: Kind) -> str:
-    if not _has(kind.shape, "hides"):
-        return "hides_by_distance(distance, meet, p, m, x, y, z, way, reach, skin)"
-    return f"hides_{kind.place}(u, v, w, a, b, c, reach, skin, {_given(kind)})"
-
-
-def _look(kind: Kind) -> str:
-    if _has(kind.shape, "look_after"):
-        return f"looks_in_world(p, m, look_after_{kind.place}(u, v, w, eye, width, before, {_given(kind)}))"
-    if not _has(kind.shape, "look"):
-        return "normal(p, m, x, y, z), (x, y, z), (np.float32(-1.0), np.float32(-1.0), np.float32(-1.0)), np.int64(-1)"
-    return f"look_in_world(p, m, look_{kind.place}(u, v, w, eye, width, {_given(kind)})) + (np.int64(-1),)"
-
-
-def _drift(kind: Kind) -> str:
-    if not _has(kind.shape, "drift"):
-        return "0.0, 0.0, 0.0"
-    return f"in_world(p, m, drift_{kind.place}(u, v, w, {_given(kind)}))"

@@ -9,7 +9,7 @@ import numpy as np
 
 from strandcli.constants import W
 from strandcli.jit import device, function, inlined
-from strandcli.solids.kernels.distance_field import gradient, look_in_world, looks_in_world, march, number, outward, own
+from strandcli.solids.kernels.distance_field import gradient, look_in_world, march, number, outward, own
 from strandcli.solids.kernels.distance_field import FINE, hides_by_distance, in_world, own_direction, put_outside
 from strandcli.solids.kernels.distance_field import ray_in_own, rounded
 from strandcli.solids.kernels.segment_depth import deepest_about_some, deepest_of_all_places, deepest_of_some
@@ -126,21 +126,21 @@ DISTANCES = '''
 @inlined
 def distances_in_own(p, m, u, v, w):
     """Distances of vectors of points, in the frame of solid m, from its surface."""
-{distances}
+{code}
 '''
 SLOPES = '''
 
 @inlined
 def slopes_in_own(p, m, u, v, w):
     """The same, and their gradients."""
-{slopes}
+{code}
 '''
 MEETS = '''
 
 @device
 def meets(p, m, rays, found):
     """Where rays first meet solid m, of its own frame, as `meets` of `SolidShape`."""
-{meets}
+{code}
 '''
 DRIFT = '''
 
@@ -148,7 +148,7 @@ DRIFT = '''
 def drift_of(p, m, x, y, z):
     """How far the point of the surface of solid m nearest to a point came since the step before."""
     u, v, w = own(p, m, x, y, z)
-{drift}
+{code}
 
 '''
 LOOK = '''
@@ -160,6 +160,6 @@ def look(p, m, x, y, z, eye, width, before):
     to the eye; width: that of a pixel there."""
     u, v, w = own(p, m, x, y, z)
     eye = own_direction(p, m, eye[0], eye[1], eye[2])
-{look}
+{code}
 
 '''

@@ -11,9 +11,16 @@ from reference.bands import covered
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines
-from strandcli.draw.solids.edges import edges_at
+from strandcli.draw.solids.edges import Edges
 
 WIDTHS = [0.003, 0.2, 0.69, 0.71, 4.0]
+
+
+def hiding(hides: np.ndarray) -> Edges:
+    """Solids that have no edges and hide what is behind depth numbers (height * width,)."""
+    none = np.zeros(0, np.float32)
+    pairs = np.zeros((0, 4), np.int64)
+    return Edges(hides, pairs[:, 0], none, none, none.reshape(0, 3), pairs.astype(np.uint64), none, pairs)
 
 
 def drawn(
@@ -35,7 +42,7 @@ def drawn(
     vertex = np.ones((len(screen), 3), np.float32) if colours is None else colours.astype(np.float32)
     image = np.full((size[1], size[0], 3), behind, np.float32)
     coverage = Coverage(size, opacity, room)
-    edges = None if hides is None else edges_at(hides, np.zeros(0, np.int64))
+    edges = None if hides is None else hiding(hides)
     for layer in coverage.layers(Polylines(first, screen), screen, wide, edges, workers, Scratch()):
         layer.blend(vertex, image)
     return image

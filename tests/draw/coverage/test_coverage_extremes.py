@@ -9,13 +9,10 @@ from hypothesis import strategies as st
 
 from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
-from strandcli.draw.coverage.kernels import strand_extents
-from strandcli.draw.coverage.kernels.segments import WIDE
 from strandcli.draw.geometry.curves import Polylines
 from strandcli.draw.geometry.kernels.ribbon import ScreenLines
-from strandcli.draw.solids.edges import edges_at
 from strandcli.errors import RefusedError
-from tests.draw.coverage.test_coverage import bent, white
+from tests.draw.coverage.test_coverage import bent, hiding, white
 
 
 @pytest.mark.parametrize("hidden", [False, True])
@@ -31,7 +28,7 @@ def test_behind_wide_opaque_strands_nothing_is_kept(hidden: bool) -> None:
     if hidden:  # by a solid in the left half
         hides = np.zeros((24, 40), np.float32)
         hides[:, :20] = 2
-        edges = edges_at(hides.ravel(), np.zeros(0, np.int64))
+        edges = hiding(hides.ravel())
     for faint in (0.0, 0.01):
         coverage = Coverage((40, 24), 1.0 - faint)
         image = np.zeros((24, 40, 3), np.float32)
@@ -49,36 +46,6 @@ def test_too_many_in_one_row_are_refused_by_name() -> None:
     with pytest.raises(RefusedError, match=r"row 0 of the picture holds .* fragments of strands"):
         white([line] * 50, [np.full(2, 0.5)] * 50, (40, 1), room=1000)
     assert white([line] * 50, [np.full(2, 0.5)] * 50, (40, 1), room=9000).max() > 0.99
-
-
-def test_strands_so_wide_that_they_would_take_minutes_are_refused_by_name() -> None:
-    """A million short pieces, each of which covers the picture."""
-    x = np.arange(1_000_001) % 2 * 3.0 + 30
-    line = np.column_stack([x, x, np.full(len(x), 0.5)])
-    with pytest.raises(RefusedError, match=r"material.width: strands are up to 1,000,000,000 samples wide"):
-        white([line], [np.full(len(x), 1e9)], (64, 64))
-
-
-@pytest.mark.parametrize(
-    ("line", "wide", "places"),
-    [
-        ([[10, 20], [30, 20]], 8.0, 20 * 8),  # along x
-        ([[10, 20], [10, 30]], 8.0, 10 * 8),  # along y
-        ([[10, 20], [30, 20]], 1e9, 20 * 48),  # to the picture's borders
-        ([[-50, 20], [30, 20]], 8.0, 30 * 8),
-        ([[10, 10], [20, 20]], 1e9, 64 * 48),  # aslant: all of the picture
-        ([[10, 20], [30, 20]], 0.5, 0),  # thin
-        ([[-50, 20], [-30, 20]], 8.0, 0),  # beside the picture
-    ],
-)
-def test_what_wide_strands_take_is_known_before(line: list[list[float]], wide: float, places: float) -> None:
-    screen = np.column_stack([line, [0.5, 0.5]]).astype(np.float32)
-    toil = np.zeros(1, np.float32)
-    lines = ScreenLines(np.array([0, 2]), screen, np.full(2, wide, np.float32))
-    extents = np.empty((1, strand_extents.COLUMNS), np.float32)
-    strand_extents.find_extents(*lines, 64, extents)
-    strand_extents.count_wide_pixels(lines, extents, 64, 48, WIDE, toil)
-    assert toil[0] == pytest.approx(places, rel=1e-3)
 
 
 @settings(max_examples=60, deadline=None)
@@ -119,15 +86,18 @@ def test_slivers_and_points_cover_no_more_than_their_length(
     assert image.sum() <= 1.1 * length * wide + 2e-5
 
 
-def test_strands_beside_the_picture_count_for_nothing() -> None:
+def test_fragments_of_a_first_frame_are_foreseen_and_strands_beside_the_picture_count_for_nothing() -> None:
     rng = np.random.default_rng(8)
     strands = [bent(rng, 96, 80, 0.3) for _ in range(100)]
     beside = [line + np.array([away, 0, 0]) for line in strands for away in (-400, 400)]
-    changes = []
+    rows = []
     for lines in (strands, strands + beside):
         screen = np.ascontiguousarray(np.concatenate(lines), np.float32)
-        found = np.zeros((1, 129))
         first, widths = np.cumsum([0, *map(len, lines)]), np.full(len(screen), 2, np.float32)
-        strand_extents.estimate_rows(ScreenLines(first, screen, widths), 128, found)
-        changes.append(found)
-    np.testing.assert_allclose(changes[1], changes[0], atol=1e-9)
+        coverage = Coverage((96, 80), 1.0)
+        coverage._estimate(ScreenLines(first, screen, widths))
+        rows.append(coverage._rows.copy())
+    np.testing.assert_allclose(rows[1], rows[0], atol=1e-4)
+    for _ in coverage.layers(Polylines(first, screen), screen, widths, None, 1, Scratch()):
+        pass
+    assert rows[0].sum() == pytest.approx(coverage.fragments, rel=0.4)

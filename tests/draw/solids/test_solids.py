@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from reference.rules import depth
 from strandcli.draw.common.kernels.keys import EMPTY, FIRST
-from strandcli.draw.solids.kernels import rasterise
+from strandcli.draw.solids.edges import ALL, PIXELS
 from strandcli.draw.solids.kernels import rays as kernel
+from strandcli.draw.solids.kernels import visible
 from strandcli.draw.solids.solids import frames_of
 from strandcli.draw.view.camera import View, camera_view
 from strandcli.scene.model import BoxSolid, Camera, CapsuleSolid, Emitter, PlaneSolid, Solid, SphereSolid
@@ -126,7 +127,7 @@ def picture(solids: list[Any], view: View, frames: np.ndarray | None = None) -> 
     if frames is None:
         frames = np.array([[0, width, 0, height]] * len(solids), np.int64).reshape(-1, 4)
     keys = np.zeros(width * height, np.uint64)
-    rasterise.draw(numbers, frames, view.pack(), width, height, keys)
+    visible.find(PIXELS, ALL, width, view.pack(), numbers, frames, keys)
     return keys.reshape(height, width)
 
 

@@ -15,10 +15,8 @@ RUN = 128
 """Greatest length of a list that is sorted by counting; longer lists are merged from runs of this length."""
 CROWD = 112
 """Length of a list from which on fragments that cannot be seen are left out of it."""
-NARROW_LANES = VECTOR // 2 // 4
+LANES = VECTOR // 2 // 4
 """Lanes of a vector of a `half_width_pointer`; most lists are no longer."""
-WIDE_LANES = VECTOR // 4
-"""Lanes of a vector of a `pointer`."""
 ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 ONE_BIT, FOUR = np.uint64(1), np.uint64(NUMBERS)
 
@@ -43,14 +41,9 @@ def sort_pixels(fragments, counts, ends, depths, opaque, ranks, spare, order):
                 n = keep_visible(fragments, depths, first, n, farthest)
                 counts[p] = n
                 ends[p] = first + n
-        if n <= NARROW_LANES:
+        if n <= LANES:
             rows, steps = half_width_pointer(depths), load(half_width_pointer(STEPS), 0)
-            if sort_few(rows, steps, first, n, NARROW_LANES, order):
-                insertion_sort(fragments, first, n, order)
-            continue
-        if n <= WIDE_LANES:
-            wide_rows, wide_steps = pointer(depths), load(pointer(STEPS), 0)
-            if sort_few(wide_rows, wide_steps, first, n, WIDE_LANES, order):
+            if sort_few(rows, steps, first, n, order):
                 insertion_sort(fragments, first, n, order)
             continue
         for low in range(first, first + n, RUN):
@@ -68,16 +61,16 @@ def sort_pixels(fragments, counts, ends, depths, opaque, ranks, spare, order):
 
 
 @inlined
-def sort_few(rows, steps, low, n, lanes, order):
-    """Sort the list of n <= lanes depths from index `low` on; return whether any two are equal.
+def sort_few(rows, steps, low, n, order):
+    """Sort the list of n <= `LANES` depths from index `low` on; return whether any two are equal.
 
     The loop always runs over all lanes, because the end of a short loop cannot be predicted. Lanes beyond the list are
     written behind it, where the next list overwrites them."""
     own = load(rows, low)
     valid = steps < np.float32(n)
     taken = np.uint64(0)
-    for i in range(lanes):
-        o = count_true((own > rows[low + i]) & valid) if i < n else np.uint64(lanes)
+    for i in range(LANES):
+        o = count_true((own > rows[low + i]) & valid) if i < n else np.uint64(LANES)
         order[np.uint64(low) + o] = np.uint32(low + i)
         taken |= ONE_BIT << o
     return taken & ~(ALL << np.uint64(n)) != ~(ALL << np.uint64(n))

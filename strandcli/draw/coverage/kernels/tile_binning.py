@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from ....jit import device, inlined, parallel, prange
 from ....simd import any_lane, floor, gather, half_width_pointer, lane_count, load, store, where
 from ...common.kernels.numbers import HALF, ONE, ZERO
+from ...geometry.kernels.ribbon import GREATEST_Y, LEAST_Y
 from . import segments as seg
-from .strand_extents import GREATEST_Y, LEAST_Y
 from .tiles import TILE_HEIGHT, TILE_WIDTH
 from .windows import PictureWindows, window_of
 
@@ -105,7 +105,7 @@ def bin_segments(lines, extents, top, bottom, width, workers, segments, windows,
     """Append the segments that can touch the rows top <= y < bottom of a picture to the chains of their tiles, but
     those that solids hide.
 
-    lines: `ScreenLines`; extents: from `strand_extents.find_extents`; width: of the picture; segments:
+    lines: `ScreenLines`; extents: from `geometry.kernels.ribbon.find_on_screen`; width: of the picture; segments:
     `TileSegments`, whose fills and used are 0 before; windows: `PictureWindows`; depth_slope: `DepthSlope`. The first
     tiles begin at row `top`. Workers share strands and blocks evenly. If `used` of a worker is not less than its share
     of the blocks, there was no room and the chains are invalid.

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, inlined, parallel, prange
+from ....jit import device, inlined
 from ....simd import floor, where
 from ...common.kernels.numbers import ONE, ZERO
 from .tiles import ROW_BITS, TILE_HEIGHT, TILE_WIDTH
@@ -80,39 +80,6 @@ def find_windows(depths, blocks, windows):
             windows[np.uint64(y * ACROSS + x)] = np.int32(least).view(np.float32) * SAFE
             all_ = min(all_, least)
     windows[WHOLE] = np.int32(all_).view(np.float32) * SAFE
-
-
-@parallel
-def find_picture_windows(hides, width, blocks, across, out):
-    """Write the depth numbers of `PictureWindows`, all of them.
-
-    hides (height * width,): depth number behind which solids hide all, not negative; width: of the picture; blocks
-    (down * across,) float32: scratch; across: as in `PictureWindows`; out (down * across + 1,) float32.
-    """
-    down = blocks.shape[0] // across
-    height = hides.shape[0] // width
-    for row in prange(down):
-        y = np.int64(row)
-        columns = np.empty(width, np.float32)
-        columns[:] = np.float32(np.inf)
-        for j in range(y * BLOCK, min(y * BLOCK + BLOCK, height)):
-            at = np.uint64(j * width)
-            for x in range(np.uint64(width)):
-                columns[x] = min(columns[x], hides[at + x])
-        for i in range(across):
-            least = np.float32(np.inf)
-            for x in range(i * BLOCK, min(i * BLOCK + BLOCK, width)):
-                least = min(least, columns[x])
-            blocks[y * across + i] = least
-    for row in prange(down):
-        y = np.int64(row)
-        for x in range(across):
-            least = np.float32(np.inf)
-            for j in range(y, min(y + SPAN, down)):
-                for i in range(x, min(x + SPAN, across)):
-                    least = min(least, blocks[j * across + i])
-            out[y * across + x] = least * SAFE
-    out[down * across] = ZERO
 
 
 @inlined

@@ -14,18 +14,20 @@ from ...common.kernels.numbers import ONE, THREE, TWO, ZERO
 from .tangents import LANES, find_tangents
 
 THIRD = np.float32(1 / 3)
+TINY = np.float32(1e-30)
 
 
 @parallel
-def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, first, world, along):
+def flatten(positions, lengths, strands, pieces, fixed, as_printed, first, world, along):
     """Write the polylines of strands.
 
     positions (blocks, n + 1, 3 W), metres; lengths (blocks, W), or None: those of the chords; pieces (strands, n − 1)
     uint16, or (0, 0): every segment has `fixed` pieces; as_printed: whether tangents are computed as the source prints
-    them; straight: whether segments stay straight; first (strands + 1,) int64 vertex offsets; world (V, 3) float32,
+    them; first (strands + 1,) int64 vertex offsets; world (V, 3) float32,
     metres, written; along (V,) float32: how far along its strand each vertex stands, 0 at the root to 1 at the tip,
     written if it has rows.
     """
+    straight = pieces.shape[0] == 0 and fixed == 1
     for group in prange((strands + LANES - 1) // LANES):
         begin = np.int64(group) * LANES
         end = min(begin + LANES, strands)
@@ -36,13 +38,13 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, straight, fi
             for s in range(begin, end):
                 if first[s + 1] == first[s]:
                     continue
-                write_polyline(positions[s // W], lengths, s, pieces, fixed, straight, ways, first[s], world)
+                write_polyline(positions[s // W], lengths, s, pieces, fixed, ways, first[s], world)
                 if along.shape[0] > 0:
                     write_along(pieces[s], along, first[s])
 
 
 @inlined
-def write_polyline(block, lengths, s, pieces, fixed, straight, ways, v, world):
+def write_polyline(block, lengths, s, pieces, fixed, ways, v, world):
     """Write the polyline of strand s, in a block (n + 1, 3 W), from vertex v on; ways: from `find_tangents`; other
     arguments as in `flatten`."""
     n = block.shape[0] - 1
@@ -55,7 +57,7 @@ def write_polyline(block, lengths, s, pieces, fixed, straight, ways, v, world):
         bx, by, bz = block[i + 1, lane], block[i + 1, W + lane], block[i + 1, 2 * W + lane]
         ex, ey, ez = bx - ax, by - ay, bz - az
         per = ONE / np.float32(m)
-        if not straight:
+        if m > 1:
             before, after = 3 * (i - 1) * LANES + s % LANES, 3 * i * LANES + s % LANES
             if lengths is None:
                 third = norm(ex, ey, ez) * THIRD
@@ -67,10 +69,6 @@ def write_polyline(block, lengths, s, pieces, fixed, straight, ways, v, world):
                 write_vertex(
                     world, v + j, bezier(t, ax, ex, tx, sx), bezier(t, ay, ey, ty, sy), bezier(t, az, ez, tz, sz)
                 )
-        else:
-            for j in range(1, m):
-                t = np.float32(j) * per
-                write_vertex(world, v + j, ax + t * ex, ay + t * ey, az + t * ez)
         v += m
         write_vertex(world, v, bx, by, bz)
         ax, ay, az = bx, by, bz
@@ -110,22 +108,6 @@ def norm(x, y, z):
     return np.sqrt(x * x + y * y + z * z)
 
 
-@parallel
-def longest_segment(positions):
-    """Return the length of the longest segment of positions (blocks, n + 1, 3 W), metres."""
-    found = np.zeros(positions.shape[0], np.float32)
-    for block in prange(positions.shape[0]):
-        most = ZERO
-        for i in range(2, positions.shape[1]):
-            for k in range(W):
-                x = positions[block, i, k] - positions[block, i - 1, k]
-                y = positions[block, i, W + k] - positions[block, i - 1, W + k]
-                z = positions[block, i, 2 * W + k] - positions[block, i - 1, 2 * W + k]
-                most = max(most, norm(x, y, z))
-        found[block] = most
-    return found.max()
-
-
 SHARED = 256
 """Strands a task."""
 
@@ -149,3 +131,41 @@ def find_shares(first, along, shares, out):
                 i = min(np.int64(at), last - 1)
                 t = min(at - np.float32(i), ONE)
                 out[v] = (ONE - t) * shares[s, i] + t * shares[s, i + 1]
+
+
+@parallel
+def shorten(first, world, fade):
+    """Shorten each strand that fades to the fraction `fade` of its length from the root; vertices beyond that are moved
+    to the new tip.
+
+    first (S + 1,) int64; world (V, 3) metres, changed; fade (S,).
+    """
+    for s in prange(fade.shape[0]):
+        if fade[s] < ONE:
+            shorten_one(world, first[s], first[s + 1], fade[s])
+
+
+@device
+def shorten_one(world, begin, end, part):
+    """Shorten the polyline begin … end − 1 to a fraction of its length."""
+    left = ZERO
+    for v in range(begin + 1, end):
+        left += distance(world, v - 1, v)
+    left *= part
+    for v in range(begin + 1, end):
+        length = distance(world, v - 1, v)
+        t = min(left / max(length, TINY), ONE)
+        left -= t * length
+        if t < ONE:
+            for c in range(3):
+                world[v, c] = world[v - 1, c] + t * (world[v, c] - world[v - 1, c])
+            for w in range(v + 1, end):
+                for c in range(3):
+                    world[w, c] = world[v, c]
+            return
+
+
+@device
+def distance(world, v, w):
+    """Return the distance between two vertices."""
+    return norm(world[w, 0] - world[v, 0], world[w, 1] - world[v, 1], world[w, 2] - world[v, 2])

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, inlined
-from ...common.kernels.numbers import HALF, ONE, TWO, ZERO
+from ....jit import device, inlined, parallel, prange
+from ...common.kernels.numbers import HALF, INF, ONE, TWO, ZERO
 
 
 class ScreenLines(NamedTuple):
@@ -25,6 +25,11 @@ class ScreenLines(NamedTuple):
 
 
 TINY = np.float32(1e-30)
+MARGIN = np.float32(2.0)
+"""Pixels that a strand extends beyond its vertices, besides its width."""
+LEAST_Y, GREATEST_Y, WIDEST = 0, 1, 2
+"""Columns of the extents of strands on the screen."""
+COLUMNS = 3
 
 
 class Ribbon(NamedTuple):
@@ -176,3 +181,27 @@ def mitre(screen, v, a, end, dx, dy, half, per):
     my = ey * size + dy
     size = ONE / math.sqrt(mx * mx + my * my)
     return mx * size, my * size
+
+
+@parallel
+def find_on_screen(first, screen, widths, width, out):
+    """Write the range of y that each strand can cover on the screen, and its greatest width.
+
+    first (S + 1,) int64; screen (V, 3): as in `ScreenLines`; widths (V,): likewise, or (0,): all are one pixel; width:
+    of the picture; out (S, COLUMNS) float32: least and greatest y, inf and −inf for a strand that is not on the
+    screen; the width.
+    """
+    for s in prange(first.shape[0] - 1):
+        low, high, left, right = INF, -INF, INF, -INF
+        widest = ONE if widths.shape[0] == 0 else ZERO
+        for v in range(first[s], first[s + 1]):
+            if widths.shape[0] > 0:
+                widest = max(widest, widths[v])
+            if screen[v, 2] > ZERO:
+                left, right = min(left, screen[v, 0]), max(right, screen[v, 0])
+                low, high = min(low, screen[v, 1]), max(high, screen[v, 1])
+        margin = MARGIN + widest  # a mitre extends by up to half a width times the square root of two
+        there = (right + margin >= ZERO) & (left - margin < np.float32(width))
+        out[s, LEAST_Y] = low - margin if there else INF
+        out[s, GREATEST_Y] = high + margin if there else -INF
+        out[s, WIDEST] = widest

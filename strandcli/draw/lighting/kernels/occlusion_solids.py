@@ -134,10 +134,9 @@ def occlude(work, n, x, y, z, solids, skin):
         if further and work[LIGHT + d] > ZERO:
             lx, ly, lz = batch.vector_at(work, LX, d)
             ox, oy, oz = x + skin * lx, y + skin * ly, z + skin * lz
-            if by_lanes:
-                work[LIGHT + d] *= rays.visibility_past_planes(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
-            else:
-                work[LIGHT + d] *= rays.visibility_past_flat(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
+            work[LIGHT + d] *= rays.visibility_past_planes(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
+            if not by_lanes:
+                work[LIGHT + d] *= other.visibility(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
 
 
 @device_if_built_in(lambda solids: True)

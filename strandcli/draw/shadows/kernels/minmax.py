@@ -16,7 +16,8 @@ from ....jit import device, function, parallel, prange
 from ....simd import pointer
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
-from ...view.kernels.project import to_view_number
+from ...geometry.kernels.ribbon import GREATEST_Y, LEAST_Y
+from ...view.kernels.project import to_view
 from ...zbuffer.kernels.lines import FIXED, PART, POINT
 
 THREE = np.uint64(3)
@@ -46,29 +47,28 @@ class Steps(NamedTuple):
 
 
 @parallel
-def fill(first, screen, members, begin, size, rows, workers, far, near, texels):
+def fill(first, screen, bands, size, far, near, texels):
     """Draw the strands' depths into a min/max map.
 
-    screen (V, 3): x, y in texels and the depth number of `project.points`; far: depth range of an orthographic light in
-    metres, 0 for a perspective one; near: its nearest depth, metres; members, begin, rows, workers: `bands.Bands`;
-    texels (size * size, 2) float32: nearest and farthest depth, metres; (inf, −inf) where there is no strand.
+    screen (V, 3): x, y in texels and the depth number of `project.points`; bands: `zbuffer.kernels.raster.Bands`; far:
+    depth range of an orthographic light in metres, 0 for a perspective one; near: its nearest depth, metres; texels
+    (size * size, 2) float32: nearest and farthest depth, metres; (inf, −inf) where there is no strand.
     """
-    for task in prange(workers):
+    for task in prange(bands.workers):
         steps = Steps(
             np.empty(PART, np.int32), np.empty(PART, np.int64), np.empty(PART, np.int64), np.empty(PART, np.int64),
             np.empty(PART, np.int64), np.empty(PART, np.float32), np.empty(PART, np.float32),
         )  # fmt: skip
-        for b in range(task, begin.shape[0] - 1, workers):
-            top = b * rows
-            among = members[begin[b] : begin[b + 1]]
-            band(first, screen, among, top, min(top + rows, size), size, far, near, steps, texels)
+        for top in range(np.int64(task) * bands.rows, size, bands.workers * bands.rows):
+            band(first, screen, bands.extents, top, min(top + bands.rows, size), size, far, near, steps, texels)
 
 
 @device
-def band(first, screen, members, top, bottom, size, far, near, steps, texels):
-    """Draw the strands ``members`` in the rows top … bottom − 1; steps: `Steps` to work in; other arguments as in
-    `fill`."""
-    for s in members:
+def band(first, screen, extents, top, bottom, size, far, near, steps, texels):
+    """Draw the strands in the rows top … bottom − 1; steps: `Steps` to work in; other arguments as in `fill`."""
+    for s in range(extents.shape[0]):
+        if not (extents[s, LEAST_Y] < np.float32(bottom) and extents[s, GREATEST_Y] >= np.float32(top)):
+            continue
         v = first[s]
         end = first[s + 1] - 1
         while v < end:
@@ -129,7 +129,7 @@ def line(k, steps, top, bottom, size, texels):
 def texel_of(point, views, one):
     """Return column, row and depth (metres) of a point in map number `one`; columns and rows are integers at texel
     centres."""
-    sx, sy, d = to_view_number(point[0], point[1], point[2], views, one)
+    sx, sy, d = to_view(point[0], point[1], point[2], views[one])
     scale = views[one, FOCAL] / d if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
     return views[one, AXIS_X] + scale * sx - HALF, views[one, AXIS_Y] - scale * sy - HALF, d
 

@@ -12,7 +12,7 @@ import numpy as np
 from ....jit import device, inlined, parallel, prange
 from ....simd import deinterleave, half_width_pointer, lane_count, load3, movemask, pointer
 from ...common.kernels.numbers import ZERO
-from ...geometry.kernels.detail import distance
+from ...geometry.kernels.curves import distance
 
 TINY = np.float32(1e-30)
 FLAT = np.float32(0.1**2)

@@ -10,7 +10,6 @@ import math
 
 import numpy as np
 
-from ....constants import W
 from ....jit import device, function
 from ....solids.kernels import box, built_in, capsule, other, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
@@ -18,10 +17,6 @@ from ...common.kernels import view_columns as at
 from ...common.kernels.numbers import INF, ONE, ZERO
 
 TINY = np.float32(1e-20)
-OX, OY, OZ, DX, DY, DZ, MET = (row * W for row in range(7))
-"""Rows of a batch of up to W rays, float32: origin, direction, and where it meets a solid in units of that."""
-BATCH = 7 * W
-"""Numbers of a batch."""
 
 
 @function
@@ -113,7 +108,9 @@ def visibility_past_others(solids, x, y, z, lx, ly, lz, reach, skin):
     pz = z + skin * lz
     if visibility_past_capsules(solids, px, py, pz, lx, ly, lz, reach, skin) == ZERO:
         return ZERO
-    return visibility_past_flat(solids, px, py, pz, lx, ly, lz, reach, skin)
+    if visibility_past_planes(solids, px, py, pz, lx, ly, lz, reach, skin) == ZERO:
+        return ZERO
+    return other.visibility(solids, px, py, pz, lx, ly, lz, reach, skin)
 
 
 @device_if_built_in(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
@@ -123,15 +120,6 @@ def visibility_past_capsules(solids, x, y, z, lx, ly, lz, reach, skin):
         if capsule.visibility(solids.capsules, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
             return ZERO
     return ONE
-
-
-@device
-def visibility_past_flat(solids, x, y, z, lx, ly, lz, reach, skin):
-    """Return `visibility` past all solids but spheres and capsules, from a point that has been moved by `skin` along
-    l."""
-    if visibility_past_planes(solids, x, y, z, lx, ly, lz, reach, skin) == ZERO:
-        return ZERO
-    return other.visibility(solids, x, y, z, lx, ly, lz, reach, skin)
 
 
 @device_if_built_in(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
@@ -146,18 +134,6 @@ def visibility_past_planes(solids, x, y, z, lx, ly, lz, reach, skin):
         if skin < t < reach:
             return ZERO
     return ONE
-
-
-@device
-def aim(work, j, view, right, up):
-    """`ray`, as number j of a batch."""
-    ox, oy, oz, dx, dy, dz = ray(view, right, up)
-    work[OX + j] = ox
-    work[OY + j] = oy
-    work[OZ + j] = oz
-    work[DX + j] = dx
-    work[DY + j] = dy
-    work[DZ + j] = dz
 
 
 @device

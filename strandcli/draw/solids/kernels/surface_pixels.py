@@ -6,8 +6,10 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
+from ....jit.pruned import device_where
 from ....simd import floor, gather, lane_count, load, pointer, store, where
 from ....simd.local import local_float64
+from ....solids.kernels import other
 from ....solids.kernels.other import put_ray
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.keys import FIRST, LOW, SHIFT
@@ -89,7 +91,7 @@ def fill_batch(screen, found, i, end, width, solids, work, which):
         edge = folds and folded(keys, at, column, width, view)
         fine |= edge
         if edge:
-            n = fine_points(work, which, n, at, column, row, view, solids, own)
+            n = fine_points(solids, work, which, n, at, column, row, view, own)
             continue
         which[n] = at
         before = np.int64(screen.triangles[at]) if screen.triangles.shape[0] > 0 else UNKNOWN
@@ -105,8 +107,8 @@ def fill_batch(screen, found, i, end, width, solids, work, which):
     return end, n, solid, fine
 
 
-@device
-def fine_points(work, which, n, at, column, row, view, solids, solid):
+@device_where(other.may_fold, lambda solids, work, which, n, at, column, row, view, solid: n)
+def fine_points(solids, work, which, n, at, column, row, view, solid):
     """Add to a batch of n points those that stand for the FINE × FINE rays of pixel number `at`: one for the rays that
     meet the solid on each side of its edge. Return how many points there are then."""
     near, far = INF, -INF

@@ -18,10 +18,10 @@ from ....jit import device, inlined, parallel, prange
 from ....jit.indices import FIRST, SECOND, THIRD
 from ....meshes.kernels.rays import meet, sheared
 from ....solids.kernels.distance_field import ray_in_own, through
-from ...common.kernels.numbers import HALF, INF, ONE, ZERO
-from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, PERSPECTIVE
-from .rasterise import BOTTOM, LEFT, RIGHT, TOP, key_at
+from ...common.kernels.numbers import HALF, INF, ZERO
+from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from .rays import ray
+from .visible import BOTTOM, LEFT, RIGHT, TOP, key_at
 
 BAND = 8
 """Rows of a task."""
@@ -201,10 +201,8 @@ def draw(corners, listed, begin, solid, rays, view, frame, spans, identity, pict
 @device
 def finish_row(nearest, y, left, view, identity, picture):
     """Take what is nearest in a row, from a column on, into a `Picture`."""
-    flat = ONE - view[PERSPECTIVE]
-    far = ONE / view[DEPTH_RANGE]
     for x in range(nearest.shape[0]):
-        key = key_at(depth_of(nearest[x]), view, flat, far, identity)
+        key = key_at(depth_of(nearest[x]), view, identity)
         if key < picture.keys[y, left + x]:
             picture.keys[y, left + x] = key
             if picture.shown.shape[0] > 0:

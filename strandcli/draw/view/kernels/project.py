@@ -34,19 +34,6 @@ def to_view(x, y, z, view):
     )
 
 
-@inlined
-def to_view_number(x, y, z, views, number):
-    """Return the coordinates of a point as `to_view` does, in one of several views (M, SIZE)."""
-    return (
-        views[number, at.RIGHT_X] * x + views[number, at.RIGHT_Y] * y + views[number, at.RIGHT_Z] * z
-        + views[number, at.RIGHT_SHIFT],
-        views[number, at.UP_X] * x + views[number, at.UP_Y] * y + views[number, at.UP_Z] * z
-        + views[number, at.UP_SHIFT],
-        views[number, at.FORWARD_X] * x + views[number, at.FORWARD_Y] * y + views[number, at.FORWARD_Z] * z
-        + views[number, at.FORWARD_SHIFT],
-    )  # fmt: skip
-
-
 @parallel
 def widths(first, screen, view, thickness, taper, scale, least, along, out):
     """Write the widths of strands on the screen to out (V,) float32, pixels, at least `least`.

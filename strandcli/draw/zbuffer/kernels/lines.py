@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import device, parallel, prange
+from ....jit import device
 from ....simd import pointer
 from ...common.kernels.keys import LOW, SHIFT
 from ...common.kernels.numbers import HALF, ONE, ZERO
@@ -142,30 +142,3 @@ def deposit(q, identity, pixel, keys):
     # rounding may make q negative, whose bits would count as near
     key = ((LOW - np.uint64(np.float32(max(q, ZERO)).view(np.uint32))) << SHIFT) | identity
     keys[pixel] = min(key, keys[pixel])  # an unconditional store, since a branch could not be predicted
-
-
-@parallel
-def count_samples(first, screen, width, height, counts):
-    """Write to counts (S,) int64 through how many samples of a picture each strand's middle line passes: for each
-    segment one a column, or a row where it is steeper, whose centre lies between the segment's ends.
-
-    first (S + 1,); screen (V, 3): x, y in samples, and the depth number of `project.points`.
-    """
-    for s in prange(counts.shape[0]):
-        found = np.int64(0)
-        for v in range(first[s] + 1, first[s + 1]):
-            if screen[v - 1, 2] <= ZERO or screen[v, 2] <= ZERO:
-                continue
-            flat = abs(screen[v, 0] - screen[v - 1, 0]) >= abs(screen[v, 1] - screen[v - 1, 1])
-            along = np.int64(0) if flat else np.int64(1)
-            side, across = (width, height) if flat else (height, width)
-            low, high = min(screen[v - 1, along], screen[v, along]), max(screen[v - 1, along], screen[v, along])
-            if not high - low > ZERO:
-                continue
-            begin = np.int64(max(np.ceil(low - HALF), ZERO))
-            end = np.int64(min(np.ceil(high - HALF), np.float32(side)))
-            slope = (screen[v, 1 - along] - screen[v - 1, 1 - along]) / (screen[v, along] - screen[v - 1, along])
-            for place in range(begin, end):
-                other = screen[v - 1, 1 - along] + (np.float32(place) + HALF - screen[v - 1, along]) * slope
-                found += np.int64(ZERO <= other < np.float32(across))
-        counts[s] = found

@@ -11,10 +11,19 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device, inlined, parallel, prange
 from ...common.kernels.numbers import HALF, ONE, ZERO
-from ...geometry.kernels.ribbon import cross_section, direction, measure_ribbon, offsets_across, round_depth
+from ...geometry.kernels.ribbon import (
+    GREATEST_Y,
+    LEAST_Y,
+    cross_section,
+    direction,
+    measure_ribbon,
+    offsets_across,
+    round_depth,
+)
 from .lines import PART, Steps, Window, deposit, draw_lines
 
 TINY = np.float32(1e-6)
@@ -40,31 +49,42 @@ class Sides(NamedTuple):
     """Steps in `keys` for a pixel along and a pixel across."""
 
 
+class Bands(NamedTuple):
+    """Bands of screen rows, which workers share."""
+
+    extents: NDArray[np.float32]
+    """(S, `ribbon.COLUMNS`) of strands on the screen, from `ribbon.find_on_screen`."""
+    rows: int
+    """Height of a band. The picture does not depend on it."""
+    workers: int
+
+
 @parallel
-def draw_strands(lines, depth_slope, bands_, width, height, base, keys):
+def draw_strands(lines, depth_slope, bands, width, height, base, keys):
     """Draw all strands into a z-buffer.
 
-    lines: `ScreenLines`; depth_slope: `DepthSlope`; bands_: `bands.Bands`; base: number added to a vertex index in the
+    lines: `ScreenLines`; depth_slope: `DepthSlope`; bands: `Bands`; base: number added to a vertex index in the
     key; keys (height * width,) uint64, changed. One worker draws a band; worker i draws each band i + k · workers, so
     that crowded bands, which are neighbours, go to different workers.
     """
-    for task in prange(bands_.workers):
+    for task in prange(bands.workers):
         steps = Steps(
             np.empty(PART, np.int32), np.empty(PART, np.int32), np.empty(PART, np.int32), np.empty(PART, np.int32),
             np.empty(PART, np.int64), np.empty(PART, np.int64), np.empty(PART, np.float32), np.empty(PART, np.float32),
         )  # fmt: skip
-        for b in range(task, bands_.begin.shape[0] - 1, bands_.workers):
-            top = b * bands_.rows
-            window = Window(top, min(top + bands_.rows, height), width)
-            draw_band(lines, lines.widths, depth_slope, bands_, b, window, base, steps, keys)
+        for top in range(np.int64(task) * bands.rows, height, bands.workers * bands.rows):
+            window = Window(top, min(top + bands.rows, height), width)
+            draw_band(lines, lines.widths, depth_slope, bands.extents, window, base, steps, keys)
 
 
 @device
-def draw_band(lines, widths, depth_slope, bands_, b, window, base, steps, keys):
-    """Draw the strands of band number `b`, whose rows are the window; widths: of the lines; steps: `Steps` to work in;
-    else as `draw_strands`."""
-    for m in range(bands_.begin[b], bands_.begin[b + 1]):
-        s = bands_.members[m]
+def draw_band(lines, widths, depth_slope, extents, window, base, steps, keys):
+    """Draw the strands in a `Window`; widths: of the lines; extents: of `Bands`; steps: `Steps` to work in; else as
+    `draw_strands`."""
+    above, below = np.float32(window.top), np.float32(window.bottom)
+    for s in range(extents.shape[0]):
+        if not (extents[s, LEAST_Y] < below and extents[s, GREATEST_Y] >= above):
+            continue
         begin, end = lines.first[s], lines.first[s + 1]
         if widths is None:
             draw_lines(lines.screen, begin, end, window, base, steps, keys)
