@@ -7,8 +7,9 @@ at visible vertices; then the fragments are blended with the picture.
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -61,9 +62,16 @@ def windows_of(edges: Edges | None, size: tuple[int, int]) -> PictureWindows:
     padded = np.full((down * BLOCK, across * BLOCK), np.inf, np.float32)
     padded[: size[1], : size[0]] = edges.hides.reshape(size[::-1])
     blocks = np.full((down + SPAN - 1, across + SPAN - 1), np.inf, np.float32)
-    blocks[:down, :across] = padded.reshape(down, BLOCK, -1).min(1).reshape(down, across, BLOCK).min(2)
-    least = np.lib.stride_tricks.sliding_window_view(blocks, (SPAN, SPAN)).min((2, 3)) * SAFE
+    rows = _least([padded[j::BLOCK] for j in range(BLOCK)])
+    blocks[:down, :across] = _least([rows[:, i::BLOCK] for i in range(BLOCK)])
+    rows = _least([blocks[j : j + down] for j in range(SPAN)])
+    least = _least([rows[:, i : i + across] for i in range(SPAN)]) * SAFE
     return PictureWindows(np.append(least, np.float32(0)), across, down)
+
+
+def _least(arrays: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
+    """Return the least of arrays of one shape, place by place."""
+    return functools.reduce(np.minimum, arrays)
 
 
 TASKS_A_WORKER = 16

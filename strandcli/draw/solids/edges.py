@@ -136,17 +136,20 @@ def _count_samples(
 ) -> tuple[NDArray[np.uint64], NDArray[np.float32], NDArray[np.int64]]:
     """Return the solids that the samples of each pixel show: for each the least key, the mean place and the number of
     its samples, as in `Edges`. keys (E, WHOLE), places (E, WHOLE, 2): of all samples."""
-    each = np.arange(len(keys))
     found = np.full((len(keys), SLOTS), EMPTY)
     spots, counts = np.zeros((len(keys), SLOTS, 2), np.float32), np.zeros((len(keys), SLOTS), np.int64)
-    for sample in range(WHOLE):
-        own = keys[:, sample]
-        free = (found == EMPTY) | ((found & LOW) == (own & LOW)[:, None])
-        free[:, -1] = True
-        some = own != EMPTY
-        at = each[some], free.argmax(1)[some]
-        found[at] = np.minimum(found[at], own[some])
-        spots[at] += places[some, sample]
-        counts[at] += 1
+    identities, left = identities_of(keys.reshape(-1)).reshape(keys.shape), keys != EMPTY
+    some = np.arange(len(keys))
+    for slot in range(SLOTS):
+        some = some[left[some].any(1)]
+        own = identities[some]
+        here = left[some]
+        if slot < SLOTS - 1:
+            first = np.take_along_axis(own, here.argmax(1)[:, None], 1)
+            here &= own == first
+        found[some, slot] = np.where(here, keys[some], EMPTY).min(1)
+        counts[some, slot] = here.sum(1)
+        spots[some, slot] = np.where(here[..., None], places[some], np.float32(0)).cumsum(1, dtype=np.float32)[:, -1]
+        left[some] &= ~here
     spots /= np.maximum(counts, 1).astype(np.float32)[..., None]
     return found, spots, counts
