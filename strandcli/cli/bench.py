@@ -19,6 +19,8 @@ OWN = {
 USUAL = {"emitter.strands": 10_000, "emitter.particles": 10, "solver": "thesis"}
 """Those of the headline scene."""
 FRAMES, FRAMES_OF_A_PRESET = 60, 3
+AGREE = 0.8, 1.25
+"""How many times as long a step may take within frames as alone, for both to count as the same."""
 
 
 @click.command()
@@ -116,11 +118,28 @@ def table(data: Mapping[str, Any]) -> str:
         lines.append(f"{'frames a second':<20}{data['frame']['fps']:>14.1f}")
         lines += [f"{name:<20}{value:>14,}" for name, value in data["counts"].items()]
         lines.append(f"{'particle_step_ns':<20}{data['particle_step_ns']:>14.3g}")
-        for name in ("steps", "rules"):
-            took, each = data[name]["ms"], data[name]["particle_step_ns"]
-            lines.append(f"{name + ' alone':<20}{took:>11.2f} ms   {each:.2f} ns a particle and step")
+        step = "particle_step_ns", "a particle and step"
+        for name, unit, of in (("steps", *step), ("rules", *step), ("lines", "fragment_ns", "a fragment")):
+            lines.append(f"{name + ' alone':<20}{data[name]['ms']:>11.2f} ms   {data[name][unit]:.2f} ns {of}")
+        lines.append(f"{'a step of a frame':<20}{step_words(data)}")
         lines += [f"{name:<20}{value:>14.3g}" for name, value in data["error"].items() if value is not None]
     return "\n".join([*lines, f"compiling took {data['compile_seconds']:.1f} s, not counted above"])
+
+
+def step_words(data: Mapping[str, Any]) -> str:
+    """How many times as long a step takes within frames as alone, and where that is not about once, why."""
+    from ..study.busy import busy_words
+
+    ratio = data["particle_step_ns"] / data["steps"]["particle_step_ns"]
+    words = f"{ratio:>11.2f} times as long as alone"
+    if AGREE[0] <= ratio <= AGREE[1]:
+        return words
+    at_once, threads = data["frames_at_once"], data["threads"]
+    slow = ratio > 1
+    why = [f"it has {threads // at_once} of {threads} threads, beside those that draw"] if slow and at_once > 1 else []
+    why += [f"alone it waits for the slowest of {threads} threads"] if not slow and threads > 1 else []
+    why += ["the machine was busy"] if busy_words(data["busy"]) else []
+    return f"{words}: {'; '.join(why) or 'frames leave other data in the caches'}"
 
 
 def growth_table(data: Mapping[str, Any]) -> str:

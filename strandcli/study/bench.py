@@ -4,8 +4,8 @@ The scene is the preset `headline`. Times of stages are medians over frames afte
 because it compiles, touches fresh memory and fills caches. Where frames are drawn at once (`run.ordered_map`),
 stages take the time of one frame on its share of the threads, and a frame takes the whole run's time over the number of
 frames. Threads that draw and write files take turns on the cores with the one that simulates, and a stage's time is
-that of the clock on the wall. So two figures stand on their own: `steps` (the solver asked for) and `rules` (six rules
-and two spheres).
+that of the clock on the wall. So more figures stand on their own: `steps` (the solver asked for), `rules` (six rules
+and two spheres) and `lines` (one-pixel lines with colours into a z-buffer).
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import load
 from ..compiling import runtime
@@ -49,7 +50,8 @@ def run(
     overrides: Sequence[str] = (), notify: Notify | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """All figures of one sitting. ``settings``, by path, have ``emitter.strands``, ``emitter.particles`` and
-    ``solver``; ``overrides`` change others, as after ``--set``, but not what `rules` times."""
+    ``solver``; ``overrides`` change others, as after ``--set``, but not what `rules` and
+    `lines` time."""
     strands, particles = settings["emitter.strands"], settings["emitter.particles"]
     settings = {**settings, "image.size": list(size), "time.frames": max(frames + 1, 2)}
     scene = load("headline", overrides=overrides, settings=settings, option="--set")
@@ -57,7 +59,7 @@ def run(
     runtime.start(threads, notify)
     timed = time_frames(scene, frames, threads, notify)
     if notify is not None:
-        notify("one loop alone: steps, rules")
+        notify("one loop alone: steps, rules, lines")
     stages = {name: spread(values) for name, values in timed["seconds"].items()}
     counts = timed["counts"]
     at_once = runtime.machine()["threads"] // timed["share"]
@@ -78,6 +80,7 @@ def run(
         "busy": timed["busy"],
         "steps": time_steps(settings["solver"], strands, particles, 20, overrides),
         "rules": time_rules(strands, particles),
+        "lines": time_lines(strands, 37, *size),
         "peak_rss_bytes": peak_rss_bytes(),
         "machine": runtime.machine(),
     }
@@ -180,6 +183,61 @@ def at_first_frame(scene: Scene) -> Solver:
     one = solver_of(scene)(scene, arranged(emit(scene.emitter, scene.seed)))
     one.advance(1)
     return one
+
+
+def time_lines(strands: int, points: int, width: int, height: int, repeats: int = 9) -> dict[str, float]:
+    """A ball of drooping polylines into a z-buffer with a colour at every vertex: milliseconds a frame."""
+    import numba
+
+    from ..draw.common.kernels.keys import EMPTY
+    from ..draw.common.scratch import Scratch
+    from ..draw.film.kernels import film
+    from ..draw.geometry.curves import Polylines
+    from ..draw.zbuffer import raster
+
+    screen, colours = drooping(strands, points, width, height)
+    first = np.arange(strands + 1, dtype=np.int64) * points
+    lines = Polylines(first, screen)
+    keys = np.empty(width * height, np.uint64)
+    image = np.zeros((height, width, 3), np.float32)
+    scratch = Scratch()
+    workers = numba.get_num_threads()
+
+    def draw(_: int) -> None:
+        keys.fill(EMPTY)
+        raster.draw(lines, screen, None, 0, (width, height), workers, scratch, keys)
+        film.colours(keys, 0, screen, 0, 1, colours, image)
+
+    took = median_seconds(draw, repeats)
+    segments = strands * (points - 1)
+    fragments = count_fragments(screen, points)
+    return {
+        "segments": segments,
+        "fragments": fragments,
+        "ms": 1e3 * took,
+        "segment_ns": 1e9 * took / segments,
+        "fragment_ns": 1e9 * took / fragments,
+    }
+
+
+def drooping(strands: int, points: int, width: int, height: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Polylines on the screen (strands * points, 3), x and y in pixels and inverse depth, and colours of that shape."""
+    rng = np.random.default_rng(0)
+    angle = rng.uniform(0, 2 * np.pi, strands)[:, None]
+    radius = np.sqrt(rng.uniform(0, 1, strands))[:, None] * height * 0.2
+    t = np.linspace(0, 1, points)
+    sway = rng.normal(size=(strands, 1)) * 5 * np.sin(6 * t)
+    screen = np.empty((strands, points, 3), np.float32)
+    screen[..., 0] = width / 2 + radius * np.cos(angle) + np.cos(angle) * t * height * 0.15 + sway
+    screen[..., 1] = height * 0.4 + radius * np.sin(angle) + np.sin(angle) * t * height * 0.1 + t**2 * height * 0.25
+    screen[..., 2] = 1 / (rng.uniform(1, 2, strands)[:, None] + 0.1 * t)
+    return screen.reshape(-1, 3), rng.uniform(0, 1, (strands * points, 3)).astype(np.float32)
+
+
+def count_fragments(screen: NDArray[np.float32], points: int) -> int:
+    """Pixels that lines touch before any is hidden: one for each started pixel of a segment's longer axis."""
+    xy = screen.reshape(-1, points, 3)[..., :2]
+    return int((np.abs(np.diff(xy, axis=1)).max(-1).astype(np.int64) + 1).sum())
 
 
 def median_seconds(call: Callable[[int], None], repeats: int) -> float:
