@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -219,8 +220,19 @@ def _first_frame(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> int
         under = depth(_roots(scene, groom.roots[some], frame), solid, scene.emitter, _time(scene, frame))
         share = (under > DEEP * segment[some]).mean()
         if share >= GRAZED or (end and share > 0):
-            return frame
+            return _held_since(solid, scene, groom, segment, frame, frames)
     return None
+
+
+def _held_since(solid: Any, scene: Scene, groom: Groom, segment: Floats, last: int, frames: Sequence[int]) -> int:
+    """Return the first of ``frames`` from which on a solid contains roots until the ``last`` one."""
+    first = last
+    for frame in sorted((one for one in frames if one < last), reverse=True):
+        under = depth(_roots(scene, groom.roots, frame), solid, scene.emitter, _time(scene, frame))
+        if not (under > DEEP * segment).any():
+            break
+        first = frame
+    return first
 
 
 def _time(scene: Scene, frame: int) -> float:

@@ -114,6 +114,7 @@ BENCH = {
     "particle_step_ns": 1.25,
     "steps": {"ms": 1.5, "particle_step_ns": 15.0},
     "rules": {"ms": 0.15, "particle_step_ns": 1.5},
+    "lines": {"ms": 12.0, "fragment_ns": 6.5},
     "error": {"stretch_max": 0.001, "penetration_max": None},
     "frames_at_once": 1,
     "busy": {"others": 0.25, "stolen": 0.0},
@@ -142,6 +143,7 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
     assert "simulate          1.50      1.25" in table
     assert "frames a second               50.0" in table
     assert "steps alone                1.50 ms   15.00 ns a particle and step" in table
+    assert "lines alone               12.00 ms   6.50 ns a fragment" in table
     assert "penetration_max" not in table
     refused = run("bench", "--set", "emitter.strands=5")
     assert (refused.code, "write --strands" in refused.error()) == (2, True)

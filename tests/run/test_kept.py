@@ -17,7 +17,6 @@ from mesh_kit import obj, ply, sphere
 from strandcli import load
 from strandcli.compiling import folder
 from strandcli.compiling.clock import clock
-from strandcli.draw.lighting import palette
 from strandcli.groom import family
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
@@ -29,7 +28,6 @@ from strandcli.meshes.bvh import make_bvh
 from strandcli.meshes.distance_grid import make_distance_grid
 from strandcli.meshes.make import make_mesh
 from strandcli.meshes.read import read_mesh
-from strandcli.scene.model import Material
 
 LIKE = {FREE + "many": np.empty(0, np.float32), "few": np.empty((2, 2))}
 CODE = ("strandcli.jit.kept",)
@@ -226,20 +224,6 @@ def test_a_mesh_whose_file_may_name_others_is_not_kept(
         path.write_bytes(content.replace(begin, b"\ncomment TextureFile a.png" + begin, 1))
     mesh_read.mesh_of_file(path)
     assert not list(place.iterdir())
-
-
-def test_tables_of_a_material_have_the_bits_of_those_that_are_made(
-    place: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def tables(**more: Any) -> list[Any]:
-        palette._scattered_of.cache_clear()
-        rows, loss = palette._scattered_of(Material(model="chiang", scatter="dual", **more), 0.3)
-        return [*rows, loss]
-
-    rows, loss = palette._scattered(Material(model="chiang", scatter="dual"), 0.3)
-    same(tables(), [*rows, loss])
-    require_kept(monkeypatch, tables, (palette, "_scattered"), lambda: tables(beta_m=0.2))
-    palette._scattered_of.cache_clear()
 
 
 def test_what_children_follow_has_the_bits_and_the_layout_of_what_is_made(
