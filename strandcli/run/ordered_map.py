@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from queue import SimpleQueue
+from threading import Lock
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -43,7 +44,8 @@ def ordered_map(
     free: SimpleQueue[Callable[[Job], Result]] = SimpleQueue()
     for worker in workers:
         free.put(worker)
-    count, waiting, failed = free.qsize(), deque[Future[Result]](), list[bool]()
+    asked: SimpleQueue[tuple[Item, Future[Result]]] = SimpleQueue()
+    count, waiting, failed, turn = free.qsize(), deque[Future[Result]](), list[bool](), Lock()
 
     def begun(item: Item) -> Job:
         if failed:  # nothing is begun after what went wrong
@@ -54,21 +56,32 @@ def ordered_map(
             failed.append(True)
             raise
 
-    def finished(job: Future[Job]) -> Result:
+    def work() -> None:
         worker = free.get()
         try:
-            return worker(job.result())
+            with turn:  # who has a turn takes the next item, so that there are no more threads than workers
+                item, result = asked.get()
+                try:
+                    job = begun(item)
+                except BaseException as error:
+                    result.set_exception(error)
+                    return
+            try:
+                result.set_result(worker(job))
+            except BaseException as error:
+                result.set_exception(error)
         finally:
             free.put(worker)
 
-    first, pool = (ThreadPoolExecutor(some, "frames", initializer=start) for some in (1, count))
+    pool = ThreadPoolExecutor(count, "frames", initializer=start)
     try:
         for item in items:
             if len(waiting) == 2 * count:
                 yield waiting.popleft().result()
-            waiting.append(pool.submit(finished, first.submit(begun, item)))
+            waiting.append(Future())
+            asked.put((item, waiting[-1]))
+            pool.submit(work)
         while waiting:
             yield waiting.popleft().result()
     finally:
-        first.shutdown(cancel_futures=True)
         pool.shutdown(cancel_futures=True)
