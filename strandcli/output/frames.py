@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import threading
 import time
 from collections import deque
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -22,6 +25,8 @@ from .layers import Layers, is_of, is_whole, layer_files, write_layers
 
 QUEUED = 2
 """Pictures that wait for the thread that writes."""
+NICENESS = 5
+"""Of that thread, over that of threads that draw."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +37,13 @@ class Written:
     file: str
     pixels_sha256: str
     seconds: float | None
+
+
+def yield_to_kernels() -> None:
+    """Have this thread take what kernels leave: they run on every core, and wait for their slowest thread. Linux keeps
+    a priority for each thread. Beside other programs it still gets a quarter of a core."""
+    with suppress(OSError, AttributeError):
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICENESS)
 
 
 def frame_file(frame: int) -> str:
@@ -119,7 +131,7 @@ class FrameWriter:
         self.written[frame] = Written(frame, path.name, png.pixels_sha256(np.asarray(image)), None)
 
     def __enter__(self) -> Self:
-        self._pool = ThreadPoolExecutor(1, "frame writer")
+        self._pool = ThreadPoolExecutor(1, "frame writer", yield_to_kernels)
         return self
 
     def __exit__(
