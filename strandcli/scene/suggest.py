@@ -14,6 +14,9 @@ from .specs import ModelSpec, UnionSpec
 MOST_PATHS = 3
 """Paths that a message suggests at the most."""
 GONE: Mapping[str, tuple[str, str]] = {
+    "children.fringe": ("0.1.0", "shorter hair at an edge is a groom of its own; take it out"),
+    "emitter.shape.ragged": ("0.1.0", "the edge of a cap is even; take it out"),
+    "emitter.tie.over": ("0.1.0", "tied strands lie over the shape that they grow on alone; take it out"),
     "rod.end: clamped": ("0.1.0", "use pinned: the tip stays where it is emitted and turns freely"),
     "rod.end_keys": ("0.1.0", "pinned tips go where the emitter carries them; take it out"),
     "rod.integrator": ("0.1.0", "steps are of second order, shorter where swings ask for it; damping calms motion"),

@@ -26,13 +26,15 @@ class Written(NamedTuple):
 def written(path: str) -> Written:
     """``path``: of the tables."""
     setting, _, value = path.partition(": ")
-    group, *_, key = setting.split(".")
+    group, *inner, key = setting.split(".")
     told = NEVER.get(path, "")
     if path in GONE:
         told = (f"'{value}' is " if value else "") + "gone after {}; {}".format(*GONE[path])
-    begin = "  - " if "*" in setting else "  "
+    begin, end = ("  - ", "") if "*" in setting else ("  ", "")
+    if inner and "*" not in setting:
+        begin, end = f"  {inner[0]}: {{", "}"
     column = 1 + len(begin) + (len(key) + 2 if value else 0)
-    text = f"{group}:\n{begin}{key}: {value or '{a: 1}'}\n" + ("    kind: sphere\n" if "*" in setting else "")
+    text = f"{group}:\n{begin}{key}: {value or '{a: 1}'}{end}\n" + ("    kind: sphere\n" if "*" in setting else "")
     return Written(text, column, setting.replace("*", "0"), told)
 
 
