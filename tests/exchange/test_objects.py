@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import exchange_kit as kit
@@ -57,6 +57,7 @@ def by_name(strands: Strands) -> dict[str, list[bytes]]:
 
 @settings(max_examples=20, deadline=None)
 @given(names=names_of_objects, suffix=st.sampled_from([".abc", ".npz", ".obj"]), seed=st.integers(0, 99))
+@example(names=["\\", 'q"\\'], suffix=".obj", seed=0)
 def test_strands_stay_with_their_names(names: list[str], suffix: str, seed: int) -> None:
     """Whatever the names are: each format gives other ones to those that it does not take, and all differ."""
     generator = np.random.default_rng(seed)

@@ -220,8 +220,8 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
 
 
 def _legal(label: str) -> str:
-    """A name that stands on a line."""
-    return " ".join("".join(c if c.isprintable() else "_" for c in label).split())
+    """A name that stands on a line, which a backslash at its end would join to the next one."""
+    return " ".join("".join(c if c.isprintable() and c != "\\" else "_" for c in label).split())
 
 
 def _text(strands: Strands, coloured: bool) -> Iterable[bytes]:
