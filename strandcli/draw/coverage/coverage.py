@@ -80,6 +80,8 @@ UNSURE = 1.2
 NO_LIGHT = np.zeros((0, 3), np.float32)
 NOTHING = np.zeros(0, np.float32)
 NO_SOLIDS = SolidPixels(NOTHING, np.zeros(0, np.int64), NOTHING, NOTHING)
+AT_ONCE = 1 << 18
+"""Segments that are counted at once."""
 SLIGHT = np.float32(0.05)
 """What is let through by all before a fragment, below which it takes light from every second lit vertex alone, and not
 from both about it. All such fragments have no more than this share of a pixel, however thin strands are: a bound of
@@ -188,20 +190,24 @@ class Coverage:
     def _estimate(self, lines: ScreenLines) -> None:
         """Store about how many fragments each row of the picture will have: those of a segment in the row in which it
         begins."""
-        size = np.array(self.size, np.float32)
-        places = np.clip(lines.screen[:, :2], 0, size)
-        begin, end = places[:-1], places[1:]
-        beside = ((begin == end) & ((end == 0) | (end == size))).any(1)
-        none = beside | (lines.screen[:-1, 2] <= 0) | (lines.screen[1:, 2] <= 0)
-        last = lines.first[1:-1] - 1  # a strand's last vertex is no beginning
-        none[last[(last >= 0) & (last < len(none))]] = True
-        cells = np.abs(end - begin).max(1)
-        wide = np.float32(1) if lines.widths is None else lines.widths[:-1]
-        # a ribbon has fragments of its own wherever it touches a pixel
-        cells = np.where(wide > 1, (cells + 1) * (wide + 1), cells * (wide + RISE))
-        cells[none] = 0
-        rows = np.minimum(begin[:, 1], size[1] - 1).astype(np.int64)
-        self._rows = UNSURE * np.bincount(rows, cells, self.size[1])
+        size, count = np.array(self.size, np.float32), len(lines.screen)
+        total = np.zeros(self.size[1])
+        for at in range(0, count - 1, AT_ONCE):
+            screen = lines.screen[at : at + AT_ONCE + 1]
+            places = np.clip(screen[:, :2], 0, size)
+            begin, end = places[:-1], places[1:]
+            beside = ((begin == end) & ((end == 0) | (end == size))).any(1)
+            none = beside | (screen[:-1, 2] <= 0) | (screen[1:, 2] <= 0)
+            low, high = np.searchsorted(lines.first, (at + 1, at + len(none) + 1))
+            none[lines.first[low:high] - 1 - at] = True  # a strand's last vertex is no beginning
+            cells = np.abs(end - begin).max(1)
+            wide = np.float32(1) if lines.widths is None else lines.widths[at : at + len(begin)]
+            # a ribbon has fragments of its own wherever it touches a pixel
+            cells = np.where(wide > 1, (cells + 1) * (wide + 1), cells * (wide + RISE))
+            cells[none] = 0
+            rows = np.minimum(begin[:, 1], size[1] - 1).astype(np.int64)
+            total += np.bincount(rows, cells, self.size[1])
+        self._rows = UNSURE * total
 
     def _finer(self, top: int, bottom: int, found: int) -> list[tuple[int, int]]:
         """Divide rows with too many fragments into ranges for which there is room.
