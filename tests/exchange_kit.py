@@ -11,8 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from hypothesis import strategies as st
 
-from strandcli.exchange.files import ReadOptions
-from strandcli.exchange.moments import read_first
+from strandcli.exchange.files import ReadOptions, read_first
 from strandcli.exchange.strands import Strands, TimeSample, offsets
 
 Strand = npt.NDArray[np.float32]

@@ -105,7 +105,7 @@ def command(
 
 def _require_files(grooms: tuple[str, ...]) -> None:
     """Raise `UsageError` for files of strands that are not there, before hours of drawing the others."""
-    from ..exchange.moments import files_of
+    from ..exchange.files import files_of
 
     for groom in grooms:
         if options.is_groom(groom) and not files_of(Path(groom))[0].is_file():

@@ -59,7 +59,7 @@ def command(
     found = facts_of_file(file, how)
     fit = None
     if on is not None:
-        from ..exchange.moments import files_of
+        from ..exchange.files import files_of
         from ..groom_file import fits  # Numba comes with it
         from ..solid_shapes.mesh import Settings
 
@@ -89,7 +89,7 @@ def _mesh(file: Path) -> bool:
     """Whether a file is one of a mesh; meshes take Numba."""
     if file.suffix.lower() not in SUFFIXES:
         return False
-    from ..exchange.moments import files_of
+    from ..exchange.files import files_of
     from ..meshes.facts import is_mesh
 
     return is_mesh(files_of(file)[0])

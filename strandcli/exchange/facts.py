@@ -14,8 +14,7 @@ from ..common.counted import counted
 from . import faults
 from .bounded import not_finite
 from .ends import WHY, Ends, ends, up_axis
-from .files import ReadOptions
-from .moments import files_of, read_first
+from .files import ReadOptions, files_of, read_first
 from .objects import table
 from .strands import Mask, Strands
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RefusedError, UsageError
-from ..exchange.moments import Moments
+from ..exchange.files import Moments
 from ..exchange.strands import CACHED, Offsets, Points, Strands
 from ..groom.record import Groom
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError, about
+from ..exchange.files import USUAL
 from ..exchange.kernels.along import simplify
-from ..exchange.moments import USUAL
 from ..exchange.strands import even_offsets
 from ..files.inputs import cached
 from ..groom.blocks import spatial_order
@@ -28,7 +28,7 @@ from .on_solid import Head, head_of
 from .read import FromFile, from_file, from_scene
 
 if TYPE_CHECKING:
-    from ..exchange.moments import Moments
+    from ..exchange.files import Moments
     from ..scene.model import GroomFile, Scene
     from ..scene.model.scene import Time
 

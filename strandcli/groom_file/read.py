@@ -16,8 +16,7 @@ from ..exchange import faults
 from ..exchange.edit.fix import fixed, reversed_all
 from ..exchange.edit.moving import ROW
 from ..exchange.edit.resample import some
-from ..exchange.files import ReadOptions
-from ..exchange.moments import Moments, read_first
+from ..exchange.files import Moments, ReadOptions, read_first
 from ..exchange.splines import note_of
 from ..exchange.strands import CHUNK, Attribute, Offsets, Points, Strands, even_offsets
 from ..files.inputs import cached

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..common.counted import counted
-from ..meshes.distance_grid import MARGIN
+from ..meshes.bvh import MARGIN
 from .prepared import box_of, mesh_of
 
 PER_TRIANGLE = 360

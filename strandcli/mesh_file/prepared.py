@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from ..files.inputs import cached
 from ..jit.kept import FREE, Arrays, kept
-from ..meshes.bvh import Bvh, make_bvh, moved
-from ..meshes.distance_grid import DistanceGrid, make_distance_grid
+from ..meshes.bvh import Bvh, DistanceGrid, make_bvh, make_distance_grid, moved
 from ..meshes.mesh import TriangleMesh, Vectors, unit
 from .maps import Pyramid, picture, pyramid
 from .read import KEPT, Moment, Placing, between, deformed, moment, placed, placing
@@ -167,7 +166,7 @@ def _density(
     return np.sqrt(covered / mesh.areas()[order]).astype(np.float32)
 
 
-TREE, GRID = ("strandcli.meshes.bvh",), ("strandcli.meshes.distance_grid",)
+CODE = ("strandcli.meshes.bvh",)
 """Modules that make them."""
 
 
@@ -179,7 +178,7 @@ def tree_of(mesh: TriangleMesh) -> Bvh:
         FREE + "counts": np.empty(0, np.int32), "corners": np.empty((count, 3, 3)),
         "triangle": np.empty(count, np.int32), FREE + "moments": np.empty(0),
     }  # fmt: skip
-    found = kept("tree", TREE, (mesh.vertices, mesh.triangles), like, lambda: make_bvh(mesh.vertices, mesh.triangles))
+    found = kept("tree", CODE, (mesh.vertices, mesh.triangles), like, lambda: make_bvh(mesh.vertices, mesh.triangles))
     boxes, child, counts, corners, triangle, moments = found
     return Bvh(boxes.reshape(-1, 6), child, counts, corners, triangle, moments.reshape(len(child), -1))
 
@@ -195,7 +194,7 @@ def distances_of(bvh: Bvh, closed: bool, resolution: int) -> DistanceGrid:
         values, low, spacing = make_distance_grid(bvh, closed, resolution)
         return values, np.array(values.shape), low, np.array([spacing])
 
-    values, size, low, spacing = kept("grid", GRID, (*bvh, bool(closed), resolution), like, make)
+    values, size, low, spacing = kept("grid", CODE, (*bvh, bool(closed), resolution), like, make)
     return DistanceGrid(values.reshape(size), low, spacing[0])
 
 

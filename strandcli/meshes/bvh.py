@@ -1,10 +1,6 @@
-"""A tree over the triangles of a mesh, for rays, nearest points and winding numbers.
+"""A tree over the triangles of a mesh, for rays, nearest points and winding numbers, and signed distances on a grid.
 
-    bvh = make_bvh(mesh.vertices, mesh.triangles)
-
-Kernels call `kernels.rays.first_hit`, `kernels.rays.any_hit`, `kernels.nearest.nearest` and `kernels.winding.winding`
-with it. When vertices move, `moved(bvh, vertices, triangles)` is much faster than a new tree, and as good while the
-mesh deforms gently. `closest` finds the points of the mesh that are nearest to others.
+When vertices move, `moved` is much faster than a new tree, and as good while the mesh deforms gently.
 """
 
 from __future__ import annotations
@@ -14,11 +10,25 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from .kernels.distance import SIDE, DistanceGrid, fill
 from .kernels.nearest import closest as _closest
+from .kernels.packets import (
+    AB,
+    BC,
+    CA,
+    IN_AB,
+    IN_BC,
+    IN_CA,
+    NORMAL,
+    ROW,
+    SHORT,
+    A,
+    PacketTree,
+)  # fmt: skip
 from .kernels.tree import BINS, Bvh, build, refit
-from .kernels.winding import moments
+from .kernels.winding import CX, CZ, moments
 
-__all__ = ["Bvh", "make_bvh", "moved"]
+__all__ = ["Bvh", "DistanceGrid", "make_bvh", "make_distance_grid", "moved"]
 
 TASKS = 128
 """Nodes that wait to be made, at most: one a level of depth."""
@@ -82,3 +92,64 @@ def closest(bvh: Bvh, points: npt.NDArray[Any]) -> Closest:
     found = Closest(np.empty((count, 3)), np.empty(count, np.int32), np.empty((count, 3)), np.empty(count))
     _closest(bvh, given, *found)
     return found
+
+
+MARGIN = 2
+"""Cells between the mesh and the edge of the grid."""
+
+
+def make_distance_grid(
+    bvh: Bvh, closed: bool, resolution: int = 128,
+    box: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]] | None = None,
+) -> DistanceGrid:  # fmt: skip
+    """Signed distances at nodes all around a mesh, negative inside: `resolution` nodes, at least 8, along its longest
+    side, less along the others.
+
+    closed: whether the mesh has no boundary (`TriangleMesh.closed`); otherwise inside is where its winding number is
+    over a half.
+    box: low and high corner that take the place of the mesh's, so that meshes in motion have the same nodes.
+    """
+    low, high = box or (bvh.boxes[0, :3].astype(np.float64), bvh.boxes[0, 3:].astype(np.float64))
+    longest = float((high - low).max())
+    wide = MARGIN * longest / (resolution - 1 - 2 * MARGIN)
+    spacing = (longest + 2 * wide) / (resolution - 1)
+    counts = np.ceil((high - low + 2 * wide) / spacing - 1e-6).astype(int) + 1
+    middle = 0.5 * (low + high)
+    first = -0.5 * spacing * (counts - 1)
+    blocks = -(-counts // SIDE)
+    lanes = np.empty((2, SIDE * SIDE), np.float32)
+    lanes[0] = spacing * np.tile(np.arange(SIDE), SIDE)
+    lanes[1] = spacing * np.repeat(np.arange(SIDE), SIDE)
+    out = np.empty((blocks[1], blocks[0], counts[2], SIDE * SIDE), np.float32)
+    fill(*packet_tree(bvh, middle), lanes, first.astype(np.float32), np.float32(spacing), closed, out)
+    values = out.reshape(blocks[1], blocks[0], counts[2], SIDE, SIDE).transpose(2, 0, 3, 1, 4)
+    values = values.reshape(counts[2], blocks[1] * SIDE, blocks[0] * SIDE)
+    values = np.ascontiguousarray(values[:, : counts[1], : counts[0]])
+    return DistanceGrid(values, (middle + first).astype(np.float32), np.float32(spacing))
+
+
+def packet_tree(bvh: Bvh, middle: npt.NDArray[np.float64]) -> PacketTree:
+    """A tree in single precision about a point."""
+    boxes = np.empty_like(bvh.boxes)
+    boxes[:, :3] = np.nextafter((bvh.boxes[:, :3] - middle).astype(np.float32), np.float32(-np.inf))
+    boxes[:, 3:] = np.nextafter((bvh.boxes[:, 3:] - middle).astype(np.float32), np.float32(np.inf))
+    moments = bvh.moments.copy()
+    moments[:, CX : CZ + 1] -= middle
+    return PacketTree(boxes, bvh.child, bvh.counts, moments.astype(np.float32), _rows(bvh.corners - middle))
+
+
+def _rows(corners: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+    """Rows of triangles; of those without area only the edges count."""
+    rows = np.zeros((corners.shape[0], ROW), np.float32)
+    edges = np.roll(corners, -1, axis=1) - corners
+    normals = np.cross(edges[:, 0], -edges[:, 2])
+    size = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, size, out=np.zeros_like(normals), where=size > 0)
+    squares = (edges * edges).sum(axis=2)
+    rows[:, A : A + 3] = corners[:, 0]
+    rows[:, NORMAL : NORMAL + 3] = normals
+    rows[:, SHORT : SHORT + 3] = np.divide(1.0, squares, out=np.zeros_like(squares), where=squares > 0)
+    for k, (edge, inward) in enumerate(((AB, IN_AB), (BC, IN_BC), (CA, IN_CA))):
+        rows[:, edge : edge + 3] = edges[:, k]
+        rows[:, inward : inward + 3] = np.cross(normals, edges[:, k])
+    return rows

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .kernels.orient import orient
+from .kernels.winding import orient
 from .mesh import Indices, Vectors, face_vectors, slices
 
 Flags = npt.NDArray[np.bool_]

@@ -123,8 +123,7 @@ def _content(path: str, kind: str) -> dict[str, str]:
 
 
 def _strands(path: str) -> object:
-    from ..exchange.files import ReadOptions, read
-    from ..exchange.moments import files_of
+    from ..exchange.files import ReadOptions, files_of, read
 
     first, *others = files_of(Path(path))
     for one in (Path(path), *others):

@@ -26,7 +26,7 @@ class SolidShape(Protocol):
     * ``meet(x, y, z, dx, dy, dz, numbers)``: where a ray that begins outside first meets the surface, as the multiple
       t ≥ 0 of d; `math.inf` where it does not. Else rays go forward by the distance, step by step.
     * ``meets(rays, found, numbers)``: the same of the rays of a pixel, as
-      `strandcli.meshes.kernels.ray_packet.first_hits` takes them. Else they are taken one by one.
+      `strandcli.meshes.kernels.rays.first_hits` takes them. Else they are taken one by one.
     * ``normal(x, y, z, numbers)``: three numbers, not all 0, along the outward normal at the point of the surface that
       is nearest to a point, which may be on it, inside or outside. Else differences of the distance are taken.
     * ``hides(x, y, z, dx, dy, dz, reach, skin, numbers)``: whether it stands between a point and a light at ``reach``

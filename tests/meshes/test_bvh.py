@@ -9,8 +9,7 @@ import pytest
 import mesh_kit as kit
 from strandcli.jit import parallel, prange
 from strandcli.meshes.bvh import Bvh, closest, make_bvh, moved
-from strandcli.meshes.kernels.ray_packet import RAYS, first_hits
-from strandcli.meshes.kernels.rays import any_hit, first_hit
+from strandcli.meshes.kernels.rays import RAYS, first_hit, first_hits
 from strandcli.meshes.kernels.winding import winding
 from strandcli.meshes.mesh import TriangleMesh
 
@@ -18,12 +17,11 @@ MESHES = ("bowl", "soup", "sliver")
 
 
 @parallel
-def cast(bvh, origins, directions, t_max, found, triangles, any_found):
+def cast(bvh, origins, directions, t_max, found, triangles):
     for i in prange(origins.shape[0]):
         ox, oy, oz = origins[i, 0], origins[i, 1], origins[i, 2]
         dx, dy, dz = directions[i, 0], directions[i, 1], directions[i, 2]
         found[i, 0], triangles[i], found[i, 1], found[i, 2] = first_hit(bvh, ox, oy, oz, dx, dy, dz, t_max)
-        any_found[i] = any_hit(bvh, ox, oy, oz, dx, dy, dz, t_max)
 
 
 @parallel
@@ -33,9 +31,9 @@ def wind(bvh, points, found):
 
 
 def rays(bvh: Bvh, origins: np.ndarray, directions: np.ndarray, t_max: float = np.inf) -> tuple[np.ndarray, ...]:
-    """t, u, v; triangles; whether anything is met."""
+    """t, u, v; triangles."""
     count = origins.shape[0]
-    found = np.empty((count, 3)), np.empty(count, np.int64), np.empty(count, np.bool_)
+    found = np.empty((count, 3)), np.empty(count, np.int64)
     cast(bvh, origins, directions, t_max, *found)
     return found
 
@@ -59,11 +57,10 @@ def test_first_hits_are_those_of_all_triangles(name: str) -> None:
     directions[200:] = np.einsum("rk,rkj->rj", generator.dirichlet(np.ones(3), 200), aims) - origins[200:]
     directions[:40] = 0.0
     directions[np.arange(40), np.arange(40) % 3] = np.where(np.arange(40) % 2, 1.0, -2.0)
-    found, triangles, any_found = rays(tree(mesh), origins, directions)
+    found, triangles = rays(tree(mesh), origins, directions)
     t, u, v = kit.all_hits(mesh, origins, directions)
     first = t.min(axis=1)
     assert np.array_equal(np.isfinite(found[:, 0]), np.isfinite(first))
-    assert np.array_equal(any_found, np.isfinite(first))
     met = np.isfinite(first)
     assert 200 <= met.sum() < 400
     np.testing.assert_allclose(found[met, 0], first[met], rtol=1e-9, atol=1e-12)
@@ -103,8 +100,7 @@ def test_no_ray_slips_through_an_edge_or_a_corner() -> None:
     aims = np.concatenate([mesh.vertices, ends[:, 0] + share * (ends[:, 1] - ends[:, 0])])
     for origin in (np.zeros(3), generator.uniform(-0.3, 0.3, 3)):
         directions = aims - origin
-        found, _, any_found = rays(tree(mesh), np.tile(origin, (aims.shape[0], 1)), directions)
-        assert any_found.all()
+        found, _ = rays(tree(mesh), np.tile(origin, (aims.shape[0], 1)), directions)
         np.testing.assert_allclose(found[:, 0], 1.0, rtol=1e-9)
 
 
@@ -115,8 +111,7 @@ def test_rays_exactly_at_edges_and_corners_meet_a_triangle() -> None:
     directions = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
     directions = directions[np.abs(directions).max(axis=1) == 1.0]
     for origins, ways in ((0.0 * directions, directions), (2.0 * directions, -directions)):
-        found, _, any_found = rays(tree(kit.mesh("box")), origins, ways)
-        assert any_found.all()
+        found, _ = rays(tree(kit.mesh("box")), origins, ways)
         assert (found[:, 0] == 1.0).all()
 
 
@@ -163,7 +158,7 @@ def test_triangles_at_one_place_make_a_tree() -> None:
     count = 4000
     vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     bvh = make_bvh(vertices, np.tile(np.arange(3, dtype=np.int32), (count, 1)))
-    found, triangle, _ = rays(bvh, np.array([[0.2, 0.2, 1.0]]), np.array([[0.0, 0, -1]]))
+    found, triangle = rays(bvh, np.array([[0.2, 0.2, 1.0]]), np.array([[0.0, 0, -1]]))
     assert found[0, 0] == 1.0
     assert triangle[0] == 0
     assert closest(bvh, np.array([[0.2, 0.2, 3.0]])).triangles[0] == 0

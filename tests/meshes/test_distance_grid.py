@@ -9,8 +9,7 @@ import pytest
 
 import mesh_kit as kit
 from strandcli.jit import function, parallel, prange
-from strandcli.meshes.bvh import closest, make_bvh
-from strandcli.meshes.distance_grid import DistanceGrid, make_distance_grid
+from strandcli.meshes.bvh import DistanceGrid, closest, make_bvh, make_distance_grid
 from strandcli.meshes.kernels.distance import (
     distance,
     distance_and_gradient,

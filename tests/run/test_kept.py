@@ -24,8 +24,7 @@ from strandcli.jit import kept as keeping
 from strandcli.jit.kept import FREE, kept
 from strandcli.mesh_file import prepared
 from strandcli.mesh_file import read as mesh_read
-from strandcli.meshes.bvh import make_bvh
-from strandcli.meshes.distance_grid import make_distance_grid
+from strandcli.meshes.bvh import make_bvh, make_distance_grid
 from strandcli.meshes.make import make_mesh
 from strandcli.meshes.read import read_mesh
 

@@ -11,8 +11,7 @@ from ...jit import device
 from ...meshes.kernels.distance import distance as grid_distance
 from ...meshes.kernels.distance import distance_and_gradient, vector_distance, vector_distance_and_gradient
 from ...meshes.kernels.nearest import apart, nearest, on_triangle
-from ...meshes.kernels.ray_packet import first_hits
-from ...meshes.kernels.rays import first_hit
+from ...meshes.kernels.rays import first_hit, first_hits
 from ...simd import array_at
 from .arrays import PAST, colour_at, grid_of, spacing_of, surface_of, tree_of
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...jit import device, inlined
 from ...jit.pruned import by_type
-from ...meshes.kernels.ray_packet import RAYS
+from ...meshes.kernels.rays import RAYS
 from ...simd.local import local_float64
 from ..shapes.other import KIND
 from . import distance_field as field
