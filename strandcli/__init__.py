@@ -23,14 +23,12 @@ FILE = "emitter.groom.file"
 
 
 def load(
-    preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any] | None = None, *, roughly: bool = False,
-    option: str = "overrides",
+    preset: str, overrides: Sequence[str] = (), settings: Mapping[str, Any] | None = None, *, option: str = "overrides",
 ) -> Scene:  # fmt: skip
     """A preset, by path or shipped name, as a validated scene.
 
     ``overrides`` are texts such as ``"wind.strength=3"``, as after ``--set``; ``settings`` the same with ready values.
-    ``roughly``: strands of a file are counted, and some of them tell where the camera stands and how wide they are; to
-    be looked at and not to be drawn. ``option``: by what faults name the texts, such as "--set".
+    ``option``: by what faults name the texts, such as "--set".
     Raises `strandcli.scene.SceneError` with every fault that was found.
     """
     from .scene import load as load_scene
@@ -43,7 +41,7 @@ def load(
         from .groom_file import completed
 
         with naming_files(None if FILE in (settings or {}) else scene):  # a file that is drawn by itself has no key
-            scene = completed(scene, roughly)
+            scene = completed(scene)
     if any(one.camera.file for one in parts):
         from .cameras.of_scene import with_views
 

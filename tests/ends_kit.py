@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 import exchange_kit
-from strandcli.exchange.edit.transform import AXES, turning
+from strandcli.common.rotations import AXES, turning
 from strandcli.exchange.strands import Strands
 
 Floats = npt.NDArray[np.float64]

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from ..common.rotations import turning
 from ..errors import UsageError, one_line
-from ..exchange.edit.transform import turning
 from ..files.inputs import content
 from ..output.files import json_of
 from .pinhole import Floats, Pinhole, checked_rotation, in_order, picture_size, refuse_distortion, square_focal

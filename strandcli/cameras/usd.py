@@ -24,8 +24,8 @@ from typing import Any
 
 import numpy as np
 
+from ..common.rotations import turning
 from ..errors import UsageError, one_line
-from ..exchange.edit.transform import turning
 from ..exchange.usd.process import ask
 from ..files.inputs import opened
 from .pinhole import Floats, Pinhole, checked_rotation, picture_size, square_focal

@@ -83,7 +83,7 @@ def _scene() -> Scene:
     for word in typed[1:]:
         if word and not word.startswith("-") and "=" not in word:
             try:
-                return strandcli.load(word, roughly=True)
+                return strandcli.load(word)
             except Exception:  # a shell's completion is silent; it may be the value of an option
                 continue
     return Scene(rules=tuple(RuleUse(name, rule.Parameters(), name) for name, rule in registry().items()))

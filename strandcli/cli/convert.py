@@ -15,7 +15,7 @@ from .say import say
 from .values import FRAMES, FrameRange
 
 if TYPE_CHECKING:
-    from ..exchange.edit.moving import Change, Step
+    from ..exchange.edits import Change, Step
     from ..exchange.strands import Strands
 
 AXIS = click.Choice(("x", "y", "z", "-x", "-y", "-z"))
@@ -77,15 +77,15 @@ def command(
 
     Edits are made in the order in which they stand below; lengths are those of OUT.
     """
-    from ..exchange import files, moments
-    from ..exchange.edit.moving import edited
+    from ..exchange import files
+    from ..exchange.edits import edited
     from ..exchange.strands import TimeSample
 
     _check(edits)
     writer = files.writer_of(target)
     options.refuse_existing(target, overwrite)
     how = files.ReadOptions(stride, array, lenient=edits["fix"], objects=objects)
-    strands, moving = moments.read_first(source, how)
+    strands, moving = files.read_first(source, how)
     there = 1 if moving is None else moving.clock.size
     chosen = _moments(source, there, frames, getattr(writer, "moving", False))
     if moving is not None and chosen[0] > 1:
@@ -123,18 +123,18 @@ def _check(edits: dict[str, Any]) -> None:
 
 def _edits(chosen: dict[str, Any]) -> list[Step]:
     """What is to be done, in order."""
-    from ..exchange.edit import fix, resample, transform
-    from ..exchange.edit.moving import Step
+    from ..exchange import edits, resample
+    from ..exchange.edits import Step
 
     found: list[Step] = []
     if chosen["fix"]:
-        found.append(Step(fix.fixed, chooses=True))
+        found.append(Step(edits.fixed, chooses=True))
     if chosen["reverse"]:
-        found.append(Step(fix.reversed_all, chooses=True))
+        found.append(Step(edits.reversed_all, chooses=True))
     if chosen["up"] is not None:
-        found.append(Step(lambda strands: transform.turned(strands, chosen["up"], chosen["to_up"])))
+        found.append(Step(lambda strands: edits.turned(strands, chosen["up"], chosen["to_up"])))
     if chosen["scale"] is not None:
-        found.append(Step(lambda strands: transform.scaled(strands, chosen["scale"])))
+        found.append(Step(lambda strands: edits.scaled(strands, chosen["scale"])))
     least, most = chosen["min_length"], chosen["max_length"]
     if least is not None or most is not None:
         bounds = (least or 0.0, float("inf") if most is None else most)

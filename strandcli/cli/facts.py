@@ -124,7 +124,7 @@ def scene_of(path: Path, mesh: TriangleMesh, up: str) -> Scene:
     """A scene that shows a mesh as a solid in the light of the preset for strands of files, seen whole."""
     import strandcli
 
-    from ..exchange.edit.transform import turning
+    from ..common.rotations import turning
     from ..groom_file.measure import framed
 
     solid = {"kind": "mesh", "file": str(path.absolute()), "up": up, "size": 1.0, "place": "origin"}

@@ -183,10 +183,8 @@ def load_scene(
     objects: tuple[str, ...] = (),
     overrides: tuple[str, ...] = (),
     aovs: Sequence[str] | None = None,
-    roughly: bool = False,
 ) -> Scene:
-    """The preset with what the common options change; ``roughly``: as of `strandcli.load`. Says on stderr where a
-    shipped name hides a file."""
+    """The preset with what the common options change. Says on stderr where a shipped name hides a file."""
     import strandcli
 
     from ..scene.chain import hidden_by_shipped
@@ -213,7 +211,7 @@ def load_scene(
         from ..exchange.formats.obj import IS_MESH
 
         raise UsageError(f"{preset}: {IS_MESH}")
-    return strandcli.load(preset, overrides=overrides, settings=settings, roughly=roughly, option="--set")
+    return strandcli.load(preset, overrides=overrides, settings=settings, option="--set")
 
 
 GROOM = "groom"

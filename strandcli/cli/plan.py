@@ -43,7 +43,7 @@ def command(
     Memory is estimated within 15 %, and time within a factor of 2 on an otherwise idle machine with compiled kernels.
     For time the machine's speed must be known: --time or 'strandcli doctor --calibrate' measures it once.
     """
-    scene = options.load_scene(preset, **scene_settings, roughly=True)
+    scene = options.load_scene(preset, **scene_settings)
     # a million frames as numbers are 40 MB
     numbers = range(1, scene.time.frames + 1) if frames is None else options.frame_numbers(frames, scene)
 
@@ -104,7 +104,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
         if one.emitter.groom is not None:
             from ..groom_file import from_scene, notes_of  # Numba comes with it
 
-            read = from_scene(one, roughly=True)
+            read = from_scene(one)
             lines = [*read.notes, *notes_of(one, read.moments)]
         else:
             groom = emit(one.emitter, one.seed, min(needed_strands(one, numbers), LOOKED_AT))

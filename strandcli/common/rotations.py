@@ -1,4 +1,4 @@
-"""Rotations as matrices (3, 3) and as unit quaternions, whose real part is first."""
+"""Rotations as matrices (3, 3) and as unit quaternions, whose real part is first; up axes, and turns between them."""
 
 from __future__ import annotations
 
@@ -30,3 +30,25 @@ def quaternion_of(rotation: Floats) -> Floats:
     ])  # fmt: skip
     found = np.linalg.eigh(k)[1][:, -1]
     return np.asarray(found if found[0] >= 0 else -found)
+
+
+AXES = ("x", "y", "z", "-x", "-y", "-z")
+
+
+def axis(name: str) -> Floats:
+    """The unit vector of one of `AXES`."""
+    vector = np.zeros(3)
+    vector["xyz".index(name[-1])] = -1.0 if name.startswith("-") else 1.0
+    return vector
+
+
+def turning(up: str, to: str) -> Floats:
+    """The turn (3, 3) that takes one axis to another, by the shorter way; its entries are whole."""
+    a, b = axis(up), axis(to)
+    if up == to:
+        return np.eye(3)
+    if (a == -b).all():  # half a turn about another axis
+        other = np.roll(np.abs(a), 1)
+        return 2 * np.outer(other, other) - np.eye(3)
+    across = np.cross(a, b)
+    return np.outer(b, a) - np.outer(a, b) + np.outer(across, across)

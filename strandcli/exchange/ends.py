@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .edit.transform import AXES, axis
+from ..common.rotations import AXES, axis
 from .strands import Mask, Offsets, Strands
 
 Floats = npt.NDArray[np.float64]

@@ -156,12 +156,9 @@ class FileWidths:
         return Widths(scale, shares)
 
 
-def widths_of(
-    strands: Strands, factor: float, lengths: NDArray[np.float64], total: float, notes: list[str]
-) -> FileWidths | None:
-    """The widths of strands, which are so long each (S,) and, with those that they stand for, ``total`` together,
-    metres; ``factor``: metres a unit of the file's widths. None where the file has none, or none that could be meant,
-    which is noted."""
+def widths_of(strands: Strands, factor: float, lengths: NDArray[np.float64], notes: list[str]) -> FileWidths | None:
+    """The widths of strands that are so long each (S,), metres; ``factor``: metres a unit of the file's widths. None
+    where the file has none, or none that could be meant, which is noted."""
     found = strands.attributes.get("width")
     if found is None:
         if not WIDTHS.keys().isdisjoint(strands.source.facts.get("attributes_not_read", ())):
@@ -177,16 +174,17 @@ def widths_of(
         sound = bool((np.isfinite(each) & (each >= 0)).all())
     greatest = factor * each.astype(np.float64)
     mean = float(greatest.mean()) if sound else 0.0
-    if not sound or not _believable(strands, mean, float(lengths.mean()), total):
+    if not sound or not _believable(strands, mean, lengths):
         why = f"at {mean:.3g} m strands would be a blob, or nothing" if sound else "some are negative or not finite"
         notes.append(f"widths of the file are left out: {why}")
         return None
     return FileWidths(greatest, vary)
 
 
-def _believable(strands: Strands, width: float, length: float, total: float) -> bool:
-    """Whether strands may be so wide, which are so long on average, and ``total`` together, metres."""
+def _believable(strands: Strands, width: float, lengths: NDArray[np.float64]) -> bool:
+    """Whether strands that are so long each (S,) may be so wide, metres."""
     low, high = box_of(strands.points)
     x, y, z = high - low + width
-    times = 3 * width * total / max(x * y + y * z + z * x, 1e-30)
+    length = float(lengths.mean())
+    times = 3 * width * float(lengths.sum()) / max(x * y + y * z + z * x, 1e-30)
     return 0 < width <= length and times <= MOST_COVER and (times >= LEAST_COVER or width >= FINEST * length)

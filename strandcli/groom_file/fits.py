@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.rotations import AXES, turning
 from ..errors import UsageError
-from ..exchange.edit.fix import reversed_all
-from ..exchange.edit.transform import AXES, turning
+from ..exchange.edits import reversed_all
 from ..exchange.ends import ends, up_axis
 from ..exchange.faults import not_finite
 from ..exchange.files import ReadOptions, read

@@ -193,17 +193,17 @@ SHARE = 0.4
 quarter, changes a picture of 100,000 strands by .6 of 255 (root mean square), twice as much of 20,000."""
 
 
-def completed(scene: Scene, roughly: bool = False) -> Scene:
+def completed(scene: Scene) -> Scene:
     """The scene, each of its panels too, with numbers of its file in place of its defaults; the same where that has
-    been done or there is no file. ``roughly``: as of `from_file`. Raises `UsageError` for a file that cannot be
+    been done or there is no file. Raises `UsageError` for a file that cannot be
     drawn."""
-    panels = tuple(completed(panel, roughly) for panel in scene.panels)
+    panels = tuple(completed(panel) for panel in scene.panels)
     if panels != scene.panels:
         scene = replace(scene, panels=panels, time=max((panel.time for panel in panels), key=lambda one: one.frames))
     given = scene.emitter.groom
     if given is None or scene.panels or scene.emitter.followers is not None:
         return scene
-    found = from_scene(scene, roughly)
+    found = from_scene(scene)
     mean = found.seen.length / found.strands
     scene = replace(scene, time=_clock(scene.time, found.moments, given.start))
     scene = replace(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UsageError
-from ..exchange.edit.transform import turned
+from ..exchange.edits import turned
 from ..exchange.strands import CACHED, Strands
 from .fits import hangs_from
 from .measure import box_of

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,10 +12,9 @@ from numpy.typing import NDArray
 from ..common.counted import counted
 from ..errors import UsageError, about
 from ..exchange import faults
-from ..exchange.edit.fix import fixed, reversed_all
-from ..exchange.edit.moving import ROW
-from ..exchange.edit.resample import some
+from ..exchange.edits import ROW, fixed, reversed_all
 from ..exchange.files import Moments, ReadOptions, read_first
+from ..exchange.resample import some
 from ..exchange.splines import note_of
 from ..exchange.strands import CHUNK, Attribute, Offsets, Points, Strands, even_offsets
 from ..files.inputs import cached
@@ -30,7 +28,6 @@ from .measure import Seen, seen_of
 from .on_solid import Head, anchors_on, head_of, put_on
 from .placing import Placement, placed, put
 from .rows import (
-    Counts,
     Rows,
     counts_of,
     most_points,
@@ -50,8 +47,6 @@ TONES = 5
 
 
 NO_POINTS = np.zeros((0, 3), np.float32)
-ROUGHLY = 10_000
-"""Strands, evenly chosen, that tell what all are like where that is enough."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +55,6 @@ class FromFile:
 
     strands: int
     groom: Groom
-    """All of them, or some, without their points, where these are enough."""
     points: int
     """Of every strand, as it is drawn."""
     seen: Seen
@@ -77,25 +71,21 @@ class FromFile:
     """Of a file that moves."""
 
 
-def from_scene(scene: Scene, roughly: bool = False) -> FromFile:
+def from_scene(scene: Scene) -> FromFile:
     """The strands of a scene with ``emitter.groom``, as `from_file`; all of them where some are simulated."""
     assert scene.emitter.groom is not None
-    return from_file(scene.emitter.groom, scene.seed, head_of(scene), roughly and not scene.guided)
+    return from_file(scene.emitter.groom, scene.seed, head_of(scene))
 
 
-def from_file(given: GroomFile, seed: int, head: Head | None = None, roughly: bool = False) -> FromFile:
+def from_file(given: GroomFile, seed: int, head: Head | None = None) -> FromFile:
     """The strands that a scene's ``emitter.groom`` asks for, on the solid that it names. Raises `UsageError`, one line,
-    for a file that is damaged or cannot be drawn. The last one is kept as long as its files do not change.
-
-    ``roughly``: all are read, counted and looked through for faults, but some of them tell what they look like. The
-    notes are the same.
-    """
+    for a file that is damaged or cannot be drawn. The last one is cached as long as its files do not change."""
     with about("strands", given.file):
-        return _from_file(replace(given, cover=None), seed, head, roughly and head is None)  # which changes no strand
+        return _from_file(replace(given, cover=None), seed, head)  # which changes no strand
 
 
 @cached(1)
-def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) -> FromFile:
+def _from_file(given: GroomFile, seed: int, head: Head | None) -> FromFile:
     notes: list[str] = []
     options = ReadOptions(given.stride, given.array or None, given.fix, given.object)
     strands, moments = read_first(Path(given.file), options, given.start)
@@ -108,17 +98,11 @@ def _from_file(given: GroomFile, seed: int, head: Head | None, roughly: bool) ->
             "one moment of them ('strandcli convert IN OUT --frames 1')"
         )
     strands, rows = _chosen(strands, given, seed, notes, moments is not None)
-    counts = counts_of(strands)
-    step = strands.count // ROUGHLY if roughly else 1
-    if step > 1 and most_points(counts) == counts.most:
-        found = _made(strands.select(np.arange(strands.count) % step == 0), counts, given, seed, None, list(notes))
-        if _tells_all(found, strands, given):
-            return replace(found, moments=moments, rows=None)
     if moments is None or rows is None or in_file is None:
         held = [strands]
         del strands  # which are let go in there as soon as they are packed
-        return replace(_made(held.pop(), counts, given, seed, head, notes), rows=None)
-    found = _made(strands, counts, given, seed, head, notes)
+        return replace(_made(held.pop(), given, seed, head, notes), rows=None)
+    found = _made(strands, given, seed, head, notes)
     film = _film(moments, in_file, rows, strands, given, seed, found)
     return replace(found, moments=moments, groom=replace(found.groom, film=film))
 
@@ -144,7 +128,7 @@ def _film(
 
     def anew(others: Strands) -> Groom:
         chosen, _ = _chosen(others, given, seed, [])
-        made = _made(chosen, counts_of(chosen), given, seed, None, [], found.placement)
+        made = _made(chosen, given, seed, None, [], found.placement)
         widths = made.groom.widths
         if widths is not None and made.width and found.width:
             widths = widths._replace(scale=widths.scale * np.float32(made.width / found.width))
@@ -153,27 +137,18 @@ def _film(
     return Film(moments, given.start, in_file, Edits(again, ends_again, anew))
 
 
-def _tells_all(found: FromFile, strands: Strands, given: GroomFile) -> bool:
-    """Whether what was found of some strands holds of all: widths or colours that seem useless may be so of these
-    alone, and notes have numbers of them."""
-    used = {"width": found.width is not None, "colour": found.colour is not None or given.colours != "file"}
-    own = {name for name, one in strands.attributes.items() if one.domain != "groom"}
-    return all(used[name] for name in used.keys() & own)
-
-
 def _made(
-    strands: Strands, counts: Counts, given: GroomFile, seed: int, head: Head | None, notes: list[str],
+    strands: Strands, given: GroomFile, seed: int, head: Head | None, notes: list[str],
     placement: Placement | None = None,
 ) -> FromFile:  # fmt: skip
-    """Strands of a file, placed and packed; ``counts``: of all strands, of which these are some; ``placement``: where
-    strands of this file are put, if that is known."""
+    """Strands of a file, placed and packed; ``placement``: where strands of this file are put, if that is known."""
+    counts = counts_of(strands)
     strands, placement = placed(strands, given, notes, placement)
     if head is not None:
         strands = put_on(strands, head, given.file, notes, placement.up, given)
     order = spatial_order(strands.roots())
     lengths = strands.lengths()
-    share = counts.strands / order.size
-    widths = widths_of(strands, placement.factor, lengths, share * float(lengths.sum()), notes)
+    widths = widths_of(strands, placement.factor, lengths, notes)
     colours = colours_of(strands) if given.colours == "file" else None
     if colours is not None:
         notes.append(f"{given.file}: strands have the file's colours; emitter.groom.colours: none gives the material's")
@@ -191,13 +166,10 @@ def _made(
     seen = seen_of(strands, lengths, order)
     if seen.apart:
         notes.append(f"{given.file}: some strands lie far from all others; the picture is not fitted to them")
-    seen = replace(seen, length=share * seen.length, spacing=seen.spacing / math.sqrt(share))
     lengths = lengths.astype(np.float32)[order]
     rows = rows_in(strands.first, strands.points, most)
     seconds = 1 if rows is None else rows[strands.first[order] + 1]
-    packed_widths = None
-    if widths is not None and share == 1:
-        packed_widths = widths.packed(strands, placement.factor, rows, order, most)
+    packed_widths = None if widths is None else widths.packed(strands, placement.factor, rows, order, most)
     points = packed(strands.first, strands.points, rows, order, most)
     del strands  # all else follows from what is packed
     tones = (_tones(seed, order.size) if colours is None else colours.tones)[order]
@@ -208,7 +180,7 @@ def _made(
         lengths,
         tones,
         places=order,
-        points=points if share == 1 else None,
+        points=points,
         widths=packed_widths,
         colours=None if colours is None else colours.palette,
         anchors=anchors_on(head, roots),

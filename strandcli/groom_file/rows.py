@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..constants import W
-from ..exchange.edit.resample import resampled
+from ..exchange.resample import resampled
 from ..exchange.strands import CACHED, CHUNK, Attribute, Offsets, Points, Strands
 from ..groom.blocks import aligned
 from .kernels import rows as kernel

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.counted import counted
+from ..common.rotations import turning
 from ..errors import UsageError, about
-from ..exchange.edit.transform import turning
 from ..files.inputs import cached, content
 from ..files.picture_samples import MOST, pixels
 from ..meshes.mesh import TriangleMesh

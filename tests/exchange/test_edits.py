@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import exchange_kit as kit
-from strandcli.exchange.edit import fix, resample, transform
+from strandcli.common import rotations
+from strandcli.exchange import edits, resample
 from strandcli.exchange.strands import Attribute, Strands
 
 few = settings(max_examples=40, deadline=None)
@@ -90,15 +91,15 @@ def test_a_straight_strand_keeps_its_ends_alone() -> None:
     assert [len(one) for one in of_each(new)] == [2, 4]
 
 
-@pytest.mark.parametrize("up", transform.AXES)
+@pytest.mark.parametrize("up", rotations.AXES)
 @pytest.mark.parametrize("to", ["y", "-z"])
 def test_turning_takes_one_axis_to_the_other_and_back(up: str, to: str) -> None:
-    turn = transform.turning(up, to)
-    assert (turn @ transform.axis(up) == transform.axis(to)).all()
+    turn = rotations.turning(up, to)
+    assert (turn @ rotations.axis(up) == rotations.axis(to)).all()
     assert np.linalg.det(turn) == pytest.approx(1)
     strands = kit.of([np.random.default_rng(1).normal(size=(9, 3)).astype(np.float32)])
-    there = transform.turned(strands, up, to)[0]
-    assert transform.turned(there, to, up)[0].points.tobytes() == strands.points.tobytes()
+    there = edits.turned(strands, up, to)[0]
+    assert edits.turned(there, to, up)[0].points.tobytes() == strands.points.tobytes()
 
 
 def test_normals_and_widths_follow_a_turn_and_a_factor() -> None:
@@ -106,8 +107,8 @@ def test_normals_and_widths_follow_a_turn_and_a_factor() -> None:
     attributes = {
         "root_normal": Attribute("strand", np.array([[0.6, 0.8, 0]])), "width": Attribute("groom", np.array([1.0])),
     }  # fmt: skip
-    new, _ = transform.scaled(Strands(strands.first, strands.points, attributes), 2.0)
-    new, _ = transform.turned(new, "x", "y")
+    new, _ = edits.scaled(Strands(strands.first, strands.points, attributes), 2.0)
+    new, _ = edits.turned(new, "x", "y")
     assert new.points[1].tolist() == [-4, 2, 6]
     assert new.attributes["root_normal"].values.tolist() == [[-0.8, 0.6, 0]]
     assert new.attributes["width"].values.tolist() == [2]
@@ -147,7 +148,7 @@ def test_fixing_leaves_out_and_turns_around() -> None:
     bad[3, 1] = np.nan
     strands = kit.of([*groom, bad, groom[5], np.zeros((4, 3), np.float32), groom[9].copy()])
     odd = {"weight": Attribute("strand", np.where(np.arange(204) == 3, np.nan, 1.0).astype(np.float32))}
-    new, change = fix.fixed(Strands(strands.first, strands.points, odd))
+    new, change = edits.fixed(Strands(strands.first, strands.points, odd))
     assert change.facts == {
         "not_finite": 1, "without_length": 1, "repeated": 2, "attributes_left_out": ["weight"], "turned_around": 0,
     }  # fmt: skip
@@ -156,21 +157,21 @@ def test_fixing_leaves_out_and_turns_around() -> None:
         "mended: 1 strand not finite, left out; 1 strand without length, left out; 2 strands equal to another, "
         "left out; weight not finite, left out"
     )
-    again, change = fix.fixed(new)
+    again, change = edits.fixed(new)
     assert again.points.tobytes() == new.points.tobytes()
     assert change.text == "mended: nothing, no fault was found"
 
 
-@pytest.mark.parametrize("mend", [lambda strands: fix.fixed(strands)[0], lambda strands: fix.reversed_all(strands)[0]])
-def test_grooms_that_begin_at_the_tips_are_turned_around(mend: Callable[[Strands], Strands]) -> None:
+@pytest.mark.parametrize("mend", [edits.fixed, edits.reversed_all])
+def test_grooms_that_begin_at_the_tips_are_turned_around(mend: Any) -> None:
     strands = kit.of(list(head()[:, ::-1]))
-    assert mend(strands).points.tobytes() == head().tobytes()
+    assert mend(strands)[0].points.tobytes() == head().tobytes()
 
 
 def test_no_strands_are_no_fault() -> None:
     none = kit.of([])
     for edit in (
-        fix.fixed, fix.reversed_all, lambda one: transform.scaled(one, 2.0), lambda one: resample.between(one, 0, 1),
+        edits.fixed, edits.reversed_all, lambda one: edits.scaled(one, 2.0), lambda one: resample.between(one, 0, 1),
         lambda one: resample.some(one, 5, 0),
         lambda one: resample.resampled(one, 5), lambda one: resample.simplified(one, 1.0),
     ):  # fmt: skip

@@ -13,7 +13,7 @@ import exchange_kit as kit
 import groom_file_kit
 from cli_runs import Runner
 from exchange.test_edits import head
-from strandcli.exchange.edit import fix
+from strandcli.exchange import edits
 from strandcli.exchange.ends import ends, up_axis
 from strandcli.exchange.facts import facts
 from strandcli.groom_file import from_scene
@@ -24,7 +24,7 @@ def test_no_guess_is_wrong(kind: str) -> None:
     right = 0
     for seed in range(1000, 1002):
         made = ends_kit.made(kind, seed)
-        for truth, strands in (("first", made.strands), ("last", fix.reversed_all(made.strands)[0])):
+        for truth, strands in (("first", made.strands), ("last", edits.reversed_all(made.strands)[0])):
             known = ends(strands)
             up = up_axis(strands, known)
             assert known.root in ("", truth)
@@ -37,13 +37,13 @@ def test_no_guess_is_wrong(kind: str) -> None:
 @pytest.mark.parametrize("kind", ["grass", "afro"])
 def test_what_nothing_is_guessed_of_is_not_turned(kind: str) -> None:
     strands = ends_kit.made(kind, 3).strands
-    assert fix.fixed(strands)[0].points.tobytes() == strands.points.tobytes()
+    assert edits.fixed(strands)[0].points.tobytes() == strands.points.tobytes()
     assert facts(strands).data["guess"] == {"root": None, "up": None}
 
 
 def test_what_turns_all_strands_says_why_and_how_to_have_them_otherwise(tmp_path: Path) -> None:
     hair = head()
-    change = fix.fixed(kit.of(list(hair[:, ::-1])))[1]
+    change = edits.fixed(kit.of(list(hair[:, ::-1])))[1]
     assert change.facts["turned_around"] == 200
     assert "turned around, for roots are last: there strands fan out" in change.text
     assert "with --reverse as well they run as in the file" in change.text

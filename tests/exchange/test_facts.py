@@ -11,7 +11,7 @@ import pytest
 
 import exchange_kit as kit
 from exchange.test_edits import head
-from strandcli.exchange.edit import fix
+from strandcli.exchange import edits
 from strandcli.exchange.facts import facts, facts_of_file
 from strandcli.exchange.files import ReadOptions
 from strandcli.exchange.strands import Strands
@@ -64,7 +64,7 @@ def test_single_strands_at_fault_are_told_with_what_mends_them() -> None:
     }  # fmt: skip
     assert found["not_finite"][1] == found["without_length"][1] == found["repeated"][1] == "--fix"
     assert found["tiny"][1].startswith("--min-length")
-    assert not {"not_finite", "without_length", "repeated"} & faults(fix.fixed(strands)[0]).keys()
+    assert not {"not_finite", "without_length", "repeated"} & faults(edits.fixed(strands)[0]).keys()
 
 
 def test_json_has_no_number_that_is_none(tmp_path: Path) -> None:

@@ -18,8 +18,7 @@ import strandcli
 from abc_kit import Builder
 from cli_runs import Runner
 from strandcli.errors import UsageError
-from strandcli.exchange import objects
-from strandcli.exchange.edit import fix, resample, transform
+from strandcli.exchange import edits, objects, resample
 from strandcli.exchange.files import ReadOptions, read, write
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
 from strandcli.groom_file.read import from_scene
@@ -113,8 +112,8 @@ def test_objects_that_move_keep_their_points(suffix: str, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize(
     "edit",
-    [lambda strands: fix.fixed(strands, turn=False), fix.reversed_all,
-     lambda strands: resample.some(strands, 4, 1), lambda strands: transform.turned(strands, "z", "y"),
+    [lambda strands: edits.fixed(strands, turn=False), edits.reversed_all,
+     lambda strands: resample.some(strands, 4, 1), lambda strands: edits.turned(strands, "z", "y"),
      lambda strands: resample.resampled(strands, 5), lambda strands: resample.simplified(strands, 1e-3)],
 )  # fmt: skip
 def test_edits_keep_which_strand_is_of_which_object(edit: Any) -> None:

@@ -12,8 +12,8 @@ import exchange_kit
 import groom_file_kit as kit
 import mesh_kit
 from cli_runs import Runner
+from strandcli.common.rotations import AXES, turning
 from strandcli.errors import UsageError
-from strandcli.exchange.edit.transform import AXES, turning
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import Strands
 from strandcli.groom_file import from_scene

@@ -14,8 +14,8 @@ import mesh_kit
 import strandcli
 from cli_runs import Runner
 from strandcli.cli.new import preset_file
+from strandcli.common.rotations import turning
 from strandcli.errors import UsageError
-from strandcli.exchange.edit.transform import turning
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import Strands
 from strandcli.groom_file.fits import Surface

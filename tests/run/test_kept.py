@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mesh_kit import obj, ply, sphere
+from mesh_kit import sphere
 from strandcli import load
 from strandcli.compiling import folder
 from strandcli.compiling.clock import clock
@@ -23,10 +23,8 @@ from strandcli.groom.emit import emit
 from strandcli.jit import kept as keeping
 from strandcli.jit.kept import FREE, kept
 from strandcli.mesh_file import prepared
-from strandcli.mesh_file import read as mesh_read
 from strandcli.meshes.bvh import make_bvh, make_distance_grid
 from strandcli.meshes.make import make_mesh
-from strandcli.meshes.read import read_mesh
 
 LIKE = {FREE + "many": np.empty(0, np.float32), "few": np.empty((2, 2))}
 CODE = ("strandcli.jit.kept",)
@@ -180,49 +178,6 @@ def test_trees_and_distances_have_the_bits_of_those_that_are_made(place: Path, m
         monkeypatch, lambda: prepared.distances_of(bvh, mesh.closed, 24), (prepared, "make_distance_grid"),
         lambda: prepared.distances_of(bvh, mesh.closed, 25), lambda: prepared.distances_of(bvh, not mesh.closed, 24),
     )  # fmt: skip
-
-
-def test_a_mesh_is_what_reading_its_file_gives_and_follows_its_content(
-    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(mesh_read, "LEAST", 100)
-    ball = make_mesh(*sphere())
-    count = len(ball.vertices)
-    path = tmp_path / "ball.ply"
-    grey = np.full(count, 90, np.uint8)
-    more = {"scalp": np.linspace(0, 1, count), "red": grey, "green": grey, "blue": grey}
-    path.write_bytes(ply(ball, more=more))
-    read = read_mesh(path)
-    for _ in range(2):
-        mesh = mesh_read.mesh_of_file(path)
-        for name in mesh_read.ARRAYS:
-            one, other = getattr(mesh, name), getattr(read, name)
-            assert (one is None) == (other is None), name
-            if one is not None:
-                same([one], [other])
-        assert mesh.attributes.keys() == read.attributes.keys()
-        same(mesh.attributes.values(), read.attributes.values())
-        assert (mesh.closed, mesh.facts, mesh.notes) == (read.closed, read.facts, read.notes)
-        monkeypatch.setattr(mesh_read, "read_mesh", refuse)
-    path.write_bytes(ply(make_mesh(1.5 * ball.vertices, ball.triangles), more=more))
-    with pytest.raises(AssertionError, match="made again"):
-        mesh_read.mesh_of_file(path)
-
-
-@pytest.mark.parametrize("name", ["ball.obj", "ball.ply"])
-def test_a_mesh_whose_file_may_name_others_is_not_kept(
-    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
-    monkeypatch.setattr(mesh_read, "LEAST", 100)
-    path = tmp_path / name
-    if name.endswith("obj"):
-        path.write_bytes(obj(make_mesh(*sphere(1))))
-    else:
-        begin = b"\nelement vertex"
-        content = ply(make_mesh(*sphere(1)))
-        path.write_bytes(content.replace(begin, b"\ncomment TextureFile a.png" + begin, 1))
-    mesh_read.mesh_of_file(path)
-    assert not list(place.iterdir())
 
 
 def test_what_children_follow_has_the_bits_and_the_layout_of_what_is_made(

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ...common.counted import counted
-from ..faults import GOLDEN, mixed
-from ..kernels import along
-from ..strands import CHUNK, Attribute, Offsets, Strands, even_offsets, spans
-from .moving import Change
+from ..common.counted import counted
+from .edits import Change
+from .faults import GOLDEN, mixed
+from .kernels import along
+from .strands import CHUNK, Attribute, Offsets, Strands, even_offsets, spans
 
 AT_ONCE = 1 << 20
 """Points that are made at once, of as many at most where strands are not longer."""

@@ -1,0 +1,186 @@
+"""What `convert` changes, but for points along strands (`resample`): mends, turns, scale. Each edit returns the strands
+changed and what it did. Edits of strands that move are decided at the first moment, and made alike at all others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..common.counted import counted
+from ..common.rotations import Floats, turning
+from ..errors import UsageError
+from . import faults
+from .bounded import not_finite
+from .ends import WHY, ends
+from .strands import CHUNK, Attribute, Offsets, Points, Strands, spans
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What an edit did: its name, a line for people, and the same as numbers."""
+
+    edit: str
+    text: str
+    facts: dict[str, Any] = field(default_factory=dict)
+
+
+Edit = Callable[[Strands], tuple[Strands, Change]]
+ROW = "row of the point"
+"""Attribute by which an edit that chooses among points is followed; no format has it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """An edit; ``chooses``: it leaves points out or turns their order around, and moves none."""
+
+    edit: Edit
+    chooses: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Replayed:
+    """Edits that were made of strands, to be made of their points at other moments."""
+
+    parts: Sequence[Offsets | tuple[Edit, Strands]]
+    """Of each edit the points that it takes, or itself and the strands that it was made of."""
+
+    def points(self, held: Points) -> Points:
+        """The points (Q, 3) that become of points (P, 3)."""
+        for part in self.parts:
+            if isinstance(part, tuple):
+                edit, strands = part
+                held = edit(replace(strands, points=held, attributes={}))[0].points
+            else:
+                held = held[part]
+        return held
+
+
+def edited(
+    strands: Strands, steps: Sequence[Step], again: bool = True
+) -> tuple[Strands, list[Change], Replayed | None]:
+    """Strands after all edits, what each did, and the same edits for other moments where they are asked for
+    ``again``."""
+    changes: list[Change] = []
+    parts: list[Any] = []
+    for step in steps:
+        before = replace(strands, attributes={}) if again else None
+        if again and step.chooses:
+            rows = Attribute("point", np.arange(strands.points.shape[0]))
+            strands = replace(strands, attributes={**strands.attributes, ROW: rows})
+        strands, change = step.edit(strands)
+        changes.append(change)
+        if again and step.chooses:
+            kept = dict(strands.attributes)
+            parts.append(kept.pop(ROW).values)
+            strands = replace(strands, attributes=kept)
+        elif before is not None:
+            parts.append((step.edit, before))
+    return strands, changes, Replayed(parts) if again else None
+
+
+def fixed(
+    strands: Strands, turn: bool = True, otherwise: str = "with --reverse as well they run as in the file"
+) -> tuple[Strands, Change]:
+    """Strands without those that are not finite, have no length or repeat another; with ``turn`` all turned around
+    where they clearly begin at the tip; attributes that are not finite left out. ``otherwise``: what keeps all as they
+    are."""
+    counts: dict[str, Any] = {}
+    for name, found in (
+        ("not_finite", faults.not_finite), ("without_length", faults.without_length), ("repeated", faults.repeated)
+    ):  # fmt: skip
+        wrong = found(strands)
+        counts[name] = int(wrong.sum())
+        strands = strands.select(~wrong)
+    bad = [name for name, one in strands.attributes.items() if _odd(one)]
+    if bad:
+        kept = {name: one for name, one in strands.attributes.items() if name not in bad}
+        strands = replace(strands, attributes=kept)
+    counts["attributes_left_out"] = bad
+    why = ""
+    if turn and ends(strands).root == "last":
+        strands, why = reversed_all(strands)[0], f", for roots are last: {WHY}; {otherwise}"
+    counts["turned_around"] = strands.count if why else 0
+    return strands, Change("fix", f"mended: {_said(counts) or 'nothing, no fault was found'}{why}", counts)
+
+
+def _said(counts: dict[str, Any]) -> str:
+    """What was mended, in words."""
+    words = (("not_finite", "not finite"), ("without_length", "without length"), ("repeated", "equal to another"))
+    parts = [f"{counted(counts[name], 'strand')} {word}, left out" for name, word in words if counts[name]]
+    if counts["turned_around"]:
+        parts.append(f"{counted(counts['turned_around'], 'strand')} turned around")
+    if counts["attributes_left_out"]:
+        parts.append(f"{', '.join(counts['attributes_left_out'])} not finite, left out")
+    return "; ".join(parts)
+
+
+def reversed_all(strands: Strands) -> tuple[Strands, Change]:
+    """Strands from the other end, and the attributes of points with them."""
+    points = _turned(strands, strands.points)
+    attributes = {
+        name: Attribute(one.domain, _turned(strands, one.values)) if one.domain == "point" else one
+        for name, one in strands.attributes.items()
+    }
+    changed = replace(strands, points=points, attributes=attributes)
+    return changed, Change("reverse", f"{counted(strands.count, 'strand')} turned around", {"strands": strands.count})
+
+
+def _odd(one: Attribute) -> bool:
+    return one.values.dtype.kind == "f" and not_finite(one.values)[0] > 0
+
+
+def _turned(strands: Strands, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Values (P, ...) of points in the order that they have once strands are turned around."""
+    found = np.empty_like(values)
+    for rows, points in spans(strands.first):
+        first = strands.first[rows.start : rows.stop + 1]
+        if points == slice(int(first[0]), int(first[-1])):
+            mirror = np.repeat(first[:-1] + first[1:] - 1, np.diff(first))
+            found[points] = values[mirror - np.arange(points.start, points.stop)]
+        elif points.start == first[0]:  # a strand in parts
+            found[first[0] : first[1]] = values[first[0] : first[1]][::-1]
+    return found
+
+
+def turned(strands: Strands, up: str, to: str) -> tuple[Strands, Change]:
+    """Strands whose up axis ``up`` becomes ``to``."""
+    changed = replace(_apply(strands, turning(up, to)), source=replace(strands.source, up=to))
+    return changed, Change("up", f"{up} turned to {to}", {"from": up, "to": to})
+
+
+def scaled(strands: Strands, factor: float) -> tuple[Strands, Change]:
+    """Strands times a factor, about the origin."""
+    unit = strands.source.unit
+    source = replace(strands.source, unit=None if unit is None else unit / factor)
+    changed = replace(_apply(strands, np.eye(3), factor), source=source)
+    return changed, Change("scale", f"scaled by {factor:g}", {"factor": factor})
+
+
+def _apply(strands: Strands, turn: Floats, factor: float = 1.0) -> Strands:
+    """Strands under a turn (3, 3) and then a factor."""
+    found = {}
+    for name, one in strands.attributes.items():
+        values: npt.NDArray[Any] = one.values
+        if name == "width" and factor != 1:
+            values = np.multiply(values, factor, dtype=np.float64).astype(values.dtype)
+        elif name.endswith("normal") and values.shape[-1:] == (3,):
+            values = (values @ turn.T).astype(values.dtype)
+        found[name] = Attribute(one.domain, values)
+    points = _mapped(strands.points, factor * turn)
+    if not_finite(points)[0]:
+        raise UsageError("points are too far out for single precision after --scale")
+    return replace(strands, points=points, attributes=found)
+
+
+def _mapped(points: Points, linear: Floats) -> Points:
+    out = np.empty_like(points)
+    with np.errstate(over="ignore"):
+        for begin in range(0, points.shape[0], CHUNK):
+            part = points[begin : begin + CHUNK].astype(np.float64)
+            # numbers that a matrix leaves alone keep their bits
+            out[begin : begin + CHUNK] = sum(part[:, j, None] * linear[:, j] for j in range(3))
+    return out
