@@ -1,9 +1,12 @@
-"""PLY files: the header, which tells how many there are of each element, and its properties; and numbers of a text."""
+"""PLY files: the header, which tells how many there are of each element and its properties, and the elements, which are
+text or binary of either byte order, with lists or without."""
 
 from __future__ import annotations
 
+import struct
 import warnings
-from collections.abc import Iterator
+from array import array
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,8 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import UsageError
-from .bounded import SLICE, Bounded, opened
+from .bounded import SLICE, Bounded, Growing, opened
 
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -22,6 +24,11 @@ TYPES = {
 ENCODINGS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 MOST_LINES = 1000
 """Of a header: Gaussian splats have some 70."""
+OF_NUMBER = 14
+"""Bytes that a number of a text takes."""
+AT_ONCE = 1 << 14
+"""Lists that are gathered at once."""
+Numbers = npt.NDArray[Any]
 
 
 @dataclass(slots=True)
@@ -85,7 +92,135 @@ def is_mesh(path: Path) -> bool:
     return "face" in elements and elements["face"].count > 0
 
 
-class NumbersOfText:
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Rows of an element: of each property by name its items, one after the other, and of lists how many each row
+    has."""
+
+    count: int
+    items: Mapping[str, Numbers]
+    lengths: Mapping[str, npt.NDArray[np.integer[Any]]]
+
+    def columns(self, names: tuple[str, ...], kind: npt.DTypeLike | None = None) -> Numbers:
+        """Numbers (n, k) of so many properties, in a type, or in one that holds them all."""
+        kind = np.result_type(*(self.items[name].dtype for name in names)) if kind is None else kind
+        found = np.empty((self.count, len(names)), kind)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for k, name in enumerate(names):
+                found[:, k] = self.items[name]
+        return found
+
+
+def read_elements(
+    file: Bounded, order: str, elements: Mapping[str, Element], wanted: frozenset[str] = frozenset()
+) -> dict[str, Rows]:
+    """The elements of a file, which follow its header; up to the last one that is ``wanted``, or all, after which
+    nothing may follow. Raises `UsageError` for what does not fit the header."""
+    found: dict[str, Rows] = {}
+    text = None if order else _NumbersOfText(file)
+    for one in () if order else elements.values():
+        file.need(f"element {one.name}", one.count, 2 * len(one.columns), one.at)
+    for one in elements.values():
+        if text is not None and one.columns:
+            found[one.name] = _text_rows(text, one)
+        elif one.columns:
+            least = sum(np.dtype(counts or kind).itemsize for _, kind, counts in one.columns)
+            file.need(f"element {one.name}", one.count, least, one.at)
+            found[one.name] = _lists(file, one, order) if one.lists else _records(file, one, order)
+        if wanted and found.keys() >= wanted:
+            return found
+    if text is not None and text.waiting.size:
+        raise file.damaged("more numbers than the header declares")
+    file.end()
+    return found
+
+
+def _records(file: Bounded, element: Element, order: str) -> Rows:
+    """Rows without lists of a binary file."""
+    kind = element.record(order)
+    record = np.frombuffer(file.take(f"element {element.name}", element.count * kind.itemsize), kind)
+    return Rows(element.count, {name: record[name] for name in element.properties}, {})
+
+
+def _lists(file: Bounded, element: Element, order: str) -> Rows:
+    """Rows with lists of a binary file."""
+    begin = file.position
+    data = np.frombuffer(file.take(f"element {element.name}", file.left), np.uint8)
+    sizes = [(np.dtype(kind).itemsize, np.dtype(of).itemsize if of else 0) for _, kind, of in element.columns]
+    readers = [struct.Struct((order or "<") + np.dtype(length or "u1").char) for _, _, length in element.columns]
+
+    def length_at(column: int, at: int) -> int:
+        return int(readers[column].unpack_from(data.data, at)[0])
+
+    file.room(f"element {element.name}: lengths of its lists", element.count * len(sizes), 16)
+    begins, lengths, size = _walk(data, sizes, element.count, length_at)
+    if len(lengths[0]) < element.count:
+        row = len(lengths[-1])
+        raise file.damaged(f"element {element.name}: row {row:,} goes beyond the end of the file", begin)
+    file.seek(element.name, begin + size)
+    items = {}
+    for k, (name, kind, _) in enumerate(element.columns):
+        each = np.dtype(kind).itemsize
+        every = np.ndarray((max(len(data) - each + 1, 0),), order + kind, data, strides=(1,))
+        items[name] = _gathered(every, begins[k], lengths[k], each)
+    lists = {name: lengths[k] for k, (name, _, length) in enumerate(element.columns) if length}
+    return Rows(element.count, items, lists)
+
+
+def _walk(
+    data: Numbers, sizes: list[tuple[int, int]], count: int, length_at: Callable[[int, int], int]
+) -> tuple[list[Numbers], list[Numbers], int]:
+    """Where the items of each property of rows begin, how many there are, and where the rows end; of fewer rows where
+    they do not fit. ``sizes``: of each property what an item takes, and the length of a list, 0 where it is none."""
+    begins, lengths, size = _one_by_one(data.size, sizes, min(count, 1), length_at)
+    whole = min(count, data.size // max(size, 1))
+    rows = data[: whole * size].reshape(whole, size)
+    heads = [slice(int(one[0]) - wide, int(one[0])) for one, (_, wide) in zip(begins, sizes, strict=True) if len(one)]
+    if size and all((rows[:, head] == rows[0, head]).all() for head in heads):  # rows are alike
+        every = size * np.arange(whole)
+        return [one[0] + every for one in begins], [np.repeat(one, whole) for one in lengths], whole * size
+    return _one_by_one(data.size, sizes, count, length_at)
+
+
+def _one_by_one(
+    end: int, sizes: list[tuple[int, int]], count: int, length_at: Callable[[int, int], int]
+) -> tuple[list[Numbers], list[Numbers], int]:
+    """`_walk` of rows of any lengths, in data that end there."""
+    begins, lengths = ([array("q") for _ in sizes] for _ in range(2))
+    at = done = 0
+    for _ in range(count):
+        place = at
+        for k, (size, of_length) in enumerate(sizes):
+            many = 1
+            if of_length:
+                many = length_at(k, place) if place + of_length <= end else -1
+                place += of_length
+            if many < 0 or place + many * size > end:
+                place = -1
+                break
+            begins[k].append(place)
+            lengths[k].append(many)
+            place += many * size
+        if place < 0:
+            break
+        at, done = place, done + 1
+    found = [[np.frombuffer(one, np.int64)[:done] for one in some] for some in (begins, lengths)]
+    return found[0], found[1], at
+
+
+def _gathered(values: Numbers, begins: Numbers, lengths: Numbers, step: int) -> Numbers:
+    """Items (n,) of runs, one after the other: so many each, that begin there among ``values``, a step apart."""
+    first = np.concatenate([[0], np.cumsum(lengths)])
+    found = np.empty(int(first[-1]), values.dtype)
+    for begin in range(0, len(begins), AT_ONCE):
+        some = slice(begin, begin + AT_ONCE)
+        low, high = int(first[begin]), int(first[min(begin + AT_ONCE, len(begins))])
+        places = np.repeat(begins[some] - step * first[:-1][some], lengths[some]) + step * np.arange(low, high)
+        found[low:high] = values[places]
+    return found
+
+
+class _NumbersOfText:
     """The numbers of a text, some at once: those that are waiting to be taken."""
 
     def __init__(self, file: Bounded) -> None:
@@ -108,36 +243,32 @@ class NumbersOfText:
         self.waiting = np.concatenate([self.waiting, found])
         return True
 
-    def rows(self, element: Element) -> Iterator[npt.NDArray[np.float64]]:
-        """The rows (k, properties) of an element without lists, some at once. Raises `UsageError` where there are
-        fewer, or a whole number is none."""
-        width, done = len(element.columns), 0
-        while done < element.count:
-            count = min(element.count - done, self.waiting.size // width)
-            found, self.waiting = self.waiting[: count * width].reshape(count, width), self.waiting[count * width :]
-            for (name, kind, _), values in zip(element.columns, found.T, strict=True):
-                self.check(element, name, kind, values)
-            done += count
-            yield found
-            if done < element.count and not self.more():
-                raise self.ended(element, done)
 
-    def check(self, element: Element, name: str, kind: str, values: npt.NDArray[np.float64]) -> None:
-        """Raise `UsageError` where numbers that are to be whole ones are not finite."""
-        if kind[0] != "f" and not np.isfinite(values).all():
-            raise self.file.damaged(f"element {element.name}: {name} is not a number everywhere", element.at)
+def _text_rows(numbers: _NumbersOfText, element: Element) -> Rows:
+    """The rows of an element of a text, some at once."""
+    file, width, done = numbers.file, len(element.columns), 0
+    sizes = [(1, int(length is not None)) for _, _, length in element.columns]
+    items = [Growing("f8" if kind[0] == "f" else kind) for _, kind, _ in element.columns]
+    counts = [Growing(np.int32) for _ in element.columns]
+    while done < element.count:
+        values = numbers.waiting
 
-    def ended(self, element: Element, row: int) -> UsageError:
-        """The error of a text that ends before a row."""
-        return self.file.damaged(f"element {element.name}: row {row:,} goes beyond the end of the file", element.at)
+        def length_at(column: int, at: int, values: Numbers = values) -> int:
+            return int(values[at]) if 0 <= values[at] <= values.size else -1
 
-    def end(self) -> None:
-        """Raise `UsageError` where something follows."""
-        if self.waiting.size:
-            raise self.file.damaged("more numbers than the header declares")
-
-
-def whole_numbers(values: npt.NDArray[Any], kind: str) -> npt.NDArray[Any]:
-    """Finite numbers as whole ones of a type."""
-    most = np.iinfo(kind)
-    return np.clip(values, most.min, most.max).astype(kind)
+        begins, lengths, end = _walk(values, sizes, min(element.count - done, values.size // width), length_at)
+        for k, (name, kind, length) in enumerate(element.columns):
+            own = _gathered(values, begins[k], lengths[k], 1)
+            if kind[0] != "f":
+                if not np.isfinite(own).all():
+                    raise file.damaged(f"element {element.name}: {name} is not a number everywhere", element.at)
+                own = np.clip(own, np.iinfo(kind).min, np.iinfo(kind).max).astype(kind)
+            items[k].add(own)
+            if length:
+                counts[k].add(lengths[k])
+        numbers.waiting, done = values[end:], done + len(lengths[0])
+        if done < element.count and not numbers.more():
+            raise file.damaged(f"element {element.name}: row {done:,} goes beyond the end of the file", element.at)
+        file.room("numbers", sum(one.size for one in items), OF_NUMBER)
+    lists = {name: counts[k].taken() for k, (name, _, length) in enumerate(element.columns) if length}
+    return Rows(element.count, {name: items[k].taken() for k, (name, _, _) in enumerate(element.columns)}, lists)

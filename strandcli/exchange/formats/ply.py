@@ -19,7 +19,7 @@ from ...errors import UsageError
 from ...output.files import write_pieces
 from ..bounded import Bounded, opened
 from ..files import ReadOptions
-from ..ply_file import Element, NumbersOfText, read_header, whole_numbers
+from ..ply_file import Element, Rows, read_elements, read_header
 from ..ply_file import is_mesh as is_mesh
 from ..strands import (
     CHUNK,
@@ -43,7 +43,6 @@ NUMBERS = {"alpha": "transparency", **{name: name for name in WIDTHS}, "thicknes
 MOST_POINTS = 4096
 """Of a strand, as messages propose them."""
 XYZ, RGB = ("x", "y", "z"), ("red", "green", "blue")
-Columns = dict[str, npt.NDArray[Any]]
 
 
 def sniff(head: bytes, size: int) -> bool:
@@ -61,85 +60,35 @@ def read(path: Path, options: ReadOptions) -> Strands:
         if elements.get("face", Element("face", 0, 0)).count:
             raise file.fault("element face: this is a mesh, not strands", elements["face"].at)
         begin = file.position
-        found = _elements(file, order, elements)
-        points = found["vertex"].pop("xyz")
+        found = read_elements(file, order, elements)
+        points = found["vertex"].columns(XYZ, np.float32)
         size = vertex.record(order).itemsize
         file.finite("vertex", points, (lambda row: begin + size * row) if order else (lambda row: begin))
         facts: dict[str, Any] = {"encoding": {"": "text", "<": "binary", ">": "binary, big-endian"}[order]}
         if comments:
             facts["comments"] = comments[:8]
+        attributes = _attributes(file, found.pop("vertex"), begin)
         first = _first(file, vertex, found, options)
-        attributes = _attributes(file, found["vertex"], begin)
     unread = [one for one in vertex.properties if one not in {*XYZ, *RGB, *NUMBERS}]
     if unread:
         facts["properties_not_read"] = unread
     return without_short(Strands(first, points, attributes, Source(name, "1.0", facts)))
 
 
-def _elements(file: Bounded, order: str, elements: dict[str, Element]) -> dict[str, Columns]:
-    """Columns of vertices, strands and edges; other elements are passed over."""
-    found: dict[str, Columns] = {}
-    numbers = NumbersOfText(file)
-    for one in () if order else elements.values():
-        file.need(f"element {one.name}", one.count, 2 * len(one.columns), one.at)
-    for one in elements.values():
-        if one.lists and one.count:
-            if {"vertex", "strand", "edge"} - found.keys() & elements.keys():
-                raise file.fault(f"element {one.name}: lists are not read; leave it out of the file", one.at)
-            return found
-        columns: Columns = {}
-        wanted: dict[str, Any] = {}
-        if not one.properties:
-            continue
-        if order:  # numbers of which there is no byte yet are not made room for
-            file.need(f"element {one.name}", one.count, one.record(order).itemsize, one.at)
-        if one.name == "vertex":
-            columns["xyz"] = np.empty((one.count, 3), np.float32)
-            wanted |= {name: columns["xyz"][:, axis] for axis, name in enumerate(XYZ)}
-            if set(RGB) <= one.properties.keys():
-                whole = all(one.properties[colour] == "u1" for colour in RGB)
-                columns["rgb"] = np.empty((one.count, 3), np.uint8 if whole else np.float32)
-                wanted |= {name: columns["rgb"][:, axis] for axis, name in enumerate(RGB)}
-        for name in NUMBERS.keys() | {"nsegs", "vertex1", "vertex2"}:
-            kind = one.properties.get(name, "")
-            if kind and (name in NUMBERS or kind[0] in "iu"):
-                columns[name] = np.empty(one.count, np.float32 if kind == "f8" else kind)
-                wanted[name] = columns[name]
-        if order:
-            plain = list(one.properties.items()) == [(axis, "f4") for axis in XYZ] and order == "<"
-            if plain and one.name == "vertex":
-                file.fill(columns["xyz"].reshape(-1).view(np.uint8).data)
-            else:
-                with np.errstate(over="ignore", invalid="ignore"):
-                    file.columns(f"element {one.name}", one.record(order), one.count, wanted)
-        else:
-            row, places = 0, {name: place for place, name in enumerate(one.properties)}
-            for rows in numbers.rows(one):
-                for name, values in wanted.items():
-                    own, kind = rows[:, places[name]], one.properties[name]
-                    with np.errstate(over="ignore"):
-                        values[row : row + len(rows)] = own if kind[0] == "f" else whole_numbers(own, kind)
-                row += len(rows)
-        found[one.name] = columns
-    numbers.end()
-    file.end()
-    return found
-
-
-def _first(file: Bounded, vertex: Element, found: dict[str, Columns], options: ReadOptions) -> Offsets:
+def _first(file: Bounded, vertex: Element, found: dict[str, Rows], options: ReadOptions) -> Offsets:
     """Where each strand begins."""
     count = vertex.count
-    if "nsegs" in found.get("strand", {}):
-        segments = found["strand"].pop("nsegs")
+    strand, edge = found.get("strand"), found.get("edge")
+    if strand is not None and _are_whole(strand, "nsegs"):
+        segments = strand.items["nsegs"]
         if segments.size and (segments.min() < 0 or segments.max() > count):
             raise file.damaged(f"strand: one has {segments.min():,} to {segments.max():,} segments", vertex.at)
         first = offsets(segments, 1)
         if first[-1] != count:
             raise file.damaged(f"vertex: {count:,} are declared, the strands have {first[-1]:,} points", vertex.at)
         return first
-    edges = found.pop("edge", {})
-    if {"vertex1", "vertex2"} <= edges.keys() and edges["vertex1"].size:
-        return _joined(file, count, edges["vertex1"], edges["vertex2"])
+    if edge is not None and edge.count and _are_whole(edge, "vertex1", "vertex2"):
+        return _joined(file, count, edge.items["vertex1"], edge.items["vertex2"])
     stride = options.stride or 0
     if stride < 1 or count % stride:
         divisors = [one for one in range(2, min(count, MOST_POINTS) + 1) if count % one == 0]
@@ -167,16 +116,25 @@ def _joined(file: Bounded, count: int, one: npt.NDArray[Any], other: npt.NDArray
     return found
 
 
-def _attributes(file: Bounded, columns: Columns, begin: int) -> dict[str, Attribute]:
+def _are_whole(rows: Rows, *names: str) -> bool:
+    """Whether there are properties of whole numbers of these names."""
+    return all(name in rows.items and rows.items[name].dtype.kind in "iu" for name in names)
+
+
+def _attributes(file: Bounded, vertex: Rows, begin: int) -> dict[str, Attribute]:
+    """Colours and what `NUMBERS` names, each in memory of its own."""
     found = {}
-    for column, values in columns.items():
-        attribute = "colour" if column == "rgb" else NUMBERS[column]
-        if column == "rgb" and not file.lenient:
-            file.finite("colour", values, lambda row: begin)
-        elif column != "rgb":
-            file.finite(column, values, lambda row: begin)
-        found[attribute] = Attribute("point", values)
-    return found
+    if set(RGB) <= vertex.items.keys():
+        kinds = {vertex.items[name].dtype for name in RGB}
+        found["colour"] = vertex.columns(RGB, np.uint8 if kinds == {np.dtype("u1")} else np.float32)
+    for name in sorted(NUMBERS.keys() & vertex.items.keys()):
+        values = vertex.items[name]
+        kind = np.dtype("f4") if values.dtype.kind == "f" else values.dtype.newbyteorder("=")
+        with np.errstate(over="ignore"):
+            found[NUMBERS[name]] = values.astype(kind)
+    for name, values in found.items():
+        file.finite(name, values, lambda row: begin)
+    return {name: Attribute("point", values) for name, values in found.items()}
 
 
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
