@@ -12,7 +12,7 @@ import numpy.typing as npt
 from hypothesis import strategies as st
 
 from strandcli.exchange.files import ReadOptions, read_first
-from strandcli.exchange.strands import Strands, TimeSample, offsets
+from strandcli.exchange.strands import Attribute, Strands, TimeSample, offsets
 
 Strand = npt.NDArray[np.float32]
 
@@ -30,6 +30,22 @@ def of(strands: Sequence[Strand]) -> Strands:
     """Strands as they are held."""
     counts = np.array([len(one) for one in strands], np.int64)
     return Strands(offsets(counts), np.concatenate([*strands, np.zeros((0, 3), np.float32)]).astype(np.float32))
+
+
+def attributes(strands: int, points: int) -> dict[str, Attribute]:
+    """One of each kind that .abc and .usd hold."""
+    generator = np.random.default_rng(strands + points)
+    return {
+        "width": Attribute("point", generator.random(points, np.float32)),
+        "uv": Attribute("strand", generator.random((strands, 2), np.float32)),
+        "normal": Attribute("point", generator.random((points, 3), np.float32)),
+        "root_uv": Attribute("strand", generator.random((strands, 2), np.float32)),
+        "colour": Attribute("strand", generator.random((strands, 3), np.float32)),
+        "clump": Attribute("strand", np.arange(strands, dtype=np.int32)),
+        "number": Attribute("strand", np.arange(strands) - 2**40),
+        "kind": Attribute("point", np.arange(points, dtype=np.uint8)),
+        "transparency": Attribute("groom", np.array([0.5], np.float32)),
+    }
 
 
 def moments(path: Path, options: ReadOptions | None = None) -> list[TimeSample]:

@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import abc_kit
 import exchange_kit as kit
@@ -33,52 +31,10 @@ def read_bytes(content: bytes, lenient: bool = False) -> Strands:
 moments = kit.moments
 
 
-def attributes(strands: int, points: int) -> dict[str, Attribute]:
-    """One of each kind."""
-    generator = np.random.default_rng(strands + points)
-    return {
-        "width": Attribute("point", generator.random(points, np.float32)),
-        "uv": Attribute("strand", generator.random((strands, 2), np.float32)),
-        "normal": Attribute("point", generator.random((points, 3), np.float32)),
-        "root_uv": Attribute("strand", generator.random((strands, 2), np.float32)),
-        "colour": Attribute("point", generator.integers(0, 255, (points, 3), np.uint8)),
-        "clump": Attribute("strand", np.arange(strands, dtype=np.int32)),
-        "number": Attribute("strand", np.arange(strands) - 2**40),
-        "transparency": Attribute("groom", np.array([0.5], np.float32)),
-        "frame": Attribute("point", generator.random((points, 9), np.float32)),
-    }
-
-
-@settings(max_examples=15, deadline=None)
-@given(strands=kit.lists_of_strands, frames=st.integers(1, 4), fps=st.sampled_from([1.0, 23.976, 24.0, 60.0]))
-def test_points_at_several_times_are_read_again(strands: list[kit.Strand], frames: int, fps: float) -> None:
-    held = kit.of(strands)
-    held = Strands(held.first, held.points, attributes(held.count, held.points.shape[0]))
-    told = [TimeSample((7 + i) / fps, held.points + np.float32(i)) for i in range(frames)]
-    with tempfile.TemporaryDirectory() as folder:
-        path, again = Path(folder, "a.abc"), Path(folder, "b.abc")
-        assert write(path, held, iter(told)) == []
-        found = read(path)
-        assert found.points.tobytes() == told[0].points.tobytes()
-        assert found.first.tolist() == held.first.tolist()
-        assert found.attributes.keys() == held.attributes.keys()
-        for name, one in found.attributes.items():
-            other = held.attributes[name]
-            assert (one.domain, one.values.dtype) == (other.domain, other.values.dtype)
-            assert one.values.tobytes() == other.values.tobytes()
-            assert one.values.shape == other.values.shape
-        seen = moments(path)
-        assert [one.points.tobytes() for one in seen] == [one.points.tobytes() for one in told]
-        np.testing.assert_allclose([one.seconds for one in seen], [one.seconds for one in told], rtol=1e-14)
-        write(again, found, iter(told))
-        assert again.read_bytes() == path.read_bytes()
-        assert Tree(path.read_bytes()).whole()
-
-
 def test_what_is_written_has_the_layout_of_alembic(tmp_path: Path) -> None:
     path = tmp_path / "a.abc"
     held = kit.of(STRANDS)
-    held = Strands(held.first, held.points, attributes(3, 12))
+    held = Strands(held.first, held.points, kit.attributes(3, 12))
     write(path, held, [TimeSample(i / 25, held.points + np.float32(i)) for i in range(3)])
     tree = Tree(path.read_bytes())
     assert tree.objects == {"/strands": abc_kit.XFORM, "/strands/strandsShape": abc_kit.CURVES}

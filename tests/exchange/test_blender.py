@@ -17,7 +17,6 @@ pytest.importorskip("bpy", reason="Blender is not installed: make check-against-
 import bpy
 
 import exchange_kit as kit
-from abc_kit import FROM_BLENDER, rows_from_blender
 from strandcli.exchange.files import read, write
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
 
@@ -136,30 +135,3 @@ def export(path: Path) -> None:
         moving.keyframe_insert("location", frame=frame)
     bpy.context.scene.frame_set(1)
     bpy.ops.wm.alembic_export(filepath=str(path), start=1, end=3, as_background_job=False)
-
-
-def test_what_blender_writes_now_is_what_was_kept(tmp_path: Path) -> None:
-    """`test_abc` knows the points of the file that is kept."""
-    export(tmp_path / "a.abc")
-    told = []
-    for path in (tmp_path / "a.abc", FROM_BLENDER):
-        order = rows_from_blender(read(path).counts())
-        told.append([(one.seconds, one.points[order].tolist()) for one in kit.moments(path)])
-    assert told[0] == told[1]
-    assert len(told[0]) == 3
-
-
-def test_hair_of_particles_is_read(tmp_path: Path) -> None:
-    empty()
-    bpy.ops.mesh.primitive_plane_add(size=2)
-    plane = bpy.context.object
-    plane.modifiers.new("hair", "PARTICLE_SYSTEM")
-    told = plane.particle_systems[0].settings
-    told.type, told.count, told.hair_step, told.hair_length = "HAIR", 20, 5, 0.5
-    bpy.context.view_layer.update()
-    bpy.ops.wm.alembic_export(filepath=str(tmp_path / "a.abc"), start=1, end=1, as_background_job=False)
-    found = read(tmp_path / "a.abc")
-    assert found.count == 20
-    assert np.allclose(found.roots()[:, 1], 0, atol=1e-6)
-    assert (np.abs(found.roots()[:, [0, 2]]) <= 1).all()
-    assert np.allclose(found.lengths(), 0.5, rtol=1e-3)

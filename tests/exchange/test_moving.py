@@ -1,17 +1,22 @@
-"""`convert` of strands that move: every moment is written, and edits follow it."""
+"""Strands that move, written and read, and `convert` of them: every moment is written, and edits follow it."""
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import exchange_kit as kit
+from abc_kit import Tree
 from cli_runs import Runner
 from strandcli.exchange.files import read, write
+from strandcli.exchange.formats import usd
 from strandcli.exchange.strands import Strands, TimeSample
 
 FRAMES, FPS = 5, 24
@@ -25,6 +30,42 @@ def moving() -> tuple[Strands, list[TimeSample]]:
     ways = generator.normal(size=(FRAMES, *held.points.shape)).astype(np.float32)
     ways[0] = 0
     return held, [TimeSample(i / FPS, held.points + ways[i]) for i in range(FRAMES)]
+
+
+@pytest.mark.parametrize("suffix", [".abc", *usd.suffixes])
+@settings(max_examples=15, deadline=None)
+@given(strands=kit.lists_of_strands, frames=st.integers(1, 4), fps=st.sampled_from([1.0, 23.976, 24.0, 60.0]))
+def test_points_at_several_times_are_read_again(
+    suffix: str, strands: list[kit.Strand], frames: int, fps: float
+) -> None:
+    if suffix != ".abc":
+        pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
+    held = kit.of(strands)
+    held = replace(held, attributes=kit.attributes(held.count, held.points.shape[0]))
+    told = [TimeSample((7 + i) / fps, held.points + np.float32(i)) for i in range(frames)]
+    with tempfile.TemporaryDirectory() as folder:
+        path, again = Path(folder, f"a{suffix}"), Path(folder, f"b{suffix}")
+        assert write(path, held, iter(told)) == []
+        assert [one.name for one in Path(folder).iterdir()] == [path.name]
+        found = read(path)
+        assert found.points.tobytes() == told[0].points.tobytes()
+        assert found.first.tolist() == held.first.tolist()
+        assert found.attributes.keys() == held.attributes.keys()
+        for name, one in found.attributes.items():
+            other = held.attributes[name]
+            assert (name, one.domain, one.values.dtype) == (name, other.domain, other.values.dtype)
+            assert one.values.shape == other.values.shape
+            assert one.values.tobytes() == other.values.tobytes()
+        seen = kit.moments(path)
+        assert [one.points.tobytes() for one in seen] == [one.points.tobytes() for one in told]
+        np.testing.assert_allclose([one.seconds for one in seen], [one.seconds for one in told], rtol=1e-9)
+        if suffix == ".abc":
+            write(again, found, iter(told))
+            assert again.read_bytes() == path.read_bytes()
+            assert Tree(path.read_bytes()).whole()
+        else:
+            assert (found.source.unit, found.source.up) == (1.0, "y")
+            assert path.read_bytes().startswith(b"#usda" if suffix == ".usda" else b"PXR-USDC")
 
 
 class Source:

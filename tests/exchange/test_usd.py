@@ -11,14 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import exchange_kit as kit
 import usd_kit
 from strandcli.errors import RefusedError, UsageError
 from strandcli.exchange.files import ReadOptions, read, write
-from strandcli.exchange.formats import usd
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
 from strandcli.exchange.usd import process
 
@@ -42,53 +39,6 @@ def opened(path: Path) -> Any:
 
     stage = Usd.Stage.Open(str(path))
     return stage, UsdGeom.BasisCurves(stage.GetDefaultPrim())
-
-
-def attributes(strands: int, points: int) -> dict[str, Attribute]:
-    """One of each kind."""
-    generator = np.random.default_rng(strands + points)
-    return {
-        "width": Attribute("point", generator.random(points, np.float32)),
-        "uv": Attribute("strand", generator.random((strands, 2), np.float32)),
-        "normal": Attribute("point", generator.random((points, 3), np.float32)),
-        "root_uv": Attribute("strand", generator.random((strands, 2), np.float32)),
-        "colour": Attribute("strand", generator.random((strands, 3), np.float32)),
-        "clump": Attribute("strand", np.arange(strands, dtype=np.int32)),
-        "number": Attribute("point", np.arange(points) - 2**40),
-        "kind": Attribute("strand", np.arange(strands, dtype=np.uint8)),
-        "stiff": Attribute("groom", np.array([0.5], np.float32)),
-    }
-
-
-@settings(max_examples=25, deadline=None)
-@given(
-    strands=kit.lists_of_strands, frames=st.integers(1, 4), fps=st.sampled_from([1.0, 23.976, 24.0, 60.0]),
-    suffix=st.sampled_from(usd.suffixes),
-)  # fmt: skip
-def test_points_at_several_times_are_read_again(
-    strands: list[kit.Strand], frames: int, fps: float, suffix: str
-) -> None:
-    held = kit.of(strands)
-    held = Strands(held.first, held.points, attributes(held.count, held.points.shape[0]))
-    told = [TimeSample((7 + i) / fps, held.points + np.float32(i)) for i in range(frames)]
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, f"a{suffix}")
-        assert write(path, held, iter(told)) == []
-        assert [one.name for one in Path(folder).iterdir()] == [path.name]
-        assert path.read_bytes().startswith(b"#usda" if suffix == ".usda" else b"PXR-USDC")
-        found = read(path)
-        assert found.points.tobytes() == told[0].points.tobytes()
-        assert found.first.tolist() == held.first.tolist()
-        assert found.source.unit == 1.0
-        assert found.source.up == "y"
-        assert found.attributes.keys() == held.attributes.keys()
-        for name, one in found.attributes.items():
-            other = held.attributes[name]
-            assert (name, one.domain, one.values.dtype) == (name, other.domain, other.values.dtype)
-            assert one.values.tobytes() == other.values.tobytes()
-        seen = moments(path)
-        assert [one.points.tobytes() for one in seen] == [one.points.tobytes() for one in told]
-        np.testing.assert_allclose([one.seconds for one in seen], [one.seconds for one in told], rtol=1e-9)
 
 
 def test_what_is_written_is_what_the_schema_asks_for(tmp_path: Path) -> None:

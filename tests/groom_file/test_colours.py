@@ -84,26 +84,3 @@ def test_colours_that_are_none_are_left_out(tmp_path: Path) -> None:
         assert given.emitter.groom is not None
         assert from_file(given.emitter.groom, 0).groom.colours is None
         assert given.material.pigment == "brown"
-
-
-def test_red_strands_are_red_in_the_picture(tmp_path: Path) -> None:
-    """Strands on the left are red, on the right green: pixels are, and are as bright as a material of that colour."""
-    strands = hanging([5] * 900)
-    left = np.array([one[0, 0] < 0 for one in strands])
-    pairs = np.where(left[:, None], [0.6, 0.02, 0.02], [0.02, 0.6, 0.02])
-    path = coloured(tmp_path / "a.hair", strands, pairs)
-    found = image(scene(path, **SMALL)).astype(int)
-    only = {}
-    for name, keep, colour in (("red", left, (0.6, 0.02, 0.02)), ("green", ~left, (0.02, 0.6, 0.02))):
-        alone = coloured(tmp_path / f"{name}.hair", strands, np.broadcast_to(colour, (900, 3)))
-        only[name] = image(scene(alone, **SMALL)).astype(int)
-        plain = scene(alone, **{**SMALL, "emitter.groom.colours": "none", "material.pigment": "rgb",
-                                "material.colour": colour, "material.colour_variation": 0})  # fmt: skip
-        assert np.abs(only[name] - image(plain).astype(int)).max() <= 1
-        assert keep.any()
-    half = found.shape[1] // 2
-    # far from the middle, strands of the other side are not seen
-    for name, side in (("red", np.s_[:, : half - 14]), ("green", np.s_[:, half + 14 :])):
-        assert np.abs(found[side] - only[name][side]).mean() < 6
-    assert (found[:, : half - 14, 0] > found[:, : half - 14, 1] + 30).any()
-    assert (found[:, half + 14 :, 1] > found[:, half + 14 :, 0] + 30).any()

@@ -118,20 +118,6 @@ def test_numbers_of_vertices(tmp_path: Path) -> None:
     assert read_mesh(written(tmp_path, "b.glb", kit.glb(*kit.gltf_tree(BALL)))).corner_normals is None
 
 
-def test_nodes_of_gltf_place_their_meshes(tmp_path: Path) -> None:
-    tree, buffer = kit.gltf_tree(BALL)
-    tree["nodes"] = [
-        {"mesh": 0, "translation": [5, 0, 0], "children": [1]},
-        {"mesh": 0, "matrix": [-2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 9, 1]},
-    ]
-    found = read_mesh(written(tmp_path, "a.glb", kit.glb(tree, buffer)))
-    assert found.facts.parts == 2
-    low, high = found.box()
-    np.testing.assert_allclose((low, high), ((3, -2, -1), (7, 2, 11)), atol=1e-5)
-    assert found.closed
-    assert (found.face_normals()[:, 0] * np.sign(found.vertices[found.triangles[:, 0], 0] - 5)).mean() > 0
-
-
 def test_a_texture_is_read_from_the_folder_and_from_nowhere_else(tmp_path: Path) -> None:
     inner = tmp_path / "inner"
     inner.mkdir()
