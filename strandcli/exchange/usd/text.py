@@ -20,7 +20,7 @@ MAGIC = b"#usda ", b"#sdf "
 LONG = 1 << 16
 """Bytes of text from which on an array is long."""
 SLICE = 1 << 22
-"""Bytes of text that are looked at at once."""
+"""Bytes of text whose numbers are read at once."""
 KINDS: dict[bytes, tuple[str, int, Any]] = {
     b"int": ("i4", 1, Vt.IntArray), b"float": ("f4", 1, Vt.FloatArray),
     **dict.fromkeys((b"float2", b"texCoord2f"), ("f4", 2, Vt.Vec2fArray)),
@@ -29,8 +29,7 @@ KINDS: dict[bytes, tuple[str, int, Any]] = {
 """Types of arrays that are read here: that of numbers, how many a row has, and Pixar's."""
 ARRAYS = {made for _, _, made in KINDS.values()}
 DECLARED = re.compile(rb"(\w+)\[\]\s+[\w:]+(?:\.timeSamples)?\s*=")
-NUMBERS = rb"0-9eE+\-.,()\sainf"
-BEGIN, END = re.compile(rb"\[[" + NUMBERS + rb"]{%d}" % (LONG - 1)), re.compile(rb"[^" + NUMBERS + rb"]")
+ARRAY = re.compile(rb"\[[0-9eE+\-.,()\sainf]{%d,}+\]" % (LONG - 1))
 BLANK = bytes.maketrans(b"(),\n\r\t", b"      ")
 PLACE = 271, 828, 182
 """Numbers that follow those of an array's own in its place."""
@@ -51,110 +50,54 @@ def layer_of_text(path: str) -> Sdf.Layer | None:
         return None
 
 
-class _Array:
-    """The numbers of an array, as its text comes in."""
-
-    def __init__(self, kind: bytes) -> None:
+def _apart(path: str) -> tuple[bytes, list[Any]]:
+    """The text with a few numbers in place of each long array, and these arrays; nothing of what is no text."""
+    with open(path, "rb") as file:
+        text = file.read(len(MAGIC[0]))
+        text += file.read() if text.startswith(MAGIC) else b""
+    parts, arrays, kind, done = [], [], b"", 0
+    for found in ARRAY.finditer(text):
+        begin, end = found.start() + 1, found.end() - 1
+        declared = DECLARED.findall(text, max(done, begin - LONG), begin)
+        kind = declared[-1] if declared else kind
         if kind not in KINDS:
             raise OtherwiseError
-        self.dtype, self.width, self.made = KINDS[kind]
-        self._numbers, self._signs, self._rest = Growing(self.dtype), np.zeros(3, np.int64), b""
+        parts += [text[done:begin], _place(len(arrays), KINDS[kind][1])]
+        arrays.append(_array(text, begin, end, *KINDS[kind]))
+        done = end
+    return b"".join([*parts, text[done:]]), arrays
 
-    def add(self, text: bytes) -> None:
-        """Take in some text; what stands behind its last comma waits for more."""
-        text = self._rest + text
-        end = text.rfind(b",") + 1
-        self._take(text[:end])
-        self._rest = text[end:]
 
-    def _take(self, text: bytes) -> None:
-        self._signs += [text.count(sign) for sign in (b",", b"(", b")")]
-        words = text.translate(BLANK)
+def _array(text: bytes, begin: int, end: int, kind: str, width: int, made: Any) -> Any:
+    """Pixar's array of numbers of a type in a part of a text, rows of so many of them. Raises `OtherwiseError` where
+    commas and brackets do not fit the numbers."""
+    numbers, signs = Growing(kind), np.zeros(3, np.int64)
+    while begin < end:
+        stop = end if end - begin <= SLICE else text.rfind(b",", begin, begin + SLICE) + 1 or end
+        signs += [text.count(sign, begin, stop) for sign in (b",", b"(", b")")]
+        words = text[begin:stop].translate(BLANK)
+        begin = stop
         if not words.strip():
-            return
+            continue
         try:
             with warnings.catch_warnings(), np.errstate(over="ignore"):
                 warnings.simplefilter("error", DeprecationWarning)
                 found = np.fromstring(words, np.float64, sep=" ")
         except (ValueError, DeprecationWarning):
             raise OtherwiseError from None
-        if self.dtype == "i4" and not (np.abs(found) < 2**31).all():
+        if kind == "i4" and not (np.abs(found) < 2**31).all():
             raise OtherwiseError
         with np.errstate(over="ignore"):
-            rounded = found.astype(self.dtype)
-        if self.dtype == "i4" and not np.array_equal(rounded, found):
+            rounded = found.astype(kind)
+        if kind == "i4" and not np.array_equal(rounded, found):
             raise OtherwiseError
-        self._numbers.add(rounded)
-
-    def end(self) -> Any:
-        """Pixar's array of all of it. Raises `OtherwiseError` where commas and brackets do not fit the numbers."""
-        self._take(self._rest)
-        commas, opening, closing = (int(one) for one in self._signs)
-        values = self._numbers.taken()
-        brackets = values.size // self.width if self.width > 1 else 0
-        if values.size % self.width or {opening, closing} != {brackets} or not 0 <= values.size - commas <= 1:
-            raise OtherwiseError
-        return self.made.FromNumpy(values if self.width == 1 else values.reshape(-1, self.width))
-
-
-class _Parter:
-    """Takes long arrays out of a text that comes in some at once."""
-
-    def __init__(self) -> None:
-        self.text = bytearray()
-        """The text so far, with a few numbers in place of each long array."""
-        self.arrays: list[Any] = []
-        """Those, as Pixar has them."""
-        self.now: _Array | None = None
-        """The one that the text is in."""
-        self._kind = b""
-
-    def feed(self, text: bytes) -> bytes:
-        """Take in text; returns what is left to stand before more."""
-        while text:
-            if self.now is None:
-                begin = BEGIN.search(text)
-                text = self._outside(text, begin.start() + 1 if begin else max(len(text) - LONG, 0))
-                if begin is None:
-                    return text
-                self.now = _Array(self._kind)
-            else:
-                text = self._inside(self.now, text)
-        return b""
-
-    def _outside(self, text: bytes, size: int) -> bytes:
-        declared = DECLARED.findall(self.text[-LONG:] + text[:size])
-        self._kind = declared[-1] if declared else self._kind
-        self.text += text[:size]
-        return text[size:]
-
-    def _inside(self, array: _Array, text: bytes) -> bytes:
-        end = END.search(text)
-        if end is None:
-            array.add(text)
-            return b""
-        if end[0] != b"]":
-            raise OtherwiseError
-        array.add(text[: end.start()])
-        self.text += _place(len(self.arrays), array.width)
-        self.arrays.append(array.end())
-        self.now = None
-        return text[end.start() :]
-
-
-def _apart(path: str) -> tuple[bytearray, list[Any]]:
-    """The text with a few numbers in place of each long array, and these arrays; nothing of what is no text."""
-    parter, rest = _Parter(), b""
-    with open(path, "rb") as file:
-        more = file.read(SLICE)
-        if not more.startswith(MAGIC):
-            return parter.text, []
-        while more:
-            rest = parter.feed(rest + more)
-            more = file.read(SLICE)
-    if parter.now is not None:
+        numbers.add(rounded)
+    commas, opening, closing = (int(one) for one in signs)
+    values = numbers.taken()
+    brackets = values.size // width if width > 1 else 0
+    if values.size % width or {opening, closing} != {brackets} or not 0 <= values.size - commas <= 1:
         raise OtherwiseError
-    return parter.text + rest, parter.arrays
+    return made.FromNumpy(values if width == 1 else values.reshape(-1, width))
 
 
 def _place(number: int, width: int) -> bytes:
@@ -173,7 +116,7 @@ def _number(value: Any) -> int:
     return int(rows[0, 0]) + 1000 * int(rows[1, 0])
 
 
-def _together(path: str, text: bytearray, arrays: list[Any]) -> Sdf.Layer:
+def _together(path: str, text: bytes, arrays: list[Any]) -> Sdf.Layer:
     """The layer of a file, of its text without long arrays, and of these, which are let go."""
     layer = Sdf.Layer.New(Sdf.FileFormat.FindByExtension(path), path)
     try:
