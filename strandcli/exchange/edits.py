@@ -16,7 +16,7 @@ from ..errors import UsageError
 from . import faults
 from .bounded import not_finite
 from .ends import WHY, ends
-from .strands import CHUNK, Attribute, Offsets, Points, Strands, spans
+from .strands import CHUNK, Attribute, Offsets, Points, Strands
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,15 +135,9 @@ def _odd(one: Attribute) -> bool:
 
 def _turned(strands: Strands, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Values (P, ...) of points in the order that they have once strands are turned around."""
-    found = np.empty_like(values)
-    for rows, points in spans(strands.first):
-        first = strands.first[rows.start : rows.stop + 1]
-        if points == slice(int(first[0]), int(first[-1])):
-            mirror = np.repeat(first[:-1] + first[1:] - 1, np.diff(first))
-            found[points] = values[mirror - np.arange(points.start, points.stop)]
-        elif points.start == first[0]:  # a strand in parts
-            found[first[0] : first[1]] = values[first[0] : first[1]][::-1]
-    return found
+    mirrored = np.repeat(strands.first[:-1] + strands.first[1:] - 1, strands.counts())
+    mirrored -= np.arange(mirrored.size)
+    return values[mirrored]
 
 
 def turned(strands: Strands, up: str, to: str) -> tuple[Strands, Change]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from .strands import Mask, Strands, counts_in, spans
+from .strands import Mask, Strands
 
 AT_ONCE = 1 << 14
 """Things that are compared at once."""
@@ -69,20 +69,6 @@ def repeated(strands: Strands) -> Mask:
         return np.array([bits(a) == bits(b) for a, b in zip(one.tolist(), other.tolist(), strict=True)], np.bool_)
 
     found = np.zeros(strands.count, np.bool_)
-    found[repeats(fingerprints(strands), equal)[1]] = True
-    return found
-
-
-def fingerprints(strands: Strands) -> Keys:
-    """A number of the bits of each strand (S,): equal strands have equal ones, others hardly ever."""
-    third, found = mixed(np.array([GOLDEN], np.uint64)), np.zeros(strands.count, np.uint64)
-    for rows, points in spans(strands.first):
-        each = counts_in(strands.first, rows, points)
-        with np.errstate(over="ignore"):
-            place = np.arange(points.start, points.stop) - np.repeat(strands.first[rows], each)
-            factor = mixed(place.astype(np.uint64) * np.uint64(GOLDEN) + np.uint64(1)) | np.uint64(1)
-            bits = strands.points[points].view(np.uint32).astype(np.uint64)
-            whole = bits[:, 0] + bits[:, 1] * np.uint64(GOLDEN) + bits[:, 2] * third
-            begins = np.maximum(strands.first[rows] - points.start, 0)
-            found[rows] += np.add.reduceat(mixed(whole + np.uint64(GOLDEN)) * factor, begins)
+    prints = np.fromiter((hash(bits(number)) for number in range(strands.count)), np.int64, strands.count)
+    found[repeats(prints.view(np.uint64), equal)[1]] = True
     return found

@@ -150,18 +150,14 @@ def _ordered(strands: Strands, order: Offsets, of: Offsets) -> tuple[Strands, Of
     counts = strands.counts()[order]
     first = offsets(counts)
     points = np.arange(first[-1]) + np.repeat(strands.first[order] - first[:-1], counts)
-    rows: dict[str, Any] = {"point": points, "strand": order, "groom": slice(None)}
-    attributes = {name: Attribute(one.domain, one.values[rows[one.domain]]) for name, one in strands.attributes.items()}
-    return replace(strands, first=first, points=strands.points[points], attributes=attributes), points, of[order]
+    return strands.at(first, {"point": points, "strand": order}), points, of[order]
 
 
 def _part(strands: Strands, begin: int, end: int) -> Strands:
     """Strands of these numbers, from ``begin`` to ``end``."""
     low, high = int(strands.first[begin]), int(strands.first[end])
-    rows = {"point": slice(low, high), "strand": slice(begin, end), "groom": slice(None)}
-    attributes = {name: Attribute(one.domain, one.values[rows[one.domain]]) for name, one in strands.attributes.items()}
     first = strands.first[begin : end + 1] - low
-    return replace(strands, first=first, points=strands.points[low:high], attributes=attributes)
+    return strands.at(first, {"point": slice(low, high), "strand": slice(begin, end)})
 
 
 def written_names(names: Sequence[str], legal: Callable[[str], str]) -> list[str]:

@@ -127,14 +127,15 @@ class Strands:
         if keep.all():
             return self
         counts = self.counts()
-        return self._only(offsets(counts[keep]), {"point": np.repeat(keep, counts), "strand": keep})
+        return self.at(offsets(counts[keep]), {"point": np.repeat(keep, counts), "strand": keep})
 
     def thinned(self, keep: Mask) -> Strands:
         """All strands, of the points for which ``keep`` (P,) holds."""
-        return self._only(offsets(np.add.reduceat(keep, self.first[:-1], dtype=np.int64)), {"point": keep})
+        return self.at(offsets(np.add.reduceat(keep, self.first[:-1], dtype=np.int64)), {"point": keep})
 
-    def _only(self, first: Offsets, rows: Mapping[Domain, Mask]) -> Strands:
-        """What belongs to some of the points and strands, with the offsets (K + 1,) that these have then."""
+    def at(self, first: Offsets, rows: Mapping[Domain, Any]) -> Strands:
+        """What belongs to some of the points and strands, in an order, with the offsets (K + 1,) that these have then;
+        ``rows``: of points, and of strands where they are not all, as NumPy's indices."""
         attributes = {
             name: Attribute(one.domain, one.values[rows[one.domain]]) if one.domain in rows else one
             for name, one in self.attributes.items()

@@ -55,7 +55,9 @@ def _apart(path: str) -> tuple[bytes, list[Any]]:
     with open(path, "rb") as file:
         text = file.read(len(MAGIC[0]))
         text += file.read() if text.startswith(MAGIC) else b""
-    parts, arrays, kind, done = [], [], b"", 0
+    parts: list[bytes] = []
+    arrays: list[Any] = []
+    kind, done = b"", 0
     for found in ARRAY.finditer(text):
         begin, end = found.start() + 1, found.end() - 1
         declared = DECLARED.findall(text, max(done, begin - LONG), begin)
