@@ -65,7 +65,7 @@ def facts(strands: Strands) -> Facts:
     fine = strands.select(~bad)
     known = ends(fine)
     lengths = fine.lengths(np.float32)
-    data |= {"length": _spread(lengths.copy()), "box": _box(fine), "guess": _guesses(fine, known)}
+    data |= {"length": spread(lengths.copy()), "box": _box(fine), "guess": _guesses(fine, known)}
     found = [*_faults_of_strands(bad, fine, lengths), *_faults_of_groom(fine, known)]
     return Facts(data, tuple(found))
 
@@ -77,12 +77,12 @@ def _data_of_all(strands: Strands) -> dict[str, Any]:
         "format": source.format, "version": source.version or None, "header": dict(source.facts),
         "strands": strands.count, "points": strands.points.shape[0], "skipped": dict(source.skipped),
         "objects": table(strands),
-        "points_a_strand": _spread(strands.counts(np.int32)), "unit": source.unit, "up": source.up,
+        "points_a_strand": spread(strands.counts(np.int32)), "unit": source.unit, "up": source.up,
         "attributes": [_attribute(name, one) for name, one in strands.attributes.items()],
     }  # fmt: skip
 
 
-def _spread(values: npt.NDArray[Any]) -> dict[str, float] | None:
+def spread(values: npt.NDArray[Any]) -> dict[str, float] | None:
     """Least, median, mean and largest of values that are not needed in their order any more; None of none."""
     if not values.size:
         return None

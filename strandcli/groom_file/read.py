@@ -26,7 +26,7 @@ from .colours import colours_of, widths_of
 from .film import Edits, Film
 from .measure import Seen, seen_of
 from .on_solid import Head, anchors_on, head_of, put_on
-from .placing import Placement, placed, put
+from .placing import Placement, placement_of, put
 from .rows import (
     Rows,
     counts_of,
@@ -143,7 +143,8 @@ def _made(
 ) -> FromFile:  # fmt: skip
     """Strands of a file, placed and packed; ``placement``: where strands of this file are put, if that is known."""
     counts = counts_of(strands)
-    strands, placement = placed(strands, given, notes, placement)
+    placement = placement or placement_of(strands, given, notes)
+    strands = put(strands, given, placement)
     if head is not None:
         strands = put_on(strands, head, given.file, notes, placement.up, given)
     order = spatial_order(strands.roots())

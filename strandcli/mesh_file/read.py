@@ -96,16 +96,25 @@ def between(file: str, how: Placing, at: Moment) -> Vectors:
 @cached(KEPT)
 def _transform(file: str, how: Placing) -> tuple[Vectors, Vectors]:
     """The matrix and the shift that place the mesh of a file."""
-    turn = turning(how.up, UP)
-    corners = np.array(as_in_file(file).box()) @ turn.T
+    factor, shift = standing(np.array(as_in_file(file).box()), *how)
+    return factor * turning(how.up, UP), shift
+
+
+def standing(
+    box: Vectors, up: str, scale: float, size: float | None, place: str
+) -> tuple[float, Vectors]:  # fmt: skip
+    """Metres of a unit, and the shift (3,) in metres, of what is turned upright and scaled, so that it has a longest
+    side of ``size`` and stands as settings say; box (2, 3): its low and high corner in the file, whose up axis is
+    ``up``."""
+    corners = box @ turning(up, UP).T
     low, high = corners.min(axis=0), corners.max(axis=0)
-    factor = how.scale if how.size is None else how.size / float((high - low).max())
+    factor = scale if size is None else size / float((high - low).max())
     shift = np.zeros(3)
-    if how.place != "file":
+    if place != "file":
         shift = -0.5 * factor * (low + high)
-        if how.place == "ground":
+        if place == "ground":
             shift[1] = -factor * low[1]
-    return factor * turn, shift
+    return factor, shift
 
 
 @cached(KEPT)

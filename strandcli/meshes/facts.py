@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import StrandError
+from ..exchange.facts import spread
 from ..exchange.files import drivers
 from . import SUFFIXES
 from .make import sentences
@@ -83,7 +84,7 @@ class Measures(NamedTuple):
     least: Vectors
     most: Vectors
     """(3,) the least and the largest coordinates of middles of triangles."""
-    triangle_area: dict[str, float]
+    triangle_area: dict[str, float] | None
 
 
 def measured(mesh: TriangleMesh) -> Measures:
@@ -98,7 +99,7 @@ def measured(mesh: TriangleMesh) -> Measures:
         vector += vectors.sum(axis=0)
         volume += float(np.einsum("tj,tj->", middles - middle, vectors)) / 3
         least, most = np.minimum(least, middles.min(axis=0)), np.maximum(most, middles.max(axis=0))
-    return Measures(float(areas.sum()), volume, vector, least, most, _spread(areas))
+    return Measures(float(areas.sum()), volume, vector, least, most, spread(areas))
 
 
 def _middles_and_vectors(mesh: TriangleMesh, rows: slice) -> tuple[Vectors, Vectors]:
@@ -135,13 +136,6 @@ def unit(size: float) -> dict[str, Any] | None:
         if least <= size < most:
             return {"unit": name, "scale": metres}
     return None
-
-
-def _spread(values: npt.NDArray[np.float64]) -> dict[str, float]:
-    """Least, median, mean and largest of values, whose order changes."""
-    mean = float(values.mean())
-    median = float(np.median(values, overwrite_input=True))
-    return {"min": float(values.min()), "median": median, "mean": mean, "max": float(values.max())}
 
 
 def _attributes(mesh: TriangleMesh) -> list[dict[str, Any]]:
