@@ -43,7 +43,7 @@ def load(
         with naming_files(None if FILE in (settings or {}) else scene):  # a file that is drawn by itself has no key
             scene = completed(scene)
     if any(one.camera.file for one in parts):
-        from .cameras.of_scene import with_views
+        from .cameras.read import with_views
 
         with naming_files(scene):
             scene = with_views(scene)

@@ -1,4 +1,5 @@
-"""nerfstudio's transforms.json (nerfstudio-project/nerfstudio, docs/quickstart/data_conventions.md).
+"""nerfstudio's transforms.json (nerfstudio-project/nerfstudio, docs/quickstart/data_conventions.md), and NeuS's
+cameras.npz.
 
 `transform_matrix` takes a camera, whose axes are right, up and backward (OpenGL), to the world, whose z is up. The
 corner of the picture is (0, 0). Lenses stand at the top of the file or with each picture.
@@ -6,6 +7,7 @@ corner of the picture is (0, 0). Lenses stand at the top of the file or with eac
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,7 +19,7 @@ from ..common.rotations import turning
 from ..errors import UsageError, one_line
 from ..files.inputs import content
 from ..output.files import json_of
-from .pinhole import Floats, Pinhole, checked_rotation, in_order, picture_size, refuse_distortion, square_focal
+from .pinhole import HALF, Floats, Pinhole, checked_rotation, in_order, picture_size, refuse_distortion, square_focal
 
 MARK = "strandcli"
 """Key of files that strandcli wrote."""
@@ -120,3 +122,37 @@ def written(views: Sequence[Pinhole], beside: Mapping[str, str], version: str) -
         for view in views
     ]  # fmt: skip
     return {"camera_model": "OPENCV", MARK: version, "frames": frames}
+
+
+WORLD, SCALE, ALL = "world_mat_", "scale_mat_", "arr_0"
+SIZE = "image_size"
+"""Array that strandcli adds beside its `MARK`: width and height."""
+
+
+def world_matrix(view: Pinhole) -> Floats:
+    """(4, 4) from the world to pixels that are counted from the middle of the first one."""
+    k = np.eye(4)
+    k[0, 0] = k[1, 1] = view.focal
+    k[:2, 2] = view.centre[0] - HALF, view.centre[1] - HALF
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = view.rotation, -view.rotation @ view.eye
+    return k @ pose
+
+
+def neus_written(views: Sequence[Pinhole], middle: Floats, radius: float) -> bytes:
+    """NeuS's cameras.npz (Totoro97/NeuS, models/dataset.py; SamsungLabs/NeuralHaircut, src/models/dataset.py), of
+    perspective views of one size, and the ball, metres, that becomes the unit ball.
+
+    `world_mat_0` …: (4, 4) from the world to pixels, whose middles are whole numbers; `scale_mat_0` …: (4, 4) from the
+    unit ball to the world. NeuralHaircut's own sets have all of the former as one array, `arr_0`.
+    """
+    scale = np.diag([radius, radius, radius, 1.0])
+    scale[:3, 3] = middle
+    matrices = [world_matrix(view) for view in views]
+    arrays: dict[str, Any] = {ALL: np.stack(matrices), MARK: np.array(1)}
+    for number, matrix in enumerate(matrices):
+        arrays |= {f"{WORLD}{number}": matrix, f"{SCALE}{number}": scale}
+    arrays[SIZE] = np.array([views[0].width, views[0].height])
+    file = io.BytesIO()
+    np.savez(file, **arrays)
+    return file.getvalue()

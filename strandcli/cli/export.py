@@ -98,7 +98,7 @@ def _write(
     found: Iterator[DrawnFrame], paths: dict[int, Path], moving: bool, scene: Scene, lost: dict[str, None]
 ) -> Strands:
     """Write the frames, all into one file or each into its own; returns the first one's strands."""
-    from ..cameras.of_scene import camera_layer
+    from ..cameras.read import camera_layer
     from ..exchange import files
     from ..exchange.strands import TimeSample
 

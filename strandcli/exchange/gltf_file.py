@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from ..common.rotations import of_quaternion
 from ..errors import UsageError, one_line
-from .beside import Beside, whole
+from .bounded import Beside, whole
 
 MAGIC, JSON_CHUNK, BINARY_CHUNK = b"glTF", 0x4E4F534A, 0x004E4942
 KINDS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}

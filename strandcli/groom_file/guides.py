@@ -11,14 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..constants import W
-from ..exchange.kernels.along import resample
+from ..exchange.kernels.along import chains, resample
 from ..exchange.strands import even_offsets
 from ..groom.blocks import unpack
 from ..groom.emit import stream
 from ..groom.family import shepard
 from ..groom.record import Groom
 from ..scene.checks import CLOSEST_PARTICLES
-from .kernels.chain import chains
 
 Floats = NDArray[np.float64]
 Features = NDArray[np.float32]

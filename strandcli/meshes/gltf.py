@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
-from ..exchange.beside import Beside, picture
+from ..exchange.bounded import Beside, picture
 from ..exchange.gltf_file import Gltf, placed_meshes
 from .make import RawMesh, lines_beside
 

@@ -14,8 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
-from ..exchange.beside import Beside
-from ..exchange.bounded import Growing, opened
+from ..exchange.bounded import Beside, Growing, opened
 from ..exchange.obj_lines import MENDS as ANEW
 from ..exchange.obj_lines import blocks, line_of, no_numbers, numbers, shown
 from .make import RawMesh, lines_beside

@@ -14,8 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError, one_line
-from ..exchange.beside import Beside
-from ..exchange.bounded import Bounded, Growing, opened
+from ..exchange.bounded import Beside, Bounded, Growing, opened
 from .make import RawMesh
 
 BLOCK, LONGEST = 1 << 18, 1 << 16

@@ -49,7 +49,7 @@ class FrameRenderer:
         at = (frame.number - 1) / self._fps
         self._renderer = self._first if moved.groom is None else self._of_others(moved.groom)
         if self._scene.camera.views:
-            from ..cameras.of_scene import at_frame
+            from ..cameras.read import at_frame
 
             self._renderer.scene = at_frame(self._scene, frame.number)
         self._renderer.tones = moved.tones

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camera_kit import POINTS, VIEWS, view
-from strandcli.cameras import colmap, neus, transforms
+from strandcli.cameras import colmap, transforms
 from strandcli.cameras.pinhole import Pinhole, from_dict, of_camera, to_camera
 from strandcli.cameras.read import views_of
 from strandcli.draw.view.camera import camera_view
@@ -31,7 +31,7 @@ def write(path: Path, kind: str, views: list[Pinhole]) -> Path:
         return path
     if kind == "neus":
         file = path / "cameras.npz"
-        file.write_bytes(neus.written(views, np.zeros(3), 1.0))
+        file.write_bytes(transforms.neus_written(views, np.zeros(3), 1.0))
         return file
     file = path / "transforms.json"
     file.write_text(json.dumps(transforms.written(views, {"file_path": "images/{}.png"}, "1")))

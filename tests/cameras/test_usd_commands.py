@@ -13,8 +13,7 @@ import groom_file_kit
 import strandcli
 from camera_kit import POINTS
 from cli_runs import Runner
-from strandcli.cameras.of_scene import views_at
-from strandcli.cameras.read import views_of
+from strandcli.cameras.read import views_at, views_of
 from tests.cameras.test_usd_cameras import camera, seen_by_pixar, stage, write
 
 SMALL = ("--set", "lights.0.shadow.size=64", "--set", "ambient_occlusion=null", "--no-progress")

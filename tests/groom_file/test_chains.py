@@ -7,8 +7,8 @@ import numpy.typing as npt
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from strandcli.exchange.kernels.along import chains
 from strandcli.exchange.strands import offsets
-from strandcli.groom_file.kernels.chain import chains
 
 Floats = npt.NDArray[np.float64]
 Points = npt.NDArray[np.float32]

@@ -18,7 +18,7 @@ from PIL import Image
 
 import mesh_kit as kit
 from strandcli.errors import UsageError
-from strandcli.exchange.beside import Beside, picture
+from strandcli.exchange.bounded import Beside, picture
 from strandcli.files import picture_samples
 from strandcli.meshes import gltf
 from strandcli.meshes.gltf import read_gltf

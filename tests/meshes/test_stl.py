@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import mesh_kit as kit
 from strandcli.errors import UsageError
-from strandcli.exchange.beside import Beside
+from strandcli.exchange.bounded import Beside
 from strandcli.meshes import stl
 
 BALL = kit.mesh("ball")

@@ -13,7 +13,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Sequence
 
-from ...cameras import neus
+from ...cameras import transforms
 from ...cameras.pinhole import Pinhole
 from ...output import png
 from ..labels import Labels, angles, variances
@@ -44,7 +44,7 @@ class NeuralHaircut(Layout):
         radius = cloud.radius / MARGIN
         ball = {"scale": radius, "translation": cloud.middle.tolist()}
         return {
-            "cameras.npz": [neus.written(views, cloud.middle, radius)],
+            "cameras.npz": [transforms.neus_written(views, cloud.middle, radius)],
             "scale.pickle": [pickle.dumps(ball, protocol=2)],
         }
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from ..bounded import Bounded
 from . import layout
-from .ogawa import Child, Container, Cursor, Group
+from .layout import Child, Container, Cursor, Group
 
 DEEPEST = 128
 """Objects in one another, at most: their paths are kept."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -42,7 +42,7 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
         writer = Writer(file)
         moving = int(samples is not None)
         stored, times = _moments(path, writer, strands, there, samples)
-        writes = _Properties(writer, len(times), moving)
+        writes = _Properties(writer, (len(times), moving))
         holders: list[Member] = []
         lost: set[str] = set()
         for name, piece, (points, boxes) in zip(there.names, there.strands, stored, strict=True):
@@ -64,17 +64,15 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
     return left_out(strands, ".abc", strands.attributes.keys() - lost) + renamed(strands, legal, ".abc")
 
 
-class _Properties:
-    """Writes properties that are the same at all times."""
+class _Properties(NamedTuple):
+    """Writes properties of so many samples, of one or of several moments."""
 
-    def __init__(self, writer: Writer, count: int, moving: int) -> None:
-        self.writer, self.count, self.moving = writer, count, moving
+    writer: Writer
+    times: tuple[int, int]
 
-    def array(self, name: str, kind: Kind, values: npt.NDArray[Any]) -> Member:
-        return self.writer.array(name, kind, [self.writer.sample(values)], self.count, self.moving)
-
-    def scalar(self, name: str, kind: Kind, values: npt.NDArray[Any]) -> Member:
-        return self.writer.scalar(name, kind, [self.writer.sample(values)], self.count, self.moving)
+    def of(self, name: str, kind: Kind, values: npt.NDArray[Any], form: int = layout.ARRAY) -> Member:
+        """A property that is the same at all times."""
+        return self.writer.property(name, form, kind, [self.writer.sample(values)], self.times)
 
 
 def _moments(
@@ -110,15 +108,15 @@ def _geometry(
     writes: _Properties, strands: Strands, points: list[Sample], boxes: list[Sample]
 ) -> tuple[list[Member], list[str]]:
     """The properties of the curves, and the names of attributes that are left out."""
-    writer, count, moving = writes.writer, writes.count, writes.moving
+    writer = writes.writer
     box = Kind("float64_t", 6, {"interpretation": "box"})
     place = Kind("float32_t", 3, {"geoScope": "vtx", "interpretation": "point"})
     basis = np.array([layout.LINEAR, 0, 0, 0], np.uint8)
     found = [
-        writer.scalar(".selfBnds", box, boxes, count, moving),
-        writer.array("P", place, points, count, moving),
-        writes.array("nVertices", Kind("int32_t", 1, {}), strands.counts("<i4")),
-        writes.scalar("curveBasisAndType", Kind("uint8_t", 4, {}), basis),
+        writer.property(".selfBnds", layout.SCALAR, box, boxes, writes.times),
+        writer.property("P", layout.ARRAY, place, points, writes.times),
+        writes.of("nVertices", Kind("int32_t", 1, {}), strands.counts("<i4")),
+        writes.of("curveBasisAndType", Kind("uint8_t", 4, {}), basis, layout.SCALAR),
     ]
     own, added, lost = _attributes(writes, strands)
     found += own
@@ -134,13 +132,13 @@ def _attributes(writes: _Properties, strands: Strands) -> tuple[list[Member], li
     for attribute, one in strands.attributes.items():
         told = _curves_own(attribute, one, strands)
         if told is not None:
-            own.append(writes.array(*told))
+            own.append(writes.of(*told))
             continue
         name, numbers = ADDED.get(attribute, attribute), _numbers(one)
         if numbers is None or not name or "/" in name or name in added:
             lost.append(attribute)
         else:
-            added[name] = writes.array(name, _kind(one.domain, numbers, attribute == "colour"), numbers)
+            added[name] = writes.of(name, _kind(one.domain, numbers, attribute == "colour"), numbers)
     return own, list(added.values()), lost
 
 

@@ -89,41 +89,31 @@ class Writer:
             self.indexed[text] = len(self.indexed) + 1
         return self.indexed[text], b""
 
-    def array(self, name: str, kind: Kind, samples: Sequence[Sample], count: int, sampling: int = 0) -> Member:
-        """A property of arrays: ``samples``, one where they are all the same and else ``count``; ``sampling``: the
-        index of their times."""
-        words = [word for one in samples for word in (one.word, layout.DATA)]
-        return self._property(name, layout.ARRAY, kind, (words, samples), (count, sampling))
-
-    def scalar(self, name: str, kind: Kind, samples: Sequence[Sample], count: int, sampling: int = 0) -> Member:
-        """A property of single values; arguments as for `array`."""
-        return self._property(name, layout.SCALAR, kind, ([one.word for one in samples], samples), (count, sampling))
-
-    def _property(
-        self, name: str, form: int, kind: Kind, stored: tuple[list[int], Sequence[Sample]], times: tuple[int, int]
-    ) -> Member:
-        words, samples = stored
+    def property(self, name: str, form: int, kind: Kind, samples: Sequence[Sample], times: tuple[int, int]) -> Member:
+        """A property of arrays or of scalars: ``samples``, one where they are all the same, else as many as ``times``
+        says, with the index of their times."""
         count, sampling = times
-        index, text = self.metadata(kind.metadata)
-        letters = name.encode()
-        hint = self._hint(letters, text, count, sampling)
-        info = form | hint << layout.HINT | layout.NUMBER[kind.type] << layout.TYPE | layout.SAME_SIZE
-        info |= kind.extent << layout.EXTENT | index << layout.INDEX
+        words = [word for one in samples for word in (one.word, layout.DATA)[: 1 + (form == layout.ARRAY)]]
+        info = form | layout.NUMBER[kind.type] << layout.TYPE | layout.SAME_SIZE | kind.extent << layout.EXTENT
         info |= (layout.CONSTANT if len(samples) < 2 else 0) | (layout.SAMPLED if sampling else 0)
-        numbers = [count, *([sampling] if sampling else []), len(letters)]
-        header = struct.pack("<I", info) + b"".join(struct.pack(layout.WIDTHS[hint], one) for one in numbers) + letters
-        header += self._written_out(index, text, layout.WIDTHS[hint])
+        header = self._header(info, name, kind.metadata, count, *([sampling] if sampling else []))
         return Member(header, self.group(words), _digest(header, *(one.digest for one in samples)))
 
     def compound(self, name: str, metadata: dict[str, str], members: Sequence[Member]) -> Member:
         """A property that holds others."""
+        header = self._header(layout.COMPOUND, name, metadata)
+        return Member(header, self.properties(members), _digest(header, *(one.digest for one in members)))
+
+    def _header(self, info: int, name: str, metadata: dict[str, str], *numbers: int) -> bytes:
+        """The header of a property, whose numbers have the least width that they fit."""
         index, text = self.metadata(metadata)
         letters = name.encode()
-        hint = self._hint(letters, text)
-        header = struct.pack("<I", layout.COMPOUND | hint << layout.HINT | index << layout.INDEX)
-        header += struct.pack(layout.WIDTHS[hint], len(letters)) + letters
-        header += self._written_out(index, text, layout.WIDTHS[hint])
-        return Member(header, self.properties(members), _digest(header, *(one.digest for one in members)))
+        largest = max(len(letters), len(text), *numbers)
+        hint = 0 if largest < 1 << 8 else 1 if largest < 1 << 16 else 2
+        width = layout.WIDTHS[hint]
+        words = b"".join(struct.pack(width, one) for one in (*numbers, len(letters)))
+        info |= hint << layout.HINT | index << layout.INDEX
+        return struct.pack("<I", info) + words + letters + self._written_out(index, text, width)
 
     def properties(self, members: Sequence[Member]) -> int:
         """The group of properties."""
@@ -158,11 +148,6 @@ class Writer:
         root = self.group([*versions, top, self.data(text), self.data(samplings), self.data(indexed)])
         self.file.seek(0)
         self.file.write(layout.HEADER.pack(layout.MAGIC, layout.CLOSED, layout.VERSION, root))
-
-    def _hint(self, letters: bytes, text: bytes, *numbers: int) -> int:
-        """The index of the width that all numbers of a header fit."""
-        largest = max(len(letters), len(text), *numbers, 0)
-        return 0 if largest < 1 << 8 else 1 if largest < 1 << 16 else 2
 
     def _written_out(self, index: int, text: bytes, width: str) -> bytes:
         return struct.pack(width, len(text)) + text if index == layout.WRITTEN_OUT else b""

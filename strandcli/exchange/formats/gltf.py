@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...errors import UsageError
-from ..beside import Beside
-from ..bounded import not_finite, too_many
+from ..bounded import Beside, not_finite, too_many
 from ..files import ReadOptions
 from ..gltf_file import MAGIC, Gltf, placed_meshes
 from ..parts import Part, concatenated, joined, moved
