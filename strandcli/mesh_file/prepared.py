@@ -1,6 +1,6 @@
 """A placed mesh with what rays, contact and shading need of it, made once for each file and settings.
 
-What takes long to make is cached from one run to the next. Normals are the file's, or smooth ones that keep creases.
+Normals are the file's, or smooth ones that keep creases.
 """
 
 from __future__ import annotations
@@ -129,13 +129,29 @@ def corners_at(key: Key) -> Vectors:
 
 @cached(KEPT)
 def _bvh(file: str, how: Placing) -> Bvh:
-    return tree_of(placed(file, how))
+    mesh = placed(file, how)
+    return make_bvh(mesh.vertices, mesh.triangles)
 
 
 @cached(KEPT)
 def distances(file: str, how: Placing, resolution: int) -> DistanceGrid:
     """The grid of distances from the mesh of a file."""
     return distances_of(_bvh(file, how), placed(file, how).closed, resolution)
+
+
+def distances_of(bvh: Bvh, closed: bool, resolution: int) -> DistanceGrid:
+    """The grid of distances from a mesh, as `make_distance_grid`; cached from one run to the next."""
+    like: Arrays = {
+        FREE + "values": np.empty(0, np.float32), "size": np.empty(3, np.int64), "low": np.empty(3, np.float32),
+        "spacing": np.empty(1, np.float32),
+    }  # fmt: skip
+
+    def make() -> Iterable[NDArray[Any]]:
+        values, low, spacing = make_distance_grid(bvh, closed, resolution)
+        return values, np.array(values.shape), low, np.array([spacing])
+
+    values, size, low, spacing = kept("grid", ("strandcli.meshes.bvh",), (*bvh, bool(closed), resolution), like, make)
+    return DistanceGrid(values.reshape(size), low, spacing[0])
 
 
 def _grid_between(key: Key, at: Moment) -> DistanceGrid:
@@ -164,38 +180,6 @@ def _density(
     a, b = pixels[:, 1] - pixels[:, 0], pixels[:, 2] - pixels[:, 0]
     covered = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
     return np.sqrt(covered / mesh.areas()[order]).astype(np.float32)
-
-
-CODE = ("strandcli.meshes.bvh",)
-"""Modules that make them."""
-
-
-def tree_of(mesh: TriangleMesh) -> Bvh:
-    """The tree over a mesh's triangles."""
-    count = len(mesh.triangles)
-    like: Arrays = {
-        FREE + "boxes": np.empty(0, np.float32), FREE + "child": np.empty(0, np.int32),
-        FREE + "counts": np.empty(0, np.int32), "corners": np.empty((count, 3, 3)),
-        "triangle": np.empty(count, np.int32), FREE + "moments": np.empty(0),
-    }  # fmt: skip
-    found = kept("tree", CODE, (mesh.vertices, mesh.triangles), like, lambda: make_bvh(mesh.vertices, mesh.triangles))
-    boxes, child, counts, corners, triangle, moments = found
-    return Bvh(boxes.reshape(-1, 6), child, counts, corners, triangle, moments.reshape(len(child), -1))
-
-
-def distances_of(bvh: Bvh, closed: bool, resolution: int) -> DistanceGrid:
-    """The grid of distances from a mesh, as `make_distance_grid`."""
-    like: Arrays = {
-        FREE + "values": np.empty(0, np.float32), "size": np.empty(3, np.int64), "low": np.empty(3, np.float32),
-        "spacing": np.empty(1, np.float32),
-    }  # fmt: skip
-
-    def make() -> Iterable[NDArray[Any]]:
-        values, low, spacing = make_distance_grid(bvh, closed, resolution)
-        return values, np.array(values.shape), low, np.array([spacing])
-
-    values, size, low, spacing = kept("grid", CODE, (*bvh, bool(closed), resolution), like, make)
-    return DistanceGrid(values.reshape(size), low, spacing[0])
 
 
 SAME = 1e-3

@@ -139,15 +139,12 @@ class TriangleMesh:
         matrix = np.asarray(linear, np.float64)
         vertices = self.vertices @ matrix.T + np.asarray(shift, np.float64)
         normals = np.linalg.inv(matrix)  # of rows: the inverse transposed keeps what is outward, mirrored or not
-        if np.linalg.det(matrix) > 0:
-            corners = None if self.corner_normals is None else unit(self.corner_normals @ normals)
-            return replace(self, vertices=vertices, smooth=unit(self.normals @ normals), own=corners)
-        back = np.array((0, 2, 1))
+        order = np.array((0, 1, 2) if np.linalg.det(matrix) > 0 else (0, 2, 1))
         return replace(
-            self, vertices=vertices, triangles=np.ascontiguousarray(self.triangles[:, back]),
+            self, vertices=vertices, triangles=np.ascontiguousarray(self.triangles[:, order]),
             smooth=unit(self.normals @ normals),
-            own=None if self.corner_normals is None else unit(self.corner_normals[:, back] @ normals),
-            uv=None if self.uv is None else np.ascontiguousarray(self.uv[:, back]),
+            own=None if self.corner_normals is None else unit(self.corner_normals[:, order] @ normals),
+            uv=None if self.uv is None else np.ascontiguousarray(self.uv[:, order]),
         )  # fmt: skip
 
 

@@ -167,13 +167,10 @@ def require_kept(
             other()
 
 
-def test_trees_and_distances_have_the_bits_of_those_that_are_made(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_distances_have_the_bits_of_those_that_are_made(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     mesh = make_mesh(*sphere())
     bvh = make_bvh(mesh.vertices, mesh.triangles)
-    same(prepared.tree_of(mesh), bvh)
     same(prepared.distances_of(bvh, mesh.closed, 24), make_distance_grid(bvh, mesh.closed, 24))
-    larger = make_mesh(1.01 * mesh.vertices, mesh.triangles)
-    require_kept(monkeypatch, lambda: prepared.tree_of(mesh), (prepared, "make_bvh"), lambda: prepared.tree_of(larger))
     require_kept(
         monkeypatch, lambda: prepared.distances_of(bvh, mesh.closed, 24), (prepared, "make_distance_grid"),
         lambda: prepared.distances_of(bvh, mesh.closed, 25), lambda: prepared.distances_of(bvh, not mesh.closed, 24),
