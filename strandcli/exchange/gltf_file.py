@@ -9,7 +9,6 @@ from __future__ import annotations
 import binascii
 import json
 import math
-import string
 import struct
 from collections.abc import Iterator
 from pathlib import Path
@@ -30,10 +29,6 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 """Numbers of an item; those of matrices are not read."""
 MARKS = 1_000_000
 """Commas and brackets of a header, at most: each takes up to 100 bytes when it is parsed."""
-AT_ONCE = 1 << 20
-"""Letters in base 64 that are decoded at once."""
-OTHERS = bytes(set(range(256)) - set(string.ascii_letters.encode() + string.digits.encode() + b"+/="))
-"""Letters that mean nothing in base 64."""
 PACKED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
 """Extensions that hold the geometry in another form, which is not read."""
 
@@ -162,20 +157,10 @@ class Gltf:
             if not uri.startswith("data:"):
                 return self.beside.get(uri)
             begin = uri.find(",") + 1 or len(uri)
-            return _decoded(uri, begin) if uri.endswith(";base64,", 0, begin) else unquote_to_bytes(uri[begin:])
+            base64 = uri.endswith(";base64,", 0, begin)
+            return binascii.a2b_base64(uri[begin:]) if base64 else unquote_to_bytes(uri[begin:])
         except (OSError, ValueError) as error:
             raise self.fault(where, f"{uri:.60}: {error}") from None
-
-
-def _decoded(text: str, begin: int) -> bytearray:
-    """What a text in base 64 stands for, from a place on. Raises `ValueError`."""
-    found, rest = bytearray(), b""
-    for at in range(begin, len(text), AT_ONCE):
-        letters = rest + text[at : at + AT_ONCE].encode("ascii").translate(None, OTHERS)
-        end = len(letters) // 4 * 4 if at + AT_ONCE < len(text) else len(letters)
-        found += binascii.a2b_base64(letters[:end])
-        rest = letters[end:]
-    return found
 
 
 def _is_whole(value: Any) -> bool:

@@ -210,7 +210,7 @@ def completed(scene: Scene) -> Scene:
         scene,
         emitter=replace(
             scene.emitter, strands=found.strands, length=mean, moving=found.moments is not None,
-            extent=Extent(found.seen.radius, found.seen.spacing, found.seen.area),
+            extent=Extent(found.seen.radius, found.seen.area),
         ),
     )  # fmt: skip
     if not scene.guided:

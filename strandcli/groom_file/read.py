@@ -164,7 +164,7 @@ def _made(
         notes.append(
             f"{given.file}: strands have {counts.least:,} to {most:,} points; shorter ones get more on their segments"
         )
-    seen = seen_of(strands, lengths, order)
+    seen = seen_of(strands, lengths)
     if seen.apart:
         notes.append(f"{given.file}: some strands lie far from all others; the picture is not fitted to them")
     lengths = lengths.astype(np.float32)[order]

@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ..draw.geometry.spacing import spacing_of
 from ..draw.shadows.shadow_model import model_of
 from ..scene.detail import mean_share, strands_needed
 from ..scene.model import DiscShape, MeshShape, PlaneShape
@@ -89,7 +90,11 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
     if emitter.extent is None:
         apart = math.sqrt(max(area, 1e-12) * squeezed(scene, extent, length) / max(drawn * share, 1.0))
     else:
-        apart = emitter.extent.spacing * math.sqrt(_in_file(scene) / max(drawn * share, 1.0))
+        from ..groom_file import from_scene
+
+        groom = from_scene(scene).groom
+        assert groom.points is not None
+        apart = spacing_of(groom.points, groom.strands) * math.sqrt(_in_file(scene) / max(drawn * share, 1.0))
     if pressed := next((use.parameters.density for use in scene.rules if use.name == "interaction"), 0.0):
         apart = min(apart, PRESSED / math.sqrt(pressed))  # the weight of what hangs brings them as near
     made = round(drawn * share) if scene.children is not None else drawn

@@ -11,13 +11,9 @@ import pytest
 import strandcli
 from plan_figures import measured
 from strand_kit import frames_of
-from strandcli.constants import W
-from strandcli.draw.geometry.spacing import spacing_of
 from strandcli.draw.shadows.shadow import ShadowMaps
-from strandcli.groom_file.read import from_file
 from strandcli.plan import make_plan
 from strandcli.plan.memory import _map_bytes
-from strandcli.scene.model import GroomFile
 
 KINDS = ("hanging", "brush", "tangle")
 
@@ -36,16 +32,6 @@ def groom(path: Path, kind: str, strands: int, points: int = 24) -> str:
         lines = np.cumsum(rng.normal(0, 0.01, (strands, points, 3)), axis=1)
     np.savez(path, positions=lines.astype(np.float32))
     return str(path)
-
-
-@pytest.mark.parametrize("strands", [300, 6000])
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_distance_of_strands_is_that_which_maps_are_made_for(kind: str, strands: int, tmp_path: Path) -> None:
-    found = from_file(GroomFile(groom(tmp_path / "a.npz", kind, strands, 8), size=None), 0)
-    points = found.groom.points
-    assert points is not None
-    assert len(points) == -(-strands // W)
-    assert found.seen.spacing == pytest.approx(spacing_of(points, strands), rel=0.3)
 
 
 @pytest.mark.parametrize("strands", [300, 3000])

@@ -159,8 +159,6 @@ class Extent:
 
     radius: float
     """Of a ball about them all, metres."""
-    spacing: float
-    """Metres between neighbouring strands; 0 of a single one."""
     area: float
     """Square metres that they are seen before, on average."""
 
