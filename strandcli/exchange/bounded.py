@@ -103,18 +103,6 @@ class Bounded:
         self.fill(values.reshape(-1).view(np.uint8).data)
         return values
 
-    def columns(self, field: str, record: np.dtype[Any], count: int, wanted: dict[str, Any]) -> None:
-        """Read ``count`` records, of which only some columns are kept: of each name in ``wanted`` the array (count,)
-        that takes it."""
-        self.need(field, count, record.itemsize)
-        step = max(1, SLICE // record.itemsize)
-        rows = np.empty(min(step, count), record)
-        for begin in range(0, count, step):
-            part = rows[: min(step, count - begin)]
-            self.fill(part.view(np.uint8).reshape(-1).data)
-            for name, values in wanted.items():
-                values[begin : begin + part.shape[0]] = part[name]
-
     def fill(self, view: memoryview) -> None:
         """The next bytes into memory, of which there are enough."""
         done = 0

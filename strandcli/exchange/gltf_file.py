@@ -44,6 +44,7 @@ class Gltf:
         packed = self.packed(self.header.get("extensionsRequired"))
         if packed:
             raise packed
+        self.meshes = self.objects(self.header, "meshes")
         self._buffers = [self._bytes(k, one) for k, one in enumerate(self.objects(self.header, "buffers"))]
 
     @property
@@ -118,6 +119,31 @@ class Gltf:
         if one.get("normalized") is True and kind[1] != "f":
             values = np.maximum(values / np.float32(np.iinfo(kind).max), np.float32(-1))
         return values
+
+    def primitives(self) -> list[list[dict[str, Any]]]:
+        """The primitives of each mesh, whose attributes are objects with positions."""
+        found = [self.objects(one, "primitives", f"meshes[{k}]") for k, one in enumerate(self.meshes)]
+        for k, mesh in enumerate(found):
+            for one in mesh:
+                if not isinstance(one.get("attributes"), dict) or "POSITION" not in one["attributes"]:
+                    raise self.fault(f"meshes[{k}]", "a primitive has no positions")
+        return found
+
+    def count(self, primitive: dict[str, Any], where: str) -> int:
+        """How many positions a primitive names, one after the other."""
+        return self.shape(primitive.get("indices", primitive["attributes"]["POSITION"]), where)[0]
+
+    def rows(self, primitive: dict[str, Any], positions: int, where: str) -> npt.NDArray[np.int32]:
+        """Which of so many positions a primitive names, one after the other."""
+        if "indices" not in primitive:
+            return np.arange(positions, dtype=np.int32)
+        found = self.numbers(primitive["indices"], 1, where)[:, 0]
+        if found.dtype.kind not in "iu":
+            raise self.fault(where, "indices are no whole numbers")
+        outside = np.flatnonzero((found < 0) | (found >= positions))
+        if outside.size:
+            raise self.fault(where, f"indices want vertex {found[outside[0]]:,} of {positions:,}")
+        return found.astype(np.int32)
 
     def _items(self, one: Any, count: int, width: int, kind: str, where: str) -> npt.NDArray[Any]:
         """(count, width) numbers of a view from an offset on; one: an accessor."""
@@ -199,13 +225,13 @@ def _chunks(path: Path) -> tuple[Any, memoryview, int]:
         raise UsageError(f"{path}: its header is no JSON ({why}); it is damaged or no glTF: write it anew") from None
 
 
-def placed_meshes(file: Gltf, meshes: int) -> Iterator[tuple[int, npt.NDArray[np.float64], str]]:
+def placed_meshes(file: Gltf) -> Iterator[tuple[int, npt.NDArray[np.float64], str]]:
     """The meshes of the scene, the matrices (4, 4) that place them, and names of nodes or meshes; each once where there
     are no nodes."""
-    names = [_name(one) or f"mesh{k}" for k, one in enumerate(file.objects(file.header, "meshes"))]
+    names = [_name(one) or f"mesh{k}" for k, one in enumerate(file.meshes)]
     nodes = file.objects(file.header, "nodes")
     if not nodes:
-        yield from ((k, np.eye(4), names[k]) for k in range(meshes))
+        yield from ((k, np.eye(4), name) for k, name in enumerate(names))
     parents = [0] * len(nodes)
     for k, node in enumerate(nodes):
         children = node.get("children", [])

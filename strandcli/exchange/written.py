@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
-from .bounded import SLICE
 from .strands import CHUNK, Attribute, Strands, TimeSample, spans
 
 
@@ -51,15 +50,12 @@ def left_out(strands: Strands, format: str, kept: Iterable[str]) -> list[str]:
     return [f"{format} cannot store {', '.join(lost)}: left out"] if lost else []
 
 
-def records(columns: list[tuple[str, str, Any]], count: int) -> Iterator[Any]:
-    """Rows of columns, each of a name, a type and values (count,), as bytes, some at once."""
-    record = np.dtype([(label, kind) for label, kind, _ in columns])
-    step = max(1, SLICE // record.itemsize)
-    for begin in range(0, count, step):
-        part = np.empty(min(step, count - begin), record)
-        for label, _, values in columns:
-            part[label] = values[begin : begin + part.shape[0]]
-        yield part.view(np.uint8).reshape(-1).data
+def records(columns: list[tuple[str, str, Any]], count: int) -> Any:
+    """The bytes of rows of columns, each of a name, a type and values (count,)."""
+    found = np.empty(count, [(label, kind) for label, kind, _ in columns])
+    for label, _, values in columns:
+        found[label] = values
+    return found.view(np.uint8).data
 
 
 def edges_of(strands: Strands) -> Iterator[Any]:

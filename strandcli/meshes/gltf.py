@@ -38,11 +38,12 @@ class Group(NamedTuple):
 def read_gltf(path: Path, beside: Beside) -> list[RawMesh]:
     """What each mesh of the scene holds. Raises `UsageError`."""
     file = Gltf(path, beside)
-    groups = [_groups(file, mesh, f"meshes[{k}]") for k, mesh in enumerate(file.objects(file.header, "meshes"))]
+    meshes = file.primitives()
+    groups = [_groups(file, mesh, f"meshes[{k}]") for k, mesh in enumerate(meshes)]
     sizes = [OF_PART + sum(_bytes(file, group) for group in mesh) for mesh in groups]
     placed: list[tuple[int, npt.NDArray[np.float64]]] = []
     total, most = 0, TIMES * file.size + ROOM
-    for mesh, matrix, _ in placed_meshes(file, len(groups)):
+    for mesh, matrix, _ in placed_meshes(file):
         total += sizes[mesh]
         if total > most:
             raise UsageError(
@@ -59,24 +60,21 @@ def read_gltf(path: Path, beside: Beside) -> list[RawMesh]:
     if found:
         primitives = [one for mesh in parts for group in groups[mesh] for one in group.primitives]
         found[0] = with_texture(file, found[0], primitives)
-        modes = [one.get("mode") for mesh in file.objects(file.header, "meshes") for one in mesh.get("primitives", [])]
-        notes = found[0].notes + lines_beside(sum(one in LINES for one in modes))
+        notes = found[0].notes + lines_beside(sum(one.get("mode") in LINES for mesh in meshes for one in mesh))
         found[0] = replace(found[0], notes=notes)
     return found
 
 
-def _groups(file: Gltf, mesh: dict[str, Any], where: str) -> list[Group]:
+def _groups(file: Gltf, mesh: list[dict[str, Any]], where: str) -> list[Group]:
     """The primitives of triangles, those with the same vertices together."""
     found: dict[Any, Group] = {}
-    for one in file.objects(mesh, "primitives", where):
+    for one in mesh:
         mode = one.get("mode", TRIANGLES)
         if mode in OTHERS:
             raise file.fault(where, "its triangles are in strips or fans, which are not read")
         if mode != TRIANGLES:
             continue
-        attributes = one.get("attributes")
-        if not isinstance(attributes, dict) or "POSITION" not in attributes:
-            raise file.fault(where, "a primitive has no positions")
+        attributes = one["attributes"]
         packed = file.packed(one.get("extensions"))
         if packed and "bufferView" not in file.named("accessors", attributes["POSITION"], where):
             raise packed
@@ -101,21 +99,15 @@ def _columns(file: Gltf, group: Group) -> dict[str, int]:
     return found
 
 
-def _corners(file: Gltf, group: Group) -> int:
-    """Corners of all triangles of a group."""
-    found = 0
-    for one in group.primitives:
-        index = one["indices"] if "indices" in one else group.attributes["POSITION"]
-        count, _, _ = file.shape(index, group.where)
-        found += count
-    return found
-
-
 def _bytes(file: Gltf, group: Group) -> int:
     """Bytes that the arrays of a group take."""
     count, _, _ = file.shape(group.attributes["POSITION"], group.where)
     columns = _columns(file, group)
-    return OF_PART + count * 8 * sum(columns.values()) + _corners(file, group) * (12 if group.uv in columns else 4)
+    return (
+        OF_PART
+        + count * 8 * sum(columns.values())
+        + sum(file.count(one, group.where) for one in group.primitives) * (12 if group.uv in columns else 4)
+    )
 
 
 def _part(file: Gltf, group: Group) -> RawMesh:
@@ -141,15 +133,7 @@ def _part(file: Gltf, group: Group) -> RawMesh:
 
 def _triangles(file: Gltf, primitive: dict[str, Any], count: int, where: str) -> npt.NDArray[Any]:
     """Triangles (T, 3) of a primitive of so many vertices."""
-    corners: npt.NDArray[Any] = np.arange(count, dtype=np.int32)
-    if "indices" in primitive:
-        corners = file.numbers(primitive["indices"], 1, where)[:, 0]
-        if corners.dtype.kind not in "ui":
-            raise file.fault(where, "indices are no whole numbers")
-        outside = np.flatnonzero((corners < 0) | (corners >= count))
-        if outside.size:
-            raise file.fault(where, f"indices want vertex {corners[outside[0]]:,} of {count:,}")
-        corners = corners.astype(np.int32)
+    corners = file.rows(primitive, count, where)
     if corners.size % 3:
         raise file.fault(where, f"{corners.size:,} corners are not three of each triangle")
     return corners.reshape(-1, 3)

@@ -52,9 +52,7 @@ def _binary(file: Bounded) -> npt.NDArray[Any] | None:
     whole = HEADER + RECORD.itemsize * count
     if file.size == whole:
         file.seek("triangles", HEADER)
-        corners = np.empty((count, 3, 3), np.float32)
-        file.columns("triangles", RECORD, count, {"corners": corners})
-        return corners
+        return np.ascontiguousarray(file.array("triangles", RECORD, (count,))["corners"])
     mark = len(MARK) if begin.startswith(MARK) else 0
     if b"\0" in begin or begin[mark:].lower().split(None, 1)[:1] != [b"solid"]:
         raise UsageError(

@@ -30,7 +30,7 @@ def sniff(head: bytes, size: int) -> bool:
 
 def is_mesh(path: Path) -> bool:
     """Whether a file has triangles, and is no strands, or not alone."""
-    return any(_mode(one) >= TRIANGLES for mesh in _meshes(Gltf(path, Beside(path))) for one in mesh)
+    return any(_mode(one) >= TRIANGLES for mesh in Gltf(path, Beside(path)).primitives() for one in mesh)
 
 
 def read(path: Path, options: ReadOptions) -> Strands:
@@ -49,9 +49,9 @@ def read(path: Path, options: ReadOptions) -> Strands:
 def _parts(path: Path) -> tuple[list[Part], int]:
     """The lines of each node, and how many primitives there are that are no lines but meshes."""
     file = Gltf(path, Beside(path))
-    meshes = _meshes(file)
+    meshes = file.primitives()
     lines = [[one for one in mesh if LINES <= _mode(one) <= STRIP] for mesh in meshes]
-    placed = [one for one in placed_meshes(file, len(meshes)) if lines[one[0]]]
+    placed = [one for one in placed_meshes(file) if lines[one[0]]]
     others = sum(_mode(one) >= TRIANGLES for mesh in meshes for one in mesh)
     if not placed:
         raise UsageError(f"{path}: {IS_MESH}") if others else file.fault("scene", "has no lines")
@@ -70,13 +70,6 @@ def _parts(path: Path) -> tuple[list[Part], int]:
     return parts, others
 
 
-def _meshes(file: Gltf) -> list[list[dict[str, Any]]]:
-    """The primitives of each mesh."""
-    return [
-        file.objects(mesh, "primitives", f"meshes[{k}]") for k, mesh in enumerate(file.objects(file.header, "meshes"))
-    ]
-
-
 def _mode(primitive: dict[str, Any]) -> int:
     """The mode of a primitive; that of points where it has none that is known."""
     found = primitive.get("mode", TRIANGLES)
@@ -85,12 +78,8 @@ def _mode(primitive: dict[str, Any]) -> int:
 
 def _count(file: Gltf, primitive: dict[str, Any]) -> int:
     """Points that the lines of a primitive take, or its positions where these are more."""
-    attributes = primitive.get("attributes")
-    if not isinstance(attributes, dict) or "POSITION" not in attributes:
-        raise file.fault("meshes", "a primitive has no positions")
-    there, _, _ = file.shape(attributes["POSITION"], "meshes")
-    count = file.shape(primitive["indices"], "meshes")[0] if "indices" in primitive else there
-    return max(count, there) + (_mode(primitive) == LOOP)
+    there, _, _ = file.shape(primitive["attributes"]["POSITION"], "meshes")
+    return max(file.count(primitive, "meshes"), there) + (_mode(primitive) == LOOP)
 
 
 def _part(file: Gltf, primitives: list[dict[str, Any]], where: str) -> Part:
@@ -109,13 +98,7 @@ def _lines(file: Gltf, primitive: dict[str, Any], where: str) -> tuple[Points, O
     """The positions of a primitive, offsets of its strands, and the rows of their points."""
     found = file.numbers(primitive["attributes"]["POSITION"], 3, where)
     table = np.require(found, np.float32, ("C", "A"))
-    rows = np.arange(len(table), dtype=np.int32)
-    if "indices" in primitive:
-        wide = file.numbers(primitive["indices"], 1, where)[:, 0]
-        if wide.dtype.kind not in "iu" or (wide.size and not 0 <= int(wide.min()) <= int(wide.max()) < len(table)):
-            raise file.fault(where, f"indices are none of its {len(table):,} positions")
-        rows = wide.astype(np.int32)
-        del wide
+    rows = file.rows(primitive, len(table), where)
     mode = _mode(primitive)
     if mode == LINES:
         pairs = rows.size // 2
