@@ -103,11 +103,8 @@ def _bytes(file: Gltf, group: Group) -> int:
     """Bytes that the arrays of a group take."""
     count, _, _ = file.shape(group.attributes["POSITION"], group.where)
     columns = _columns(file, group)
-    return (
-        OF_PART
-        + count * 8 * sum(columns.values())
-        + sum(file.count(one, group.where) for one in group.primitives) * (12 if group.uv in columns else 4)
-    )
+    corners = sum(file.count(one, group.where) for one in group.primitives)
+    return OF_PART + count * 8 * sum(columns.values()) + corners * (12 if group.uv in columns else 4)
 
 
 def _part(file: Gltf, group: Group) -> RawMesh:

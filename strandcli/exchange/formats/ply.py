@@ -166,6 +166,6 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
         f"element strand {strands.count}", f"property {words[segments]} nsegs",
         f"element edge {edges}", "property int vertex1", "property int vertex2", "end_header", "",
     ]  # fmt: skip
-    rows = [records(kinds, strands.points.shape[0]), records(columns, strands.count)]
-    write_pieces(path, chain(["\n".join(header).encode()], rows, edges_of(strands)))
+    parts = [records(kinds, strands.points.shape[0]), records(columns, strands.count)]
+    write_pieces(path, chain(["\n".join(header).encode()], parts, edges_of(strands)))
     return left_out(strands, name, kept)
