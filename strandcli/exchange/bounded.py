@@ -47,9 +47,7 @@ class Bounded:
 
     def fault(self, message: str, at: int | None = None) -> UsageError:
         """An error that says at which byte."""
-        words = one_line(message)
-        words = words if len(words) <= LONGEST else f"{words[: LONGEST // 2]} … {words[-LONGEST // 2 :]}"
-        return UsageError(f"{self.path}: byte {self.position if at is None else at:,}: {words}")
+        return UsageError(f"{self.path}: byte {self.position if at is None else at:,}: {shortened(message)}")
 
     def damaged(self, message: str, at: int | None = None) -> UsageError:
         """An error of a file that does not agree with itself."""
@@ -117,10 +115,9 @@ class Bounded:
         """Raise where a number is not finite, unless that is allowed; ``byte``: of a row its place in the file."""
         if self.lenient or values.dtype.kind != "f":
             return
-        count, row = not_finite(values)
-        if count:
-            more = f", and {count - 1:,} more" if count > 1 else ""
-            raise self.fault(f"{field}: number {row:,} is not finite{more}; 'convert --fix' mends it", byte(row))
+        row, why = not_finite_words(field, values)
+        if why:
+            raise self.fault(why, byte(row))
 
     def end(self) -> None:
         """Raise where something follows."""
@@ -157,6 +154,19 @@ def not_finite(values: npt.NDArray[Any]) -> tuple[int, int]:
             first = first if count else begin + int(np.argmax(wrong))
             count += int(np.count_nonzero(wrong))
     return count, first
+
+
+def not_finite_words(field: str, values: npt.NDArray[Any]) -> tuple[int, str]:
+    """The first row with a number that is NaN or infinite, and what is to be said of all such; "" of none."""
+    count, row = not_finite(values)
+    more = f", and {count - 1:,} more" if count > 1 else ""
+    return row, f"{field}: number {row:,} is not finite{more}; 'convert --fix' mends it" if count else ""
+
+
+def shortened(message: str) -> str:
+    """A message in a line, without its middle where it is long."""
+    words = one_line(message)
+    return words if len(words) <= LONGEST else f"{words[: LONGEST // 2]} … {words[-LONGEST // 2 :]}"
 
 
 def amount(count: int) -> str:

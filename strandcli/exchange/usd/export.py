@@ -14,10 +14,13 @@ from ...output.files import placed
 from ..objects import Pieces, pieces, renamed
 from ..strands import Attribute, Domain, Layer, Points, Strands, TimeSample
 from ..written import box_of, checked, left_out
-from .curves import NAMES
-from .messages import Message
-from .process import ask
+from .process import Message, ask
 
+NAMES = {
+    "widths": "width", "normals": "normal", "displayColor": "colour", "displayOpacity": "transparency", "st": "uv",
+    "groom_root_uv": "root_uv", "groom_color": "colour", "groom_width": "width",
+}  # fmt: skip
+"""Names of attributes: USD's own, those of Unreal's grooms, and ours."""
 INTERPOLATION: dict[Domain, str] = {"groom": "constant", "strand": "uniform", "point": "vertex"}
 THEIRS = {ours: theirs for theirs, ours in reversed(NAMES.items())}
 """USD's names of attributes."""

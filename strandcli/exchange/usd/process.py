@@ -1,4 +1,5 @@
-"""The process that reads and writes USD: begun when it is needed, asked, and ended where it does not answer."""
+"""The process that reads and writes USD: begun when it is needed, asked, and ended where it does not answer; and
+messages between two processes: what is told as JSON, and arrays behind it."""
 
 from __future__ import annotations
 
@@ -6,22 +7,25 @@ import atexit
 import contextlib
 import importlib.util
 import json
+import math
 import os
 import select
+import struct
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
+import numpy as np
 import numpy.typing as npt
 
 from ...common.extras import install
-from ...errors import RefusedError, StrandError, UsageError, one_line
+from ...errors import RefusedError, StrandError, UsageError
 from ...files.inputs import note
-from ..bounded import LONGEST, amount
-from .messages import Message, receive, send
+from ..bounded import amount, shortened
+from ..written import raw
 
 PROGRAM = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from strandcli.exchange.usd.worker import main; main()"
@@ -35,6 +39,54 @@ KEPT = 1 << 25
 missed, and the second that the next one takes to begin is little; but not for each moment of a file that moves."""
 ENVIRONMENT = {"PXR_WORK_THREAD_LIMIT": "1", "MALLOC_ARENA_MAX": "1"}
 """Threads of Pixar's library would each take memory of their own."""
+SIZE = struct.Struct("<Q")
+"""Bytes of the JSON, before it."""
+LONGEST_JSON = 1 << 26
+"""Bytes of the JSON, at most."""
+
+Fill = Callable[[memoryview], None]
+"""Fills memory with the bytes that come next."""
+Message = tuple[dict[str, Any], list[npt.NDArray[Any]]]
+
+
+class RefusedFileError(Exception):
+    """A file is none that can be read; the message says why."""
+
+
+def send(stream: BinaryIO, header: dict[str, Any], arrays: Sequence[npt.NDArray[Any]] = ()) -> None:
+    """Send a message. Raises `OSError` where nobody listens any more."""
+    text = json.dumps({**header, "arrays": [[one.dtype.str, list(one.shape)] for one in arrays]}).encode()
+    stream.write(SIZE.pack(len(text)) + text)
+    for one in arrays:
+        if one.size:
+            stream.write(raw(one, one.dtype.str))
+    stream.flush()
+
+
+def receive(fill: Fill, room: int | None = None) -> Message:
+    """The next message and its arrays, for which at most ``room`` bytes are taken. Raises what ``fill`` does, and
+    `OverflowError` for more."""
+    head = bytearray(SIZE.size)
+    fill(memoryview(head))
+    size = SIZE.unpack(head)[0]
+    if size > LONGEST_JSON:
+        raise OverflowError
+    text = bytearray(size)
+    fill(memoryview(text))
+    header: dict[str, Any] = json.loads(bytes(text))
+    arrays = []
+    for kind, shape in header.pop("arrays"):
+        dtype = np.dtype(kind)
+        needs = math.prod(shape) * dtype.itemsize
+        if room is not None:
+            if needs > room:
+                raise OverflowError
+            room -= needs
+        values = np.empty(shape, dtype)
+        if values.size:
+            fill(values.reshape(-1).view(np.uint8).data)
+        arrays.append(values)
+    return header, arrays
 
 
 class EndedError(Exception):
@@ -185,6 +237,5 @@ def _begun(path: Path, header: dict[str, Any]) -> Process:
 
 
 def _error(path: Path, do: str, words: str) -> StrandError:
-    words = one_line(words)
-    words = words if len(words) <= LONGEST else f"{words[: LONGEST // 2]} … {words[-LONGEST // 2 :]}"
+    words = shortened(words)
     return RefusedError(f"{path}: cannot be written: {words}") if do == "write" else UsageError(f"{path}: {words}")

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdRender
 
-from .messages import Fill, Message, RefusedFileError
 from .open_stage import layers_of, opened
+from .process import Fill, Message, RefusedFileError
 from .read_stage import rate_of, times_along
 
 OWN = "strandcli:lens"

@@ -10,8 +10,8 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from ..splines import BSPLINE, CUBIC, LINEAR, NURBS, STRAIGHT, is_clamped
-from .messages import Fill, Message, RefusedFileError
 from .open_stage import layers_of, opened
+from .process import Fill, Message, RefusedFileError
 
 PURPOSES = (("default", "render"), ("proxy",), ("guide",))
 """What is for pictures goes before stand-ins, and these before guides."""

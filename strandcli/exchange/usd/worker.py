@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from .messages import Fill, Message, RefusedFileError, receive, send
+from .process import Fill, Message, RefusedFileError, receive, send
 
 IDLE = 20
 """Seconds without a request after which it ends."""

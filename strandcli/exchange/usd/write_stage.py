@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, UsdGeom, Vt
 
-from .messages import Fill, Message, receive
+from .process import Fill, Message, receive
 
 HOLDER = "/strands"
 """What holds several prims of curves; one stands by itself."""
