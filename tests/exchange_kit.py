@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import struct
+import tempfile
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+import pytest
 from hypothesis import strategies as st
 
-from strandcli.exchange.files import ReadOptions, read_first
+from strandcli.errors import UsageError
+from strandcli.exchange.files import ReadOptions, read, read_first
 from strandcli.exchange.strands import Attribute, Strands, TimeSample, offsets
 
 Strand = npt.NDArray[np.float32]
@@ -46,6 +49,22 @@ def attributes(strands: int, points: int) -> dict[str, Attribute]:
         "kind": Attribute("point", np.arange(points, dtype=np.uint8)),
         "transparency": Attribute("groom", np.array([0.5], np.float32)),
     }
+
+
+def read_bytes(content: bytes | str, suffix: str, options: ReadOptions | None = None) -> Strands:
+    """The strands of a file that holds this."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, f"a{suffix}")
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return read(path, options)
+
+
+def refused(content: bytes | str, suffix: str, message: str) -> None:
+    """Fail unless a file that holds this is refused in a line that says so."""
+    with pytest.raises(UsageError) as error:
+        read_bytes(content, suffix)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
 
 
 def moments(path: Path, options: ReadOptions | None = None) -> list[TimeSample]:

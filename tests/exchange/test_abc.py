@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ import abc_kit
 import exchange_kit as kit
 from abc_kit import FROM_BLENDER, Builder, Tree
 from strandcli.errors import UsageError
-from strandcli.exchange.files import ReadOptions, read, write
+from strandcli.exchange.files import read, write
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
 
 STRANDS = [np.arange(12, dtype=np.float32).reshape(4, 3) + 100 * i for i in range(3)]
@@ -21,14 +21,8 @@ POINTS = np.concatenate(STRANDS)
 COUNTS = [4, 4, 4]
 
 
-def read_bytes(content: bytes, lenient: bool = False) -> Strands:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "a.abc")
-        path.write_bytes(content)
-        return read(path, ReadOptions(lenient=lenient))
-
-
 moments = kit.moments
+read_bytes = partial(kit.read_bytes, suffix=".abc")
 
 
 def test_what_is_written_has_the_layout_of_alembic(tmp_path: Path) -> None:

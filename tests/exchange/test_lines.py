@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import numpy as np
@@ -19,9 +18,6 @@ from strandcli.exchange.formats import suffixes
 from strandcli.exchange.strands import Attribute, Strands, even_offsets
 
 TWO = [np.float32([[0, 0, 0], [0, 1, 0], [0, 2, 1]]), np.float32([[1, 0, 0], [1, 1, 0]])]
-
-
-TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
 
 def file(tmp_path: Path, name: str, content: bytes) -> Path:
@@ -45,19 +41,6 @@ def test_lines_of_obj_may_name_textures_and_go_on_in_the_next_line(tmp_path: Pat
     assert found.source.skipped == {"fewer than two points": 1}
 
 
-@pytest.mark.parametrize(("content", "words"), [
-    (b"v 0 0 0\nv 1 1 1\nl 1 3\n", "line 3: 'l' wants 'v' 3 of 2"),
-    (b"v 0 0 0\nl -1 -2\n", "line 2: 'l' wants a 'v' before the first"),
-    (b"v 0 0 0\nl 1 x\n", "line 2: 'l' of '1 x'"),
-    (b"v 0 0 0\n#\nv 0 nan 0\nl 1 2\n", "line 3: vertex of a strand is not finite"),
-    (b"v 0 0 0\n", "byte 0: has no lines"),
-    (TRIANGLE, "is a mesh, neither a preset nor strands: it has no lines"),
-])  # fmt: skip
-def test_what_is_wrong_with_an_obj_has_its_line(content: bytes, words: str, tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=words):
-        read(file(tmp_path, "a.obj", content))
-
-
 def test_lines_that_name_a_vertex_often_take_no_memory_for_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bounded, "SPARE", 0)
     tree, buffer = kit.gltf(TWO)
@@ -69,25 +52,6 @@ def test_lines_that_name_a_vertex_often_take_no_memory_for_it(tmp_path: Path, mo
     ):
         with pytest.raises(UsageError, match=f"points of its lines: {words}"):
             read(file(tmp_path, name, content))
-
-
-def saved(values: object) -> bytes:
-    out = io.BytesIO()
-    np.save(out, values)
-    return out.getvalue()
-
-
-@pytest.mark.parametrize(("content", "words"), [
-    (saved(np.zeros((4, 3))), r"byte 0: header: an array of float64 of shape \(4, 3\)"),
-    (saved(np.zeros((4, 3, 5))), "or 4 with widths"),
-    (saved(np.zeros((4, 3, 3)))[:-8], r"needs 288 bytes, the\s+file has 280 bytes"),
-    (saved(np.array([[[print]]])), "declares no array of numbers"),
-    (saved(np.zeros((4, 3, 3))).replace(b"(4, 3, 3)", b"(4000000000, 3, 3)")[:-11], "needs 288 GB"),
-    (saved(np.full((2, 3, 3), np.nan, "<f4")), "byte 128: points: number 0 is not finite, and 5 more"),
-])  # fmt: skip
-def test_what_is_wrong_with_a_npy_has_its_byte(content: bytes, words: str, tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=words):
-        read(file(tmp_path, "a.npy", content))
 
 
 def test_the_fourth_number_of_a_npy_is_the_width(tmp_path: Path) -> None:

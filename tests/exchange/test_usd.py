@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import tempfile
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ import pytest
 import exchange_kit as kit
 import usd_kit
 from strandcli.errors import RefusedError, UsageError
-from strandcli.exchange.files import ReadOptions, read, write
+from strandcli.exchange.files import read, write
 from strandcli.exchange.strands import Attribute, Strands, TimeSample
 from strandcli.exchange.usd import process
 
@@ -22,14 +22,8 @@ STRANDS = [np.arange(12, dtype=np.float32).reshape(4, 3) ** 2 + 100 * i for i in
 POINTS = np.concatenate(STRANDS)
 
 
-def read_text(content: str, lenient: bool = False) -> Strands:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "a.usda")
-        path.write_text(content)
-        return read(path, ReadOptions(lenient=lenient))
-
-
 moments = kit.moments
+read_text = partial(kit.read_bytes, suffix=".usda")
 
 
 def opened(path: Path) -> Any:
@@ -128,10 +122,7 @@ def test_instances_are_read_where_they_stand() -> None:
     ],
 )  # fmt: skip
 def test_damage_is_told_in_a_line(content: str, words: str) -> None:
-    with pytest.raises(UsageError) as error:
-        read_text(usd_kit.HEAD + content)
-    assert words in str(error.value)
-    assert "\n" not in str(error.value)
+    kit.refused(usd_kit.HEAD + content, ".usda", words)
 
 
 def test_what_usd_cannot_hold_is_told(tmp_path: Path) -> None:

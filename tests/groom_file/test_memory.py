@@ -9,9 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strandcli.exchange.files import read, write
-from strandcli.exchange.strands import Strands, TimeSample, even_offsets
-from strandcli.exchange.usd import process
 from strandcli.groom_file import rows
 from strandcli.groom_file.read import from_file
 from strandcli.scene.model.emitter import GroomFile
@@ -43,18 +40,3 @@ def test_strands_to_draw_take_three_times_their_file(
         tracemalloc.stop()
     assert found.strands == strands
     assert peak < TIMES * Path(given.file).stat().st_size + AT_ONCE
-
-
-def test_no_worker_waits_beside_many_strands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its memory would be missed there; but each moment of a file that moves would wait for the next one to begin."""
-    pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
-    path, points = tmp_path / "a.usdc", np.zeros((8, 3), np.float32)
-    strands = Strands(even_offsets(4, 2), points)
-    moments = [TimeSample(time, points + np.float32(time)) for time in (0.0, 1.0)]
-    for bytes_kept, samples, waiting in (
-        (points.nbytes // 2, None, 0), (points.nbytes // 2, moments, 1), (1 << 20, None, 1),
-    ):  # fmt: skip
-        monkeypatch.setattr(process, "KEPT", bytes_kept)
-        write(path, strands, samples)
-        assert read(path).count == 4
-        assert len(process._kept) == waiting

@@ -73,18 +73,6 @@ def test_polygons_become_triangles(order: str, tmp_path: Path) -> None:
     assert found.areas().sum() == pytest.approx(24)
 
 
-@pytest.mark.parametrize("corners", [4, 9])
-def test_polygons_of_equally_many_corners(corners: int, tmp_path: Path) -> None:
-    turns = np.arange(corners) / corners * 2 * np.pi
-    ring = np.stack([np.cos(turns), np.sin(turns), 0 * turns], axis=1)
-    text = "".join(f"v {x} {y} {z}\n" for x, y, z in ring) + "f " + " ".join(str(k + 1) for k in range(corners)) + "\n"
-    found = read_mesh(written(tmp_path, "a.obj", text.encode()))
-    assert found.areas().sum() == pytest.approx(0.5 * corners * np.sin(2 * np.pi / corners))
-    sheet = mesh_of(RawMesh(ring, np.array([(0, k, k + 1) for k in range(1, corners - 1)])), "ring")
-    found = read_mesh(written(tmp_path, "a.ply", kit.ply(sheet, "<", [list(range(corners))])))
-    assert found.triangles.shape[0] == corners - 2
-
-
 def test_polygons_of_fewer_than_three_corners_make_no_triangle_and_take_little_memory() -> None:
     lengths = np.random.default_rng(4).integers(0, 7, 400)
     values = np.arange(lengths.sum())
