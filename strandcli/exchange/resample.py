@@ -15,7 +15,7 @@ from ..common.counted import counted
 from .edits import Change
 from .faults import GOLDEN, mixed
 from .kernels import along
-from .strands import CHUNK, Attribute, Offsets, Strands, even_offsets, spans
+from .strands import Attribute, Offsets, Strands, even_offsets, spans
 
 AT_ONCE = 1 << 20
 """Points that are made at once, of as many at most where strands are not longer."""
@@ -133,11 +133,6 @@ def some(strands: Strands, count: int, seed: int) -> tuple[Strands, Change]:
 
 def dice(count: int, seed: int) -> npt.NDArray[np.float64]:
     """A number of [0, 1) for each strand, from the seed and its number alone: SplitMix64 (Steele et al., 2014)."""
-    found = np.empty(count)
     with np.errstate(over="ignore"):
-        begin = mixed(np.array([seed], np.uint64))
-        for low in range(0, count, CHUNK):
-            high = min(low + CHUNK, count)
-            z = (np.arange(low + 1, high + 1, dtype=np.uint64) + begin) * np.uint64(GOLDEN)
-            found[low:high] = (mixed(z) >> np.uint64(11)).astype(np.float64) * 2.0**-53
-    return found
+        z = np.arange(1, count + 1, dtype=np.uint64) + mixed(np.array([seed], np.uint64))
+        return np.asarray((mixed(z * np.uint64(GOLDEN)) >> np.uint64(11)).astype(np.float64) * 2.0**-53)

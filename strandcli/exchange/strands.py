@@ -96,10 +96,8 @@ class Strands:
 
     def equal(self) -> int:
         """Points of every strand where all have as many, else 0; 0 of no strands."""
-        first = self.first
-        each = int(first[1] - first[0]) if self.count else 0
-        parts = (first[begin : begin + CHUNK + 1] for begin in range(0, self.count, CHUNK))
-        return each if all((np.diff(part) == each).all() for part in parts) else 0
+        counts = self.counts(np.int32)
+        return int(counts[0]) if counts.size and (counts == counts[0]).all() else 0
 
     def lengths(self, kind: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
         """Length of each strand, units of the file, in a type, of which it is the largest number at most."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..exchange.strands import CHUNK, WIDTHS, Offsets, Points, Strands
 from ..groom.record import Widths
 from .measure import box_of
-from .rows import Rows, counts_of, most_points, places_of, values_in
+from .rows import Rows, most_points, places_of, values_in
 
 MOST = 256
 """Colours of a palette."""
@@ -87,8 +87,7 @@ def along_of(strands: Strands, values: Floats) -> Floats:
     """(S, ALONG, 3): values (P, 3) of points where the same share of the points that are drawn is nearer to the root,
     linear between points."""
     out = np.empty((strands.count, ALONG, 3), np.float32)
-    counts = counts_of(strands)
-    most, some = most_points(counts), max(1, CHUNK // counts.most)
+    most, some = most_points(strands), max(1, CHUNK // int(strands.counts(np.int32).max()))
     for begin in range(0, strands.count, some):
         first = strands.first[begin : begin + some + 1]
         part = slice(int(first[0]), int(first[-1]))

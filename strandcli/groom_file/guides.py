@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from ..constants import W
 from ..exchange.kernels.along import chains, resample
 from ..exchange.strands import even_offsets
-from ..groom.blocks import unpack
 from ..groom.emit import stream
 from ..groom.family import shepard
 from ..groom.record import Groom
@@ -41,7 +40,7 @@ def features_of(groom: Groom) -> Features:
     assert groom.points is not None
     found = np.empty((groom.strands, 3 + 3 * PLACES), np.float32)
     for begin in range(0, groom.strands, BATCH):
-        points = some_points(groom, begin)
+        points = picked_points(groom, np.arange(begin, min(begin + BATCH, groom.strands)))
         count, n, _ = points.shape
         ways = np.empty((count, PLACES + 1, 3), np.float32)
         low, share = np.empty(ways.shape[:2], np.int64), np.empty(ways.shape[:2], np.float32)
@@ -50,13 +49,6 @@ def features_of(groom: Groom) -> Features:
         ways[:, 1:] *= np.float32(LIKENESS)
         found[begin : begin + count] = ways.reshape(count, -1)
     return found
-
-
-def some_points(groom: Groom, begin: int) -> NDArray[np.float32]:
-    """(k, n, 3) metres: the points of `BATCH` strands from one on, or of those that there are."""
-    assert groom.points is not None
-    count = min(BATCH, groom.strands - begin)
-    return unpack(groom.points[begin // W : -(-(begin + count) // W), 1:], count)
 
 
 def picked_points(groom: Groom, own: NDArray[np.int64]) -> NDArray[np.float32]:

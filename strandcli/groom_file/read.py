@@ -29,7 +29,6 @@ from .on_solid import Head, anchors_on, head_of, put_on
 from .placing import Placement, placement_of, put
 from .rows import (
     Rows,
-    counts_of,
     most_points,
     packed,
     places_left,
@@ -142,7 +141,8 @@ def _made(
     placement: Placement | None = None,
 ) -> FromFile:  # fmt: skip
     """Strands of a file, placed and packed; ``placement``: where strands of this file are put, if that is known."""
-    counts = counts_of(strands)
+    count, counts = strands.count, strands.counts(np.int32)
+    least, longest = int(counts.min()), int(counts.max())
     placement = placement or placement_of(strands, given, notes)
     strands = put(strands, given, placement)
     if head is not None:
@@ -153,16 +153,16 @@ def _made(
     colours = colours_of(strands) if given.colours == "file" else None
     if colours is not None:
         notes.append(f"{given.file}: strands have the file's colours; emitter.groom.colours: none gives the material's")
-    most = most_points(counts)
+    most = most_points(strands)
     strands, off = with_at_most(strands, most)
-    if most < counts.most:
+    if most < longest:
         notes.append(
-            f"{given.file}: strands of up to {counts.most:,} points are drawn with {most:,} each, at most {off:.3g} m "
+            f"{given.file}: strands of up to {longest:,} points are drawn with {most:,} each, at most {off:.3g} m "
             "off: for memory all have as many"
         )
-    elif counts.least < most:
+    elif least < most:
         notes.append(
-            f"{given.file}: strands have {counts.least:,} to {most:,} points; shorter ones get more on their segments"
+            f"{given.file}: strands have {least:,} to {most:,} points; shorter ones get more on their segments"
         )
     seen = seen_of(strands, lengths)
     if seen.apart:
@@ -188,7 +188,7 @@ def _made(
     )
     width = None if widths is None else widths.mean
     colour = None if colours is None else colours.mean
-    return FromFile(counts.strands, groom, most, seen, width, colour, tuple(notes), placement, rows)
+    return FromFile(count, groom, most, seen, width, colour, tuple(notes), placement, rows)
 
 
 def _directions(roots: Points, seconds: Points) -> Points:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..constants import W
 from ..exchange.resample import resampled
-from ..exchange.strands import CACHED, CHUNK, Attribute, Offsets, Points, Strands
+from ..exchange.strands import CACHED, Attribute, Offsets, Points, Strands
 from ..groom.blocks import aligned
 from .kernels import rows as kernel
 
@@ -21,27 +21,12 @@ Rows = NDArray[np.signedinteger[Any]]
 """Numbers of rows, in 16 bits where these are enough."""
 
 
-class Counts(NamedTuple):
-    """How many strands there are, how many points they have together, and how many one has at least and at most."""
-
-    strands: int
-    points: int
-    least: int
-    most: int
-
-
-def counts_of(strands: Strands) -> Counts:
-    """The same of strands."""
-    parts = [np.diff(strands.first[begin : begin + CHUNK + 1]) for begin in range(0, strands.count, CHUNK)]
-    least, most = min(part.min() for part in parts), max(part.max() for part in parts)
-    return Counts(strands.count, strands.points.shape[0], int(least), int(most))
-
-
-def most_points(counts: Counts) -> int:
+def most_points(strands: Strands) -> int:
     """Points that all strands get, and the lanes that fill their last block: as many as the longest has, or fewer
     where that and the row before the root would take too much memory."""
-    lanes = -(-counts.strands // W) * W
-    return max(min(counts.most, max(PADDED * counts.points - lanes, ENOUGH) // lanes), 2)
+    lanes = -(-strands.count // W) * W
+    longest = int(strands.counts(np.int32).max())
+    return max(min(longest, max(PADDED * strands.points.shape[0] - lanes, ENOUGH) // lanes), 2)
 
 
 def with_at_most(strands: Strands, most: int) -> tuple[Strands, float]:

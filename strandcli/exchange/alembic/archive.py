@@ -215,15 +215,12 @@ class Archive:
         self._stored(one, one.last)
         return [self._time(one, index) for index in (0, *range(one.first, one.last + 1))]
 
-    def index(self, one: Property, seconds: float) -> int:
-        """The sample of a property at a time: the last one that is not after it, or the first."""
-        last = one.last
-        found = bisect_right(range(last + 1), seconds + CLOSE, key=lambda index: self._time(one, index)) - 1
-        return max(0, found)
-
-    def index_at(self, one: Property, seconds: float | None) -> int:
-        """The sample of a property at a time, or the first."""
-        return 0 if seconds is None else self.index(one, seconds)
+    def at(self, one: Property, seconds: float | None) -> npt.NDArray[Any]:
+        """The numbers (n, extent) of a property at a time: of the last sample that is not after it, or the first."""
+        if seconds is None:
+            return self.values(one)
+        number = bisect_right(range(one.last + 1), seconds + CLOSE, key=lambda index: self._time(one, index))
+        return self.values(one, max(0, number - 1))
 
     def _time(self, one: Property, index: int) -> float:
         sampling = one.sampling

@@ -158,11 +158,11 @@ def part_of(
     """The points on curves at a time or in the first sample, and their attributes. Raises `UsageError` where control
     points make no curves."""
     told = one.counts
-    counts = archive.values(told, archive.index_at(told, seconds)).reshape(-1)
+    counts = archive.at(told, seconds).reshape(-1)
     if counts.size and (int(counts.min()) < 0 or int(counts.max()) > np.iinfo(np.int32).max):
         worst = int(np.argmin(counts) if int(counts.min()) < 0 else np.argmax(counts))
         raise archive.file.damaged(f"{told.path}: curve {worst:,} has {counts[worst]:,} points", told.child.at)
-    control = archive.values(one.points, archive.index_at(one.points, seconds)).astype(np.float32, copy=False)
+    control = archive.at(one.points, seconds).astype(np.float32, copy=False)
     basis, at = basis_of(archive, one.path, one.geometry), one.points.child.at
     curves = fitter.fitted(
         one.path, counts.astype(np.int64), control, basis, lambda words: archive.file.fault(words, at)
@@ -203,7 +203,7 @@ def _attribute(
         values_of = told
     if not values_of.dtype or not values_of.samples or values_of.kind == layout.COMPOUND:
         return None
-    values: Any = archive.values(values_of, archive.index_at(values_of, seconds))
+    values: Any = archive.at(values_of, seconds)
     if indices is not None:
         values = _expanded(archive, indices, values, seconds)
     scope = told.metadata.get("geoScope", values_of.metadata.get("geoScope", ""))
@@ -216,7 +216,7 @@ def _expanded(archive: Archive, indices: Property, values: Any, seconds: float |
     """Values by index: a row for each."""
     if not indices.dtype or indices.extent != 1 or np.dtype(indices.dtype).kind not in "iu":
         raise archive.file.damaged(f"{indices.path}: are no indices", indices.child.at)
-    rows = archive.values(indices, archive.index_at(indices, seconds)).reshape(-1)
+    rows = archive.at(indices, seconds).reshape(-1)
     if rows.size and not 0 <= int(rows.min()) <= int(rows.max()) < values.shape[0]:
         raise archive.file.damaged(f"{indices.path}: not all are below {values.shape[0]:,}", indices.child.at)
     archive.container.spend(indices.path, rows.size * values.itemsize * values.shape[1], indices.child.at)

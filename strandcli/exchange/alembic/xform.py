@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ...common.rotations import of_quaternion
 from ..parts import Matrix
 from . import layout
 from .archive import Archive, Object, Property
@@ -44,7 +45,7 @@ def world(archive: Archive, transforms: list[Transform], seconds: float | None) 
     for one in transforms:
         found = found @ _matrix(archive, one, seconds)
         if one.inherits is not None and one.inherits.samples:
-            inherits = archive.values(one.inherits, archive.index_at(one.inherits, seconds))
+            inherits = archive.at(one.inherits, seconds)
             if not inherits.any():
                 break
     return None if np.array_equal(found, np.eye(4)) else found
@@ -56,7 +57,7 @@ def _matrix(archive: Archive, one: Transform, seconds: float | None) -> Matrix:
     if one.operations is None or one.values is None or not one.operations.samples:
         return found
     codes = [int(code) >> 4 for code in archive.values(one.operations).reshape(-1)]
-    values = archive.values(one.values, archive.index_at(one.values, seconds)).reshape(-1).astype(np.float64)
+    values = archive.at(one.values, seconds).reshape(-1).astype(np.float64)
     if set(codes) - set(layout.CHANNELS) or sum(layout.CHANNELS[code] for code in codes) != values.size:
         raise archive.file.damaged(
             f"{one.values.path}: {values.size:,} numbers of operations {codes}", one.values.child.at
@@ -84,11 +85,9 @@ def _operation(code: int, values: npt.NDArray[np.float64]) -> Matrix:
 
 
 def _turn(axis: npt.NDArray[np.float64], degrees: float) -> Matrix:
-    """A turn (3, 3) about an axis, by Rodrigues' formula, for rows."""
+    """A turn (3, 3) about an axis, for rows."""
     length = float(np.linalg.norm(axis))
     if not length > 0:
         return np.eye(3)
-    x, y, z = axis / length
-    across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    angle = math.radians(degrees)
-    return np.asarray(np.eye(3) + math.sin(angle) * across + (1 - math.cos(angle)) * (across @ across)).T
+    half = math.radians(degrees) / 2
+    return of_quaternion(np.array([math.cos(half), *(math.sin(half) / length * axis)])).T
