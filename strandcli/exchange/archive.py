@@ -3,67 +3,49 @@
 from __future__ import annotations
 
 import math
-import re
 import sys
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..common.counted import counted
 from ..errors import UsageError, said
 from ..output.files import ARCHIVE_ERRORS
-from .bounded import SLICE, Bounded, amount
+from .bounded import Bounded, amount
 
-MAGIC = b"\x93NUMPY"
 METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 LARGEST_DIRECTORY = 1 << 20
 """Bytes of an archive's list of members: one of a thousand arrays has a twentieth of it."""
-LONGEST_HEADER = 4096
 SPARE = 1 << 26
 """Bytes that arrays may take beyond three times the file: packed ones may be of any size."""
-HEADER = re.compile(
-    r"\{\s*'descr':\s*'(?P<kind>[<>|=](?:f[248]|[iu][1248]|U\d{1,4}))',\s*'fortran_order':\s*(?P<fortran>True|False),"
-    r"\s*'shape':\s*\((?P<shape>(?:\d{1,18},\s*)*(?:\d{1,18})?)\),?\s*\}\s*",
-    re.ASCII,
-)
-"""What numpy writes for arrays of numbers and of text."""
+HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+"""Readers of headers, by their version; later ones are of records."""
+DAMAGED = (*ARCHIVE_ERRORS, UserWarning)
+"""What a damaged array or archive raises."""
 
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """An array that could be read: its name, byte of its entry, type and shape; ``skip``: bytes before its numbers."""
+    """An array that could be read: its name, byte of its entry, type and shape."""
 
     name: str
     info: zipfile.ZipInfo
     kind: np.dtype[Any]
     shape: tuple[int, ...]
-    fortran: bool
-    skip: int
-
-    @property
-    def size(self) -> int:
-        """How many numbers."""
-        return math.prod(self.shape)
 
 
-def array_header(take: Callable[[int], bytes]) -> tuple[np.dtype[Any], tuple[int, ...], bool, int] | None:
-    """Type and shape of an array of numbers as numpy writes it, whether it is in Fortran's order, and bytes before its
-    numbers; None for any other content. ``take`` reads so many bytes."""
-    begin = take(8)
-    if begin[:6] != MAGIC or begin[6] not in (1, 2, 3):
+def array_header(file: Any) -> tuple[np.dtype[Any], tuple[int, ...], bool] | None:
+    """Type and shape of an array of numbers or text as numpy writes it, and whether it is in Fortran's order; None for
+    one of anything else. Raises `DAMAGED`."""
+    version = np.lib.format.read_magic(file)
+    if version not in HEADERS:
         return None
-    width = 2 if begin[6] == 1 else 4
-    length = int.from_bytes(take(width), "little")
-    match = None if length > LONGEST_HEADER else HEADER.fullmatch(take(length).decode("latin-1"))
-    if match is None:
-        return None
-    shape = tuple(int(one) for one in match["shape"].replace(" ", "").split(",") if one.strip())
-    return np.dtype(match["kind"]), shape, match["fortran"] == "True", 8 + width + length
+    shape, fortran, kind = HEADERS[version](file)
+    return (kind, shape, fortran) if kind.kind in "iuU" or (kind.kind == "f" and kind.itemsize <= 8) else None
 
 
 class Archive:
@@ -91,55 +73,44 @@ class Archive:
         if info.compress_type not in METHODS:
             raise self.fault(info, f"is packed by method {info.compress_type}; pack it with numpy.savez_compressed")
         with self.opened(info) as member:
-            header = array_header(lambda count: _exactly(member, count))
+            header = array_header(member)
+            begin = member.tell()
         if header is None:
             return None
-        kind, shape, fortran, skip = header
+        kind, shape, _ = header
         needs = math.prod(shape) * kind.itemsize
-        if skip + needs != info.file_size:
+        if begin + needs != info.file_size:
             raise self.fault(
                 info, f"shape {shape} of {kind} needs {amount(needs)}, the archive lists "
-                f"{amount(max(0, info.file_size - skip))}; it is damaged",
+                f"{amount(max(0, info.file_size - begin))}; it is damaged",
             )  # fmt: skip
         if info.compress_type == zipfile.ZIP_STORED and info.file_size > self.file.size:
             raise self.fault(info, f"{amount(info.file_size)} unpacked, the file has {amount(self.file.size)}")
-        return Member(info.filename.removesuffix(".npy"), info, kind, shape, fortran, skip)
+        return Member(info.filename.removesuffix(".npy"), info, kind, shape)
 
     def read(self, member: Member) -> npt.NDArray[Any]:
-        """An array: single precision of all floating-point types, integers as they are."""
+        """An array: single precision of all floating-point types, integers and texts as they are."""
         kind = np.dtype("f4") if member.kind.kind == "f" else member.kind.newbyteorder("=")
-        needs = member.size * kind.itemsize
-        if needs > self.room:
+        size = math.prod(member.shape)
+        if size * kind.itemsize > self.room:
             raise self.fault(
-                member.info, f"{amount(needs)} unpacked, {amount(self.file.size)} packed: more than is believed; "
-                "unpack it with numpy and write it with numpy.savez",
+                member.info, f"{amount(size * kind.itemsize)} unpacked, {amount(self.file.size)} packed: more than is "
+                "believed; unpack it with numpy and write it with numpy.savez",
             )  # fmt: skip
-        self.room -= needs
-        values = np.empty(member.shape, kind)
-        flat = values.T.flat if member.fortran else values.reshape(-1)
+        self.room -= size * kind.itemsize
         with self.opened(member.info) as file, np.errstate(over="ignore", invalid="ignore"):
-            _exactly(file, member.skip)
-            step = SLICE // member.kind.itemsize
-            for begin in range(0, member.size, step):
-                count = min(step, member.size - begin)
-                part = np.frombuffer(_exactly(file, count * member.kind.itemsize), member.kind)
-                flat[begin : begin + count] = part.astype(kind, copy=False)
+            values = np.lib.format.read_array(file, allow_pickle=False)
             if file.read(1):
                 raise self.fault(member.info, "continues after its numbers; it is damaged")
-        return values
+            return np.ascontiguousarray(values, kind)
 
     def text(self, member: Member) -> tuple[str, ...]:
         """The texts of an array. Raises `UsageError` where they are none."""
-        letters = self.read(
-            replace(
-                member,
-                kind=np.dtype("u4").newbyteorder(member.kind.byteorder),
-                shape=(member.size, member.kind.itemsize // 4),
-            )
-        )
+        values = self.read(member).reshape(-1)
+        letters = values.view(np.uint32) if values.nbytes else np.zeros(0, np.uint32)
         if letters.size and int(letters.max()) > sys.maxunicode:
             raise self.fault(member.info, "is no text; it is damaged")
-        return tuple("".join(map(chr, row[row > 0].tolist())) for row in letters)
+        return tuple(values.tolist())
 
     @contextmanager
     def opened(self, info: zipfile.ZipInfo) -> Iterator[Any]:
@@ -147,20 +118,8 @@ class Archive:
         try:
             with self.archive.open(info) as member:
                 yield member
-        except ARCHIVE_ERRORS as error:
+        except DAMAGED as error:
             raise self.fault(info, f"cannot be read: {said(error)}; it is damaged") from None
-
-
-def _exactly(member: Any, count: int) -> bytes:
-    """So many bytes of a member."""
-    parts, left = [], count
-    while left:
-        part = member.read(left)
-        if not part:
-            raise EOFError(f"ends {counted(left, 'byte')} too early")
-        parts.append(part)
-        left -= len(part)
-    return b"".join(parts) if len(parts) != 1 else parts[0]
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import UsageError
 from ...output.files import atomic
-from ..archive import MAGIC, array_header
+from ..archive import DAMAGED, array_header
 from ..bounded import amount, opened
 from ..files import ReadOptions
 from ..strands import Attribute, Source, Strands, TimeSample, even_offsets, without_short
@@ -25,16 +25,21 @@ POINTS, WIDTH = "points", "width"
 
 def sniff(head: bytes, size: int) -> bool:
     """Whether it begins as numpy's arrays do."""
-    return head.startswith(MAGIC)
+    return head.startswith(np.lib.format.MAGIC_PREFIX)
 
 
 def read(path: Path, options: ReadOptions) -> Strands:
     """The strands of a file; no object of Python is ever made of it."""
     with opened(path, ".npy file", options.lenient) as file:
-        header = array_header(lambda count: file.take("header", count))
+        try:
+            header = array_header(file.file)
+        except DAMAGED:
+            header = None
         if header is None:
             raise file.damaged("header: declares no array of numbers", 0)
-        kind, shape, fortran, begin = header
+        kind, shape, fortran = header
+        begin = file.file.tell()
+        file.seek("header", begin)
         if len(shape) != 3 or shape[1] < 1 or shape[2] not in (3, 4) or kind.kind != "f":
             raise file.fault(f"header: an array of {kind} of shape {shape}; strands are an array of floating-point "
                              "numbers of shape (strands, points, 3), or 4 with widths", 0)  # fmt: skip
