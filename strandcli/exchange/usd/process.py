@@ -6,6 +6,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import importlib.util
+import io
 import json
 import math
 import os
@@ -107,13 +108,13 @@ class Process:
             env={**os.environ, **ENVIRONMENT},
             start_new_session=True,  # Ctrl-C is for the process that was started by hand
         )
+        self.stdin = io.BufferedWriter(self.process.stdin)  # type: ignore[type-var]
         self.deadline = float("inf")
 
     def send(self, header: dict[str, Any], arrays: Sequence[npt.NDArray[Any]] = ()) -> None:
         """Hand it a message. Raises `EndedError`."""
-        pipe: Any = self.process.stdin
         try:
-            send(_All(pipe), header, arrays)  # type: ignore[arg-type]
+            send(self.stdin, header, arrays)
         except OSError:
             raise EndedError from None
 
@@ -137,26 +138,11 @@ class Process:
         """End it; returns what it ended with."""
         self.process.kill()
         code = self.process.wait()
-        for pipe in (self.process.stdin, self.process.stdout):
+        for pipe in (self.stdin, self.process.stdout):
             if pipe is not None:
                 with contextlib.suppress(OSError):
                     pipe.close()
         return code
-
-
-class _All:
-    """A pipe into which all is written."""
-
-    def __init__(self, pipe: Any) -> None:
-        self.pipe = pipe
-
-    def write(self, data: Any) -> None:
-        view = memoryview(data)
-        while len(view):
-            view = view[self.pipe.write(view) :]
-
-    def flush(self) -> None:
-        """Nothing is held back."""
 
 
 _kept: list[Process] = []
@@ -216,24 +202,19 @@ def ask(path: Path, header: dict[str, Any], more: Iterator[Message] | None = Non
 
 def _begun(path: Path, header: dict[str, Any]) -> Process:
     """A process that has the request: the one that waits if it still does, else a new one."""
-    while _kept:
-        process = _kept.pop()
+    while True:
+        waits, process = bool(_kept), None
         try:
+            process = _kept.pop() if waits else Process()
             process.send(header)
             process.deadline = time.monotonic() + SECONDS
-            if process.answer(0)[0].get("begun"):
-                return process
-        except (EndedError, OverflowError):
-            pass
-        process.stop()
-    try:
-        process = Process()
-        process.send(header)
-        process.deadline = time.monotonic() + SECONDS
-        process.answer(0)
-    except (OSError, EndedError, OverflowError):
-        raise RefusedError(f"{path}: the process that reads and writes USD cannot be started") from None
-    return process
+            process.answer(0)
+            return process
+        except (OSError, EndedError, OverflowError):
+            if process is not None:
+                process.stop()
+            if not waits:
+                raise RefusedError(f"{path}: the process that reads and writes USD cannot be started") from None
 
 
 def _error(path: Path, do: str, words: str) -> StrandError:
