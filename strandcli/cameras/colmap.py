@@ -70,7 +70,11 @@ def read(folder: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[
         lenses[ident] = (shape, focal, (lens["cx"], lens["cy"]))
     path = folder / "images.txt"
     views = []
-    for number, parts in every_other(rows(path, keep_empty=True)):
+    lines = rows(path, keep_empty=True)
+    for number, parts in lines:
+        if not parts:
+            continue
+        next(lines, None)  # which has the points of the picture
         try:
             quaternion, shift = (np.array([float(text) for text in parts[part]]) for part in (QUATERNION, SHIFT))
             (width, height), focal, centre = lenses[int(parts[CAMERA])]
@@ -93,14 +97,6 @@ def rows(path: Path, keep_empty: bool = False) -> Iterator[tuple[int, list[str]]
     for number, line in enumerate(text.splitlines(), 1):
         if not line.startswith("#") and (line.strip() or keep_empty):
             yield number, line.split()
-
-
-def every_other(lines: Iterator[tuple[int, list[str]]]) -> Iterator[tuple[int, list[str]]]:
-    """The lines that are not empty, each without the one after it, which has the points of its picture."""
-    for number, parts in lines:
-        if parts:
-            yield number, parts
-            next(lines, None)
 
 
 def matrix_of(quaternion: Floats) -> Floats:

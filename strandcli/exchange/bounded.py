@@ -113,9 +113,7 @@ class Bounded:
 
     def finite(self, field: str, values: npt.NDArray[Any], byte: Callable[[int], int]) -> None:
         """Raise where a number is not finite, unless that is allowed; ``byte``: of a row its place in the file."""
-        if self.lenient or values.dtype.kind != "f":
-            return
-        row, why = not_finite_words(field, values)
+        row, why = (0, "") if self.lenient else not_finite_words(field, values)
         if why:
             raise self.fault(why, byte(row))
 
@@ -146,7 +144,7 @@ def too_many(field: str, count: int, each: int, size: int) -> str | None:
 def not_finite(values: npt.NDArray[Any]) -> tuple[int, int]:
     """How many rows of an array have a number that is NaN or infinite, and the first of them; -1 of none."""
     count, first = 0, -1
-    for begin in range(0, values.shape[0], CHUNK):
+    for begin in range(0, values.shape[0] if values.dtype.kind == "f" else 0, CHUNK):
         part = values[begin : begin + CHUNK]
         fine = np.isfinite(part)
         if not fine.all():

@@ -95,7 +95,7 @@ def fixed(
         wrong = found(strands)
         counts[name] = int(wrong.sum())
         strands = strands.select(~wrong)
-    bad = [name for name, one in strands.attributes.items() if _odd(one)]
+    bad = [name for name, one in strands.attributes.items() if not_finite(one.values)[0]]
     if bad:
         kept = {name: one for name, one in strands.attributes.items() if name not in bad}
         strands = replace(strands, attributes=kept)
@@ -127,10 +127,6 @@ def reversed_all(strands: Strands) -> tuple[Strands, Change]:
     }
     changed = replace(strands, points=points, attributes=attributes)
     return changed, Change("reverse", f"{counted(strands.count, 'strand')} turned around", {"strands": strands.count})
-
-
-def _odd(one: Attribute) -> bool:
-    return one.values.dtype.kind == "f" and not_finite(one.values)[0] > 0
 
 
 def _turned(strands: Strands, values: npt.NDArray[Any]) -> npt.NDArray[Any]:

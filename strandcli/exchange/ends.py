@@ -126,9 +126,10 @@ def _end(strands: Strands, rows: Offsets, back: bool) -> End:
     extents = np.linalg.eigvalsh(among.T @ among / len(among))
     leaving = _leaving(strands, rows, back, sphere.radius)
     heights = sum(sphere.height(_at(strands, rows, part, back)) for part in (0.25, 0.5, 0.75, 1.0))
+    along = np.einsum("ij,ij->i", _units(points - sphere.centre), leaving)
     return End(
         sphere, float(np.sqrt(extents.sum())), float(np.sqrt(max(extents[0], 0.0))),
-        float(np.linalg.norm(leaving.mean(axis=0))), float(np.median(_cosines(sphere, points, leaving))),
+        float(np.linalg.norm(leaving.mean(axis=0))), float(np.median(along)),
         float(np.mean(heights > 0)),
     )  # fmt: skip
 
@@ -152,12 +153,6 @@ def _leaving(strands: Strands, rows: Offsets, back: bool, radius: float) -> Floa
 
 def _units(vectors: Floats) -> Floats:
     return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-30)
-
-
-def _cosines(sphere: Sphere, points: npt.NDArray[np.floating], directions: Floats) -> Floats:
-    """Between the sphere's normals at points and directions."""
-    found: Floats = np.einsum("ij,ij->i", _units(points - sphere.centre), directions)
-    return found
 
 
 def fitted(points: npt.NDArray[np.floating]) -> tuple[Sphere, Mask]:

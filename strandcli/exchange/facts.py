@@ -101,7 +101,7 @@ def _box(strands: Strands) -> dict[str, list[float]] | None:
 
 def _attribute(name: str, one: Any) -> dict[str, Any]:
     values = one.values
-    finite = values.size > 0 and (values.dtype.kind != "f" or not not_finite(values)[0])
+    finite = values.size > 0 and not not_finite(values)[0]
     bounds = {"min": values.min().item(), "max": values.max().item()} if finite else {"min": None, "max": None}
     return {"name": name, "domain": one.domain, "shape": list(values.shape), "type": values.dtype.name, **bounds}
 
@@ -131,7 +131,7 @@ def _faults_of_strands(bad: Mask, fine: Strands, lengths: npt.NDArray[np.float32
             example = int(np.argmax(mask))
             found.append(Fault(name, count, f"{counted(count, 'strand')} {words} (strand {example:,} for one)", mend))
     for name, one in fine.attributes.items():
-        rows = not_finite(one.values)[0] if one.values.dtype.kind == "f" else 0
+        rows = not_finite(one.values)[0]
         if rows:
             found.append(Fault("attribute_not_finite", rows, f"{name} is not finite in {rows:,} rows", "--fix"))
     return found

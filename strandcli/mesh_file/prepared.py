@@ -191,16 +191,12 @@ FACETS = 0.99
 def shading_normals(mesh: TriangleMesh, crease: float) -> Vectors:
     """Unit normals (T, 3, 3) of the corners of triangles: the file's own; where it has none, or those of the faces
     alone, smooth ones, but not across edges where faces meet at ``crease`` degrees or more."""
-    if mesh.corner_normals is not None and not _of_faces(mesh):
-        return mesh.corner_normals
+    own = mesh.corner_normals
+    if own is not None:
+        off = np.linalg.norm(np.cross(np.broadcast_to(mesh.face_normals()[:, None], own.shape), own), axis=2)
+        if (off < SAME).all(axis=1).mean() <= FACETS:
+            return own
     return smooth(mesh, crease)
-
-
-def _of_faces(mesh: TriangleMesh) -> bool:
-    """Whether a file's normals are only those of its faces."""
-    own = mesh.normals_of_corners()
-    off = np.linalg.norm(np.cross(np.broadcast_to(mesh.face_normals()[:, None], own.shape), own), axis=2)
-    return bool((off < SAME).all(axis=1).mean() > FACETS)
 
 
 def smooth(mesh: TriangleMesh, crease: float) -> Vectors:

@@ -124,10 +124,6 @@ class TriangleMesh:
         """Unit normal of each triangle (T, 3), outward."""
         return unit(face_vectors(self.vertices[self.triangles]))
 
-    def normals_of_corners(self) -> Vectors:
-        """Unit normals (T, 3, 3) to shade with: the file's, or else the smooth ones."""
-        return self.normals[self.triangles] if self.corner_normals is None else self.corner_normals
-
     def with_vertices(self, vertices: npt.NDArray[Any]) -> TriangleMesh:
         """The same triangles with their vertices (V, 3) elsewhere; normals are smooth ones."""
         moved = np.ascontiguousarray(vertices, np.float64)

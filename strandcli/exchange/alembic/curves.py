@@ -102,7 +102,9 @@ class Clock:
             self._times.update(archive.times(told))
             if told.last and 0 < told.sampling.cycle < layout.ACYCLIC:
                 self._cycles.add(told.sampling.cycle)
-        self.changing.update(name for name, told in attributes.items() if _changes(archive, told))
+        for name, told in attributes.items():
+            parts = archive.compound(told).values() if told.kind == layout.COMPOUND else (told,)
+            self.changing.update([name] if any(part.last for part in parts) else [])
 
     @property
     def times(self) -> list[float]:
@@ -114,12 +116,6 @@ class Clock:
     def rate(self) -> float | None:
         """Frames a second of samples that are taken at equal distances or in cycles; None where none are."""
         return 1 / min(self._cycles) if self._cycles else None
-
-
-def _changes(archive: Archive, told: Property) -> bool:
-    """Whether a property has other values with time, or what it is compounded of."""
-    parts = archive.compound(told).values() if told.kind == layout.COMPOUND else (told,)
-    return any(one.last for one in parts)
 
 
 def all_curves(archive: Archive) -> Iterator[Curves]:

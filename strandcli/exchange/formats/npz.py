@@ -97,7 +97,11 @@ def _read(file: Bounded, archive: Archive, member: Member) -> Any:
 
 def _chosen(file: Bounded, members: dict[str, Member], wanted: str | None) -> Member:
     """The array of points. Raises `UsageError` where it is not clear which it is."""
-    shaped = {one.name: one for one in members.values() if _has_points(one)}
+    shaped = {
+        one.name: one
+        for one in members.values()
+        if one.kind.kind == "f" and len(one.shape) == 3 and one.shape[1] > 0 and one.shape[2] == 3
+    }
     if wanted is not None:
         if wanted not in shaped:
             raise UsageError(f"{file.path}: --array {wanted}: {_there(members, shaped)}")
@@ -116,10 +120,6 @@ def _there(members: dict[str, Member], shaped: dict[str, Member]) -> str:
         return f"arrays of strands are {', '.join(f'{one.name} {one.shape}' for one in shaped.values())}"
     listed = ", ".join(f"{one.name} {one.shape} of {one.kind}" for one in members.values())
     return f"has no array of floating-point numbers of shape (strands, points, 3); there are {listed or 'none'}"
-
-
-def _has_points(one: Member) -> bool:
-    return len(one.shape) == 3 and one.shape[1] > 0 and one.shape[2] == 3 and one.kind.kind == "f"
 
 
 def _domain(one: Member, strands: int, points: int, shape: tuple[int, ...]) -> Domain | None:

@@ -133,10 +133,8 @@ class Reader:
         return basis
 
     def _check_finite(self, name: str, values: npt.NDArray[Any]) -> None:
-        if self.lenient or values.dtype.kind != "f":
-            return
         _, why = not_finite_words(name, values)
-        if why:
+        if why and not self.lenient:
             raise self.fault(why)
 
 
