@@ -17,7 +17,7 @@ from ..bounded import Bounded, Growing, not_finite, opened
 from ..files import ReadOptions
 from ..obj_lines import MENDS, blocks, line_of, no_numbers, numbers, shown
 from ..objects import UNNAMED, pieces, renamed
-from ..strands import CHUNK, OBJECT, Attribute, Offsets, Source, Strands, TimeSample, counts_in, spans, without_short
+from ..strands import OBJECT, Attribute, Offsets, Source, Strands, TimeSample, counts_in, spans, without_short
 from ..written import left_out
 
 name = ".obj"
@@ -105,41 +105,25 @@ class Lines(NamedTuple):
 
 
 def joined_lines(lines: Lines) -> tuple[Offsets, npt.NDArray[np.int32], npt.NDArray[np.int32]]:
-    """Offsets (S + 1,) of strands, the row of each of their points, and the number of each one's object; the rows of
-    the lines are of no use afterwards. A line that begins at the row where the one before it ends goes on with it: many
-    programs write a line a segment."""
-    first, objects = Growing(np.int64), Growing(np.int32)
-    begin = done = 0
-    last = np.array([0, -1, -1])
-    """Of the line before: its rows, the last of them, and its object."""
-    for at in range(0, lines.lengths.size, CHUNK):
-        lengths, of = lines.lengths[at : at + CHUNK].astype(np.int64), lines.objects[at : at + CHUNK]
-        lengths, of = lengths[lengths > 0], of[lengths > 0]
-        if not lengths.size:
-            continue
-        ends = np.cumsum(lengths)
-        rows, begin = lines.rows[begin : begin + int(ends[-1])], begin + int(ends[-1])
-        lines_of = np.stack([lengths, rows[ends - 1], of], axis=1)
-        before = np.concatenate([last[None], lines_of[:-1]])
-        goes_on = (rows[ends - lengths] == before[:, 1]) & (lengths > 1) & (before[:, 0] > 1) & (of == before[:, 2])
-        last = lines_of[-1]
-        keep = np.ones(rows.size, np.bool_)
-        keep[(ends - lengths)[goes_on]] = False
-        first.add((done + ends - lengths - np.cumsum(goes_on))[~goes_on])
-        objects.add(of[~goes_on])
-        kept = rows[keep]
-        lines.rows[done : done + kept.size] = kept
-        done += kept.size
-    first.add([done])
-    return first.taken(), lines.rows[:done], objects.taken()
+    """Offsets (S + 1,) of strands, the row of each of their points, and the number of each one's object. A line
+    that begins at the row where the one before it ends goes on with it: many programs write a line a segment."""
+    some = lines.lengths > 0
+    lengths, of = lines.lengths[some].astype(np.int64), lines.objects[some]
+    ends = np.cumsum(lengths)
+    begins = ends - lengths
+    goes_on = np.zeros(lengths.size, np.bool_)
+    goes_on[1:] = lines.rows[begins[1:]] == lines.rows[ends[:-1] - 1]
+    goes_on[1:] &= (lengths[1:] > 1) & (lengths[:-1] > 1) & (of[1:] == of[:-1])
+    keep = np.ones(lines.rows.size, np.bool_)
+    keep[begins[goes_on]] = False
+    first = (begins - np.cumsum(goes_on))[~goes_on]
+    return np.append(first, np.count_nonzero(keep)), lines.rows[keep], of[~goes_on]
 
 
 def at_rows(table: npt.NDArray[Any], rows: npt.NDArray[np.int32]) -> npt.NDArray[Any]:
     """The rows of a table (V, k) that strands name one after the other (P,); the table itself where they name it so."""
-    steps = range(0, rows.size, CHUNK)
-    if all((rows[at : at + CHUNK] == np.arange(at, min(at + CHUNK, rows.size))).all() for at in steps):
-        return table[: rows.size]
-    return table[rows]
+    own = np.array_equal(rows, np.arange(rows.size, dtype=np.int32))
+    return table[: rows.size] if own else table[rows]
 
 
 def _objects(found: _Found, objects: npt.NDArray[np.int32]) -> tuple[tuple[str, ...], dict[str, Attribute]]:

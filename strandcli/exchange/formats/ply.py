@@ -22,7 +22,6 @@ from ..files import ReadOptions
 from ..ply_file import Element, Rows, read_elements, read_header
 from ..ply_file import is_mesh as is_mesh
 from ..strands import (
-    CHUNK,
     WIDTHS,
     Attribute,
     Offsets,
@@ -104,13 +103,11 @@ def _first(file: Bounded, vertex: Element, found: dict[str, Rows], options: Read
 
 def _joined(file: Bounded, count: int, one: npt.NDArray[Any], other: npt.NDArray[Any]) -> Offsets:
     """Strands of vertices that edges join, each with the one after it."""
+    low, high = np.minimum(one, other).astype(np.int64), np.maximum(one, other).astype(np.int64)
+    if low.min() < 0 or high.max() >= count or (high - low != 1).any():
+        raise file.damaged("edge: joins vertices that do not follow each other; such strands are not read")
     begins = np.ones(count, np.bool_)
-    for begin in range(0, one.size, CHUNK):
-        ends = [values[begin : begin + CHUNK].astype(np.int64) for values in (one, other)]
-        low, high = np.minimum(*ends), np.maximum(*ends)
-        if low.min() < 0 or high.max() >= count or (high - low != 1).any():
-            raise file.damaged("edge: joins vertices that do not follow each other; such strands are not read")
-        begins[high] = False
+    begins[high] = False
     found = np.full(np.count_nonzero(begins) + 1, count, np.int64)
     found[:-1] = np.flatnonzero(begins)
     return found
