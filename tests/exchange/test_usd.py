@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from functools import partial
@@ -158,6 +159,43 @@ def test_without_the_library_it_is_said_how_to_get_it(tmp_path: Path) -> None:
     run = subprocess.run(command, capture_output=True, text=True, check=True)
     assert " install " in run.stdout
     assert run.stdout.endswith("'usd-core>=24.11'\n")
+
+
+CURVES = """def BasisCurves "c" {
+    int[] curveVertexCounts = [4]
+    point3f[] points = [(0,0,0), (0,1,0), (0,2,0), (0,3,0)]
+}"""
+CLIPS = """def Xform "b" (
+    clips = {
+        dictionary default = {
+            asset[] assetPaths = [@./pipe.usd@]
+            string primPath = "/b"
+            double2[] active = [(0, 0)]
+            double2[] times = [(0, 0), (1, 1)]
+        }
+    }
+) {
+CURVES
+}"""
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
+@pytest.mark.parametrize(
+    "text",
+    [
+        "(\n subLayers = [@./pipe.usd@]\n)\nCURVES", 'def "b" (\n references = @./pipe.usd@\n) {}\nCURVES',
+        'def "b" (\n payload = @./other.usda@</b>\n) {}\nCURVES', CLIPS,
+    ],
+)  # fmt: skip
+def test_a_pipe_that_a_stage_names_is_refused_at_once(
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(process, "SECONDS", 15.0)
+    os.mkfifo(tmp_path / "pipe.usd")
+    (tmp_path / "other.usda").write_text('#usda 1.0\ndef "b" (\n references = @./pipe.usd@\n) {}\n')
+    (tmp_path / "a.usda").write_text("#usda 1.0\n" + text.replace("CURVES", CURVES))
+    with pytest.raises(UsageError, match=r"names \./pipe.usd, which is no file but a pipe or a device"):
+        read(tmp_path / "a.usda")
 
 
 def test_what_has_one_moment_alone_is_read_at_that(tmp_path: Path) -> None:

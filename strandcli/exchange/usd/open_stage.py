@@ -6,12 +6,15 @@ text with a few numbers in place of each long array, which then gets its own.
 
 from __future__ import annotations
 
+import os
 import re
+import stat
 import warnings
+from itertools import chain
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Tf, Usd, Vt
+from pxr import Ar, Sdf, Tf, Usd, UsdUtils, Vt
 
 from ..bounded import Growing
 from .process import RefusedFileError
@@ -34,16 +37,32 @@ def opened(path: str) -> Usd.Stage:
 
 
 def _layers_named(root: Sdf.Layer) -> list[Sdf.Layer]:
-    """The layer and those that it names, directly or not."""
+    """The layer and those that it names, directly or not. Raises `RefusedFileError` where one of them names a pipe or a
+    device, be it as a clip or a picture: Pixar's library would wait for who writes into it."""
     found, seen = [root], {root.identifier}
     for layer in found:
+        for name in chain(*UsdUtils.ExtractExternalReferences(layer.identifier)):
+            _is_file(layer.ComputeAbsolutePath(name), name)
         for name in layer.GetCompositionAssetDependencies():
             place = layer.ComputeAbsolutePath(name)
-            if place not in seen:
+            if place not in seen and _is_file(place, name):
                 seen.add(place)
                 inner = layer_of_text(place) or Sdf.Layer.FindOrOpen(place)
                 found += [] if inner is None else [inner]
     return found
+
+
+def _is_file(place: str, name: str) -> bool:
+    """Whether there is something at a place. Raises `RefusedFileError` for what is there and is no file."""
+    file = Ar.SplitPackageRelativePathOuter(place.partition(":SDF_FORMAT_ARGS:")[0])[0]
+    try:
+        mode = os.stat(file).st_mode
+    except (OSError, ValueError):  # which the stage tells
+        return False
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "no file but a pipe or a device"
+        raise RefusedFileError(f"names {name[:80]}, which is {kind}")
+    return True
 
 
 def layers_of(stage: Usd.Stage) -> list[str]:
