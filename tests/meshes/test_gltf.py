@@ -18,8 +18,9 @@ from PIL import Image
 
 import mesh_kit as kit
 from strandcli.errors import UsageError
-from strandcli.exchange.bounded import Beside
+from strandcli.exchange.bounded import Beside, picture
 from strandcli.files import picture_samples
+from strandcli.meshes import gltf
 from strandcli.meshes.gltf import read_gltf
 from strandcli.meshes.read import read_mesh
 
@@ -176,6 +177,24 @@ def test_a_picture_runs_no_program(kind: str, tmp_path: Path, monkeypatch: pytes
         assert mesh.texture is None
         assert any("no pictures that can be read" in note and "skin.png" in note for note in mesh.notes)
     assert not ran.exists()
+
+
+def test_a_picture_of_many_primitives_is_decoded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    Image.new("RGB", (2000, 2000)).save(tmp_path / "a.png")
+    maker = Maker()
+    material = maker.picture((tmp_path / "a.png").read_bytes())
+    for _ in range(60):
+        maker.primitive(triangle(maker), **material)
+    path, decoded = maker.glb(tmp_path / "a.glb"), []
+
+    def counted(content: bytes) -> Any:
+        decoded.append(len(content))
+        return picture(content)
+
+    monkeypatch.setattr(gltf, "picture", counted)
+    mesh = read_mesh(path)
+    assert mesh.texture.shape == (2000, 2000, 3)
+    assert len(decoded) == 1
 
 
 def test_primitives_of_the_same_vertices_have_them_once(tmp_path: Path) -> None:
