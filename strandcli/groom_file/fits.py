@@ -23,7 +23,7 @@ from ..exchange.files import ReadOptions, read
 from ..exchange.strands import Strands
 from ..mesh_file.prepared import key_of, mesh_of, prepared
 from ..meshes.bvh import closest
-from .kernels.bend import grid_distances
+from .kernels.rows import grid_distances
 
 Floats = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ from ..mesh_file.prepared import key_of, prepared
 from ..meshes.bvh import closest
 from ..scene.motion import Pose, pose_in_emitter
 from .fits import UP, Frame, Near, Surface, better, hangs_from, words
-from .kernels import bend
+from .kernels import rows as kernel
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -172,7 +172,7 @@ def _put_batch(
     away = np.linalg.norm(shifts[some], axis=1)
     loose = away > 0
     fades = np.minimum(np.maximum(FADE * away, FADE_SHARE * whole), np.maximum(whole, 1e-30))
-    bend.seat(first, points, shifts[some], fades, steps)
+    kernel.seat(first, points, shifts[some], fades, steps)
     points[~np.repeat(loose, counts)] = before[~np.repeat(loose, counts)]
     led = _lead_out(first, points, surface, steps, along, fit)
     changed = loose | led
@@ -222,7 +222,7 @@ def _lead_out(
             return led
         reach = np.maximum(REACH * np.maximum.reduceat(needs, part[:-1]), REACH_SHARE * whole[active])
         own = np.ascontiguousarray(points[rows])
-        bend.lead_out(part, own, needs, np.ascontiguousarray(near.outward), reach, steps[rows], np.empty_like(own))
+        kernel.lead_out(part, own, needs, np.ascontiguousarray(near.outward), reach, steps[rows], np.empty_like(own))
         points[rows] = own
     return led
 

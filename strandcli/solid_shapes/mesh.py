@@ -16,7 +16,7 @@ from ..scene.model.solids import SolidSettings
 kind = "mesh"
 folds = True
 LAZY = {
-    "Data": "kernels.arrays", "data": "data", "triangles": "data", "distance": "kernels.shape",
+    "Data": "kernels.arrays", "data": "prepared", "triangles": "prepared", "distance": "kernels.shape",
     "normal": "kernels.shape", "meet": "kernels.shape", "meets": "kernels.shape", "hides": "kernels.shape",
     "look": "kernels.shape", "distances": "kernels.shape", "slopes": "kernels.shape", "bounds": "kernels.shape",
     "drift": "kernels.shape",

@@ -21,7 +21,7 @@ from strandcli.draw.shadows.kernels.solid_shadows import soft_shadows
 from strandcli.draw.solids.kernels import rays
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
-from strandcli.mesh_file import data as mesh_data
+from strandcli.mesh_file import prepared as mesh_data
 from strandcli.mesh_file.kernels import arrays
 from strandcli.mesh_file.prepared import key_of, mesh_of, prepared
 from strandcli.scene import SceneError, loads
