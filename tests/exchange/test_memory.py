@@ -14,6 +14,9 @@ from strandcli.exchange.facts import facts_of_file
 from strandcli.exchange.files import ReadOptions, read, write
 from strandcli.exchange.strands import Strands, even_offsets
 from strandcli.exchange.usd import process
+from strandcli.groom_file import rows
+from strandcli.groom_file.read import from_file
+from strandcli.scene.model.emitter import GroomFile
 
 STRANDS, POINTS = 600_000, 2
 TIMES = 3
@@ -44,13 +47,31 @@ def test_strands_take_three_times_their_file(
 ) -> None:
     what(put(tmp_path / "small", 4, kind), ReadOptions())  # what is compiled and imported is no memory of a file
     path = put(tmp_path / "large", STRANDS, kind)
+    assert peak(lambda: what(path, ReadOptions())) < TIMES * path.stat().st_size + AT_ONCE[what]
+
+
+def peak(does: Callable[[], object]) -> int:
+    """Bytes that a function takes at most."""
     tracemalloc.start()
     try:
-        what(path, ReadOptions())
-        peak = tracemalloc.get_traced_memory()[1]
+        does()
+        return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert peak < TIMES * path.stat().st_size + AT_ONCE[what]
+
+
+@pytest.mark.parametrize(("count", "points", "size"), [(1_200_000, 2, 0.5), (10, 240_000, None)])
+def test_strands_to_draw_take_three_times_their_file(
+    count: int, points: int, size: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Few long ones too, which would fill a block for many."""
+    monkeypatch.setattr(rows, "ENOUGH", 0)
+    for name, shape in (("small", (4, 20, 3)), ("large", (count, points, 3))):
+        np.save(tmp_path / f"{name}.npy", np.random.default_rng(0).random(shape, np.float32))
+    from_file(GroomFile(str(tmp_path / "small.npy"), up="y", root="first"), 0)
+    given = GroomFile(str(tmp_path / "large.npy"), up="y", root="first", size=size)
+    assert peak(lambda: from_file(given, 0)) < TIMES * Path(given.file).stat().st_size + 20e6
+    assert from_file(given, 0).strands == count
 
 
 def peak_of_worker() -> int:
