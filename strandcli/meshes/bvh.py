@@ -26,7 +26,7 @@ from .kernels.packets import (
     PacketTree,
 )  # fmt: skip
 from .kernels.tree import BINS, Bvh, build, refit
-from .kernels.winding import CX, CZ, moments
+from .kernels.winding import moments
 
 __all__ = ["Bvh", "DistanceGrid", "make_bvh", "make_distance_grid", "moved"]
 
@@ -121,7 +121,7 @@ def make_distance_grid(
     lanes[0] = spacing * np.tile(np.arange(SIDE), SIDE)
     lanes[1] = spacing * np.repeat(np.arange(SIDE), SIDE)
     out = np.empty((blocks[1], blocks[0], counts[2], SIDE * SIDE), np.float32)
-    fill(*packet_tree(bvh, middle), lanes, first.astype(np.float32), np.float32(spacing), closed, out)
+    fill(bvh, packet_tree(bvh, middle), lanes, first.astype(np.float32), middle, np.float32(spacing), closed, out)
     values = out.reshape(blocks[1], blocks[0], counts[2], SIDE, SIDE).transpose(2, 0, 3, 1, 4)
     values = values.reshape(counts[2], blocks[1] * SIDE, blocks[0] * SIDE)
     values = np.ascontiguousarray(values[:, : counts[1], : counts[0]])
@@ -133,9 +133,7 @@ def packet_tree(bvh: Bvh, middle: npt.NDArray[np.float64]) -> PacketTree:
     boxes = np.empty_like(bvh.boxes)
     boxes[:, :3] = np.nextafter((bvh.boxes[:, :3] - middle).astype(np.float32), np.float32(-np.inf))
     boxes[:, 3:] = np.nextafter((bvh.boxes[:, 3:] - middle).astype(np.float32), np.float32(np.inf))
-    moments = bvh.moments.copy()
-    moments[:, CX : CZ + 1] -= middle
-    return PacketTree(boxes, bvh.child, bvh.counts, moments.astype(np.float32), _rows(bvh.corners - middle))
+    return PacketTree(boxes, bvh.child, bvh.counts, _rows(bvh.corners - middle))
 
 
 def _rows(corners: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""Distances and winding numbers of sixteen points at once, which walk a tree together.
+"""Distances of sixteen points at once, which walk a tree together.
 
 Points of a packet are neighbours, so nearly all of them want the same nodes. In single precision, about the middle of
 the mesh.
@@ -6,38 +6,31 @@ the mesh.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...jit import device
-from ...simd import any_lane, broadcast, pointer, sqrt, where
+from ...simd import any_lane, pointer, where
 from ...simd.local import local_int32
-from .winding import AREA, CX, CY, CZ, NX, NY, NZ, RADIUS_2
 
 ROW = 28
 """Numbers of a triangle's row: corner a; edges b - a, c - b, a - c; one over their squared lengths; unit normal;
 directions in the plane, from each edge inward; one of padding."""
 A, AB, BC, CA, SHORT, NORMAL, IN_AB, IN_BC, IN_CA = 0, 3, 6, 9, 12, 15, 18, 21, 24
 BOX = 6
-MOMENTS = AREA + 1
-HALF_PI, PI, TURN = np.float32(0.5 * math.pi), np.float32(math.pi), np.float32(2.0 * math.pi)
-TINY = np.float32(1e-37)
 
 
 class PacketTree(NamedTuple):
     """A tree as packets walk it, in single precision, moved so that the middle of the mesh is the origin.
 
-    boxes: (N, 6), rounded outward; child, counts: (N,) int32, as of `Bvh`; moments: (N, 8), as of `Bvh`;
-    rows: (T, 28) of triangles in tree order.
+    boxes: (N, 6), rounded outward; child, counts: (N,) int32, as of `Bvh`; rows: (T, 28) of triangles in tree order.
     """
 
     boxes: NDArray[np.float32]
     child: NDArray[np.int32]
     counts: NDArray[np.int32]
-    moments: NDArray[np.float32]
     rows: NDArray[np.float32]
 
 
@@ -109,67 +102,3 @@ def nearest(tree, x, y, z, middle, best):
             nodes[waiting + 1] = first
             waiting += 2
     return best
-
-
-@device
-def half_angle(rows, o, x, y, z):
-    """The complex number whose angle is half the solid angle under which points see a triangle (van Oosterom &
-    Strackee 1983), of length 1."""
-    ax, ay, az = rows[o + A] - x, rows[o + A + 1] - y, rows[o + A + 2] - z
-    bx, by, bz = ax + rows[o + AB], ay + rows[o + AB + 1], az + rows[o + AB + 2]
-    cx, cy, cz = ax - rows[o + CA], ay - rows[o + CA + 1], az - rows[o + CA + 2]
-    a, b, c = sqrt(ax * ax + ay * ay + az * az), sqrt(bx * bx + by * by + bz * bz), sqrt(cx * cx + cy * cy + cz * cz)
-    volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-    across = a * b * c + (ax * bx + ay * by + az * bz) * c
-    across = across + (bx * cx + by * cy + bz * cz) * a + (cx * ax + cy * ay + cz * az) * b
-    size = sqrt(volume * volume + across * across)
-    scale = 1.0 / max(size, TINY)
-    return where(size > TINY, across * scale, 1.0), volume * scale
-
-
-@device
-def angle(re, im):
-    """Angle of complex numbers of length 1, off by at most .004."""
-    x, y = abs(re), abs(im)
-    t = min(x, y) / max(max(x, y), TINY)
-    found = t * (np.float32(0.25) * PI + np.float32(0.273) * (1.0 - t))
-    found = where(y > x, HALF_PI - found, found)
-    found = where(re < 0.0, PI - found, found)
-    return where(im < 0.0, -found, found)
-
-
-@device
-def winding(tree, x, y, z):
-    """Winding numbers of the mesh about points, as `winding.winding`.
-
-    Solid angles of near triangles are added as a product of complex numbers, and the turns that a product does not
-    show are counted.
-    """
-    numbers, rows = pointer(tree.moments), pointer(tree.rows)
-    re, im = broadcast(x, 1.0), broadcast(x, 0.0)
-    turns, far = broadcast(x, 0.0), broadcast(x, 0.0)
-    nodes = local_int32()
-    nodes[0] = 0
-    waiting = 1
-    while waiting > 0:
-        waiting -= 1
-        node = nodes[waiting]
-        o = node * MOMENTS
-        dx, dy, dz = numbers[o + CX] - x, numbers[o + CY] - y, numbers[o + CZ] - z
-        apart = dx * dx + dy * dy + dz * dz
-        if not any_lane(apart <= numbers[o + RADIUS_2]):
-            through = numbers[o + NX] * dx + numbers[o + NY] * dy + numbers[o + NZ] * dz
-            far = far + through / (apart * sqrt(apart))
-        elif tree.counts[node] > 0:
-            for i in range(tree.child[node], tree.child[node] + tree.counts[node]):
-                cos, sin = half_angle(rows, i * ROW, x, y, z)
-                one = re * sin + im * cos
-                turns = turns + where((im >= 0.0) & (sin >= 0.0) & (one < 0.0), broadcast(x, 1.0), 0.0)
-                turns = turns - where((im < 0.0) & (sin < 0.0) & (one >= 0.0), broadcast(x, 1.0), 0.0)
-                re = re * cos - im * sin
-                im = one
-        else:
-            nodes[waiting] = tree.child[node]
-            nodes[waiting + 1] = node + 1
-            waiting += 2
-    return turns + (angle(re, im) + np.float32(0.5) * far) / TURN
