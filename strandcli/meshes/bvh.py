@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .kernels.distance import SIDE, DistanceGrid, fill
+from .kernels.distance import DistanceGrid
 from .kernels.nearest import closest as _closest
 from .kernels.packets import (
     AB,
@@ -22,8 +22,10 @@ from .kernels.packets import (
     NORMAL,
     ROW,
     SHORT,
+    SIDE,
     A,
     PacketTree,
+    fill,
 )  # fmt: skip
 from .kernels.tree import BINS, Bvh, build, refit
 from .kernels.winding import moments

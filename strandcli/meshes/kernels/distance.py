@@ -1,4 +1,4 @@
-"""Signed distance from a grid: linear between its nodes, and a lower bound outside of it; and what the nodes have."""
+"""Signed distance from a grid: linear between its nodes, and a lower bound outside of it."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...jit import device, inlined, parallel, prange
-from ...simd import any_lane, broadcast, floor, gather2, load, pointer, sqrt, store, where
-from .packets import nearest
-from .winding import winding
+from ...jit import device, inlined
+from ...simd import floor, gather2, pointer, sqrt, where
 
 TINY = np.float32(1e-30)
 
@@ -138,53 +136,3 @@ def vector_slope(beyond, over, slope, near, scale):
 def vector_within(at, count):
     """`within` of a vector; 0 for what is not a number, as lanes without a point may have it."""
     return min(max(np.float32(0), at), np.float32(count - 1))
-
-
-SIDE = 4
-"""Nodes along x and along y that a packet has: 4 × 4."""
-SLACK = 1.0001
-"""Factor by which bounds are widened for rounding."""
-LARGE = 1e37
-
-
-@parallel
-def fill(bvh, tree, lanes, low, middle, spacing, closed, out):
-    """Write signed distances to out (by, bx, nz, 16) float32: of each column of 4 × 4 nodes and each height a packet.
-
-    bvh, tree: a mesh's, the latter about middle (3,); lanes: (2, 16) float32, where the nodes of a packet lie along x
-    and y; low: (3,) float32, the first node, from there; spacing: of nodes; closed: whether the mesh has no edge where
-    its winding number changes.
-    """
-    for place in prange(out.shape[0] * out.shape[1]):
-        task = np.int64(place)
-        packets = out[task // out.shape[1], task % out.shape[1]]
-        column(bvh, tree, lanes, low, middle, spacing, closed, packets, task, out.shape[1])
-
-
-@device
-def column(bvh, tree, lanes, low, middle, spacing, closed, out, task, columns):
-    """Write the packets of a column, upward: distances change by no more than the spacing from one to the next, and a
-    sign changes only where the surface is nearer than that."""
-    left = low[0] + spacing * SIDE * (task % columns)
-    front = low[1] + spacing * SIDE * (task // columns)
-    x = load(pointer(lanes), 0) + left
-    y = load(pointer(lanes), lanes.shape[1]) + front
-    best = broadcast(x, LARGE)
-    before = broadcast(x, 0.0)
-    half = 0.5 * spacing * (SIDE - 1)
-    for k in range(out.shape[0]):
-        z = low[2] + spacing * k
-        best = nearest(tree, x, y, broadcast(x, z), (left + half, front + half, z), best)
-        distance = sqrt(best)
-        store(pointer(out), k * lanes.shape[1], distance)
-        asked = k == 0 or not closed or any_lane(distance + before <= spacing * SLACK)
-        for lane in range(lanes.shape[1]):
-            if asked:
-                px, py = lanes[0, lane] + left + middle[0], lanes[1, lane] + front + middle[1]
-                inside = winding(bvh, px, py, z + middle[2]) > 0.5
-            else:
-                inside = math.copysign(1.0, out[k - 1, lane]) < 0.0
-            if inside:
-                out[k, lane] = -out[k, lane]
-        before = distance
-        best = (distance + spacing) * (distance + spacing) * SLACK

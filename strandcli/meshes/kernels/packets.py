@@ -1,4 +1,4 @@
-"""Distances of sixteen points at once, which walk a tree together.
+"""Signed distances at the nodes of a grid, sixteen at once, which walk a tree together.
 
 Points of a packet are neighbours, so nearly all of them want the same nodes. In single precision, about the middle of
 the mesh.
@@ -6,14 +6,16 @@ the mesh.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...jit import device
-from ...simd import any_lane, pointer, where
+from ...jit import device, parallel, prange
+from ...simd import any_lane, broadcast, load, pointer, sqrt, store, where
 from ...simd.local import local_int32
+from .winding import winding
 
 ROW = 28
 """Numbers of a triangle's row: corner a; edges b - a, c - b, a - c; one over their squared lengths; unit normal;
@@ -102,3 +104,53 @@ def nearest(tree, x, y, z, middle, best):
             nodes[waiting + 1] = first
             waiting += 2
     return best
+
+
+SIDE = 4
+"""Nodes along x and along y that a packet has: 4 × 4."""
+SLACK = 1.0001
+"""Factor by which bounds are widened for rounding."""
+LARGE = 1e37
+
+
+@parallel
+def fill(bvh, tree, lanes, low, middle, spacing, closed, out):
+    """Write signed distances to out (by, bx, nz, 16) float32: of each column of 4 × 4 nodes and each height a packet.
+
+    bvh, tree: a mesh's, the latter about middle (3,); lanes: (2, 16) float32, where the nodes of a packet lie along x
+    and y; low: (3,) float32, the first node, from there; spacing: of nodes; closed: whether the mesh has no edge where
+    its winding number changes.
+    """
+    for place in prange(out.shape[0] * out.shape[1]):
+        task = np.int64(place)
+        packets = out[task // out.shape[1], task % out.shape[1]]
+        column(bvh, tree, lanes, low, middle, spacing, closed, packets, task, out.shape[1])
+
+
+@device
+def column(bvh, tree, lanes, low, middle, spacing, closed, out, task, columns):
+    """Write the packets of a column, upward: distances change by no more than the spacing from one to the next, and a
+    sign changes only where the surface is nearer than that."""
+    left = low[0] + spacing * SIDE * (task % columns)
+    front = low[1] + spacing * SIDE * (task // columns)
+    x = load(pointer(lanes), 0) + left
+    y = load(pointer(lanes), lanes.shape[1]) + front
+    best = broadcast(x, LARGE)
+    before = broadcast(x, 0.0)
+    half = 0.5 * spacing * (SIDE - 1)
+    for k in range(out.shape[0]):
+        z = low[2] + spacing * k
+        best = nearest(tree, x, y, broadcast(x, z), (left + half, front + half, z), best)
+        distance = sqrt(best)
+        store(pointer(out), k * lanes.shape[1], distance)
+        asked = k == 0 or not closed or any_lane(distance + before <= spacing * SLACK)
+        for lane in range(lanes.shape[1]):
+            if asked:
+                px, py = lanes[0, lane] + left + middle[0], lanes[1, lane] + front + middle[1]
+                inside = winding(bvh, px, py, z + middle[2]) > 0.5
+            else:
+                inside = math.copysign(1.0, out[k - 1, lane]) < 0.0
+            if inside:
+                out[k, lane] = -out[k, lane]
+        before = distance
+        best = (distance + spacing) * (distance + spacing) * SLACK
