@@ -95,6 +95,13 @@ class Basis:
             return np.stack([1 - t, t], axis=1)
         return np.asarray(np.stack([t**0, t, t * t, t**3], axis=1) @ MATRICES[self.name])
 
+    def bends(self) -> npt.NDArray[np.float64]:
+        """(2, 4) or (2, 2): what control points give to the second derivative where a piece begins and ends."""
+        if self.type == LINEAR:
+            return np.zeros((2, 2))
+        square, cube = MATRICES[self.name][2:]
+        return np.stack([2 * square, 2 * square + 6 * cube])
+
 
 def is_clamped(knots: npt.NDArray[Any]) -> bool:
     """Whether the first knots of cubic NURBS are the same, so that curves reach their first control points."""
@@ -117,10 +124,11 @@ class ControlCurves:
         pieces = self.basis.pieces(self.counts)
         return np.where(pieces > 0, pieces * self.each + 1, 0)
 
-    def points(self, control: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Points (Q, 3) on the curves of control points (P, 3), or values there of those of control points."""
+    def points(self, control: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], float]:
+        """Points (Q, 3) on the curves of control points (P, 3), or values there of those of control points; and how far
+        the curves are at most from the segments between these."""
         if self.basis.plain:
-            return control
+            return control, 0.0
         counts = self.counts
         if self.basis.extended:
             control, counts = _extended(control, counts)
@@ -128,24 +136,31 @@ class ControlCurves:
 
     def between(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Values (Q, m) at the points, linear between those where pieces begin and end (V, m)."""
-        return self._evaluated(values, self.basis.joints(self.counts), Basis(LINEAR, wrap=self.basis.wrap))
+        return self._evaluated(values, self.basis.joints(self.counts), Basis(LINEAR, wrap=self.basis.wrap))[0]
 
-    def _evaluated(self, values: npt.NDArray[Any], counts: Offsets, basis: Basis) -> npt.NDArray[np.float32]:
-        """Values (Q, m) along curves, whose control points in a basis have values, so many of each (S,)."""
+    def _evaluated(
+        self, values: npt.NDArray[Any], counts: Offsets, basis: Basis
+    ) -> tuple[npt.NDArray[np.float32], float]:
+        """Values (Q, m) along curves, whose control points in a basis have values, so many of each (S,), and how far
+        those between are at most from linear ones."""
         pieces = np.maximum(self.basis.pieces(self.counts), 0)
         curve = np.repeat(np.arange(counts.size), pieces)
         number = np.arange(curve.size) - offsets(pieces)[curve]
         first, after = offsets(counts), offsets(self.point_counts())
         out = np.empty((int(after[-1]), values.shape[1]), np.float32)
         weights, place = basis.weights(self.each), np.arange(basis.size)
+        bends, bent = basis.bends(), 0.0
         with np.errstate(over="ignore", invalid="ignore"):
             for begin in range(0, curve.size, SLICE):
                 of, at = curve[begin : begin + SLICE, None], number[begin : begin + SLICE, None]
                 rows = basis.step * at + place
                 rows = first[of] + (rows % np.maximum(counts[of], 1) if basis.wrap == "periodic" else rows)
-                made = np.einsum("tw,nwm->ntm", weights, values[rows].astype(np.float64))
+                near = values[rows].astype(np.float64)
+                made = np.einsum("tw,nwm->ntm", weights, near)
                 out[after[of] + self.each * at + np.arange(self.each + 1)] = made
-        return out
+                bent = max(bent, float((np.einsum("tw,nwm->ntm", bends, near) ** 2).sum(2).max(initial=0.0)))
+        # an eighth of the second derivative, which is linear along a piece, times the squared length of a segment
+        return out, float(np.sqrt(bent)) / (8 * self.each**2)
 
     def attribute(self, name: str, interpolation: str, values: npt.NDArray[Any]) -> Attribute | None:
         """Values (rows, m), single precision where they are floating-point, at points, curves or all; None where
@@ -164,7 +179,7 @@ class ControlCurves:
         if domain == "point" and not self.basis.plain:
             if values.dtype.kind != "f":
                 return None
-            values = self.between(values) if interpolation == "varying" else self.points(values)
+            values = self.between(values) if interpolation == "varying" else self.points(values)[0]
             if name == "width":
                 values = np.maximum(values, 0)
         return Attribute(domain, values[:, 0] if values.shape[1] == 1 else values)
@@ -191,6 +206,8 @@ class Fitter:
     def __init__(self, size: int) -> None:
         """``size``: bytes of the file."""
         self._followed: set[tuple[str, int]] = set()
+        self.departure = 0.0
+        """How far curves are at most from the segments between the points that are taken of them."""
         self.room = 2 * size + SPARE
         """Bytes that points on curves may take."""
 
@@ -218,10 +235,11 @@ class Fitter:
         return ControlCurves(path, counts, basis, each)
 
     def facts(self) -> dict[str, Any]:
-        """Of all curves so far the bases and, where there are cubic ones, the points of a piece."""
+        """Of all curves so far the bases and, where there are cubic ones, the points of a piece, and how far off their
+        segments are at most, in units of the file before it places its objects."""
         facts: dict[str, Any] = {"basis": sorted({text for text, _ in self._followed})}
         cubic = sorted({each for _, each in self._followed if each})
-        return {**facts, **({"points_a_piece": cubic} if cubic else {})}
+        return {**facts, **({"points_a_piece": cubic, "off_curves": float(f"{self.departure:.2g}")} if cubic else {})}
 
 
 def note_of(facts: Mapping[str, Any]) -> str | None:
@@ -233,4 +251,4 @@ def note_of(facts: Mapping[str, Any]) -> str | None:
     if "points_a_piece" not in facts:
         return text
     each = " or ".join(str(one) for one in facts["points_a_piece"])
-    return f"{text}; points on them are taken, {each} a piece"
+    return f"{text}; {each} points a piece are taken, whose segments leave them by {facts['off_curves']:g} at most"

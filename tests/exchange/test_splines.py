@@ -25,7 +25,7 @@ CUBIC, LINEAR, VARIABLE = range(3)
 
 def evaluated(curve: Any, basis: Basis, each: int) -> Any:
     """Points on one curve."""
-    return ControlCurves("", np.array([len(curve)]), basis, each).points(curve).astype(np.float64)
+    return ControlCurves("", np.array([len(curve)]), basis, each).points(curve)[0].astype(np.float64)
 
 
 def cardinal(t: float) -> float:
@@ -74,6 +74,20 @@ def test_bezier_curves_are_de_casteljaus() -> None:
         np.testing.assert_allclose(point, control[0], atol=1e-6)
 
 
+@pytest.mark.parametrize("each", [2, 4, 9])
+@pytest.mark.parametrize("name", NAMES.values())
+def test_curves_leave_segments_by_no_more_than_is_told(name: str, each: int) -> None:
+    curve, basis = np.random.default_rng(7).normal(size=(7, 3)), Basis("cubic", name)
+    points, told = ControlCurves("", np.array([7]), basis, each).points(curve)
+    fine = evaluated(curve, basis, 64 * each)
+    worst = 0.0
+    for i in range(len(points) - 1):
+        between, along = fine[64 * i : 64 * (i + 1) + 1] - points[i], points[i + 1] - points[i]
+        share = np.clip(between @ along / (along @ along), 0, 1)
+        worst = max(worst, float(np.linalg.norm(between - share[:, None] * along, axis=1).max()))
+    assert worst <= told < 3 * worst
+
+
 @settings(max_examples=20, deadline=None)
 @given(
     basis=st.sampled_from(list(NAMES.values())), wrap=st.sampled_from(splines.WRAPS), kind=st.sampled_from([0, 1]),
@@ -97,8 +111,8 @@ def test_counts_agree_with_pixar(basis: str, wrap: str, kind: int, counts: list[
     points = np.random.default_rng(seed).normal(size=(int(held.sum()), 3)).astype(np.float32)
     made = ControlCurves("", held, told, 3)
     parts = np.split(points, np.cumsum(held)[:-1]) if held.size else []
-    want = [ControlCurves("", np.array([len(one)]), told, 3).points(one) for one in parts]
-    np.testing.assert_array_equal(made.points(points), np.concatenate([np.zeros((0, 3), np.float32), *want]))
+    want = [ControlCurves("", np.array([len(one)]), told, 3).points(one)[0] for one in parts]
+    np.testing.assert_array_equal(made.points(points)[0], np.concatenate([np.zeros((0, 3), np.float32), *want]))
     assert made.point_counts().tolist() == [len(one) for one in want]
 
 
@@ -109,7 +123,10 @@ def test_values_of_cubic_curves_follow_them() -> None:
     more += '    int[] primvars:c = [0, 1, 4] (\n        interpolation = "varying"\n    )\n'
     found = read_text(usd_kit.HEAD + usd_kit.prim([curve], basis="bezier", more=more))
     assert found.source.facts["points_a_piece"] == [4]
-    assert note_of(found.source.facts) == "curves are cubic bezier; points on them are taken, 4 a piece"
+    off = found.source.facts["off_curves"]
+    assert note_of(found.source.facts) == (
+        f"curves are cubic bezier; 4 points a piece are taken, whose segments leave them by {off:g} at most"
+    )
     want = np.interp(np.arange(9) / 4, [0, 1, 2], [0, 1, 4])
     np.testing.assert_allclose(found.attributes["a"].values, want, rtol=1e-6)
     assert found.attributes["b"].values.tobytes() == found.points.tobytes()

@@ -172,7 +172,9 @@ def part_of(
             unread.append(name)
         else:
             attributes[name] = found if matrix is None else moved_attribute(name, found, matrix)
-    return Part(one.path, curves.point_counts(), moved(curves.points(control), matrix), attributes, unread)
+    points, departure = curves.points(control)
+    fitter.departure = max(fitter.departure, departure)
+    return Part(one.path, curves.point_counts(), moved(points, matrix), attributes, unread)
 
 
 def attributes_of(archive: Archive, one: Curves) -> dict[str, Property]:

@@ -122,7 +122,9 @@ class Reader:
                 found = Attribute(found.domain, 1 - found.values)
             self._check_finite(f"{prim}: {name}", found.values)
             attributes[ours] = found if matrix is None else moved_attribute(ours, found, matrix)
-        stage.parts.append(Part(prim, one.point_counts(), moved(one.points(points), matrix), attributes, unread))
+        on_curves, departure = one.points(points)
+        self.fitter.departure = max(self.fitter.departure, departure)
+        stage.parts.append(Part(prim, one.point_counts(), moved(on_curves, matrix), attributes, unread))
 
     def _basis(self, prim: str, named: list[str]) -> Basis:
         """What control points of a prim mean."""
