@@ -253,7 +253,7 @@ OTHERWISE = {
     "scene/library.py",  # titles of presets, for lists
     "exchange/archive.py", "exchange/formats/npz.py",  # members of an archive that is open
     "exchange/usd/worker.py",  # the memory of its process
-    "exchange/usd/text.py",  # in the worker, which tells what files it has opened, as for the library
+    "exchange/usd/open_stage.py",  # in the worker, which tells what files it has opened, as for the library
     "exchange/formats/__init__.py",  # what its modules say of themselves
 }  # fmt: skip
 OPENERS = ("open", "os.open", "io.open", "np.load", "np.fromfile", "np.memmap", "np.genfromtxt", "np.loadtxt")
