@@ -3,9 +3,9 @@ tests.
 
 A file is mutated in a few bytes, words or blocks, cut off, or lengthened, and read. It must be read or refused in one
 line (`StrandError`), within seconds and within three times its size and 100 MB: more ends in MemoryError here, and that
-is a fault too. Presets, pictures and files of earlier runs go through the command line where that reads them: exit
-codes 0, 2 and 4 (`compare` has 3 besides), within a second of processor time. No file is written outside the folder of
-the run and nothing is unpickled (`fuzz_guard`). What is found is printed with the number that makes it again.
+is a fault too. Presets and files of earlier runs go through the command line where that reads them: exit codes 0, 2 and
+4, within a second of processor time. No file is written outside the folder of the run and nothing is unpickled
+(`fuzz_guard`). What is found is printed with the number that makes it again.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How `fuzz` damages files: bytes, words and blocks of any, values of JSON, archives and PNG with right checksums."""
+"""How `fuzz` damages files: bytes, words and blocks of any, values of JSON, archives with right checksums."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import io
 import json
 import struct
 import zipfile
-import zlib
 from copy import deepcopy
 from typing import Any
 
@@ -104,15 +103,3 @@ def mutated_archive(content: bytes, generator: np.random.Generator) -> bytes:
     """An archive, mostly with checksums that fit."""
     data = mutated(content, generator)
     return checksums_right(data) if generator.random() < 0.7 else data
-
-
-def mutated_png(content: bytes, generator: np.random.Generator) -> bytes:
-    """A PNG, mostly with checksums that fit, as far as there are whole chunks."""
-    data, at = bytearray(mutated(content, generator)), 8
-    while at + 12 <= len(data) and generator.random() < 0.95:
-        end = at + 8 + struct.unpack(">I", data[at : at + 4])[0]
-        if end + 4 > len(data):
-            break
-        data[end : end + 4] = struct.pack(">I", zlib.crc32(data[at + 4 : end]))
-        at = end + 4
-    return bytes(data)

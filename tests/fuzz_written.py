@@ -1,10 +1,9 @@
-"""Kinds of files that `fuzz` damages besides strands, meshes and cameras: presets, pictures, and what strandcli has
-written and reads again: positions, checkpoints and reports."""
+"""Kinds of files that `fuzz` damages besides strands, meshes and cameras: presets, and what strandcli has written and
+reads again: positions and checkpoints."""
 
 from __future__ import annotations
 
 import hashlib
-import json
 import shutil
 import struct
 import tempfile
@@ -16,8 +15,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from fuzz_changes import mutated, mutated_archive, mutated_json, mutated_png
-from fuzz_pictures import attempt_picture, pictures
+from fuzz_changes import mutated, mutated_archive, mutated_json
 from fuzz_presets import attempt_preset, command, files, mutated_preset
 from strandcli.cli.main import main
 from strandcli.groom.emit import emit
@@ -44,14 +42,13 @@ FEW_CELLS = 100_000
 
 
 @cache
-def files_of_run(name: str) -> dict[str, bytes]:
-    """The files of a folder of `simulate` or `render`."""
+def files_of_run() -> dict[str, bytes]:
+    """The files of a folder of `simulate`."""
     with tempfile.TemporaryDirectory() as place:
         preset, out = Path(place, "tiny.yaml"), Path(place, "out")
         preset.write_text(TINY)
-        assert main([name, str(preset), "-f", "1-2", "-o", str(out), "-q", "--threads", "1"]) == 0
-        if name == "simulate":  # drawing them compiles and imports nothing afterwards
-            assert main([*drawn(preset, out), "-o", str(Path(place, "drawn"))]) == 0
+        assert main(["simulate", str(preset), "-f", "1-2", "-o", str(out), "-q", "--threads", "1"]) == 0
+        assert main([*drawn(preset, out), "-o", str(Path(place, "drawn"))]) == 0  # nothing is compiled after
         return {path.name: path.read_bytes() for path in out.glob("*.*") if path.is_file()}
 
 
@@ -60,20 +57,20 @@ def drawn(preset: Path, positions: Path) -> list[str]:
     return ["render", str(preset), "--from-cache", str(positions), "-f", "1-2", "--overwrite", "--threads", "1", "-q"]
 
 
-def laid(folder: Path, run: str, name: str, content: bytes) -> tuple[Path, Path]:
+def laid(folder: Path, name: str, content: bytes) -> tuple[Path, Path]:
     """A preset, and a folder of a run of it in which one file has another content."""
     preset, out = folder / "tiny.yaml", folder / "out"
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir()
     preset.write_text(TINY)
-    for other, data in files_of_run(run).items():
+    for other, data in files_of_run().items():
         (out / other).write_bytes(content if other == name else data)
     return preset, out
 
 
 def attempt_positions(content: bytes, folder: Path, name: str) -> str:
     """Read a folder in which this file is one of positions' run; some are drawn."""
-    preset, out = laid(folder, "simulate", name, content)
+    preset, out = laid(folder, name, content)
     if len(content) % 50 == 0:
         return command(*drawn(preset, out), "-o", folder / "drawn")
     frames = positions.cached_frames(out)
@@ -137,19 +134,6 @@ def attempt_checkpoint(content: bytes, folder: Path) -> str:
     return "read"
 
 
-def attempt_report(content: bytes, folder: Path) -> str:
-    """Resume a run all of whose frames are there: the report is read, and written anew with a page."""
-    preset, out = laid(folder, "render", "report.json", content)
-    page = () if len(content) % 4 == 0 else ("--no-html",)
-    found = command("render", preset, "-f", "1", "-o", out, "--resume", "-q", *page)
-    if found == "read":
-        data = json.loads((out / "report.json").read_bytes())
-        names = [one["file"] for one in data["frames"]]
-        if any(name not in files_of_run("render") for name in names):
-            return f"other files: {names}"
-    return found
-
-
 class Kind(NamedTuple):
     """Whole files, a way to damage one, and what is done with it, in a folder."""
 
@@ -159,23 +143,14 @@ class Kind(NamedTuple):
     """What becomes of one with this content: "read", "refused", or what is wrong."""
 
 
-def kind_of_picture(end: str) -> Kind:
-    """Pictures by the end of their names."""
-    return Kind(
-        lambda: pictures()[end], mutated_png if end == ".png" else mutated, partial(attempt_picture, suffix=end)
-    )
-
-
 def kind_of_run(name: str, change: Callable[[bytes, np.random.Generator], bytes]) -> Kind:
     """One file of a folder of positions."""
-    return Kind(lambda: [files_of_run("simulate")[name]], change, partial(attempt_positions, name=name))
+    return Kind(lambda: [files_of_run()[name]], change, partial(attempt_positions, name=name))
 
 
 KINDS: dict[str, Kind] = {
     "preset": Kind(files, mutated_preset, attempt_preset),
-    **{f"picture{end}": kind_of_picture(end) for end in (".png", ".jpg", ".hdr", ".any")},
     "positions": kind_of_run("positions_0001.npz", mutated_archive),
     "manifest": kind_of_run("manifest.json", mutated_json),
     "checkpoint": Kind(lambda: [rods()[1]], mutated_state, attempt_checkpoint),
-    "report": Kind(lambda: [files_of_run("render")["report.json"]], mutated_json, attempt_report),
 }

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
+from click.shell_completion import CompletionItem
 
 from ..errors import UsageError
 from . import signals
+from .complete import listed
+from .options import together
 from .progress import Talk
 from .render_frames import interrupted
-from .values import ANIMATIONS, COLOUR, KINDS
+from .values import ANIMATIONS, COLOUR, KINDS, Parsed, layers
 
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
-    from ..output.over import Rgb
+    from ..output.png import Rgb
     from ..scene.model import Scene
 
 OPAQUE = ("gif", "mp4")
@@ -70,7 +74,7 @@ def _animate(writer: FrameWriter, kind: str, numbers: Sequence[int], fps: float,
     """Write an animation of a writer's frames, and say what it could not do."""
     from ..output.animation import write_animation
     from ..output.frames import frame_file
-    from ..output.over import GREY
+    from ..output.png import GREY
 
     path = writer.directory / f"animation.{kind}"
     paths = [writer.directory / frame_file(number) for number in numbers]
@@ -85,3 +89,33 @@ def _animate(writer: FrameWriter, kind: str, numbers: Sequence[int], fps: float,
     if len(numbers) > 1 and shown < 0.99 * fps:
         talk.note(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked")
     return path
+
+
+def _names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    from ..scene.model import AOVS
+
+    return listed(AOVS, incomplete)
+
+
+layer_options = together(
+    click.option(
+        "--aov", "aovs", type=Parsed("LAYERS", layers), metavar="LAYERS", shell_complete=_names,
+        help="Also write layers as .npz and PNG: depth, mask, solid, tangent, orientation, strand_id, shadow, linear.",
+    ),
+    click.option("--exr", is_flag=True, help="Also write frame_0001.exr: linear light, and the layers of --aov."),
+)  # fmt: skip
+
+
+def with_layers(scene: Scene, exr: bool) -> Scene:
+    """The scene with what EXR files hold; raises ``UsageError`` where its layers cannot be written."""
+    if (exr or scene.image.aovs) and scene.panels:
+        asked = "--exr" if exr else "image.aovs"
+        raise UsageError(f"{asked}: a preset of several panels has no layers; draw one without panels")
+    if not exr:
+        return scene
+    from ..output.layers import require_exr
+
+    require_exr(scene.drawn_strands)
+    if "linear" in scene.image.aovs:
+        return scene
+    return replace(scene, image=replace(scene.image, aovs=(*scene.image.aovs, "linear")))

@@ -19,8 +19,7 @@ _file = click.option(
 )  # fmt: skip
 
 cameras = options.together(
-    _file,
-    click.option("--camera", metavar="NAME", help="Which camera to use, where a USD file has several."),
+    _file, click.option("--camera", metavar="NAME", help="Which camera to use, where a USD file has several.")
 )
 
 PLACED = ("emitter.groom.size=null", "emitter.groom.place=file")

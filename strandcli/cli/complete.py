@@ -91,8 +91,7 @@ def _scene() -> Scene:
 
 def _inside(scene: Scene, parts: list[str]) -> Iterator[tuple[str, tuple[str, tuple[str, ...]]]]:
     """What may follow a path, with `.` or `=` at its end: what each means, and its values where they are few."""
-    from ..scene.fields import settings_of
-    from ..scene.paths import made
+    from ..scene.fields import made, settings_of
     from ..scene.rule_type import first_paragraph
 
     rules = {use.path: use.parameters for use in scene.rules}

@@ -23,12 +23,7 @@ from .values import span
 @options.folder()
 @camera_files.cameras
 @click.option("--azimuth", type=span(360), default=(-180.0, 180.0), help="Degrees around, from the scene's camera.")
-@click.option(
-    "--elevation",
-    type=span(90),
-    default=(-10.0, 40.0),
-    help="Degrees above the horizon, such as -10,40.",
-)
+@click.option("--elevation", type=span(90), default=(-10.0, 40.0), help="Degrees above the horizon, such as -10,40.")
 @click.option(
     "--light",
     type=click.Choice(("view", "set", "scene")),

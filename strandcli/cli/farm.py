@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..common.counted import counted
+from ..common.limits import cores
 from ..errors import UsageError
 from . import options
 from .progress import Talk
@@ -61,7 +62,7 @@ def command(
     to yours do not mix into the film. The jobs may be submitted again: finished work is not repeated.
     """
     from ..farm import job as jobs
-    from ..farm import openjd, scripts
+    from ..farm import scripts
     from ..output.files import prepare_folder, write_pieces
     from ..plan import make_plan
 
@@ -74,13 +75,13 @@ def command(
     except ValueError as error:
         raise UsageError(str(error)) from None
     extra = ("--keep-going",) if keep_going else ()
-    threads = threads or min(USUAL_THREADS, options.available_cores())
+    threads = threads or min(USUAL_THREADS, cores())
     plan = make_plan(scene, numbers, threads=threads)
     job = jobs.Job(
         options.preset_name(preset), jobs.spelled(numbers), chunks, _simulated(scene, numbers) if plan.steps else "",
         threads, jobs.asked_memory(plan.memory_at_once_bytes), ",".join(animate or ()), extra,
     )  # fmt: skip
-    files = openjd.files(job) if target == "openjd" else scripts.files(job, target, options.available_cores())
+    files = scripts.files(job, target, cores())
     prepare_folder(folder, 0)
     write_pieces(folder / jobs.SCENE, [_alone(scene).encode("utf-8", "surrogateescape")])
     for name, text in files.items():

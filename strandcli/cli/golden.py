@@ -41,12 +41,7 @@ names_argument = click.argument("names", nargs=-1, metavar="[NAME]...")
 @options.threads
 @options.talk("Say what is compiled, where stderr is no terminal too.")
 def check(
-    directory: Path,
-    names: tuple[str, ...],
-    output: Path | None,
-    xml: Path | None,
-    threads: int | None,
-    talk: Talk,
+    directory: Path, names: tuple[str, ...], output: Path | None, xml: Path | None, threads: int | None, talk: Talk
 ) -> None:
     """Draw the images of DIR, or only those called NAME, and compare; a mismatch ends in exit code 3."""
     from ..compiling import runtime
@@ -84,12 +79,7 @@ def check(
 @names_argument
 @options.threads
 @options.talk("Name the images that did not change, too.")
-def update(
-    directory: Path,
-    names: tuple[str, ...],
-    threads: int | None,
-    talk: Talk,
-) -> None:
+def update(directory: Path, names: tuple[str, ...], threads: int | None, talk: Talk) -> None:
     """Make what is drawn now the golden images of DIR, or only those called NAME. Look at them before you commit."""
     from ..compiling import runtime
     from ..output.files import prepare_folder

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import os
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ..common.counted import counted
+from ..common.limits import cores
 from ..errors import UsageError
 from ..meshes import SUFFIXES
 from . import complete
@@ -36,17 +36,10 @@ COUNT_STRANDS = Whole(1, 100_000_000)
 COUNT_PARTICLES = Whole(2, 100_000)
 
 
-def available_cores() -> int:
-    """Cores that this process may run on."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 def _available(ctx: click.Context, param: click.Parameter, count: int | None) -> int | None:
     """A number of threads that this machine has."""
-    if count is not None and count > (cores := available_cores()):
-        raise click.BadParameter(f"{count} threads, but this process may use {counted(cores, 'core')}", ctx, param)
+    if count is not None and count > (there := cores()):
+        raise click.BadParameter(f"{count} threads, but this process may use {counted(there, 'core')}", ctx, param)
     return count
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..common.counted import counted
+from ..common.limits import cores
 from ..compiling import runtime
 from . import options
 from .progress import Progress, duration, pace
@@ -57,7 +58,7 @@ def command(
 
             with naming_files(scene):
                 read(drawn.environment.image)
-    threads = threads or options.available_cores()
+    threads = threads or cores()
     plan = make_plan(scene, numbers, threads=threads)
     time = _expected(plan, scene, threads, measure)
     with naming_files(scene):
@@ -93,7 +94,7 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
     """What `render` would warn of before it simulates, of `LOOKED_AT` strands; of panels with their labels. Raises
     `UsageError` for what it would refuse of what strands do to each other."""
     from ..groom.emit import emit
-    from ..plan.warnings import labelled
+    from ..plan.decisions import labelled
     from ..scene.detail import needed_strands
     from ..scene.model import MeshShape
     from ..simulate.advice import warnings
@@ -122,8 +123,8 @@ def _warnings(scene: Scene, numbers: Any) -> list[str]:
 
 
 def _totals(plan: Plan, written: int) -> None:
+    from ..common.limits import SHARE, available_memory
     from ..output.files import megabytes
-    from ..plan.limits import SHARE, available_memory
 
     say("Cost:")
     strands, steps = counted(plan.strands, "strand"), counted(plan.steps, "solver step")

@@ -128,7 +128,7 @@ class Preview:
         """Show a picture (H, W, 3), or one with alpha over grey; ``alone``: on an empty screen."""
         if self.kind is None:
             return
-        from ..output.over import over
+        from ..output.png import over
 
         size = shutil.get_terminal_size()
         text = ("\x1b[H\x1b[2J" if alone else "") + drawn(over(image), self.kind, size.columns, size.lines)

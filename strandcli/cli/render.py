@@ -12,12 +12,11 @@ import click
 from ..common.counted import counted
 from ..errors import SimulationError, StrandError
 from ..files import inputs
-from . import animations, camera_files, options, process
-from . import dask as clusters
-from .layers import layer_options, with_layers
+from . import animations, camera_files, options, process, render_frames
+from .animations import layer_options, with_layers
 from .preview import Preview, preview_option
 from .progress import Progress, Talk, warner
-from .render_error import PictureError, advised, max_error_option
+from .render_error import advised, max_error_option
 from .render_frames import Motion, frame_line, frame_writer, frames_of, interrupted, open_cache, tell
 from .sweep import run as run_sweep
 from .sweep import sweep_option
@@ -47,7 +46,7 @@ if TYPE_CHECKING:
 @options.keep_going
 @options.memory_check
 @click.option("--no-html", is_flag=True, help="Write no report.html.")
-@clusters.option
+@render_frames.option
 @sweep_option
 @watch_option
 @preview_option
@@ -104,11 +103,11 @@ def command(
         for words in notes:
             talk.note(f"warning: {words}")
     scene = options.load_scene(preset, **scene_settings)
-    bound = None
+    picture_error = None
     if max_error is not None:
-        scene, bound = advised(preset, max_error, scene_settings, threads, talk)
+        scene, picture_error = advised(preset, max_error, scene_settings, threads, talk)
     scene = with_layers(scene, exr)
-    clusters.require(scene, dask)
+    render_frames.require_cluster(scene, dask)
     ground = animations.ground(scene, animate or (), over)
     numbers = options.frame_numbers(frames, scene, from_cache)
 
@@ -123,11 +122,12 @@ def command(
     writer = frame_writer(folder, numbers, scene, positions, animate or (), overwrite, resume, exr)
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
+    report.picture_error = picture_error
     page = None if no_html else HtmlPage(writer.directory, scene, overwrite)
     shown = Preview(preview)
     motion = Motion(positions, checkpoint, keep_going, dask)
     with page or nullcontext(), talk.progress(len(writer.wanted), label) as progress:
-        data = _run(scene, writer, report, motion, threads, talk.quiet, progress, bound, shown)
+        data = _run(scene, writer, report, motion, threads, talk.quiet, progress, shown)
     made = animations.animate(writer, data, animate or (), overwrite or resume, scene.time.fps, ground, talk)
     if page is not None:
         page.write(data, made)
@@ -149,7 +149,6 @@ def _run(
     threads: int | None,
     quiet: bool,
     progress: Progress,
-    bound: PictureError | None,
     shown: Preview,
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
@@ -171,17 +170,13 @@ def _run(
                     compile_ahead.begin(scene, threads)
                 runtime.start(threads, progress.note)
                 started = True
-                for frame in frames_of(scene, writer.wanted, motion, threads, kept, progress, warn, bound is not None):
+                for frame in frames_of(scene, writer.wanted, motion, threads, kept, progress, warn):
                     report.add(frame.number, frame.report)
-                    if bound is not None:
-                        bound.keep(frame)
                     if frame.image is not None:  # it is, where draw is not turned off
                         writer.submit(frame.number, frame.image, frame.aovs)
                         shown.next(frame.image)
                     progress.checked_step(frame_line(frame.number, frame.report))
                     process.resume()
-            if bound is not None:
-                bound.check(report, warn, progress.note)
             if stale := inputs.changed():
                 warn(stale)
         status = "complete"

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ..common.counted import counted
+from ..common.limits import cores
 from ..errors import MismatchError, UsageError
 from . import options
 from .progress import Talk
-from .say import say
+from .say import print_json, say
 
 if TYPE_CHECKING:
     from ..study.stress.run import Result
@@ -29,8 +28,6 @@ MOST_TOLD = 20
 @click.option("--filter", "pattern", metavar="WORDS", help="Run the cases whose name has all of WORDS; or a pattern.")
 @click.option("--list", "listing", is_flag=True, help="Name the cases and run nothing.")
 @click.option("--quick", is_flag=True, help="The small matrix, of a few seconds.")
-@click.option("--html", type=options.PathType(), metavar="FILE", help="Also write a page with all results.")
-@options.overwrite
 @options.threads
 @options.talk("Name each case as it fails, and what is compiled.")
 def command(
@@ -39,8 +36,6 @@ def command(
     pattern: str | None,
     listing: bool,
     quick: bool,
-    html: Path | None,
-    overwrite: bool,
     threads: int | None,
     talk: Talk,
 ) -> None:
@@ -50,8 +45,7 @@ def command(
     """
     if pattern is not None and not pattern.strip():
         raise UsageError("--filter: the text is empty; leave it out to run all cases")
-    if html is not None:
-        options.refuse_existing(html, overwrite)
+    from ..output.report import finite
     from ..study.stress import run as stress
 
     if case is not None:
@@ -76,19 +70,13 @@ def command(
         result = stress.run(
             work,
             only=only,
-            processes=threads or options.available_cores(),
+            processes=threads or cores(),
             notify=progress.note,
             step=lambda count: progress.step(count=count),
             tell=tell,
         )
-    if html is not None:
-        from ..html_report.measured import of_stress
-        from ..output.files import prepare_folder, write_pieces
-
-        prepare_folder(html.parent, 0)
-        write_pieces(html, [of_stress(result, table(result))])
     if talk.as_json:
-        _print_json(result)
+        print_json(finite(result.as_dict()))
     elif case and not talk.quiet:
         say("\n".join(detail(one) for one in result.verdicts))
     elif not talk.quiet:
@@ -154,18 +142,3 @@ def _row(solver: str, metric: str, must: str, cases: Sequence[Verdict]) -> list[
     value, worst = max(known, key=lambda pair: pair[0] if pair[0] == pair[0] else float("inf"))  # NaN is the worst
     beyond = sum(metric in one.failed for _, one in known)
     return [f"{solver:<8}{metric:<20}{must:>10}{value:>11.3g}{len(known):>8,}{beyond:>8,}  {worst.name}  ({meaning})"]
-
-
-def _print_json(result: Result) -> None:
-    """Machine data alone on stdout, a line a case: there are tens of thousands."""
-    from ..output.report import finite
-
-    data = finite(result.as_dict())
-    cases = data.pop("cases")
-
-    def text(value: Any) -> str:
-        return json.dumps(value, allow_nan=False, ensure_ascii=False)
-
-    lines = ",\n".join(f"  {text(case)}" for case in cases)
-    rest = ",\n".join(f"{text(key)}: {text(value)}" for key, value in data.items())
-    say(f'{{{rest},\n"cases": [\n{lines}\n]}}')

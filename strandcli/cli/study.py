@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 
 ROOM = 1_000_000
 """Bytes that there has to be room for."""
-KINDS = ("csv", "json", "svg", "html")
+KINDS = ("csv", "json", "svg")
 """Files of a study."""
 
 max_error = click.option("--max-error", type=ERROR, metavar="ERROR", help="Error to stay under: 1% or 0.01.")
@@ -33,7 +32,7 @@ max_error = click.option("--max-error", type=ERROR, metavar="ERROR", help="Error
               help="Exact solutions in place of a preset: elastica, beam, swing, spring, incline, layer, tuft, "
               "or all.")  # fmt: skip
 @click.option("--axis", metavar="NAME", help="What to study of a preset: motion, or of pictures coverage, shadow, "
-              "occlusion, quality.  [default: motion]")  # fmt: skip
+              "quality.  [default: motion]")  # fmt: skip
 @max_error
 @click.option("--solver", "solvers", type=several("NAMES", word, "rod,thesis"), metavar="NAMES",
               help="Solvers: thesis, rod.  [default: all]")  # fmt: skip
@@ -47,7 +46,7 @@ max_error = click.option("--max-error", type=ERROR, metavar="ERROR", help="Error
 @click.option("--cells", type=several("METRES", metres, "0.01,0.02"), metavar="METRES",
               help="Cells of the rule interaction to try.  [default: the preset's own]")  # fmt: skip
 @click.option("--strands", type=options.COUNT_STRANDS, metavar="N",
-              help="Strands of the preset: the first N.  [default: 256; shadow, occlusion: 2000]")  # fmt: skip
+              help="Strands of the preset: the first N.  [default: 256; shadow: 2000]")  # fmt: skip
 @click.option("--span", type=click.FloatRange(1e-3, 3600), metavar="SECONDS",
               help="Part of the preset's film to run, after its pre-roll.  [default: 1]")  # fmt: skip
 @click.option("--frame", type=options.Whole(1), metavar="N", help="Frame to draw, of pictures.  [default: 1]")
@@ -74,8 +73,8 @@ def command(
     the settings of one stage of drawing, or of all.
 
     Of PRESET: where strands are, against the limit of finer settings; with --axis, one frame in linear light against a
-    far finer one, or rays. With --reference: against exact solutions. Prints a table, writes NAME.csv, .json, .svg and
-    .html, and recommends the cheapest setting under an error. A solver that cannot represent something is listed as
+    far finer one, or rays. With --reference: against exact solutions. Prints a table, writes NAME.csv, .json and .svg,
+    and recommends the cheapest setting under an error. A solver that cannot represent something is listed as
     such. Exit code 3: no setting stays under --max-error.
     """
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
@@ -103,7 +102,9 @@ def command(
             studies.append(study)
             _write(study, folder, max_error)
     data = [one.as_dict() for one in studies]
-    talk.result(finite(data[0] if len(data) == 1 else {"studies": data}), lambda: _text(studies))
+    talk.result(
+        finite(data[0] if len(data) == 1 else {"studies": data}), lambda: "\n\n".join(map(report.to_text, studies))
+    )
     names = ", ".join(file_name(one.name, one.axis) for one in studies)
     talk.note(f"{folder}: {names} ({', '.join('.' + kind for kind in KINDS)})")
     missed = [one for one in studies if one.points and not one.recommended]
@@ -175,19 +176,8 @@ def file_name(name: str, axis: str | None = None) -> str:
     return re.sub(r"[^\w.-]+", "-", name, flags=letters).strip("-.") or "study"
 
 
-def _text(studies: Sequence[Study]) -> str:
-    """The tables of studies for people."""
-    from ..study import report
-    from ..study.pictures.frame import quality_text
-
-    texts = [report.to_text(one) for one in studies]
-    texts += [quality_text(one.points) for one in studies if one.axis == "quality"]
-    return "\n\n".join(texts)
-
-
 def _write(study: Study, folder: Path, max_error: float | None) -> None:
     from ..compiling import runtime
-    from ..html_report.measured import of_study
     from ..output.files import prepare_folder, write_json, write_pieces
     from ..output.report import finite
     from ..study.chart import chart
@@ -197,5 +187,4 @@ def _write(study: Study, folder: Path, max_error: float | None) -> None:
     name = file_name(study.name, study.axis)
     write_pieces(folder / f"{name}.csv", [to_csv(study).encode()])
     write_pieces(folder / f"{name}.svg", [chart(study, max_error).encode()])
-    write_pieces(folder / f"{name}.html", [of_study(study, max_error, runtime.machine())])
     write_json(folder / f"{name}.json", finite({**study.as_dict(), "machine": runtime.machine()}))

@@ -179,23 +179,22 @@ def count(low: int, high: int) -> Callable[[str], int]:
     return read
 
 
-def step(word: str) -> float:
-    """A step in seconds: ``1/240`` or ``0.01``."""
-    match = re.fullmatch(r"([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?)(?:/([0-9]*\.?[0-9]+))?", word, re.ASCII)
-    below = float(match[2]) if match and match[2] else 1.0
-    seconds = float(match[1]) / below if match and below > 0 else math.nan
-    if not (math.isfinite(seconds) and 1e-6 <= seconds <= 10):
-        raise ValueError(f"'{word}' is not a step from 1e-6 to 10 seconds")
-    return seconds
+def quantity(what: str, low: float, high: float) -> Callable[[str], float]:
+    """A reader of numbers and of fractions such as ``1/240`` in a range."""
+
+    def read(word: str) -> float:
+        match = re.fullmatch(r"([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?)(?:/([0-9]*\.?[0-9]+))?", word, re.ASCII)
+        below = float(match[2]) if match and match[2] else 1.0
+        found = float(match[1]) / below if match and below > 0 else math.nan
+        if not low <= found <= high:
+            raise ValueError(f"'{word}' is not {what}")
+        return found
+
+    return read
 
 
-def metres(word: str) -> float:
-    """A length above 0."""
-    match = re.fullmatch(r"[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?", word, re.ASCII)
-    length = float(word) if match else math.nan
-    if not (math.isfinite(length) and length > 0):
-        raise ValueError(f"'{word}' is not a length above 0, metres")
-    return length
+step = quantity("a step from 1e-6 to 10 seconds", 1e-6, 10.0)
+metres = quantity("a length above 0, metres", 1e-300, 1e300)
 
 
 def word(text: str) -> str:

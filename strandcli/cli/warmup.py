@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..common.counted import counted
+from ..common.limits import cores
 from ..compiling import processor
 from ..compiling.clock import clock
 from ..compiling.folder import cache
-from ..compiling.service import cores
 from . import complete, options, signals
-from .layers import layer_options, with_layers
+from .animations import layer_options, with_layers
 from .progress import Talk
 
 if TYPE_CHECKING:
@@ -77,10 +77,7 @@ def command(
     if pack is not None:
         cache.use(cache.path)  # all of it has to be in one folder, for one processor
         cache.arrays = False  # what computes them belongs to a pack
-    with (
-        profiled() if profile else nullcontext() as measured,
-        talk.progress(len(names), "warmup") as progress,
-    ):
+    with profiled() if profile else nullcontext() as measured, talk.progress(len(names), "warmup") as progress:
         runtime.start(threads, progress.note)
         for scene in scenes:
             clock.expect(scene.source)
@@ -137,7 +134,7 @@ def _table(costs: list[dict[str, Any]]) -> str:
 
 def _write_pack(path: Path) -> dict[str, int]:
     """Write all kernels that were run; returns how many they are, and the bytes of the file."""
-    from ..compiling.packs import packed
+    from ..compiling.stores import packed
     from ..jit.cache import pack_content
     from ..output.files import prepare_folder, write_pieces
 

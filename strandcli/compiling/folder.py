@@ -23,8 +23,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from .. import __version__
-from .packs import SHIPPED, Pack, PackError
-from .stores import DAY, FolderStore, Store, T, writers
+from .stores import DAY, SHIPPED, FolderStore, Pack, PackError, Store, T, writers
 
 KEPT_DAYS = 30.0
 """An entry that no run has loaded for so long is removed."""

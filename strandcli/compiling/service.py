@@ -20,6 +20,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..common import limits
 from . import folder
 
 if TYPE_CHECKING:
@@ -192,19 +193,7 @@ class Service:
 def most_workers() -> int:
     """As many as ``STRANDCLI_COMPILERS`` says, else one a core that this process may use."""
     asked = os.environ.get("STRANDCLI_COMPILERS", "")
-    return int(asked) if asked.isdecimal() else cores()
-
-
-def cores() -> int:
-    """Cores that this process may use: its affinity, within its control group's quota."""
-    count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    try:
-        quota, period = Path("/sys/fs/cgroup/cpu.max").read_text(encoding="ascii").split()
-        if quota != "max":
-            count = min(count, max(int(quota) // int(period), 1))
-    except (OSError, ValueError, ZeroDivisionError):
-        pass
-    return count
+    return int(asked) if asked.isdecimal() else min(limits.cores(), max(1, int(limits.quota() or limits.cores())))
 
 
 service = Service()

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..common.extras import install
 from ..errors import RefusedError, UsageError
-from .job import ALIKE, SHOULD, facts
+from .worker import ALIKE, SHOULD, facts
 
 LOCAL = "local"
 PATIENCE = 10.0

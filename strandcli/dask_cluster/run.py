@@ -11,7 +11,7 @@ from uuid import uuid4
 from ..errors import RefusedError, StrandError
 from ..run.frame import Frame
 from . import worker
-from .job import Job, Task
+from .worker import Job, Task
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

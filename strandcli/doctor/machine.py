@@ -9,9 +9,9 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..common import limits
 from ..common.counted import counted
 from ..errors import UsageError
-from ..plan import limits
 from . import BROKEN, NOTE, OK, Finding
 
 WIDE = ("avx512f", "avx2", "avx", "sse4.2", "sve", "neon")
@@ -42,8 +42,7 @@ def processor() -> Iterator[Finding]:
 def threads() -> Iterator[Finding]:
     """Cores that there are, that this process may use, and the threads that it takes by default."""
     there = os.cpu_count() or 1
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else there
-    quota = limits.cores()
+    usable, quota = limits.cores(), limits.quota()
     from ..compiling.runtime import checked_threads
 
     try:

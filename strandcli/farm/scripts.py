@@ -1,12 +1,14 @@
-"""Shell scripts: the job's stages, and how Slurm or GNU parallel runs them. POSIX sh, for clusters' old shells."""
+"""Job files: scripts of the stages, and how Slurm or GNU parallel runs them, in POSIX sh; and a template of Open Job
+Description."""
 
 from __future__ import annotations
 
 import shlex
 import sys
 from collections.abc import Sequence
+from typing import Any
 
-from .job import CHUNKS, Job
+from .job import CHUNKS, FRAMES, POSITIONS, SCENE, Job
 
 JOB, SUBMIT, RUN = "job.sh", "submit.sh", "run.sh"
 
@@ -72,7 +74,11 @@ sh job.sh join
 
 
 def files(job: Job, target: str, cores: int) -> dict[str, str]:
-    """The scripts by name. ``cores``: of this machine, for GNU parallel."""
+    """The files for a target by name. ``cores``: of this machine, for GNU parallel."""
+    if target == "openjd":
+        import yaml
+
+        return {TEMPLATE: yaml.safe_dump(template(job), sort_keys=False, allow_unicode=True, width=100)}
     if target == "slurm":
         return {JOB: _stages(job), SUBMIT: _slurm(job), CHUNKS: _lines(job.chunks)}
     return {JOB: _stages(job), RUN: _parallel(job, cores), CHUNKS: _lines(job.chunks)}
@@ -112,3 +118,53 @@ def _parallel(job: Job, cores: int) -> str:
 def _comment(text: str) -> str:
     """Text that ends neither a comment nor a line."""
     return "".join(c if c.isprintable() else "?" for c in text)
+
+
+TEMPLATE = "job.yaml"
+SPECIFICATION = "jobtemplate-2023-09"
+COMMAND = "{{Param.Strandcli}}"
+PATHS = {"scene": "{{Param.Scene}}", "positions": "{{Param.Positions}}", "frames": "{{Param.Frames}}"}
+
+
+def template(job: Job) -> dict[str, Any]:
+    """A template of Open Job Description (specification jobtemplate-2023-09) as plain data, which several render
+    managers take."""
+    draw = job.draw("{{Task.Param.Chunk}}", **PATHS)
+    steps = [_step(job, "Warm up", job.warm_up(PATHS["scene"]))]
+    if job.simulated:
+        moved = job.simulate(PATHS["scene"], PATHS["positions"])
+        steps.append(_step(job, "Simulate", moved, after=steps[-1]["name"]))
+    steps.append(_step(job, "Draw", draw, after=steps[-1]["name"], chunks=job.chunks))
+    steps.append(_step(job, "Join", job.join(**PATHS), after="Draw"))
+    return {
+        "specificationVersion": SPECIFICATION,
+        "name": "".join(c if c.isprintable() and c not in "{}" else "-" for c in job.name)[:120] or "strands",
+        "parameterDefinitions": [
+            _path("Scene", SCENE, "FILE", "IN", "Preset with all settings"),
+            _path("Positions", POSITIONS, "DIRECTORY", "INOUT", "Simulated positions"),
+            _path("Frames", FRAMES, "DIRECTORY", "INOUT", "Pictures, animation, report"),
+            {"name": "Strandcli", "type": "STRING", "default": "strandcli", "description": "The command on the hosts"},
+        ],
+        "steps": steps,
+    }
+
+
+def _path(name: str, default: str, kind: str, flow: str, words: str) -> dict[str, str]:
+    return {"name": name, "type": "PATH", "objectType": kind, "dataFlow": flow, "default": default,
+            "description": words}  # fmt: skip
+
+
+def _step(job: Job, name: str, arguments: Sequence[str], after: str = "", chunks: Sequence[str] = ()) -> dict[str, Any]:
+    """A step that runs strandcli, once or for each chunk; the first one compiles."""
+    step: dict[str, Any] = {"name": name}
+    if after:
+        step["dependencies"] = [{"dependsOn": after}]
+    if chunks:
+        definition = {"name": "Chunk", "type": "STRING", "range": list(chunks)}
+        step["parameterSpace"] = {"taskParameterDefinitions": [definition]}
+    memory = job.memory if after else job.warm_up_memory
+    needs = {"amount.worker.vcpu": job.threads, "amount.worker.memory": memory}
+    step["hostRequirements"] = {"amounts": [{"name": key, "min": least} for key, least in needs.items()]}
+    action = {"command": COMMAND, "args": [*arguments, "--threads", str(job.threads)]}
+    step["script"] = {"actions": {"onRun": action}}
+    return step

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..errors import StrandError
 from ..files.picture_samples import opened
 from ..output import png
-from ..output.over import flattened
+from ..output.png import flattened
 
 THUMBNAIL, LARGE, FILM = 288, 860, 480
 """Widths in pixels: of a frame on the sheet, of the one at the top, of an animation."""

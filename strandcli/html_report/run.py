@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from ..errors import StrandError
 from ..output.files import megabytes, write_pieces
-from . import page, pictures, svg
+from . import page, pictures
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -147,13 +147,13 @@ def _stages(frames: Sequence[Json]) -> str:
                 by_stage.setdefault(stage, []).append(value)
     found = sorted(((stage, median(values)) for stage, values in by_stage.items()), key=lambda pair: -pair[1])
     whole = sum(value for _, value in found) or 1.0
-    return svg.bars([(stage, value, f"{seconds(value)} · {100 * value / whole:.0f} %") for stage, value in found])
+    return page.bars([(stage, value, f"{seconds(value)} · {100 * value / whole:.0f} %") for stage, value in found])
 
 
 def _times(frames: Sequence[Json]) -> str:
     points = [(one["frame"], one["seconds"]["total"]) for one in frames if (one.get("seconds") or {}).get("total")]
     large = max((value for _, value in points), default=0.0) >= 1
-    return svg.line([(x, y if large else 1000 * y) for x, y in points], " s" if large else " ms")
+    return page.line([(x, y if large else 1000 * y) for x, y in points], " s" if large else " ms")
 
 
 def _errors(frames: Sequence[Json]) -> Iterator[tuple[str, str]]:
@@ -162,7 +162,7 @@ def _errors(frames: Sequence[Json]) -> Iterator[tuple[str, str]]:
         points = [(one["frame"], factor * one["error"][key]) for one in frames
                   if (one.get("error") or {}).get(key) is not None]  # fmt: skip
         if any(value > 0 for _, value in points):
-            yield name, svg.line(points, unit)
+            yield name, page.line(points, unit)
 
 
 def _reasons(stages: Sequence[Json] | None) -> str:

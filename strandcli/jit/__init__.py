@@ -7,8 +7,7 @@ from typing import Any
 
 from numba import config, njit, prange
 
-from .deferred import Deferred
-from .dispatcher import KernelDispatcher
+from .dispatcher import Deferred, KernelDispatcher
 
 __all__ = ["device", "function", "inlined", "parallel", "prange"]
 

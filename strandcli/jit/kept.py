@@ -9,14 +9,12 @@ or that others may change, is made again; where nothing can be kept, arrays are 
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import hashlib
 import json
 import os
 import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,8 +26,6 @@ from ..output.state_file import FREE, state_of, state_pieces
 __all__ = ["FREE", "Arrays", "find", "keep", "kept", "key_of"]
 
 SUFFIX = ".arrays"
-MOST_BYTES = 512 << 20
-"""Of all such files: beyond it those that no run has read for longest are removed."""
 LARGEST = 128 << 20
 """Bytes of a file's arrays, so that a few files of this size do not drive out all others."""
 SETTINGS = ("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")
@@ -73,9 +69,7 @@ def keep(kind: str, key: str, arrays: Arrays) -> None:
     """Keep arrays under a key, where a file can be written and they are not too large."""
     if folder.cache.trouble is not None or sum(one.nbytes for one in arrays.values()) > LARGEST:
         return
-    path = folder.cache.path / _name(kind, key)
-    if folder.cache.write(path, state_pieces(key, arrays)):
-        _remove_oldest(path.parent)
+    folder.cache.write(folder.cache.path / _name(kind, key), state_pieces(key, arrays))
 
 
 def _name(kind: str, key: str) -> str:
@@ -107,15 +101,3 @@ def _machine() -> list[Any]:
         platform.machine(), llvm.get_host_cpu_name(), platform.libc_ver(), numba.__version__, llvm.llvm_version_info,
         np.__version__, [os.environ.get(name) for name in SETTINGS],
     ]  # fmt: skip
-
-
-def _remove_oldest(where: Path) -> None:
-    """Remove those that were not used for longest, so that the others are within `MOST_BYTES`."""
-    size = 0
-    with contextlib.suppress(OSError), os.scandir(where) as found:
-        mine = [(one.stat(follow_symlinks=False), one.path) for one in found if one.name.endswith(SUFFIX)]
-        for status, path in sorted(mine, key=lambda one: one[0].st_mtime, reverse=True):
-            size += status.st_size
-            if size > MOST_BYTES:
-                with contextlib.suppress(OSError):
-                    os.unlink(path)

@@ -22,7 +22,7 @@ ROOT = str(Path(__file__).parents[1])
 IMPORT = re.compile(rb"from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]+)")
 NOT_COMPILED = frozenset(
     f"{PACKAGE}.{name}" for name in (
-        "jit.cache", "jit.deferred", "jit.dispatcher", "jit.loaded", "jit.sources", "compiling", "errors",
+        "jit.cache", "jit.dispatcher", "jit.sources", "compiling", "errors",
     )
 )  # fmt: skip
 """Modules, or all of a package, that decide where kernels are kept and when they are compiled, not what is in them."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from . import png
 from .files import atomic
-from .over import GREY, Rgb, over
+from .png import GREY, Rgb, over
 
 COLOURS = 255  # one entry of 256 is left for pixels that stay as they were
 PALETTE_FRAMES = 12

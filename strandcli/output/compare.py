@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import MismatchError
 from . import png
 from .files import write_pieces
-from .over import over
+from .png import over
 
 Samples = NDArray[Any]
 

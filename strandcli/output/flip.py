@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MismatchError
-from .over import Rgb, over
+from .png import Rgb, over
 
 Array = NDArray[np.float64]
 

@@ -34,7 +34,7 @@ from ..errors import RefusedError, UsageError
 from ..files.inputs import opened
 from . import png
 from .files import placed, write_pieces
-from .npz import made_of, write_array
+from .state_file import made_of, write_array
 
 Layers = Mapping[str, NDArray[Any]]
 
@@ -42,11 +42,7 @@ EXR_INTEGERS = 1 << 24
 """Strands that an EXR file can number: its floats hold whole numbers up to here."""
 EXR_SCENE, EXR_LAYERS, EXR_HEAD = "strandcliScene", "strandcliLayers", 1 << 16
 """The attributes with the fingerprint of the scene and the names of layers, and bytes that a header has at most."""
-_EXR_NAMES = {
-    "depth": ("Z",),
-    "linear": ("R", "G", "B", "A"),
-    "tangent": ("tangent.X", "tangent.Y", "tangent.Z"),
-}
+_EXR_NAMES = {"depth": ("Z",), "linear": ("R", "G", "B", "A"), "tangent": ("tangent.X", "tangent.Y", "tangent.Z")}
 
 
 def layer_files(frame: int, names: Sequence[str], exr: bool) -> list[str]:
@@ -107,28 +103,6 @@ def is_whole(path: Path, names: Sequence[str]) -> bool:
         return path.suffix != ".exr" or all(f" {name} ".encode() in head for name in names)
     except (UsageError, RefusedError, OSError):
         return False
-
-
-def read_layer(path: Path) -> NDArray[Any]:
-    """The array of one ``.npz`` file, which is named as the file is up to its number.
-
-    Raises ``UsageError`` for anything but one such array of at most three dimensions, ``RefusedError`` without
-    permission.
-    """
-    name = path.stem.rpartition("_")[0]
-    try:
-        with opened(path) as file, np.load(file, allow_pickle=False) as data:
-            found = data[name]
-    except (UsageError, RefusedError):
-        raise
-    except KeyError:
-        raise UsageError(f"{path}: has no array named '{name}'") from None
-    except Exception as error:  # damaged archives raise whatever their damage leads to
-        words = " ".join(str(error).split()) or type(error).__name__
-        raise UsageError(f"{path}: not a layer that can be read: {words}") from None
-    if not isinstance(found, np.ndarray) or found.ndim not in (2, 3):
-        raise UsageError(f"{path}: '{name}' is no picture")
-    return found
 
 
 def viewable(name: str, data: NDArray[Any]) -> tuple[NDArray[Any], dict[str, str]]:

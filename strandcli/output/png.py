@@ -1,4 +1,5 @@
-"""PNG files: a fast encoder for frames, a checked reader, and the hash by which pictures are compared.
+"""PNG files: a fast encoder for frames, a checked reader, and the hash by which pictures are compared; pictures
+with alpha over one colour, for what knows no alpha.
 
 Why an encoder of its own: Pillow tries five filters on every row before it compresses, and that, not zlib, is what a
 frame waits for. One filter for all rows, the difference from the pixel to the left, turns an even background into
@@ -30,6 +31,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import NDArray
 
 from ..errors import RefusedError, UsageError
 from ..files.picture_samples import opened, require_pixels, samples
@@ -171,3 +173,44 @@ def keyword(path: Path, name: str) -> str | None:
 
 def _plain(error: Exception) -> str:
     return " ".join(str(error).split()) or type(error).__name__
+
+
+Rgb = tuple[int, int, int]
+
+GREY: Rgb = (118, 118, 118)
+"""Reflects 18 %, the mid grey of photographers: dark and blond hair are seen before it."""
+
+
+def over(image: Pixels, colour: Rgb = GREY) -> Pixels:
+    """Return a picture (height, width, 3) of 8-bit sRGB: one with straight alpha (height, width, 4) over a colour, in
+    linear light (Porter and Duff 1984); one without as it is."""
+    if image.shape[2] == 3:
+        return image
+    ground = np.array(colour, np.uint8)
+    alpha = image[..., 3]
+    found = np.where(alpha[..., None] == 255, image[..., :3], ground)
+    some = (alpha > 0) & (alpha < 255)
+    share = alpha[some, None] / 255
+    found[some] = _encoded(share * _linear(image[some, :3]) + (1 - share) * _linear(ground))
+    return found
+
+
+def flattened(image: Any, colour: Rgb = GREY) -> Any:
+    """Return a Pillow image without alpha, as `over`."""
+    from PIL import Image
+
+    if not image.has_transparency_data:
+        return image.convert("RGB")
+    return Image.fromarray(over(np.asarray(image.convert("RGBA")), colour))
+
+
+def _linear(levels: Pixels) -> NDArray[np.float64]:
+    """8-bit sRGB to linear light (IEC 61966-2-1)."""
+    share = levels / 255
+    return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+
+
+def _encoded(linear: NDArray[np.float64]) -> Pixels:
+    """Linear light in [0, 1] to 8-bit sRGB."""
+    share = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return np.rint(255 * share).astype(np.uint8)

@@ -19,8 +19,8 @@ from ..errors import RefusedError, UsageError, said
 from ..files.inputs import opened, unrecorded
 from .claim import Claim
 from .files import ARCHIVE_ERRORS, prepare_folder, read_json, refuse_present, require_own, with_whole, write_json
-from .npz import made_of, write_array
 from .report import finite
+from .state_file import made_of, write_array
 
 Positions = npt.NDArray[np.float32]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +22,6 @@ SCHEMA_VERSION = 1
 FILE = "report.json"
 PATIENCE = 60.0
 """Seconds to wait for another run that is writing the report: it takes far less than one, or hangs."""
-LARGEST = 1e300
-"""Numbers beyond it, and integers that no float holds, are none that strandcli writes."""
-MOST_FRAMES = 10**9
 
 
 def peak_rss_bytes() -> int:
@@ -60,8 +57,8 @@ class RunReport:
         self.frames: dict[int, dict[str, Any]] = {}
         self.failure: dict[str, Any] | None = None
         self.warnings: list[str] = []
-        self.picture_error: dict[str, Any] | None = None
-        """What is known of the pictures' error, where one was asked for: `study.picture_advice`."""
+        self.picture_error: Mapping[str, Any] | None = None
+        """What is known of the pictures' error, where one was asked for: `study.advice`."""
         self._start = time.perf_counter()
 
     def add(self, frame: int, report: Mapping[str, Any]) -> None:
@@ -140,13 +137,7 @@ def _entry(report: Mapping[str, Any], done: Written) -> dict[str, Any]:
     known = [value for value in stages.values() if value is not None]
     stages["total"] = sum(known) if known else None
     rest = {key: value for key, value in report.items() if key not in ("frame", "seconds")}
-    return {
-        "frame": report["frame"],
-        "file": done.file,
-        "pixels_sha256": done.pixels_sha256,
-        "seconds": stages,
-        **rest,
-    }
+    return {"frame": report["frame"], "file": done.file, "pixels_sha256": done.pixels_sha256, "seconds": stages, **rest}
 
 
 def finite(value: Any) -> Any:
@@ -163,74 +154,14 @@ def finite(value: Any) -> Any:
 
 
 def read_report(directory: Path) -> dict[str, Any] | None:
-    """The report that an earlier run left in ``directory``, without what is not as strandcli writes it, or None if
-    there is none that can be read."""
+    """The report that an earlier run left in ``directory``; None if there is none that can be read, or one of another
+    version, or of other files than frames' own."""
     try:
-        return sound_report(read_json(directory / FILE))
-    except (OSError, ValueError):
+        data = read_json(directory / FILE)
+        own = all(one["file"] == frame_file(one["frame"]) for one in data["frames"])
+        return dict(data) if own and data["schema_version"] == SCHEMA_VERSION else None
+    except (OSError, ValueError, TypeError, KeyError):
         return None
-
-
-def is_number(value: object) -> bool:
-    """Whether it is a finite number; truth values are none."""
-    return type(value) in (int, float) and abs(value) <= LARGEST  # type: ignore[arg-type]
-
-
-def is_number_or_none(value: object) -> bool:
-    """Whether it is a finite number or None, which stands for one that is not known."""
-    return value is None or is_number(value)
-
-
-def _is_text(value: object) -> bool:
-    return value is None or isinstance(value, str)
-
-
-def _mapping(inner: Callable[[Any], bool]) -> Callable[[Any], bool]:
-    """A check of mappings whose values are all of a kind, or of None."""
-    return lambda value: value is None or (isinstance(value, dict) and all(map(inner, value.values())))
-
-
-def _list(inner: Callable[[Any], bool]) -> Callable[[Any], bool]:
-    return lambda value: isinstance(value, list) and all(map(inner, value))
-
-
-def _is_told(value: object) -> bool:
-    return _is_text(value) or is_number(value)
-
-
-def _is_frame(entry: Any) -> bool:
-    """Whether it tells of a frame by its number and the name of its file, which is the frame's own."""
-    if not isinstance(entry, dict) or type(entry.get("frame")) is not int or not 0 <= entry["frame"] < MOST_FRAMES:
-        return False
-    numbers = _mapping(is_number_or_none)
-    return bool(entry.get("file") == frame_file(entry["frame"])) and all(
-        numbers(entry.get(name)) for name in ("seconds", "error", "counts")
-    )
-
-
-CHECKS: dict[str, Callable[[Any], bool]] = {
-    "frames": _list(_is_frame),
-    "preset": lambda value: (
-        isinstance(value, dict) and isinstance(value.get("name"), str) and _mapping(_is_text)(value)
-    ),
-    "machine": _mapping(_is_told),
-    "plan": _mapping(_list(lambda one: isinstance(one, dict) and {"stage", "why"} <= one.keys())),
-    "totals": _mapping(is_number_or_none),
-    "failure": _mapping(_is_told),
-    "warnings": _list(lambda one: isinstance(one, str)),
-    "compile_seconds": is_number_or_none,
-    "picture_error": lambda value: value is None or isinstance(value, dict),
-    **dict.fromkeys(("strandcli", "status", "scene"), _is_text),
-}
-"""By the keys of report.json."""
-
-
-def sound_report(data: Any) -> dict[str, Any] | None:
-    """The report.json that this is; None where a part of it is of another kind or names other files than frames'
-    own."""
-    if not isinstance(data, dict):
-        return None
-    return data if all(CHECKS[key](one) for key, one in data.items() if key in CHECKS) else None
 
 
 def of_others(

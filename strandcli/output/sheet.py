@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import RefusedError, UsageError
 from . import png
 from .compare import write_image
-from .over import Rgb, over
+from .png import Rgb, over
 
 KINDS = (".png", ".jpg", ".jpeg", ".webp", ".gif")
 GAP = 8

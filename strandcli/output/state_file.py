@@ -1,4 +1,5 @@
-"""A file of named arrays, checked by a hash, for a reader that knows their types and shapes: nothing that it says is
+"""Files of arrays. `write_array` writes one that NumPy reads, with a fingerprint as the comment; `write_state`
+a file of named arrays, checked by a hash, for a reader that knows their types and shapes: nothing that it says is
 believed, no memory is taken on its word, nothing is unpickled.
 
 ``strandcli state 1``, a line of JSON (who wrote it, and name, type and shape of each array), the arrays' bytes one
@@ -11,12 +12,14 @@ import hashlib
 import json
 import os
 import stat
+import zipfile
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
+import numpy.typing as npt
 from numpy.typing import NDArray
 
 from ..files.inputs import READ
@@ -130,3 +133,22 @@ def _is_head(line: bytes) -> bool:
 
 KEY = 64
 """Hexadecimal digits of a key."""
+
+
+MARK = b"strandcli of "
+
+
+def write_array(path: Path, name: str, array: npt.NDArray[np.generic], of: str = "", packed: bool = False) -> None:
+    """Write an array, whole or not at all, with the fingerprint that it is ``of``. Raises `RefusedError`."""
+    kind = zipfile.ZIP_DEFLATED if packed else zipfile.ZIP_STORED
+    with atomic(path) as file, zipfile.ZipFile(file, "w", kind, compresslevel=1) as archive:
+        with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+            np.lib.format.write_array(member, np.ascontiguousarray(array), allow_pickle=False)
+        if of:
+            archive.comment = MARK + of.encode()
+
+
+def made_of(archive: zipfile.ZipFile) -> str:
+    """The fingerprint that an archive is of; empty where it has none."""
+    comment = archive.comment
+    return comment.removeprefix(MARK).decode("ascii", "replace") if comment.startswith(MARK) else ""

@@ -14,7 +14,7 @@ from ..common.extras import install
 from ..errors import RefusedError, UsageError, said
 from . import png
 from .files import refusal, temporary_name
-from .over import GREY, Rgb, over
+from .png import GREY, Rgb, over
 
 QUALITY = "17"
 """Of x264, 0 to 51: below 18 a viewer sees no difference."""

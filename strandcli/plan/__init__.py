@@ -3,7 +3,7 @@
 The decisions are those of the drivers, which use the same conditions.
 """
 
+from ..common.limits import SHARE, available_memory
 from ..draw.shadows.shadow_model import needs_counts, needs_shadow_maps
-from .limits import SHARE, available_memory
 from .make import Plan, Stage, make_plan, pictures_that_fit
 from .require import checked_plan, require_memory

@@ -6,13 +6,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from ..common.limits import SHARE, available_memory
 from ..scene.detail import needed_strands
 from ..scene.named_files import naming_files
-from .decisions import drawing_decisions, motion_decisions, solver_steps
-from .limits import SHARE, available_memory
+from .decisions import drawing_decisions, labelled, motion_decisions, solver_steps, warnings_of
 from .memory import memory_of, picture_bytes, program_bytes, shared_bytes
 from .sizes import Sizes, most_strands, points_of, sizes_of
-from .warnings import labelled, warnings_of
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

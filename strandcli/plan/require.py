@@ -7,8 +7,8 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from ..common.limits import SHARE, available_memory
 from ..errors import RefusedError
-from .limits import SHARE, available_memory
 from .make import Plan, make_plan
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from ..draw.shadows.shadow_model import model_of
 from ..scene.detail import mean_share, strands_needed
 from ..scene.model import DiscShape, MeshShape, PlaneShape
 from ..scene.model.emitter import TIED
-from .warnings import samples_a_metre
+from .decisions import samples_a_metre
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

@@ -10,7 +10,8 @@ import dataclasses
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..compiling.service import cores, service
+from ..common.limits import cores
+from ..compiling.service import service
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

@@ -14,7 +14,6 @@ from .faults import Fault, SceneError, fault_at, shown
 from .nodes import MapNode, Scalar, kind_of
 from .rule_type import RuleType
 from .settings import Unreachable, merge_scenes
-from .with_quality import with_quality
 from .yaml_source import LARGEST_FILE, read
 
 if TYPE_CHECKING:
@@ -96,10 +95,10 @@ def chain_of(source: Path, rules: Rules, files: list[str], faults: list[Fault], 
         links.append(_Link(path, root))
         path = _parent(links, faults)
     links.reverse()
-    root = with_quality(links[0].root.without("extends"), rules, beside=links[0].root)
+    root = links[0].root.without("extends")
     for link in links[1:]:
         try:
-            root = with_quality(merge_scenes(root, link.root.without("extends"), rules), rules, beside=link.root)
+            root = merge_scenes(root, link.root.without("extends"), rules)
         except Unreachable as problem:
             entry = link.root.entries["rules"]
             faults.append(fault_at(entry.mark, "rules", str(problem)))

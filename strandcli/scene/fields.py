@@ -4,7 +4,7 @@
 the validator, the JSON Schema and the documentation the rest. Rules declare their parameters with the same helpers.
 
 Each helper takes what the spec takes that it is named after. A trailing underscore in a field's name is not part of its
-key (``with_`` is written ``with``).
+key (``with_`` is written ``with``). `value_at` and `with_value` reach settings of a scene by their dotted paths.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, ParamSpec
 
 from . import specs
+from .specs import ModelSpec
 
 Given = ParamSpec("Given")
 Vector = tuple[float, float, float]
@@ -75,3 +76,32 @@ def settings_of(cls: type) -> Mapping[str, Setting]:
         if "spec" in field.metadata
     )
     return MappingProxyType({setting.key: setting for setting in found})
+
+
+def value_at(node: Any, path: str) -> Any:
+    """The value at a path; None where there is none, or a part of the way to it is absent."""
+    for part in path.split("."):
+        if node is None:
+            return None
+        node = node[int(part)] if isinstance(node, tuple) else getattr(node, part, None)
+    return node
+
+
+def with_value(node: Any, path: str, value: Any) -> Any:
+    """The same with another value at a path, which is not validated; a mapping on the way that is absent is made."""
+    head, _, rest = path.partition(".")
+    if isinstance(node, tuple):
+        index = int(head)
+        inner = with_value(node[index], rest, value) if rest else value
+        return (*node[:index], inner, *node[index + 1 :])
+    if rest:
+        inner = getattr(node, head)
+        value = with_value(made(node, head) if inner is None else inner, rest, value)
+    return dataclasses.replace(node, **{head: value})
+
+
+def made(node: Any, key: str) -> Any:
+    """The mapping of a key that may be absent, with all its defaults; None for a key of another kind."""
+    cls: Any = type(node)
+    setting = settings_of(cls).get(key)
+    return setting.spec.model() if setting is not None and isinstance(setting.spec, ModelSpec) else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from .chain import chain_of, feed, locate
@@ -12,15 +12,16 @@ from .checks import findings
 from .faults import Fault, Mark, SceneError, fault_at, hint
 from .model import Scene
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of, marks_of, node_of
-from .quality import settle
+from .quality import settle, with_quality
 from .rule_type import RuleType, check_of, refusal
 from .settings import Unreachable, place
 from .specs import MOST_PANELS
 from .validate import Reader
-from .with_quality import with_quality
 from .yaml_source import read, read_value
 
 Rules = Mapping[str, RuleType]
+Rank = Callable[[Mark], int]
+"""Of a place: greater for what is laid over the rest, from the file that all extend to the command line."""
 
 
 def load(
@@ -48,7 +49,7 @@ def load(
     files: list[str] = []
     root = chain_of(source, rules, files, faults, digest)
     root = _override(root, [(one, f"{option} {one}") for one in overrides], settings or {}, rules, faults)
-    scene = _whole(root, rules, faults)
+    scene = _whole(root, rules, faults, files)
     if faults:
         raise SceneError(_in_order(faults, files))
     for override in overrides:
@@ -63,7 +64,7 @@ def load(
 def loads(text: str, *, rules: Rules, name: str = "preset.yaml") -> Scene:
     """`load` for the text of a preset that extends nothing; ``name`` stands for the file in messages."""
     root, faults = read(text.encode("utf-8", "surrogatepass"), name)
-    scene = _whole(root, rules, faults)
+    scene = _whole(root, rules, faults, [name])
     if faults:
         raise SceneError(_in_order(faults, [name]))
     return scene
@@ -90,12 +91,9 @@ def _override(
             changes.append((path, node_of(value, Mark(""))))
         except TypeError as error:
             faults.append(Fault("", 0, 0, path, str(error)))
-    changes.sort(key=lambda change: _turn(change[0]))
     for path, node in changes:
         try:
             root = place(root, _meant(path, node, root), node, rules)
-            if path == "quality":
-                root = with_quality(root, rules)
         except Unreachable as problem:
             faults.append(fault_at(node.mark, path, str(problem)))
     return root
@@ -109,11 +107,17 @@ def _meant(path: str, node: Node, root: MapNode) -> str:
     return "emitter.groom.strands" if file else path
 
 
-def _whole(root: MapNode, rules: Rules, faults: list[Fault]) -> Scene:
-    """The scene of a complete tree with its panels; faults are added to ``faults``."""
+def _whole(root: MapNode, rules: Rules, faults: list[Fault], files: Sequence[str]) -> Scene:
+    """The scene of a complete tree with its panels, of ``files`` of which each extends the next; faults are added to
+    ``faults``."""
+    ranks = {file: -place for place, file in enumerate(files)}
+
+    def rank(mark: Mark) -> int:
+        return ranks.get(mark.file, 1)
+
     panels_entry = root.entries.get("panels")
     base = root.without("panels")
-    scene, found = _one(base, rules)
+    scene, found = _one(base, rules, rank)
     faults.extend(found)
     if panels_entry is None or (isinstance(panels_entry.node, Scalar) and panels_entry.node.null):
         return scene
@@ -129,14 +133,14 @@ def _whole(root: MapNode, rules: Rules, faults: list[Fault]) -> Scene:
     known = {(fault.mark, fault.message) for fault in found}
     panels = []
     for index, node in enumerate(panels_entry.node.items):
-        panel, wrong = _panel(base, node, f"panels.{index}", rules, known)
+        panel, wrong = _panel(base, node, f"panels.{index}", rules, known, rank)
         faults.extend(wrong)
         panels.append(panel)
     return dataclasses.replace(scene, panels=tuple(panel for panel in panels if panel is not None))
 
 
 def _panel(
-    base: MapNode, node: Node, path: str, rules: Rules, known: set[tuple[Mark, str]]
+    base: MapNode, node: Node, path: str, rules: Rules, known: set[tuple[Mark, str]], rank: Rank
 ) -> tuple[Scene | None, list[Fault]]:
     """One panel's scene and its faults; ``known`` faults of the base are not told again."""
     if not isinstance(node, MapNode):
@@ -152,21 +156,19 @@ def _panel(
         root = root.with_entry("label", label)
     changes = node.get("set")
     if isinstance(changes, MapNode):
-        for key, entry in sorted(changes.entries.items(), key=lambda item: _turn(item[0])):
+        for key, entry in changes.entries.items():
             where = f"{path}.set.{key}"
             if key.split(".")[0] in ("panels", "extends"):
                 faults.append(fault_at(entry.mark, where, "a panel cannot have this; panels do not nest"))
                 continue
             try:
                 root = place(root, key, entry.node, rules)
-                if key == "quality":
-                    root = with_quality(root, rules)
             except Unreachable as problem:
                 faults.append(fault_at(entry.mark, where, str(problem)))
     elif changes is not None and not (isinstance(changes, Scalar) and (changes.null or changes.empty)):
         faults.append(fault_at(changes.mark, f"{path}.set", f"must be a mapping of settings, not {kind_of(changes)}"))
-    scene, found = _one(root, rules)
     inside = set(marks_of(node))
+    scene, found = _one(root, rules, lambda mark: 2 if mark in inside else rank(mark))
     for fault in found:
         if (fault.mark, fault.message) not in known:
             # what only together with the base is wrong is reported at the panel
@@ -175,16 +177,11 @@ def _panel(
     return scene, faults
 
 
-def _turn(path: str) -> int:
-    """When a setting is placed: a quality asks for the look, and single settings win over both, wherever they stand."""
-    return {"look": 0, "quality": 1}.get(path, 2)
-
-
-def _one(root: MapNode, rules: Rules) -> tuple[Scene, list[Fault]]:
+def _one(root: MapNode, rules: Rules, rank: Rank) -> tuple[Scene, list[Fault]]:
     """One scene without panels, and everything that is wrong with it."""
     reader = Reader(rules)
     scene: Scene = reader.model(Scene, root, "")
-    scene, clashes = settle(scene, reader.marks)
+    scene, clashes = settle(with_quality(scene, reader.marks, rank), reader.marks)
     for path, message in clashes:
         reader.refuse(reader.mark_near(path) or root.mark, path, message)
     reported = [fault.path for fault in reader.faults]

@@ -134,11 +134,7 @@ def compose(outer: Pose, inner: Pose) -> Pose:
 def apply(pose: Pose, point: Vector) -> Vector:
     """A point (3,) of the pose's own frame, in the frame outside."""
     turned = rotate(pose.rotation, point)
-    return (
-        turned[0] + pose.translation[0],
-        turned[1] + pose.translation[1],
-        turned[2] + pose.translation[2],
-    )
+    return (turned[0] + pose.translation[0], turned[1] + pose.translation[1], turned[2] + pose.translation[2])
 
 
 def rotate(matrix: Matrix, vector: Vector) -> Vector:

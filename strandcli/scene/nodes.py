@@ -38,17 +38,6 @@ class Scalar:
         return self.plain and self.text in NULLS
 
 
-class Placed(Scalar):
-    """A value that a `quality` put in the place of another, which it remembers: None where nothing was written."""
-
-    __slots__ = ("before",)
-
-    def __init__(self, value: Node, before: Node | None) -> None:
-        assert isinstance(value, Scalar)
-        super().__init__(value.text, value.plain, value.mark)
-        self.before = before
-
-
 class ListNode:
     """A list."""
 
@@ -121,23 +110,6 @@ def node_of(value: Any, mark: Mark) -> Node:
     if isinstance(value, Sequence):
         return ListNode(tuple(node_of(item, mark) for item in value), mark)
     raise TypeError(f"a setting cannot be a {type(value).__name__}")
-
-
-def without_placed(node: Node) -> Node | None:
-    """The tree as it was before a quality put values into it; None where nothing is left of it.
-
-    Mappings that were made for such values have their mark, and go with them.
-    """
-    if isinstance(node, Placed):
-        return node.before
-    if isinstance(node, ListNode):
-        return ListNode(tuple(without_placed(item) or item for item in node.items), node.mark)
-    if not isinstance(node, MapNode):
-        return node
-    kept = ((key, entry.mark, without_placed(entry.node)) for key, entry in node.entries.items())
-    entries = {key: Entry(mark, inner) for key, mark, inner in kept if inner is not None}
-    made = any(isinstance(entry.node, Placed) and entry.node.mark == node.mark for entry in node.entries.values())
-    return None if made and not entries else MapNode(entries, node.mark)
 
 
 def marks_of(node: Node) -> Iterator[Mark]:

@@ -32,9 +32,9 @@ import math
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from .faults import shown
+from .faults import Mark, shown
+from .fields import value_at, with_value
 from .model import Scene
-from .paths import value_at, with_value
 
 
 class AtMost(NamedTuple):
@@ -132,6 +132,29 @@ def expanded(name: str, lights: Sequence[int], own: Own) -> Iterator[tuple[str, 
                 yield path, wanted
 
 
+def with_quality(scene: Scene, marks: Mapping[str, Mark], rank: Callable[[Mark], int]) -> Scene:
+    """``scene`` with the settings that its `quality` stands for. What was written beside or over it stays, by the
+    ``rank`` of its place among ``marks``, which are by path, and what the look fixes."""
+    if "quality" not in marks:
+        return scene
+    asked, fixed, before = rank(marks["quality"]), {one.path for one in LOOKS.get(scene.look, ())}, scene
+
+    def stays(path: str) -> bool:
+        parts = path.split(".")
+        if parts[0] == "lights":
+            parts[1] = "*"
+            if "lights" in marks and rank(marks["lights"]) > asked:
+                return True
+        over = {".".join(path.split(".")[: i + 1]) for i in range(len(parts))} & marks.keys()
+        over = {one for one in over if rank(marks[one]) >= asked}
+        return ".".join(parts) in fixed or any(one == path or value_at(before, one) is None for one in over)
+
+    for path, value in expanded(scene.quality, shadowed(scene), lambda path: value_at(before, path)):
+        if not stays(path):
+            scene = with_value(scene, path, value)
+    return scene
+
+
 class Fixed(NamedTuple):
     """A setting that a look fixes: the values that it allows, of which the first is its own."""
 
@@ -146,7 +169,7 @@ LOOKS: Mapping[str, tuple[Fixed, ...]] = {
         Fixed("material.model", ("marschner",)),
         Fixed("material.rounded", (False,)),
         Fixed("lights.*.shadow.model", ("minmax", "off")),
-    ),
+    )
 }
 """What each look fixes."""
 

@@ -13,10 +13,13 @@ from .specs import ModelSpec, UnionSpec
 
 MOST_PATHS = 3
 """Paths that a message suggests at the most."""
+_TRACED = ("0.1.0", "exact shadows are no part of this version; use opacity")
 GONE: Mapping[str, tuple[str, str]] = {
     "children.fringe": ("0.1.0", "shorter hair at an edge is a groom of its own; take it out"),
     "emitter.shape.ragged": ("0.1.0", "the edge of a cap is even; take it out"),
     "emitter.tie.over": ("0.1.0", "tied strands lie over the shape that they grow on alone; take it out"),
+    "lights.*.shadow.model: nearby": _TRACED,
+    "lights.*.shadow.model: traced": _TRACED,
     "rod.end: clamped": ("0.1.0", "use pinned: the tip stays where it is emitted and turns freely"),
     "rod.end_keys": ("0.1.0", "pinned tips go where the emitter carries them; take it out"),
     "rod.integrator": ("0.1.0", "steps are of second order, shorter where swings ask for it; damping calms motion"),
@@ -28,8 +31,8 @@ GONE: Mapping[str, tuple[str, str]] = {
     "rod.yield_strain": ("0.1.0", "strands spring back to their rest shape; take it out"),
     "solids.*.blend": ("0.1.0", "solids stay apart; use kind: mesh for one smooth body, or take it out"),
 }
-"""By dotted path, `*` for any solid, with the value where only that is gone: the last version that had it, and what to
-do instead."""
+"""By dotted path, `*` for any solid or light, with the value where only that is gone: the last version that had it, and
+what to do instead."""
 NEVER: Mapping[str, str] = {
     "rod.twist": "how much strands resist it is torsion; write that",
     "rod.mass": "mass follows from density and radius; write those",
@@ -93,7 +96,7 @@ def _paths(rules: Mapping[str, RuleType]) -> Iterator[str]:
 def why_absent(path: str, value: str = "") -> str | None:
     """Return why there is no setting at a dotted path, or around it, or no such ``value`` of it; None where nobody
     looks for one."""
-    path = re.sub(r"^solids\.[^.]+", "solids.*", path)
+    path = re.sub(r"^(solids|lights)\.[^.]+", r"\1.*", path)
     if value:
         found = GONE.get(f"{path}: {value}")
         return None if found is None else f"{shown(value)} is gone after {found[0]}; {found[1]}"

@@ -57,9 +57,9 @@ class Reader:
             setting = settings.get(key)
             if setting is None:
                 self.refuse(entry.mark, where, why_absent(where) or self.unknown_key(key, settings, top=not path))
-            elif not (
-                isinstance(setting.spec, specs.ParametersSpec) or (isinstance(entry.node, Scalar) and entry.node.null)
-            ):
+            elif isinstance(entry.node, Scalar) and entry.node.null:
+                self.marks[where] = entry.node.mark
+            elif not isinstance(setting.spec, specs.ParametersSpec):
                 values[setting.attribute] = self.value(setting.spec, entry.node, where)
         for key, setting in settings.items():
             if isinstance(setting.spec, specs.ParametersSpec):

@@ -15,9 +15,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .. import __version__
 from ..compiling import runtime
 from ..errors import MismatchError, StrandError
@@ -27,8 +24,8 @@ from ..run.fingerprint import fingerprint
 from ..scene.dump import plain
 from ..scene.model import Scene
 from . import sweep
-from .axes import STRANDS, Request, changed, settled
-from .pictures.frame import CHECKED, FrameStudy
+from .axes import STRANDS, Request, settled
+from .pictures.frame import FrameStudy
 from .points import described
 from .report import seconds, share
 
@@ -156,33 +153,6 @@ def _missed(known: Sequence[Mapping[str, Any]], name: str, asked: Mapping[str, f
     best = min(known, key=lambda point: (point["error"][metric], point["seconds"]))
     least = f"the least is {share(best['error'][metric])} in {seconds(best['seconds'])} a frame"
     return f"{words}{least} ({described(best['parameters']) or 'the settings it has'})"
-
-
-def check(
-    scene: Scene, name: str, number: int, image: NDArray[np.uint8], positions: NDArray[np.float32] | None,
-    settings: Mapping[str, Any],
-) -> dict[str, Any]:  # fmt: skip
-    """The errors of a frame that was drawn with ``settings``, in other windows than those of the study, by metric.
-
-    image (height, width, 3): the frame's pixels; positions (strands, particles, 3): its simulated strands, or None to
-    simulate them again. The frame's light, which its pixels do not show, is that of the frame drawn once more;
-    ``redrawn_apart`` is the mean difference of the two in pixels, a share of their range.
-    """
-    study = FrameStudy(Request(scene=scene, name=name, frame=number), CHECKED, positions)
-    windows = study.windows
-    windows.move()
-    study.draw_reference()
-    again = windows.draw_whole(changed(study.scene, settings))
-    drawn = np.concatenate(windows.cut(image))
-    assert again.pixels is not None
-    levels = np.abs(np.concatenate(windows.cut(again.pixels)).astype(np.int16) - drawn)
-    return {
-        "frame": number,
-        "rmse": study.rmse(np.concatenate(windows.cut(again.image))),
-        "flip": study.flip(drawn),
-        "windows": [list(window) for window in windows.windows],
-        "redrawn_apart": float(levels.mean()) / 255,
-    }
 
 
 def motion_of(scene: Scene, chosen: Mapping[str, Any]) -> list[Any]:

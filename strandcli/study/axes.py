@@ -13,9 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import UsageError
-from ..scene.fields import settings_of
+from ..scene.fields import made, settings_of, with_value
 from ..scene.model import Scene
-from ..scene.paths import made, with_value
 from ..scene.specs import ChoiceSpec
 from .points import Parameters, Point
 

@@ -8,15 +8,14 @@ from typing import Any
 
 from ..errors import UsageError
 from .axes import Experiment, Request
-from .motion.experiment import Motion
+from .motion import Motion
 from .pictures.frame import CoverageStudy, QualityStudy
-from .pictures.occlusion import OcclusionStudy
 from .pictures.shadow import ShadowStudy
 from .points import Point, by_line, cheapest, described, orders, pareto
 from .references.experiment import References
 
 AXES: Mapping[str, type[Experiment]] = {
-    one.axis: one for one in (Motion, References, CoverageStudy, ShadowStudy, OcclusionStudy, QualityStudy)
+    one.axis: one for one in (Motion, References, CoverageStudy, ShadowStudy, QualityStudy)
 }
 
 LADDER = (0.1, 0.05, 0.02, 0.01, 0.005, 0.001)

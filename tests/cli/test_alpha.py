@@ -13,7 +13,7 @@ from PIL import Image, ImageSequence
 import strandcli
 from cli_runs import TINY, Runner
 from strandcli.output import png
-from strandcli.output.over import GREY, over
+from strandcli.output.png import GREY, over
 from strandcli.run import pipeline
 from strandcli.scene.dump import dump
 

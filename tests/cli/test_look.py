@@ -31,7 +31,7 @@ from strandcli.errors import RefusedError, UsageError
 from strandcli.files import inputs
 from strandcli.output import png, video
 from strandcli.output.compare import write_image
-from strandcli.output.over import over
+from strandcli.output.png import over
 from strandcli.run import pipeline
 from tests.run.test_checkpoints import SMALL, Steps
 

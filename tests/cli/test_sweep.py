@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cli_runs import Runner
-from strandcli.cli import sweep_values
-from strandcli.cli.sweep_values import Axis, axis_of, points
+from strandcli.cli import sweep
+from strandcli.cli.sweep import Axis, axis_of, points
 from strandcli.errors import SimulationError
 from strandcli.output import png
 from strandcli.run import pipeline
@@ -122,7 +122,7 @@ def test_names_are_safe_and_differ_on_every_file_system(axes: dict[str, list[str
     assert len({name.casefold() for name in names}) == len(names)
     for name in names:
         assert re.fullmatch(r"[A-Za-z0-9_+][A-Za-z0-9_.+-]*", name), name
-        assert len(name) <= sweep_values.LONGEST_NAME + 9
+        assert len(name) <= sweep.LONGEST_NAME + 9
         assert not name.endswith(".")
     assert [point.overrides() for point in found] == [
         tuple(f"{key}={value}" for key, value in zip(axes, one, strict=True))

@@ -12,7 +12,7 @@ import pytest
 
 from cli_runs import Runner
 from strandcli.compiling import clock, runtime
-from strandcli.compiling.packs import Pack
+from strandcli.compiling.stores import Pack
 from strandcli.jit import function
 from strandcli.run import pipeline
 from strandcli.scene import Scene, list_presets

@@ -20,7 +20,7 @@ from cli_runs import TINY, Runner, child, environment
 from strand_kit import frames_of, scene_of
 from strandcli.dask_cluster import connect, worker
 from strandcli.dask_cluster import run as running
-from strandcli.dask_cluster.job import Job, Task
+from strandcli.dask_cluster.worker import Job, Task
 from strandcli.errors import RefusedError
 from strandcli.output import png
 from strandcli.run import pipeline

@@ -13,7 +13,7 @@ from cli_runs import TINY, Runner
 from strand_kit import frames_of, scene_of
 from strandcli.dask_cluster import run as running
 from strandcli.dask_cluster import worker
-from strandcli.dask_cluster.job import Job, Task
+from strandcli.dask_cluster.worker import Job, Task
 from strandcli.errors import UsageError
 from strandcli.run import pipeline
 from strandcli.run.fingerprint import fingerprint

@@ -12,9 +12,9 @@ import pytest
 from PIL import Image
 
 from cli_runs import Runner
+from strandcli.common import limits
 from strandcli.compiling.folder import cache
-from strandcli.doctor import BROKEN, NOTE, OK, Finding, examine, kernels, machine, self_test, software
-from strandcli.plan import limits
+from strandcli.doctor import BROKEN, NOTE, OK, Finding, examine, machine, software
 
 
 def test_all_is_well_here(run: Runner) -> None:
@@ -32,7 +32,7 @@ def test_what_is_broken_ends_in_exit_code_1(run: Runner, monkeypatch: pytest.Mon
         raise OSError("no such luck")
 
     broken = Finding("numba", BROKEN, "cannot be imported\x1b[2J", "install it")
-    checks = {"disk": fails, "numba": lambda: iter([broken]), "self-test": self_test.picture}
+    checks = {"disk": fails, "numba": lambda: iter([broken]), "self-test": examine.picture}
     monkeypatch.setattr(examine, "CHECKS", checks)
     result = run("doctor")
     assert result.code == 1
@@ -46,24 +46,24 @@ def test_what_is_broken_ends_in_exit_code_1(run: Runner, monkeypatch: pytest.Mon
 
 def test_a_picture_that_differs_is_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "golden"
-    shutil.copytree(self_test.GOLDEN, folder)
-    monkeypatch.setattr(self_test, "GOLDEN", folder)
-    good = self_test.draw()
+    shutil.copytree(examine.GOLDEN, folder)
+    monkeypatch.setattr(examine, "GOLDEN", folder)
+    good = examine.draw()
     assert good["matches"]
-    assert self_test.told(0, json.dumps(good), "").state == OK
+    assert examine.told(0, json.dumps(good), "").state == OK
     listed = folder / "golden.yaml"
     listed.write_text(listed.read_text().replace("strands=400", "strands=399"))
-    wrong = self_test.told(0, json.dumps(self_test.draw()), "")
+    wrong = examine.told(0, json.dumps(examine.draw()), "")
     assert wrong.state == BROKEN
     assert "pictures are wrong here" in wrong.advice
     assert (Image.open(folder / "self-test.png").size) == (96, 72)
 
 
 def test_a_self_test_that_ends_otherwise_is_told() -> None:
-    assert "SIGSEGV" in self_test.told(-11, "", "").text
-    assert self_test.told(1, "", "Traceback\nImportError: no numba\n").text == "ImportError: no numba"
-    assert self_test.told(0, '{"error": "UsageError: unset it"}\n', "").text == "UsageError: unset it"
-    assert self_test.told(1, "", "").text == "exit code 1"
+    assert "SIGSEGV" in examine.told(-11, "", "").text
+    assert examine.told(1, "", "Traceback\nImportError: no numba\n").text == "ImportError: no numba"
+    assert examine.told(0, '{"error": "UsageError: unset it"}\n', "").text == "UsageError: unset it"
+    assert examine.told(1, "", "").text == "exit code 1"
 
 
 def test_limits_of_control_groups_are_the_least_of_all_that_a_process_is_in(tmp_path: Path) -> None:
@@ -71,13 +71,13 @@ def test_limits_of_control_groups_are_the_least_of_all_that_a_process_is_in(tmp_
     told.write_text("0::/user/job\n")
     inner = tmp_path / "root/user/job"
     inner.mkdir(parents=True)
-    assert limits.cores(tmp_path / "root", told) is None
+    assert limits.quota(tmp_path / "root", told) is None
     (inner / "cpu.max").write_text("max 100000\n")
     (inner.parent / "cpu.max").write_text("150000 100000\n")
     (inner / "memory.max").write_text("max\n")
     (inner.parent / "memory.max").write_text("5000\n")
     (tmp_path / "root/memory.max").write_text("7000\n")
-    assert limits.cores(tmp_path / "root", told) == 1.5
+    assert limits.quota(tmp_path / "root", told) == 1.5
     assert limits.memory(tmp_path / "root", told) == 5000
     assert limits.memory_left(tmp_path / "root", told) is None
     (inner.parent / "memory.current").write_text("1000\n")
@@ -95,7 +95,7 @@ def test_limits_of_the_first_version_of_control_groups(tmp_path: Path) -> None:
     (tmp_path / "cpu/cpu.cfs_quota_us").write_text("400000")
     (tmp_path / "cpu/cpu.cfs_period_us").write_text("100000")
     (tmp_path / "memory/job/memory.limit_in_bytes").write_text(str(2**63 - 4096))
-    assert limits.cores(tmp_path, told) == 4
+    assert limits.quota(tmp_path, told) == 4
     assert limits.memory(tmp_path, told) is None
     (tmp_path / "memory/memory.limit_in_bytes").write_text("9000")
     (tmp_path / "memory/memory.usage_in_bytes").write_text("2000")
@@ -103,11 +103,11 @@ def test_limits_of_the_first_version_of_control_groups(tmp_path: Path) -> None:
 
 
 def test_fewer_cores_than_threads_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(limits, "cores", lambda: 1.0)
+    monkeypatch.setattr(limits, "quota", lambda: 1.0)
     monkeypatch.setattr("strandcli.compiling.runtime.checked_threads", lambda threads: 4)
     (found,) = machine.threads()
     assert (found.state, "--threads 1" in found.advice) == (NOTE, True)
-    monkeypatch.setattr(limits, "cores", lambda: 4.0)
+    monkeypatch.setattr(limits, "quota", lambda: 4.0)
     (found,) = machine.threads()
     assert found.state == OK
 
@@ -117,16 +117,16 @@ def test_the_kernels_folder_tells_damage(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(cache, "_path", tmp_path)
     monkeypatch.setattr(cache, "_trouble", None)
     good = tmp_path / f"a.b-{'0' * 24}.kernel"
-    good.write_bytes(kernels.FIRST_BYTES + bytes(2000))
+    good.write_bytes(software.FIRST_BYTES + bytes(2000))
     (tmp_path / "another file").write_text("not strandcli's")
-    (found,) = kernels.kept()
+    (found,) = software.kept()
     assert (found.state, "1 kernel or module," in found.text) == (OK, True)
-    for content in (b"", kernels.FIRST_BYTES, bytes(3000)):
+    for content in (b"", software.FIRST_BYTES, bytes(3000)):
         good.with_name(f"a.c-{'1' * 24}.kernel").write_bytes(content)
-        (found,) = kernels.kept()
+        (found,) = software.kept()
         assert (found.state, "1 not used" in found.text) == (NOTE, True)
     monkeypatch.setattr(cache, "_trouble", "kernels cannot be kept")
-    (found,) = kernels.kept()
+    (found,) = software.kept()
     assert found == Finding("cache", NOTE, "kernels cannot be kept")
 
 

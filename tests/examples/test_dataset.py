@@ -12,7 +12,6 @@ import pytest
 from PIL import Image
 
 import strandcli
-from strandcli.output.layers import read_layer
 from strandcli.study.axes import Request
 from strandcli.study.pictures.subject import Subject
 
@@ -51,7 +50,7 @@ def check_sample(folder: Path, sample: dict[str, Any]) -> None:
     k, r, t = (np.array(camera[name]) for name in ("K", "R", "t"))
     np.testing.assert_allclose(r @ r.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(r) == pytest.approx(1)
-    depth, ids = (read_layer(folder / f"{name}_0001.npz") for name in ("depth", "strand_id"))
+    depth, ids = (np.load(folder / f"{name}_0001.npz")[name] for name in ("depth", "strand_id"))
     assert depth.shape == ids.shape == (camera["height"], camera["width"]) == (48, 64)
     assert sample["hair_share"] > 0.02
     scene = strandcli.load(str(folder / "scene.yaml"))

@@ -23,7 +23,7 @@ def test_damaged_files_are_read_or_refused(suffix: str) -> None:
 
 
 @pytest.mark.parametrize("kind", fuzz.KINDS)
-def test_damaged_presets_pictures_and_files_of_earlier_runs_are_read_or_refused(kind: str) -> None:
+def test_damaged_presets_and_files_of_earlier_runs_are_read_or_refused(kind: str) -> None:
     wrong: list[str] = []
     found = fuzz.fuzz(kind, range(FEWER), wrong.append)
     assert wrong == []

@@ -16,10 +16,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cli_runs import TINY, Runner, environment
-from strandcli.cli.options import available_cores
 from strandcli.cli.values import FrameRange
+from strandcli.common.limits import cores as usable_cores
 from strandcli.farm import job as jobs
-from strandcli.farm import openjd, scripts
+from strandcli.farm import scripts
 from strandcli.output import png
 
 SBATCH = """\
@@ -137,8 +137,8 @@ def test_templates_are_valid(run: Runner) -> None:
     model = pytest.importorskip("openjd.model")
     for name, chunks in (("hair", ("1-8",)), ("{{odd}}\n" * 50, tuple(str(i) for i in range(1, 1001)))):
         job = jobs.Job(name, "1-8", chunks, "1-8", 4, 900, "gif")
-        model.decode_job_template(template=openjd.template(job))
-        model.decode_job_template(template=openjd.template(jobs.Job(name, "1", chunks, "", 1, 300)))
+        model.decode_job_template(template=scripts.template(job))
+        model.decode_job_template(template=scripts.template(jobs.Job(name, "1", chunks, "", 1, 300)))
 
 
 def test_a_scene_without_motion_is_not_simulated(run: Runner) -> None:
@@ -182,7 +182,7 @@ def test_too_many_tasks_are_refused_with_what_fits() -> None:
 
 @pytest.mark.skipif(shutil.which("sh") is None, reason="no POSIX shell")
 def test_no_task_asks_for_more_threads_than_there_are(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    cores = available_cores()
+    cores = usable_cores()
     monkeypatch.setenv("STRANDCLI", "echo")
     monkeypatch.setenv("OMP_NUM_THREADS", "500")
     for threads, most in (([], min(4, cores)), (["--threads", "999"], cores)):

@@ -21,7 +21,7 @@ from strandcli.scene.model import Scene
 from strandcli.scene.motion import emitter_pose
 from strandcli.study import sweep
 from strandcli.study.axes import Request
-from strandcli.study.motion.experiment import Motion
+from strandcli.study.motion import Motion
 from strandcli.study.sweep import find
 
 Floats = npt.NDArray[np.float64]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import io
 import json
-import re
 import xml.etree.ElementTree as ET
 from html.parser import HTMLParser
 from pathlib import Path
@@ -19,10 +18,10 @@ from PIL import Image
 
 from cli_runs import Runner
 from strandcli.errors import UsageError
-from strandcli.html_report import page, pictures, run, svg
+from strandcli.html_report import page, pictures, run
 from strandcli.output.animation import write_animation
 from strandcli.output.compare import write_image
-from strandcli.output.over import GREY
+from strandcli.output.png import GREY
 from strandcli.run import pipeline
 
 MOST_BYTES = 2_000_000
@@ -122,18 +121,18 @@ def test_a_run_of_thousands_of_frames_stays_small_and_shows_its_worst(tmp_path: 
 def test_lines_keep_peaks_and_bars_their_shares() -> None:
     points = [(float(x), 1.0) for x in range(10_000)]
     points[4321] = (4321.0, 9.0)
-    assert (4321.0, 9.0) in svg.thinned(points)
-    assert len(svg.thinned(points)) <= svg.MOST_POINTS
-    chart = ET.fromstring(svg.line(points, " ms"))
+    assert (4321.0, 9.0) in page.thinned(points)
+    assert len(page.thinned(points)) <= page.MOST_POINTS
+    chart = ET.fromstring(page.line(points, " ms"))
     line = chart.find("polyline")
     assert line is not None
     heights = [float(pair.split(",")[1]) for pair in line.attrib["points"].split()]
-    assert min(heights) == pytest.approx(svg.TOP + (svg.HEIGHT - svg.BOTTOM - svg.TOP) * 0.1)
-    bars = ET.fromstring(svg.bars([("one", 4.0, "<"), ("two", 1.0, "&")]))
+    assert min(heights) == pytest.approx(page.TOP + (page.HEIGHT - page.BOTTOM - page.TOP) * 0.1)
+    bars = ET.fromstring(page.bars([("one", 4.0, "<"), ("two", 1.0, "&")]))
     widths = [float(one.attrib["width"]) for one in bars.findall("rect")]
     assert widths[0] == pytest.approx(4 * widths[1], rel=1e-3)
-    assert svg.line([], "") == svg.bars([]) == ""
-    assert [svg._round_up(value) for value in (0, 0.7, 1, 1.1, 30, 51)] == [1, 1, 1, 2, 50, 100]
+    assert page.line([], "") == page.bars([]) == ""
+    assert [page._round_up(value) for value in (0, 0.7, 1, 1.1, 30, 51)] == [1, 1, 1, 2, 50, 100]
 
 
 def test_a_small_animation_is_kept_and_what_cannot_be_read_is_left_out(tmp_path: Path) -> None:
@@ -188,19 +187,3 @@ def test_somebody_elses_page_stays(run: Runner) -> None:
     assert not Path("out/frame_0001.png").exists()
     with pytest.raises(UsageError):
         page.require_own(Path("out"))
-
-
-def test_studies_and_the_stability_matrix_have_pages(run: Runner) -> None:
-    solvers = "--solver", "rod", "--solver", "thesis", "--substeps", "1"
-    assert run("study", "--reference", "spring", *solvers, "-o", "s", "-q").code == 0
-    read = Read(Path("s/spring.html").read_bytes())
-    own(read)
-    assert "thesis: not represented: bending stiffness in physical units" in "".join(read.words)
-    assert "svg" in read.tags
-    case = "rod"
-    assert run("stress", "--case", case, "--html", "p/stress.html", "-q").code == 0
-    read = Read(Path("p/stress.html").read_bytes())
-    own(read)
-    assert "passed" in read.words
-    assert re.search(r"1 pass\b", " ".join(read.words))
-    assert run("stress", "--case", case, "--html", "p/stress.html").code == 2

@@ -16,9 +16,9 @@ import pytest
 from numba import config
 
 from kernel_kit import begin, called
-from strandcli.compiling import folder, packs, processor
+from strandcli.compiling import folder, processor, stores
 from strandcli.compiling.service import service
-from strandcli.doctor import kernels
+from strandcli.doctor import software
 from strandcli.errors import UsageError
 from strandcli.jit import cache
 from strandcli.jit.kept import kept
@@ -56,7 +56,7 @@ def pack(home: Home, tmp_path: Path) -> Path:
     home.begin()
     assert not called()
     path = tmp_path / "one.pack"
-    path.write_bytes(packs.packed(*cache.pack_content()))
+    path.write_bytes(stores.packed(*cache.pack_content()))
     return path
 
 
@@ -69,9 +69,9 @@ def parts(data: bytes) -> dict[str, bytes]:
 def changed(data: bytes, change: Callable[[dict[str, Any]], None]) -> bytes:
     """A pack, whole, that says something else of itself."""
     content = parts(data)
-    made = json.loads(content.pop(packs.MANIFEST))
+    made = json.loads(content.pop(stores.MANIFEST))
     change(made)
-    return packs.packed(made, content)
+    return stores.packed(made, content)
 
 
 def test_a_pack_is_run_and_nothing_is_compiled_or_written(home: Home, pack: Path) -> None:
@@ -79,8 +79,8 @@ def test_a_pack_is_run_and_nothing_is_compiled_or_written(home: Home, pack: Path
     assert called()
     assert told == []
     assert not list(folder.cache.path.glob("*.kernel"))
-    assert [one.text for one in kernels.kept()][1].startswith(f"{pack}: pack of 1 kernel, ")
-    (entry,) = (name for name in parts(pack.read_bytes()) if name != packs.MANIFEST)
+    assert [one.text for one in software.kept()][1].startswith(f"{pack}: pack of 1 kernel, ")
+    (entry,) = (name for name in parts(pack.read_bytes()) if name != stores.MANIFEST)
     assert entry.startswith("kernel_kit.plus_one-")
 
 
@@ -166,8 +166,8 @@ def test_a_pack_of_other_surroundings_is_not_run_and_one_line_says_why(
 )
 def test_a_pack_with_names_that_are_no_kernels_is_refused(home: Home, pack: Path, name: str) -> None:
     content = parts(pack.read_bytes())
-    made = json.loads(content.pop(packs.MANIFEST))
-    pack.write_bytes(packs.packed(made, {**content, name.format("a" * 24): b"x"}))
+    made = json.loads(content.pop(stores.MANIFEST))
+    pack.write_bytes(stores.packed(made, {**content, name.format("a" * 24): b"x"}))
     told = home.begin(pack)
     assert not called()
     (line,) = told
@@ -192,23 +192,23 @@ def damages(data: bytes) -> Iterator[bytes]:
     """Two hundred packs: cut short, longer, with bytes replaced or turned, with whole ranges lost, and such as have a
     right hash all the same, for whoever made them computed it."""
     chance = random.Random(1)
-    start = len(packs.MAGIC) + 65
+    start = len(stores.MAGIC) + 65
     for _ in range(50):
         yield data[: chance.randrange(len(data))]
         place = chance.randrange(len(data))
         yield data[:place] + bytes([data[place] ^ 1 << chance.randrange(8)]) + data[place + 1 :]
         begin, end = sorted(chance.sample(range(start, len(data)), 2))
         rest = data[start:begin] + data[end:]
-        yield packs.MAGIC + packs._hash(rest) + rest
+        yield stores.MAGIC + stores._hash(rest) + rest
         place = chance.randrange(start, len(data))
         rest = data[start:place] + chance.randbytes(8) + data[place + 8 :]
-        yield packs.MAGIC + packs._hash(rest) + rest
+        yield stores.MAGIC + stores._hash(rest) + rest
 
 
 def test_nothing_of_two_hundred_damaged_packs_is_run(home: Home, pack: Path) -> None:
     """The kernel is compiled, or is the one that was packed where the damage is in what is not looked at."""
     whole = pack.read_bytes()
-    name, entry = next((name, data) for name, data in parts(whole).items() if name != packs.MANIFEST)
+    name, entry = next((name, data) for name, data in parts(whole).items() if name != stores.MANIFEST)
     compiled = 0
     for number, content in enumerate(damages(whole)):
         pack.write_bytes(content)
@@ -225,11 +225,11 @@ def test_nothing_of_two_hundred_damaged_packs_is_run(home: Home, pack: Path) -> 
 
 def test_kernels_of_a_pack_are_checked_by_their_own_hash(home: Home, pack: Path) -> None:
     content = parts(pack.read_bytes())
-    made = json.loads(content.pop(packs.MANIFEST))
+    made = json.loads(content.pop(stores.MANIFEST))
     (name, entry) = content.popitem()
     for place in (0, 20, 60, len(entry) - 1):
         wrong = entry[:place] + bytes([entry[place] ^ 4]) + entry[place + 1 :]
-        pack.write_bytes(packs.packed(made, {name: wrong}))
+        pack.write_bytes(stores.packed(made, {name: wrong}))
         told = home.begin(pack)
         assert not called()
         assert told == [f"{pack}/{name}: is not used (its content is not what was written): made anew"]

@@ -87,7 +87,7 @@ def test_a_draw_from_the_cache_makes_none_and_does_not_import_what_the_compiler_
         "import sys\n"
         "from strandcli.cli.main import main\n"
         "assert main(sys.argv[1:]) == 0\n"
-        "from strandcli.jit.deferred import Deferred\n"
+        "from strandcli.jit.dispatcher import Deferred\n"
         "there = [one for name, module in list(sys.modules.items()) if name.startswith('strandcli.')\n"
         "         for one in vars(module).values() if isinstance(one, Deferred)]\n"
         "print(len(there), sum(one._made is not None for one in there), 'numba.np.arrayobj' in sys.modules)\n"

@@ -55,10 +55,9 @@ def test_the_keys_are_those_of_the_design_page() -> None:
 
 def test_it_is_written_whole_and_read_again(tmp_path: Path) -> None:
     assert read_report(tmp_path) is None
-    write_report(tmp_path, {"frames": []})
-    assert read_report(tmp_path) == {"frames": []}
-    (tmp_path / module.FILE).write_text('{"frames": 3}')
-    assert read_report(tmp_path) is None
-    for text in ('{"frames"', "[" * 100_000):
+    write_report(tmp_path, {"schema_version": 1, "frames": []})
+    assert read_report(tmp_path) == {"schema_version": 1, "frames": []}
+    foreign = ('{"schema_version": 1, "frames": [{"frame": 1, "file": "../frame_0001.png"}]}', '{"frames": []}')
+    for text in (*foreign, '{"schema_version": 1, "frames": 3}', '{"frames"', "[]", "[" * 100_000):
         (tmp_path / module.FILE).write_text(text)
         assert read_report(tmp_path) is None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import SimpleNamespace
@@ -114,22 +113,6 @@ def test_what_is_not_what_was_written_is_made_again(place: Path, told: list[str]
     assert str(path) in told[0]
     assert "\n" not in told[0]
     assert get(refuse)[1][0, 0] == 5
-
-
-def test_those_that_were_not_read_for_longest_go_where_there_are_too_many(
-    place: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    get(of="old")
-    (old,) = place.iterdir()
-    os.utime(old, (time.time() - 3 * folder.DAY,) * 2)
-    get(refuse, of="old")
-    assert old.stat().st_mtime > time.time() - 60, "to be read says that it is in use"
-    os.utime(old, (time.time() - 3600,) * 2)
-    monkeypatch.setattr(keeping, "MOST_BYTES", int(2.5 * old.stat().st_size))
-    for of in ("new", "newer"):
-        get(of=of)
-    assert not old.exists()
-    assert len(list(place.iterdir())) == 2
 
 
 def test_nothing_is_kept_where_nothing_can_be_nor_what_is_large(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,10 +14,11 @@ import pytest
 from plan_figures import measured
 from rod_kit import rod_of
 from strand_kit import scene_of
+from strandcli.common import limits
 from strandcli.errors import RefusedError
 from strandcli.groom.blocks import arranged
 from strandcli.groom.emit import emit
-from strandcli.plan import available_memory, checked_plan, limits, make_plan
+from strandcli.plan import available_memory, checked_plan, make_plan
 from strandcli.plan import make as making
 from strandcli.plan import require as planning
 from strandcli.plan.crowding import grid_bytes

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cli_runs import ROOT, TINY, Runner
-from strandcli.cli.sweep_values import Axis, points
+from strandcli.cli.sweep import Axis, points
 from strandcli.dataset.order import names_of
 
 PAGE = (ROOT / "SECURITY.md").read_text(encoding="utf-8")

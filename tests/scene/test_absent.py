@@ -30,11 +30,12 @@ def written(path: str) -> Written:
     told = NEVER.get(path, "")
     if path in GONE:
         told = (f"'{value}' is " if value else "") + "gone after {}; {}".format(*GONE[path])
-    begin, end = ("  - ", "") if "*" in setting else ("  ", "")
-    if inner and "*" not in setting:
-        begin, end = f"  {inner[0]}: {{", "}"
+    star, within = "*" in inner, [one for one in inner if one != "*"]
+    begin = ("  - " if star else "  ") + (f"{within[0]}: {{" if within else "")
+    end = "}" if within else ""
     column = 1 + len(begin) + (len(key) + 2 if value else 0)
-    text = f"{group}:\n{begin}{key}: {value or '{a: 1}'}{end}\n" + ("    kind: sphere\n" if "*" in setting else "")
+    text = f"{group}:\n{begin}{key}: {value or '{a: 1}'}{end}\n"
+    text += f"    kind: {'point' if group == 'lights' else 'sphere'}\n" if star else ""
     return Written(text, column, setting.replace("*", "0"), told)
 
 
@@ -45,7 +46,7 @@ def test_each_is_told_in_a_preset_and_where_it_is_set(
     monkeypatch.chdir(tmp_path)
     one, value = written(path), path.partition(": ")[2]
     assert complaint(one.text) == f"p.yaml:2:{one.column}: {one.path}: {one.told}"
-    for where in {one.path, one.path.replace(".0.", ".head.")}:
+    for where in {one.path, one.path.replace("solids.0.", "solids.head.")}:
         assert refused(BALL, f"{where}={value or 1}") == f"--set {where}={value or 1}: {one.told}"
         if not value:
             assert refused(BALL, f"{where}.0.a=1") == f"--set {where}.0.a=1: {one.told}"

@@ -9,7 +9,7 @@ import pytest
 import strandcli
 from strandcli.errors import StrandError
 from strandcli.scene import SceneError, to_dict
-from strandcli.scene.paths import value_at
+from strandcli.scene.fields import value_at
 from strandcli.scene.quality import QUALITIES, settings_for
 
 TEXT = "extends: hair\nquality: best\nimage: {supersample: 3}\n"

@@ -14,10 +14,8 @@ from cli_runs import Runner
 from strandcli.draw.view.camera import axes
 from strandcli.study.axes import Request, changed, knows
 from strandcli.study.kernels import cylinders
-from strandcli.study.pictures.frame import quality_text
 from strandcli.study.pictures.shadow import ShadowStudy, frames_along, pieces_of
 from strandcli.study.pictures.subject import LinearRenderer, Subject
-from strandcli.study.points import Point
 
 SMALL = """\
 title: a small brush
@@ -27,7 +25,7 @@ image: {size: [32, 24]}
 lights: [{kind: directional, direction: [0.3, -1, -0.5], shadow: {size: 64}}]
 rules: {elasticity: {}}
 """
-AXES = ("coverage", "shadow", "occlusion", "quality")
+AXES = ("coverage", "shadow", "quality")
 
 
 @pytest.fixture
@@ -191,17 +189,3 @@ def test_an_error_that_nothing_keeps_under(run: Runner) -> None:
     done = run("study", "brush.yaml", "--axis", "coverage", "--max-error", "0.0001%", "-q", "-o", "s")
     assert done.code == 3
     assert "allow a greater error" in done.error()
-
-
-def test_a_quality_stands_beside_the_cheapest_setting_that_is_as_near() -> None:
-    def point(seconds: float, error: float | None, **parameters: object) -> Point:
-        return Point(parameters=parameters, seconds=seconds, error={"rmse": error, "flip": error})
-
-    points = [
-        point(4.0, 0.100, quality="default"), point(1.0, 0.103, samples=1), point(3.0, 0.101, samples=2),
-        point(0.5, 0.300, quality="draft"), point(0.4, None, samples=3), point(9.0, 0.01, quality="best"),
-    ]  # fmt: skip
-    text = quality_text(points)
-    assert "best       1.0%, ꟻLIP 0.010, 9.00 s: it is the cheapest" in text
-    assert "default   10.0%, ꟻLIP 0.100, 4.00 s: samples 2 takes 75% of its time" in text
-    assert "draft     30.0%, ꟻLIP 0.300, 0.50 s: it is the cheapest" in text

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strandcli.study.motion.runs import apart, resample
+from strandcli.study.motion import apart, resample
 from strandcli.study.points import Point, cheapest, fitted_order, grid, limit, orders, pareto
 
 COSTS = st.floats(1e-6, 1e3)

@@ -14,7 +14,7 @@ from strand_kit import scene_of
 from strandcli.errors import MismatchError, UsageError
 from strandcli.study import advice, axes, sweep
 from strandcli.study.axes import changed
-from strandcli.study.motion.experiment import Motion
+from strandcli.study.motion import Motion
 from strandcli.study.points import CELL, Point
 from strandcli.study.references.experiment import References
 from study_kit import Synthetic, made

@@ -82,10 +82,7 @@ class Image:
         or_none=True,
         doc="background colour, with horizon that at the top; none: a picture with alpha",
     )
-    horizon: Colour | None = colour(
-        None,
-        doc="background colour at the bottom, dithered; absent: one colour",
-    )
+    horizon: Colour | None = colour(None, doc="background colour at the bottom, dithered; absent: one colour")
     haze: float | None = number(
         None,
         above=0,

@@ -86,8 +86,7 @@ class GroomFile:
         doc="which point is the root. auto: the first, and with `fix` the last where that is clearly right",
     )
     fix: bool = boolean(
-        False,
-        doc="leave out strands that are not finite, have no length or are duplicates; false: they are refused",
+        False, doc="leave out strands that are not finite, have no length or are duplicates; false: they are refused"
     )
     scale: float | None = unit_scale(absent="as the file says, else 1")
     size: float | None = longest_side(box="the box about all strands")
@@ -182,10 +181,7 @@ class Emitter:
     particles: int = integer(10, low=2, high=100_000, doc="particles per strand, root included")
     length: float = number(1.0, above=0, unit="m", doc="mean strand length from root to tip")
     length_variation: float = number(
-        0.0,
-        low=0,
-        high=1,
-        doc="lengths are uniform in length * (1 - v) ... length * (1 + v)",
+        0.0, low=0, high=1, doc="lengths are uniform in length * (1 - v) ... length * (1 + v)"
     )
     direction: Vector | None = vector(None, unit="1", nonzero=True, doc="growing direction; absent: the surface normal")
     comb: Vector | None = vector(

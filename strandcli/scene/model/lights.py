@@ -15,12 +15,7 @@ from ..fields import Colour, Vector, choice, colour, file, integer, model, numbe
 class Shadow:
     """Shadows of strands in one light: by the thesis' map (§3, corrected), or a deep opacity map."""
 
-    model: str = choice(
-        "minmax",
-        SHADOWS,
-        doc="minmax: depth range per texel; opacity: deep opacity map; off: none",
-        removed=dict.fromkeys(("traced", "nearby"), "exact shadows are no part of this version; use opacity"),
-    )
+    model: str = choice("minmax", SHADOWS, doc="minmax: depth range per texel; opacity: deep opacity map; off: none")
     size: int | None = integer(
         None, low=1, high=8192, unit="texels",
         doc="texels per side, for opacity at most; absent: 512, for opacity 1024",
@@ -77,9 +72,6 @@ class AmbientOcclusion:
 class Environment:
     """Light from a lat-long picture, which is not drawn; `ambient_occlusion` shades it."""
 
-    image: str = file(
-        "picture",
-        doc="lat-long picture (PNG, JPEG or Radiance .hdr) whose middle is at +z",
-    )
+    image: str = file("picture", doc="lat-long picture (PNG, JPEG or Radiance .hdr) whose middle is at +z")
     intensity: float = number(1.0, low=0, doc="scale")
     rotation: float = number(0.0, unit="deg", doc="rotation about +y")

@@ -84,9 +84,7 @@ class MeshShape:
     )
     density: str = surface_map(doc="vertex attribute or picture: density of roots; absent: uniform")
     above: float | None = number(
-        None,
-        unit="m",
-        doc="height above which strands grow, without a density; absent: everywhere",
+        None, unit="m", doc="height above which strands grow, without a density; absent: everywhere"
     )
     length: str = surface_map(
         doc="vertex attribute or picture: factor of `emitter.length`, clamped to 0.02 ... 1; absent: 1"

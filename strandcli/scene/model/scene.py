@@ -20,10 +20,7 @@ class Time:
     """The clock. Frame 1 is at time 0; frame f is at (f - 1) / fps."""
 
     frames: int = integer(
-        48,
-        low=0,
-        high=1_000_000,
-        doc="frames of the animation; 0: those of the strand file, 1 if it is still",
+        48, low=0, high=1_000_000, doc="frames of the animation; 0: those of the strand file, 1 if it is still"
     )
     fps: float = number(24.0, low=0, high=100_000, unit="1/s", doc="frames per second; 0: the strand file's, else 24")
     substeps: int = integer(
@@ -99,8 +96,7 @@ class Scene:
         Environment, doc="light from a lat-long picture, added to `ambient`; absent: none"
     )
     ambient_occlusion: AmbientOcclusion | None = optional(
-        AmbientOcclusion,
-        doc="strands and solids occlude ambient and environment light; absent: they do not",
+        AmbientOcclusion, doc="strands and solids occlude ambient and environment light; absent: they do not"
     )
     material: Material = model(Material, doc="how strands scatter light")
     curves: Curves = model(Curves, doc="smoothing")

@@ -26,10 +26,7 @@ class SolidSettings:
     follow: str = choice("none", ("none", "emitter"), doc="emitter: the pose is in the emitter's frame")
     colour: Colour = colour((0.18, 0.18, 0.18), doc="diffuse colour")
     coat: float = number(
-        0.0,
-        low=0,
-        high=1,
-        doc="reflectance of a coat at normal incidence: 0.04 varnish, 0.007 skin; 0: matte",
+        0.0, low=0, high=1, doc="reflectance of a coat at normal incidence: 0.04 varnish, 0.007 skin; 0: matte"
     )
     roughness: float = number(0.3, low=0.05, high=1, doc="roughness of the coat: 0.1 polished, 0.5 satin")
     mottle: float = number(0.0, low=0, high=1, doc="variation of brightness between patches")

@@ -29,9 +29,7 @@ class Material:
     """How strands scatter light: by Marschner et al. 2003 or Chiang et al. 2016, and light between strands."""
 
     model: str = choice(
-        "marschner",
-        FIBRES,
-        doc="marschner uses alpha, beta, azimuthal; chiang uses tilt, beta_m, beta_n",
+        "marschner", FIBRES, doc="marschner uses alpha, beta, azimuthal; chiang uses tilt, beta_m, beta_n"
     )
     parameters: Any = parameters(FIBRES, "model", doc="settings of a model of another package; absent: its defaults")
     colour: Colour = colour((0.22, 0.11, 0.05), doc="colour of many such strands together, if pigment is rgb")
@@ -66,10 +64,7 @@ class Material:
     )
     rounded: bool = boolean(True, doc="resolve light across strands wider than two pixels; false: use its average")
     taper: float | None = number(
-        None,
-        low=0,
-        high=1,
-        doc="fraction of the width lost from root to tip; absent: 0.7, or 0 for widths of a file",
+        None, low=0, high=1, doc="fraction of the width lost from root to tip; absent: 0.7, or 0 for widths of a file"
     )
     opacity: float = number(
         1.0, low=0, high=1, doc="fraction of the light behind that a strand blocks where it covers (sorted)"
@@ -188,9 +183,7 @@ class Rod:
         "gravity, strands being stiffened where too soft",
     )
     root: str = choice(
-        "clamped",
-        ("clamped", "hinged"),
-        doc="clamped: keeps the emitted direction; hinged: turns freely",
+        "clamped", ("clamped", "hinged"), doc="clamped: keeps the emitted direction; hinged: turns freely"
     )
     end: str = choice(
         "free",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,16 +26,11 @@ _NO = ("no", "off", "n")
 
 
 class ChoiceSpec(Spec):
-    """One of a few words, or of the names in a registry, which may grow. ``removed``: what a message says of words that
-    are none any more."""
+    """One of a few words, or of the names in a registry, which may grow."""
 
-    def __init__(
-        self, default: str, options: tuple[str, ...] | Registry, *, doc: str = "",
-        removed: Mapping[str, str] | None = None,
-    ) -> None:  # fmt: skip
+    def __init__(self, default: str, options: tuple[str, ...] | Registry, *, doc: str = "") -> None:
         super().__init__(default, doc=doc)
         self._options = options
-        self.removed = removed or {}
 
     @property
     def options(self) -> tuple[str, ...]:
@@ -49,8 +43,6 @@ class ChoiceSpec(Spec):
     def scalar(self, node: Scalar) -> str:
         if node.text in self.options:
             return node.text
-        if node.text in self.removed:
-            raise Refusal(f"not {shown(node.text)}; {self.removed[node.text]}")
         guess = hint(node.text, self.options, "") if len(self.options) > 1 else ""
         raise Refusal(f"not {shown(node.text)}; {guess}" if guess.startswith("did") else f"not {shown(node.text)}")
 

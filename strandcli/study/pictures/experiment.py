@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ...errors import UsageError
+from ...scene.fields import value_at
 from ...scene.model import Scene
-from ...scene.paths import value_at
 from ..axes import Experiment, Request, changed, knows
 from ..points import Parameters, Point
 from .subject import Picture, Subject

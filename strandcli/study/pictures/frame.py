@@ -9,7 +9,6 @@ errors several times those of the first 2,000 in a small picture.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -21,7 +20,7 @@ from ...output.flip import mean_flip
 from ...plan import checked_plan
 from ...scene.quality import LOOKS, QUALITIES, settings_for, shadowed
 from ..axes import Request, changed
-from ..points import Parameters, Point, described, grid
+from ..points import Parameters, Point, grid
 from .experiment import Pictures
 from .subject import Picture
 from .windows import Windows
@@ -38,9 +37,6 @@ PATIENCE = 40.0
 """Seconds for the reference and all settings; those that are left then are not tried."""
 ALWAYS = 2
 """Settings that are tried in any case: the finest and the preset's own."""
-STUDIED, CHECKED = 2 / 3, 1 / 3
-"""Which windows are taken (see `spread`) by the study, and after it to check a frame that was drawn: never the same
-where there are more than a few."""
 ADAPTIVE = {"curves.mode": "adaptive", "curves.level": FINEST}
 
 
@@ -50,10 +46,8 @@ class FrameStudy(Pictures):
     axis = "frame"
     what = f"{SAMPLES}×{SAMPLES} samples a pixel, curves within {TOLERANCE} samples, opacity maps of {LAYERS} layers"
 
-    def __init__(self, request: Request, phase: float = STUDIED, positions: NDArray[np.floating] | None = None) -> None:
-        """``phase``: which windows are taken; ``positions``: simulated strands of the frame, where they are known."""
-        self.windows = Windows(request, phase)
-        self.windows.given = positions
+    def __init__(self, request: Request) -> None:
+        self.windows = Windows(request)
         super().__init__(request, self.windows)
 
     def choices(self) -> list[Parameters]:
@@ -117,16 +111,12 @@ class FrameStudy(Pictures):
     def reference(self) -> dict[str, Any]:
         """Draw the reference, and learn what a whole frame takes."""
         self._began, self._measured = time.monotonic(), 0
-        self.draw_reference()
+        self.fine = self.windows.draw(changed(self.scene, self.converged()))
         return {
             "what": self.what, "mean": self.windows.mean, "counts": self.fine.counts,
             "windows": [list(window) for window in self.windows.windows], "own_seconds": self.windows.calibrate(),
             "width": self.width_given(),
         }  # fmt: skip
-
-    def draw_reference(self) -> None:
-        """Draw what errors are measured against; strands have to be moved."""
-        self.fine = self.windows.draw(changed(self.scene, self.converged()))
 
     def width_given(self) -> dict[str, float]:
         """The settings that give lines of no width the width of the reference; nothing for other strands."""
@@ -227,20 +217,3 @@ class QualityStudy(WholeFrame):
     def series(self, parameters: Parameters) -> str:
         """By name, or of the grid."""
         return "by name" if "quality" in parameters else "grid"
-
-
-def quality_text(points: Sequence[Point]) -> str:
-    """A line a quality: its errors and seconds, and the cheapest setting that is no more than a fiftieth farther off,
-    by how much of its time."""
-    lines = ["beside the cheapest setting that is at most a fiftieth farther off:"]
-    known = [(point, point.error["rmse"]) for point in points]
-    for point, error in known:
-        if "quality" not in point.parameters or error is None:
-            continue
-        best = min((one for one, off in known if off is not None and off <= 1.02 * error), key=lambda one: one.seconds)
-        other = f"{described(best.parameters)} takes {best.seconds / (point.seconds or 1.0):.0%} of its time"
-        if best is point:
-            other = "it is the cheapest"
-        name, flip = point.parameters["quality"], point.error["flip"]
-        lines.append(f"  {name:<9}{error:6.1%}, ꟻLIP {flip:.3f}, {point.seconds:.2f} s: {other}")
-    return "\n".join(lines)

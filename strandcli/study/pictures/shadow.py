@@ -121,7 +121,7 @@ def bundle(rays: int, radius: float, rng: np.random.Generator) -> NDArray[np.flo
 
 def transmittance(
     lines: Polylines, thickness: Thickness, light: Light, points: NDArray[np.float64], own: NDArray[np.int64],
-    jitter: NDArray[np.float64], wide: NDArray[np.float64] | float = 1.0,
+    jitter: NDArray[np.float64], wide: NDArray[np.float64],
 ) -> NDArray[np.float64]:  # fmt: skip
     """(P, 2): what polylines as cylinders leave of a light at ``points`` (P, 3), by the even and the odd rays of a
     bundle ``jitter`` (R, 2) that is ``wide`` (P,) times as many metres wide; ``own`` (P,): the strand that each point
@@ -136,8 +136,8 @@ def transmittance(
     along = np.concatenate([np.linspace(0, 1, count) for count in np.diff(lines.first)])
     radii = 0.5 * thickness.width * (1 - thickness.taper * along)
     out = np.empty((len(points), 2))
-    pieces, widths = pieces_of(lines.first, lines.world.astype(np.float64), radii), np.full(len(points), wide)
-    cylinders.transmittance(pieces, points, own, frames, reaches, jitter, widths, out)
+    pieces = pieces_of(lines.first, lines.world.astype(np.float64), radii)
+    cylinders.transmittance(pieces, points, own, frames, reaches, jitter, wide, out)
     return out
 
 

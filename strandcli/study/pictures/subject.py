@@ -143,12 +143,10 @@ class Subject:
         self.positions: NDArray[np.float32] = np.empty(0, np.float32)
         self.lengths: NDArray[np.float32] = np.empty(0, np.float32)
         self.widened = scene.material.width == 0
-        self.given: NDArray[np.floating] | None = None
-        """(strands, particles, 3) metres of the simulated strands at the frame, where they are known."""
         self._joined: NDArray[np.float32] | None = None
 
     def move(self) -> None:
-        """Simulate up to the frame, once, or take the positions given. Raises `SimulationError` where strands cannot
+        """Simulate up to the frame, once. Raises `SimulationError` where strands cannot
         be drawn."""
         from ...simulate import solver_of
 
@@ -157,10 +155,7 @@ class Subject:
         scene = self._guiding
         guides = self.groom if scene.children is None else emit(scene.emitter, scene.seed)
         solver = solver_of(scene)(scene, guides)
-        if self.given is not None and len(self.given) >= guides.strands:
-            solver.take(self.frame, self.given)
-        else:
-            solver.advance(self.frame)
+        solver.advance(self.frame)
         if not np.isfinite(solver.particles()).all():
             raise SimulationError(f"{self.name}: at frame {self.frame} strands are no longer finite; study another")
         self.positions, self.lengths = solver.positions, solver.lengths

@@ -93,10 +93,8 @@ class Windows(Subject):
     once for all of them, of all strands.
     """
 
-    def __init__(self, request: Request, phase: float = 0.5) -> None:
-        """``phase``, 0 to 1: which windows are taken, see `spread`."""
+    def __init__(self, request: Request) -> None:
         scene = request.single
-        self._phase = phase
         self.windows: list[Window] = []
         self.mean = 0.0
         """Light of all of the picture that has strands."""
@@ -114,16 +112,12 @@ class Windows(Subject):
             return
         points = self.points()
         seen, inside = on_screen(points[:: -(-len(points) // LOOKED_AT), 1:], self.view(self.scene))
-        whole = self.draw_whole(self.scene).image
+        whole, corner = self.draw_whole(self.scene).image, (self.scene.image.crop or (0, 0))[:2]
         number = WINDOWS if self.scene.emitter.strands * self.scene.emitter.particles < MANY else WINDOWS // 2
-        self.windows, self.mean, tiles = spread(seen[inside], whole, self._corner(), number, self._phase)
+        self.windows, self.mean, tiles = spread(seen[inside], whole, corner, number)
         if not self.windows:
             raise UsageError(f"{self.name}: frame {self.frame} shows no strands; choose the settings by hand")
         self._share = tiles / len(self.windows)
-
-    def _corner(self) -> tuple[int, int]:
-        """x and y of the picture's upper left corner: of the crop window, where there is one."""
-        return (self.scene.image.crop or (0, 0))[:2]
 
     def draw(self, scene: Scene, draws: int = 1, *args: Any, **kwargs: Any) -> Picture:
         """Draw a scene in all windows. Seconds are the sums of a stage, or after `calibrate` those of a whole frame."""
@@ -166,25 +160,20 @@ class Windows(Subject):
             found[stage] = whole + self._share * (took - part) if more else whole * took / part if part else took
         return found
 
-    def cut(self, picture: NDArray[Any]) -> list[NDArray[Any]]:
-        """The windows of a picture of the whole frame (height, width, …), each a view of it."""
-        left, top = self._corner()
-        return [picture[y - top : y - top + h, x - left : x - left + w] for x, y, w, h in self.windows]
-
     def apart(self, stacked: NDArray[Any]) -> list[NDArray[Any]]:
         """The windows of a picture that `draw` returned."""
         return np.split(stacked, len(self.windows))
 
 
 def spread(
-    points: NDArray[np.float64], picture: NDArray[np.float64], corner: tuple[int, int], number: int, phase: float
+    points: NDArray[np.float64], picture: NDArray[np.float64], corner: tuple[int, int], number: int
 ) -> tuple[list[Window], float, int]:
     """Windows that stand for all of a picture that has strands, the mean light of all that, and how many they are of.
 
     points (n, 2): places of particles, pixels; picture (height, width, 3): linear light, its upper left pixel at
     ``corner``. The picture is cut into tiles of `SIDE` pixels (smaller where it is), those without points are left out,
     the others are put in order of how much neighbouring pixels differ, which errors go with; of ``number`` equal parts
-    of this list, each gives the tile at ``phase`` (0 to 1) of its length.
+    of this list, each gives the tile in its middle.
     """
     height, width = picture.shape[:2]
     wide, high = min(SIDE, width), min(SIDE, height)
@@ -201,7 +190,7 @@ def spread(
         return [], 0.0, 0
     order = occupied[np.argsort(rough[occupied], kind="stable")]
     number = min(number, len(order))
-    places = [min(math.floor((part + phase) * len(order) / number), len(order) - 1) for part in range(number)]
+    places = [min(math.floor((part + 0.5) * len(order) / number), len(order) - 1) for part in range(number)]
     chosen = [divmod(int(order[place]), columns) for place in places]
     found = [(x + column * wide, y + row * high, wide, high) for row, column in chosen]
     return found, float(means[occupied].mean()), len(occupied)

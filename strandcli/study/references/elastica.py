@@ -16,8 +16,7 @@ from functools import cache
 
 import numpy as np
 
-from .base import Case, Errors, G, Reference, Track, groom, off, preset
-from .collocation import Array, Interval, interval
+from .base import Array, Case, Errors, G, Interval, Reference, Track, groom, interval, off, preset
 
 NODES = 128
 NEWTON = 8

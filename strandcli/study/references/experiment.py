@@ -10,7 +10,7 @@ from ...errors import UsageError
 from ...scene.model import Rod, Scene
 from ...simulate.rod.solver import RodSolver
 from ..axes import Experiment, Request, chosen_solvers
-from ..motion.runs import follow, least
+from ..motion import follow, least
 from ..points import Parameters, Point, grid
 from . import REFERENCES, Case, Track
 

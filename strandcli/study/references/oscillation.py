@@ -12,8 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from .base import Case, Errors, G, Reference, Track, groom, preset
-from .collocation import Array, Interval, interval
+from .base import Array, Case, Errors, G, Interval, Reference, Track, groom, interval, preset
 
 COUNT = 3
 """Modes that are compared."""

@@ -17,12 +17,13 @@ from strandcli.draw.geometry.extent import Thickness
 from strandcli.draw.lighting import occlusion
 from strandcli.draw.lighting.kernels import light
 from strandcli.draw.lighting.kernels.inputs import Surround
+from strandcli.draw.solids.kernels import rays
 from strandcli.groom.blocks import pack
 from strandcli.jit import function
 from strandcli.plan import make_plan
-from strandcli.scene.model import AmbientOcclusion, Emitter, PlaneSolid, SphereSolid
+from strandcli.scene.model import AmbientOcclusion, DirectionalLight, Emitter, PlaneSolid, SphereSolid
 from strandcli.solids import pack_all
-from strandcli.study.pictures.occlusion import seen_of_sky
+from strandcli.study.pictures.shadow import transmittance
 
 BOX = np.array([[-1.0, -1, -1], [1, 1, 1]])
 HAIR = """
@@ -103,7 +104,15 @@ def test_against_rays_that_meet_cylinders(count: int, width: float, mean: float)
     probes = points[own, 2]
     angle = 2 * np.pi * np.arange(6) / 6
     jitter = 0.03 * np.stack([np.cos(angle), np.sin(angle)], 1)
-    truth = seen_of_sky(lines, Thickness(width), packed, probes, own, jitter, 1e-3, 64).mean(1)
+    truth = np.zeros(len(probes))
+    for direction in occlusion.directions(64):
+        light = DirectionalLight(direction=tuple((-direction).tolist()))
+        left = transmittance(lines, Thickness(width), light, probes, own, jitter, np.ones(len(probes))).mean(1)
+        for p, point in enumerate(probes.astype(np.float32)):
+            left[p] *= rays.visibility(
+                packed, *point, *direction.astype(np.float32), np.float32(1e30), np.float32(1e-3)
+            )
+        truth += left / 64
     off = built(points, width, solids).at(probes) - truth
     assert np.abs(off).mean() < mean
     assert abs(off.mean()) < 0.02

@@ -123,5 +123,5 @@ def test_a_model_that_lacks_a_part_or_takes_a_name_is_refused(models: Any) -> No
         SHADOWS.register(taken)
     with pytest.raises(SceneError, match="did you mean"):
         scene_of(SCENE % ("sorted", "dimer", 0.1))
-    with pytest.raises(SceneError, match="not 'traced'; exact shadows are no part of this version; use opacity"):
+    with pytest.raises(SceneError, match=r"'traced' is gone after .*; exact shadows are no part of this version"):
         scene_of(SCENE % ("sorted", "traced", 0.1))

@@ -1,7 +1,8 @@
-"""Available memory, and what a control group of Linux, as of a container or a cluster's job, allows a process."""
+"""Memory and cores that a process may use: of the system, and of a control group of Linux, as of a container's."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -41,7 +42,12 @@ def folders(controller: str, root: Path = ROOT, told: Path = Path("/proc/self/cg
     yield from (root, root / controller)  # inside a container
 
 
-def cores(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> float | None:
+def cores() -> int:
+    """Cores that this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def quota(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> float | None:
     """Cores' worth of time that the process may use; None where there is no such limit."""
     found = []
     for folder in folders("cpu", root, told):
