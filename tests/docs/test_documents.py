@@ -37,6 +37,12 @@ def test_links_resolve(page: Path) -> None:
     assert not wrong
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_files_of_the_project_are_where_pages_say(page: Path) -> None:
+    named = re.findall(r"`((?:strandcli|tests|examples|presets|docs)/[\w/.]+)`", page.read_text(encoding="utf-8"))
+    assert [name for name in named if "NAME" not in name and not (ROOT / name).exists()] == []
+
+
 def test_every_page_and_picture_is_linked() -> None:
     """Each page from the index and from the README, each picture from the README."""
     index = (ROOT / "docs/index.md").read_text(encoding="utf-8")
