@@ -111,7 +111,6 @@ class RodSolver(Solver):
         self._torsion = torsion(rod, shape.coiled), ANCHOR if self.roots.hinged else CLAMP
         self.now = self._numbers(MOMENT, False, (0.0, 0.0, 0.0), self.pose, change_of(self.pose, self.pose))
         """Numbers of the last step."""
-        self._moment = 0.0, 0.0  # end of the step that is made, and its length, seconds
         self._last_step = 0.0
         self.place_roots(1)
         self.kernel = StepKernel(self.strands, arrays, self.surroundings)
@@ -135,7 +134,7 @@ class RodSolver(Solver):
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return the rods' state, where their roots are, and the poses of the last step."""
         state = {f"state {name}": one for name, one in self.state._asdict().items() if one is not self.positions}
-        last = {"last": np.array([self._last_step, *flat(self.pose)]), "poses": self.surroundings.last_poses()}
+        last = {"last": np.array([self._last_step, *flat(self.pose)])}
         grid = {} if self.grid is None else self.grid.state_arrays()
         found = {} if self.contact is None else self.contact.state_arrays()
         return {**super().state_arrays(), **state, **self.roots.state_arrays(), **last, **grid, **found}
@@ -155,7 +154,6 @@ class RodSolver(Solver):
                 one[...] = state[f"state {name}"]
         last = state["last"].tolist()
         self._last_step, self.pose = last[0], pose_of(last[1:])
-        self.surroundings.set_last_poses(state["poses"])
         if self.grid is not None:
             self.grid.restore(state)
         if self.contact is not None:
@@ -195,8 +193,7 @@ class RodSolver(Solver):
         gust = around.gust(time, self.positions)
         if gust is not None:
             self.drive.gust[...] = gust.reshape(-1, PACK)[: len(self.drive.gust)]
-        around.solids(time, dt, pose)
-        self._moment = time, dt
+        around.solids(time, dt)
         bdf2 = dt == self._last_step and not jumps
         self.now = self._numbers(dt, bdf2, around.air(time), pose, change_of(self.pose, pose))
         if self.grid is not None:

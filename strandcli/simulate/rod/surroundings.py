@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from operator import sub
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ... import solids
 from ...constants import W
 from ...errors import UsageError
-from ...scene.motion import Pose, compose, emitter_pose, multiply, own_pose, rotate, solid_pose
+from ...scene.motion import Pose, emitter_pose, multiply, rotate, solid_pose
 from ...scene.rule_type import touched
 from ...solids import Solids
 from ...solids.shapes import other
@@ -24,16 +24,6 @@ from .kernels.arrays import MOTION
 
 if TYPE_CHECKING:
     from ...scene.model import Scene
-
-
-class Poses(NamedTuple):
-    """Where things are at the end of a step."""
-
-    time: float
-    """Seconds, at which keys are read; -1 before the first step."""
-    emitter: Pose | None
-    solids: dict[int, Pose]
-    """Of solids with motions of their own, by identity."""
 
 
 def gravity(scene: Scene) -> NDArray[np.float64]:
@@ -78,11 +68,8 @@ class Surroundings:
         self._packed = tuple(packed.values())
         moving = {kind: [one for one in mine if self._moves(one)] for kind, mine in kinds.items()}
         self._moving = [
-            (row, one, None if one.keys else own_pose(one, 0.0))
-            for kind, mine in moving.items() if mine
-            for row, one in zip(packed[kind][-len(mine) :], mine, strict=True)
-        ]  # fmt: skip
-        self.poses = Poses(-1.0, None, {})
+            pair for kind, mine in moving.items() if mine for pair in zip(packed[kind][-len(mine) :], mine, strict=True)
+        ]
 
     def air(self, time: float) -> tuple[float, float, float]:
         """Return the velocity of the air, m/s, without gusts that differ from strand to strand."""
@@ -115,29 +102,17 @@ class Surroundings:
         emitter = self.scene.emitter
         return emitter_pose(emitter, self.scene.time.pose_time(time) if self.carried and emitter.keys else 0.0)
 
-    def solids(self, time: float, dt: float, pose: Pose | None = None) -> tuple[Any, ...]:
-        """Return packed solids with their motion in a step that ends at ``time``, with the emitter's ``pose`` then:
-        spheres, capsules, planes, boxes, and `custom` if there are any. The arrays are the same at each call; those of
-        `data` are new when a shape changes."""
+    def solids(self, time: float, dt: float) -> tuple[Any, ...]:
+        """Return packed solids with their motion in a step of ``dt`` seconds that ends at ``time``: spheres, capsules,
+        planes, boxes, and `custom` if there are any. The arrays are the same at each call; those of `data` are new when
+        a shape changes."""
         now, past = self.scene.time.pose_time(time), self.scene.time.pose_time(time - dt)
         emitter = self.scene.emitter
-        outer = pose if pose is not None and self.carried else emitter_pose(emitter, now)
-        known, inner, there = self.poses
-        if abs(known - past) > 1e-9 * dt:
-            inner, there = None, {}
-        else:
-            past = known
-        carried: Pose | None = None
-        after: dict[int, Pose] = {}
-        for row, one, own in self._moving:
-            if own is None:
-                moved = after[id(one)] = solid_pose(one, emitter, now, outer)
-                motion = _between(there.get(id(one)) or solid_pose(one, emitter, past), moved)
-            else:  # moves with the emitter, as other solids may
-                moved = compose(outer, own)
-                motion = carried = carried or _between(inner or emitter_pose(emitter, past), outer)
+        outer, inner = (emitter_pose(emitter, at) if self._moving else None for at in (now, past))
+        for row, one in self._moving:
+            moved = solid_pose(one, emitter, now, outer)
+            motion = _between(solid_pose(one, emitter, past, inner), moved)
             row[:] = *self._numbers(one, moved, len(row) - MOTION), *flat(motion)
-        self.poses = Poses(now, outer, after)
         if self.data:
             found = other.data_of(self.custom, now, past)
             if any(a is not b for a, b in zip(found, self.data, strict=True)):
@@ -150,22 +125,6 @@ class Surroundings:
         if not self.any_solids:
             return None
         return solids.joined_with(self._met, [one.astype(np.float32, copy=False) for one in self._packed], self.data)
-
-    def last_poses(self) -> NDArray[np.float64]:
-        """Return the time of the last step and the poses at its end: of the emitter, and of solids with motions
-        of their own; NaN where none is known."""
-        time, outer, solids = self.poses
-        rows = [outer, *(solids.get(id(one)) for _, one, own in self._moving if own is None)]
-        return np.array([time, *(number for one in rows for number in ([np.nan] * 12 if one is None else flat(one)))])
-
-    def set_last_poses(self, numbers: NDArray[np.float64]) -> None:
-        """Go on from what `last_poses` has returned."""
-        time, *rest = numbers.tolist()
-        rows = [rest[i : i + 12] for i in range(0, len(rest), 12)]
-        outer, *inner = [None if row[0] != row[0] else pose_of(row) for row in rows]
-        moving = [one for _, one, own in self._moving if own is None]
-        there = {id(one): p for one, p in zip(moving, inner, strict=True) if p is not None}
-        self.poses = Poses(time, outer, there)
 
     def _numbers(self, solid: Any, pose: Pose, columns: int) -> list[float]:
         """Return a solid's packed row."""
