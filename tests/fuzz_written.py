@@ -22,7 +22,7 @@ from strandcli.groom.emit import emit
 from strandcli.output import positions, state_file
 from strandcli.run.checkpoints import FOLDER, Checkpoints
 from strandcli.scene import loads
-from strandcli.simulate.grid import strands as grid_strands
+from strandcli.simulate.grid import strand_grid
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 
@@ -129,7 +129,7 @@ def attempt_checkpoint(content: bytes, folder: Path) -> str:
     if content[-1] % 8 == 0:
         # numbers that nobody would have written; where strands fly apart the grid between them would grow to its most,
         # more than the little that may be taken here: with a lower one the step is refused sooner
-        with np.errstate(all="ignore"), patch.object(grid_strands, "MOST_CELLS", FEW_CELLS):
+        with np.errstate(all="ignore"), patch.object(strand_grid, "MOST_CELLS", FEW_CELLS):
             solver.step(0.2, 0.01)
     return "read"
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..draw.shadows.shadow_model import casts_map, model_of, needs_counts, shining
 from ..scene.model import MeshShape
-from .crowding import crowding_of
+from .crowding import pairs_of
 from .sizes import share_in_maps, side_of
 
 if TYPE_CHECKING:
@@ -68,8 +68,8 @@ def motion_seconds(plan: Plan, scene: Scene) -> float:
         each += INTERACTING
     if not plan.steps:
         return 0.0
-    crowding = crowding_of(scene, plan.strands)
-    touching = TOUCHED * crowding.pairs**2 / plan.particles + (TOUCHING * plan.particles if crowding.cells else 0.0)
+    pairs = pairs_of(scene, plan.strands)
+    touching = TOUCHED * pairs**2 / plan.particles + (TOUCHING * plan.particles if pairs else 0.0)
     return plan.particles * each + touching
 
 

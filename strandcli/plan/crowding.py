@@ -6,7 +6,7 @@ Strands are taken to stand apart evenly on what they grow on, as they are emitte
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from ..scene.model import SphereShape
 from .sizes import reach_of, surface
@@ -14,8 +14,8 @@ from .sizes import reach_of, surface
 if TYPE_CHECKING:
     from ..scene.model import Scene
 
-GUESS, CELLS = 3.0, 4.0
-"""Pairs of a particle of strands from a file, and cells that a segment lies in."""
+GUESS = 3.0
+"""Pairs of a particle of strands from a file."""
 ALIKE = 0.45
 """Share of the boxes that meet of those that would if neighbours went in any direction."""
 GRAVITY, FAR = 9.81, 1e6
@@ -29,24 +29,16 @@ LANES, MOST = 16, 4_000_000
 """Rows have so many cells, or a multiple of it; with more in all no run begins."""
 
 
-class Crowding(NamedTuple):
-    """What contact looks at in a step."""
-
-    pairs: float
-    """Pairs of segments whose boxes meet."""
-    cells: float
-    """Cells that segments lie in, each counted by itself."""
-
-
-def crowding_of(scene: Scene, strands: int) -> Crowding:
-    """Return what contact looks at among so many strands; zeros without the rule."""
+def pairs_of(scene: Scene, strands: int) -> float:
+    """Return how many pairs of segments of so many strands have boxes that meet in a step; 0 without the rule
+    contact."""
     thickness = next((use.parameters.thickness for use in scene.rules if use.name == "contact"), 0.0)
     if thickness == 0.0 or scene.solver != "rod" or strands < 2:
-        return Crowding(0.0, 0.0)
+        return 0.0
     emitter = scene.emitter
     particles = strands * emitter.particles
     if emitter.groom is not None:
-        return Crowding(GUESS * particles, CELLS * particles)
+        return GUESS * particles
     from ..simulate.rod.material import MARGIN, matter  # NumPy comes with it
 
     each = emitter.length / (emitter.particles - 1)
@@ -60,7 +52,7 @@ def crowding_of(scene: Scene, strands: int) -> Crowding:
     spread = emitter.length / max(extent, 1e-9) if parts and emitter.tie is None else 0.0
     # of strands that part as they leave a ball, 1 / (1 + spread h)² on average over their height h
     pairs = ALIKE / 2 * strands * particles * box / (max(area, 1e-12) * each * (1 + spread))
-    return Crowding(min(pairs, particles * float(strands)), CELLS * particles)
+    return min(pairs, particles * float(strands))
 
 
 def grid_bytes(scene: Scene, strands: int) -> int:

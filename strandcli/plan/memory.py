@@ -11,8 +11,8 @@ from ..draw.coverage.room import LAYER_ROOM, SORTING_BYTES
 from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, model_of, needs_counts, shades_vertices
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
-from ..simulate.rod.precision import needs_double, shortest_segment
-from .crowding import crowding_of, grid_bytes
+from ..simulate.rod import needs_double, shortest_segment
+from .crowding import grid_bytes, pairs_of
 from .sizes import map_rows, share_in_maps, side_of
 
 if TYPE_CHECKING:
@@ -47,10 +47,9 @@ rest shapes in them."""
 DOUBLE, DOUBLE_CROWDED = 88, 25
 """Bytes of a particle more in double precision, where those of frames are twice as many: the state's numbers, 64, and
 positions beside those in single precision, 24; and where strands push each other, with what moves the grid."""
-TOUCHING, CELL, PAIR = 290, 32, 50
-"""More where strands have contact: the state before the step, 120; particles at its ends, 48, boxes, 72, the cells'
-table, 50; of each cell that a segment lies in (`crowding`); of a pair of segments whose boxes meet, its numbers and
-what sorts them."""
+TOUCHING, PAIR = 290, 50
+"""More where strands have contact: the state before the step, 120; particles at its ends, 48, boxes as they are and
+sorted, 122; of a pair of segments whose boxes meet, its numbers and what sorts them."""
 
 
 def memory_of(plan: Plan, scene: Scene, draw: bool) -> int:
@@ -75,8 +74,7 @@ def motion_bytes(plan: Plan, scene: Scene) -> int:
     blocks = -(-plan.strands // W) * W
     rods = _rod_bytes(scene) if scene.solver == "rod" else 0
     contact = rods and any(use.name == "contact" for use in scene.rules)
-    crowding = crowding_of(scene, plan.strands)
-    touching = blocks * n * TOUCHING + CELL * crowding.cells + PAIR * crowding.pairs if contact else 0
+    touching = blocks * n * TOUCHING + PAIR * pairs_of(scene, plan.strands) if contact else 0
     # the state, the emitted groom, and the float64 work of one row while strands are emitted
     own = blocks * (12 * (n + 3) + 4 + 32 + 160 + rods * n) + round(touching) + grid_bytes(scene, plan.strands)
     return own + (_moments_bytes(scene) if scene.emitter.moving else 0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -195,44 +194,31 @@ def softness(scene: Scene, groom: Groom) -> list[str]:
 
 
 def _swallowed(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> str | None:
-    """Return a warning about a solid that contains roots in some frame of the scene, or None."""
-    first = _first_frame(solid, scene, groom, segment)
-    if first is None:
-        return None
-    under = depth(_roots(scene, groom.roots, first), solid, scene.emitter, _time(scene, first))
-    lost = int((under > DEEP * segment).sum())
-    when = "" if first == 1 else f"from frame {first} on "
-    return (
-        f"{when}swallows the roots of {lost:,} of {groom.strands:,} strands, up to {under.max():.3g} m deep: "
-        "they cannot get out; make it smaller, move it, or leave it out with collision.with"
-    )
-
-
-def _first_frame(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> int | None:
-    """Return the first frame in which a solid contains roots, or None: any at the start, later a share of `GRAZED`, or
-    any at the end."""
+    """Return a warning about a solid that contains roots, or None: any at the start, a share of `GRAZED` later, or any
+    at the end. It names the first frame from which on it contains some until then."""
     frames = [1]
     if solid.keys or (scene.emitter.keys and (solid.follow != "emitter" or not _carried(scene))):
-        frames += range(scene.time.frames, 1, -max(1, -(-scene.time.frames // MOST_FRAMES)))
-    for frame in sorted(frames):
-        end = frame in (1, scene.time.frames)
-        some = slice(None, None, 1 if end else -(-groom.strands // SAMPLED_ROOTS))
-        under = depth(_roots(scene, groom.roots[some], frame), solid, scene.emitter, _time(scene, frame))
-        share = (under > DEEP * segment[some]).mean()
-        if share >= GRAZED or (end and share > 0):
-            return _held_since(solid, scene, groom, segment, frame, frames)
-    return None
+        frames += sorted(range(scene.time.frames, 1, -max(1, -(-scene.time.frames // MOST_FRAMES))))
 
+    def under(frame: int, some: slice) -> Floats:
+        return depth(_roots(scene, groom.roots[some], frame), solid, scene.emitter, _time(scene, frame))
 
-def _held_since(solid: Any, scene: Scene, groom: Groom, segment: Floats, last: int, frames: Sequence[int]) -> int:
-    """Return the first of ``frames`` from which on a solid contains roots until the ``last`` one."""
-    first = last
-    for frame in sorted((one for one in frames if one < last), reverse=True):
-        under = depth(_roots(scene, groom.roots, frame), solid, scene.emitter, _time(scene, frame))
-        if not (under > DEEP * segment).any():
+    first = None
+    for frame in frames:
+        some = slice(None, None, 1 if frame in (1, scene.time.frames) else -(-groom.strands // SAMPLED_ROOTS))
+        share = (under(frame, some) > DEEP * segment[some]).mean()
+        first = (first or frame) if share > 0 else None
+        if share >= GRAZED or (frame == 1 and share > 0):
             break
-        first = frame
-    return first
+    if first is None:
+        return None
+    found = under(first, slice(None))
+    lost = int((found > DEEP * segment).sum())
+    when = "" if first == 1 else f"from frame {first} on "
+    return (
+        f"{when}swallows the roots of {lost:,} of {groom.strands:,} strands, up to {found.max():.3g} m deep: "
+        "they cannot get out; make it smaller, move it, or leave it out with collision.with"
+    )
 
 
 def _time(scene: Scene, frame: int) -> float:

@@ -78,15 +78,9 @@ def interpenetration(solver: Any, frame: int, error: dict[str, Any]) -> str:
     depth = error.get("strand_penetration_max")
     if depth is None or depth <= solver.contact.thickness / 2:
         return ""
-    where = _where(solver.scene, frame)
-    if depth <= solver.contact.emitted:
-        return (
-            f"{where}strands that are emitted closer than contact.thickness, {solver.contact.thickness:.2g} m, are "
-            f"still {depth:.2g} m too close, and are led apart; with a longer time.preroll that is over before "
-            "frame 1, and with a smaller emitter.jitter or contact.thickness there are fewer"
-        )
     return (
-        f"{where}strands are {depth:.2g} m closer than contact.thickness, {solver.contact.thickness:.2g} m; "
+        f"{_where(solver.scene, frame)}strands are {depth:.2g} m closer than contact.thickness, "
+        f"{solver.contact.thickness:.2g} m; where they are emitted so, a longer time.preroll leads them apart, else "
         f"{SMALLER_STEPS}, or a greater contact.iterations, or a smaller contact.thickness"
     )
 

@@ -16,7 +16,7 @@ from ..groom.deforming import deforming
 from ..groom.record import Groom, check
 from ..scene.motion import emitter_pose
 from ..scene.rule_type import touched
-from .kernels import measure
+from .contact.kernels import measure
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

@@ -22,7 +22,7 @@ from strandcli.plan import available_memory, checked_plan, make_plan
 from strandcli.plan import make as making
 from strandcli.plan import require as planning
 from strandcli.plan.crowding import grid_bytes
-from strandcli.simulate.rod.precision import needs_double, shortest_segment
+from strandcli.simulate.rod import needs_double, shortest_segment
 from strandcli.simulate.rod.solver import RodSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
 from tests.simulate.test_grid import BALL

@@ -10,7 +10,7 @@ from strand_kit import scene_of
 from strandcli.groom.emit import emit
 from strandcli.jit import function
 from strandcli.simulate.contact.kernels import contact_solve
-from strandcli.simulate.contact.kernels.contact_columns import NORMAL, START, VECTORS
+from strandcli.simulate.contact.kernels.contact_pairs import NORMAL, START, VECTORS
 from strandcli.simulate.rod.kernels.arrays import PACK
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.study.references import incline

@@ -9,7 +9,7 @@ from reference.rules import depth
 from strand_kit import scene_of, solver_of
 from strandcli.constants import W
 from strandcli.groom.blocks import pack
-from strandcli.simulate.kernels import measure
+from strandcli.simulate.contact.kernels import measure
 from strandcli.solids import pack_all
 
 SOLIDS = {

@@ -15,7 +15,7 @@ from strandcli.errors import UsageError
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
 from strandcli.simulate.contact.kernels import contact_response
-from strandcli.simulate.contact.nearby import Nearby
+from strandcli.simulate.contact.kernels.contact_pairs import Nearby
 from strandcli.simulate.rod.kernels.arrays import PACK
 
 Floats = NDArray[np.float64]

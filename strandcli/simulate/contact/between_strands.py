@@ -1,11 +1,7 @@
-"""Contact with friction between the strands of a rod solver: the rule `contact`.
+"""Contact with friction between the strands of a rod solver: the rule `contact` (`docs/solvers.md`).
 
-A step is made without contact. Where strands would come too close or pass through each other, forces of contact are
-found with each strand's response linearised (`kernels.contact_response`, `kernels.contact_solve`), and the step is made
-anew from its begin with these forces among its loads, until it keeps strands apart: Newton's method on step and contact
-together. Lengths are exact and bending takes part, as in any step. Nothing but the strands' own state lasts from a step
-to the next, and which pressed each other, which tells impacts. What is done here is done in the order of
-emission, on one thread.
+Newton's method on step and contact together: a step is made without contact, and anew from its begin with the forces
+that are found by linearised responses. All of it is done in the order of emission, on one thread.
 """
 
 from __future__ import annotations
@@ -25,16 +21,13 @@ from ..rod.material import MARGIN, contact_thickness
 from .contacts import NOTHING, Contacts, Impacts
 from .forces import Forces
 from .kernels import contact_approach
-from .kernels.contact_columns import BEGIN, COUNTS, FIRST, GAP, IMPACT, NUMBERS, SAME, SECOND, VECTORS
-from .nearby import Nearby
+from .kernels.contact_pairs import COUNTS, FIRST, GAP, IMPACT, NUMBERS, SAME, SECOND, VECTORS, Nearby
 
 if TYPE_CHECKING:
     from ...scene.model import Scene
 
 EASE, MOST_EASE = 5.0, 0.25
 """Share of the thickness by which strands that begin closer come apart a second, and in a step at the most."""
-APART = 1.0
-"""Seconds after which these have come apart."""
 TOLERANCE, ENOUGH = 2e-3, 2e-2
 """Of distances at the end of a step, over the thickness: what rounds go on for, and what is enough after `ROUNDS`."""
 ROUNDS = 6
@@ -73,10 +66,6 @@ class StrandContact:
         self.penetration = 0.0
         """How much closer strands were at the end of the last step than their thickness, or near their roots than these
         leave to them, metres."""
-        self.emitted = math.nan
-        """How much closer they began, 0 once they have had the time to come apart; NaN before the first step."""
-        self._time = 0.0
-        """Seconds since then."""
 
     def step(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
         """Make a step of ``dt`` seconds by ``run``, again where strands touch. ``solver``: the rod solver whose step it
@@ -86,23 +75,20 @@ class StrandContact:
         self._impacts.begin()
         self._moves = np.zeros((len(self.lengths), self.segments, 3))  # by impacts
         converged = self._rounds(run, dt, solver)
-        self._time += dt
-        if self._time > APART:
-            self.emitted = 0.0
         self._impacts.finish(solver, self._moves, dt)
         return converged
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what lasts from a step to the next."""
         return {
-            "found": np.array([self.penetration, self.emitted, self._time]),
+            "found": np.array([self.penetration]),
             "free touching": self._impacts.past.reshape(-1),
         }
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from that."""
         self._impacts.past = np.array(state["free touching"]).reshape(-1, 2)
-        self.penetration, self.emitted, self._time = state["found"].tolist()
+        self.penetration = float(state["found"][0])
 
     def _rounds(self, run: Callable[[], None], dt: float, solver: Any) -> bool:
         """As `step`, but for velocities after impacts."""
@@ -127,8 +113,6 @@ class StrandContact:
             velocities[:, 0] = (end[:, 0] - start[:, 0]) / dt
             found.numbers[:, IMPACT] = self._impacts.shares(found, velocities, dt)
             self.penetration = found.penetration()
-            if math.isnan(self.emitted):
-                self.emitted = found.penetration(BEGIN)
             tolerance = (TOLERANCE if iteration < ROUNDS else ENOUGH) * self.thickness
             excess = float(found.excess().max(initial=0.0))
             wanted = excess > tolerance

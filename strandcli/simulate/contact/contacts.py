@@ -11,7 +11,7 @@ from ...groom.blocks import lanes
 from ...groom.record import Groom
 from ..rod.kernels.arrays import PACK
 from ..rod.kernels.begin import GAIN
-from .kernels import contact_columns as columns
+from .kernels import contact_pairs as columns
 
 THROUGH = 0.5
 """Share of their distance at the begin, or of the thickness where that is less, below which strands that a step leaves
@@ -36,7 +36,7 @@ Floats = NDArray[np.float64]
 
 
 class Contacts(NamedTuple):
-    """Contacts of a step, as `contact_columns` has them; m of them."""
+    """Contacts of a step, as `contact_pairs` has them; m of them."""
 
     pairs: NDArray[np.int64]
     """(m, 4)"""
@@ -49,10 +49,9 @@ class Contacts(NamedTuple):
         """Return (m,) by how much they are closer than they should be, metres."""
         return np.asarray(self.numbers[:, columns.WANTED] - self.numbers[:, columns.GAP])
 
-    def penetration(self, when: int = columns.GAP) -> float:
-        """Return by how much strands are closer than what roots leave to them, at the most, metres: at the step's end,
-        or at its ``BEGIN``."""
-        return max(0.0, float((self.numbers[:, columns.KEPT] - self.numbers[:, when]).max(initial=0.0)))
+    def penetration(self) -> float:
+        """Return by how much strands are closer than what roots leave to them, at the most, metres."""
+        return max(0.0, float((self.numbers[:, columns.KEPT] - self.numbers[:, columns.GAP]).max(initial=0.0)))
 
     def through(self, thickness: float) -> bool:
         """Whether strands have come through each other because they are fast."""

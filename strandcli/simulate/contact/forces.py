@@ -12,7 +12,7 @@ from ...groom.record import Groom
 from ..rod.kernels.arrays import PACK, State
 from ..rod.kernels.begin import VELOCITY_RATE
 from .kernels import contact_response, contact_solve
-from .kernels.contact_columns import ALPHA, BETA, FIRST, FIRST_SEGMENT, IMPACT, NORMAL, SECOND, SECOND_SEGMENT, URGENCY
+from .kernels.contact_pairs import ALPHA, BETA, FIRST, FIRST_SEGMENT, IMPACT, NORMAL, SECOND, SECOND_SEGMENT, URGENCY
 from .kernels.contact_response import BAND, BLOCK
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from itertools import accumulate, pairwise
 from operator import is_
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numba
 import numpy as np
@@ -23,13 +23,12 @@ from ...groom.record import Groom
 from ...scene.rule_type import touched
 from ...solids import Solids
 from ..rod.kernels.arrays import AXES, PACK, State
-from ..rod.material import CELLS_ACROSS, MOST_SAMPLES, matter, require_cell, segments_along
+from ..rod.material import cell_of, matter, segments_along
 from .kernels import records
 from .kernels.forces import accelerate, act
 from .kernels.pressure import find_room, work_shape
-from .kernels.records import Moving, Room, Samples
+from .kernels.records import FIRST, LANES, LOW, OFFSET, SIZE, Moving, Room, Samples, samples_of
 from .kernels.transfer import deposit
-from .strands import Moment, extent_of, lay_boxes, moved, samples_of
 
 if TYPE_CHECKING:
     from ...scene.model import Scene
@@ -48,6 +47,23 @@ PARTS, SEGMENTS_A_PART = 16, 4_000
 """Parts that strands are cut into at the most, and segments of each at the least."""
 
 
+MOST_CELLS = 4_000_000
+"""Of the box about the strands: some 120 bytes each, 470 MB."""
+
+
+class Moment(NamedTuple):
+    """The step that strands are prepared for."""
+
+    step: float
+    """Its length, seconds."""
+    wind: tuple[float, float, float]
+    """Acceleration of strands at rest by the open wind, m/s²."""
+    gravity: tuple[float, float, float]
+    """m/s²."""
+    solids: Solids | None
+    """Those that strands collide with, at its end."""
+
+
 class StrandGrid:
     """The grid of a scene's strands. Raises `UsageError` for cells that do not fit the groom."""
 
@@ -62,7 +78,7 @@ class StrandGrid:
         self.metres.reshape(-1)[: groom.strands] = lengths * (scene.children.count if scene.children else 1)
         self.extent = max(extent_of(positions), float(groom.lengths.max()))  # folded strands reach further
         self._thickness = 2 * matter(scene.rod)[1]
-        self.cell = self._cell(parameters.cell, lengths)
+        self.cell = cell_of(scene, groom, parameters.cell, self.extent)
         self.samples = samples_of(segments_along(scene.rod, n), float(lengths.max()) / self.cell)
         blocks, count = -(-groom.strands // W), groom.strands * len(self.samples.first) // SEGMENTS_A_PART
         cuts = [*range(0, blocks, -(-blocks // min(PARTS, max(1, count)))), blocks]
@@ -88,17 +104,6 @@ class StrandGrid:
         self._started = False
         self.found = 0.0
         """The greatest at the begin of the last step, strands a square metre."""
-
-    def _cell(self, given: float | None, lengths: NDArray[np.float64]) -> float:
-        if given is None:
-            return max(self.extent / CELLS_ACROSS, float(lengths.max()) / MOST_SAMPLES)
-        require_cell(self.scene, given, lengths, self.extent / CELLS_ACROSS)
-        if given > self.extent:
-            raise UsageError(
-                f"{self.where}.cell: {given:g} m is larger than the groom, which is {self.extent:.3g} m wide; make it "
-                f"smaller, such as {self.extent / CELLS_ACROSS:.2g}"
-            )
-        return float(given)
 
     def prepare(self, state: State, mass: NDArray[Any], roots: NDArray[Any], moment: Moment) -> None:
         """Set `State.acceleration` and `State.jolted` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
@@ -165,7 +170,7 @@ class StrandGrid:
 
     def check(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Raise `ValueError` where pressure is not of its box."""
-        size = state["box"][records.SIZE : records.SIZE + 3].tolist()
+        size = state["box"][SIZE : SIZE + 3].tolist()
         if min(size) < 0 or math.prod(size) != len(state["free pressure"]):
             raise ValueError("its pressure is not of its box")
 
@@ -173,7 +178,7 @@ class StrandGrid:
         """Go on from such a state."""
         box = state["box"]
         self.boxes[-1] = box
-        self.pressure = np.array(state["free pressure"]).reshape(box[records.SIZE : records.SIZE + 3][::-1])
+        self.pressure = np.array(state["free pressure"]).reshape(box[SIZE : SIZE + 3][::-1])
         self._empty_grid()
         self.unloaded[...], self.pushed[...] = state["unloaded"], state["pushed"]
         density, self.found, self._last_step = state["numbers"].tolist()
@@ -181,10 +186,10 @@ class StrandGrid:
 
     def _empty_grid(self) -> None:
         """Make arrays for the box of all."""
-        wide, high, deep = self.boxes[-1, records.SIZE : records.SIZE + 3].tolist()
+        wide, high, deep = self.boxes[-1, SIZE : SIZE + 3].tolist()
         count, margined, columns = wide * high * deep, work_shape(wide, high, deep), len(Room._fields)
         # of the first cell kernels load the one before it
-        sizes = records.LANES, records.CELL * count, records.CELL * count, columns * count, math.prod(margined)
+        sizes = LANES, records.CELL * count, records.CELL * count, columns * count, math.prod(margined)
         if sum(sizes) > len(self._cells):  # fresh memory at every change of the box would cost a tenth of the step
             self._cells = aligned((int(1.2 * sum(sizes)),))
         ends = list(accumulate(sizes))
@@ -196,7 +201,7 @@ class StrandGrid:
         self._calm = self.room._replace(left=self.room.left[:0])
         work[:] = 0
         self._work = work.reshape(margined), np.empty((2, deep + 2, high + 2), np.bool_)
-        self._along = self.cell * (np.arange(wide, dtype=np.float32) + self.boxes[-1, records.LOW] + 0.5)
+        self._along = self.cell * (np.arange(wide, dtype=np.float32) + self.boxes[-1, LOW] + 0.5)
         self._along = self._along.astype(np.float32)
         self._outside: tuple[list[bytes], Any] = [], ()
         """What ``room`` follows from: rows of cells that strands are near, and solids, with the data of shapes."""
@@ -217,11 +222,65 @@ class StrandGrid:
         before = self.boxes[-1].copy()
         if not lay_boxes(positions, self.parts, self.cell, self._margin, self.where, self.boxes):
             return False
-        self._origins[...] = self.cell * (self.boxes[:, records.LOW : records.LOW + 3] + 0.5)
-        count = self.boxes[-2, records.OFFSET] + self.boxes[-2, records.SIZE : records.SIZE + 3].prod()
+        self._origins[...] = self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)
+        count = self.boxes[-2, OFFSET] + self.boxes[-2, SIZE : SIZE + 3].prod()
         if count > len(self.memory):
             self.memory = aligned((int(count * 1.2), records.CELL))
         if not np.array_equal(before, self.boxes[-1]):
             self.pressure = moved(self.pressure, before, self.boxes[-1])
             self._empty_grid()
         return True
+
+
+def ends_of(positions: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return (blocks, 3) the least and the greatest coordinates of strands in blocks; NaN where one is."""
+    rows = positions[:, 1:].reshape(len(positions), -1, 3, W)
+    return rows.min((1, 3)), rows.max((1, 3))
+
+
+def extent_of(positions: NDArray[Any]) -> float:
+    """Return the greatest extent along an axis of strands in blocks."""
+    low, high = ends_of(positions)
+    return float((high.max(0) - low.min(0)).max())
+
+
+def moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[Any]:
+    """Return the values of cells in another box, 0 where they had none: (z, y, x)."""
+    found = np.zeros(box[SIZE : SIZE + 3][::-1], values.dtype)
+    if values.size:
+        shift = (box[LOW : LOW + 3] - before[LOW : LOW + 3])[::-1]
+        ends = list(zip(shift.tolist(), found.shape, values.shape, strict=True))
+        here = tuple(slice(max(-d, 0), max(min(a, b - d), 0)) for d, a, b in ends)
+        there = tuple(slice(max(d, 0), max(min(b, a + d), 0)) for d, a, b in ends)
+        found[here] = values[there]
+    return found
+
+
+def lay_boxes(
+    positions: NDArray[Any], parts: NDArray[np.int64], cell: float, margin: int, where: str, boxes: NDArray[np.int64]
+) -> bool:
+    """Set the ``boxes`` (parts + 1, `BOX`) about the strands of each part, of whole blocks, and ``margin`` cells wider
+    about all. Return False where a coordinate is not finite. Raises `UsageError` where they take too many cells.
+
+    cell: side of a cell, metres; where: the rule, for the message."""
+    least, greatest = ends_of(positions)
+    first = parts[:, FIRST] * PACK // W
+    low = np.floor(np.minimum.reduceat(least, first).astype(np.float64) / cell - 0.5)
+    high = np.floor(np.maximum.reduceat(greatest, first).astype(np.float64) / cell - 0.5) + 1
+    along = high.max(0) - low.min(0) + 1
+    if not np.isfinite(along).all():
+        return False
+    if (cells := (along + 2 * margin).prod()) > MOST_CELLS:
+        factor = 1.0
+        while np.prod(np.ceil(along / factor) + 1 + 2 * margin) > MOST_CELLS:  # a flat groom has few across
+            factor *= 1.05
+        raise UsageError(
+            f"{where}.cell: cells of {cell:.3g} m would be {cells:.3g} in the box about the strands, more than "
+            f"{MOST_CELLS:,}; make them at least {1.05 * factor * cell:.2g}"
+        )
+    boxes[:-1, LOW : LOW + 3], boxes[-1, LOW : LOW + 3] = low, low.min(0) - margin
+    boxes[:-1, SIZE : SIZE + 3], boxes[-1, SIZE : SIZE + 3] = high - low + 1, along + 2 * margin
+    boxes[-1, SIZE] = -(-boxes[-1, SIZE] // LANES) * LANES
+    counts = boxes[:-1, SIZE : SIZE + 3].prod(1)
+    boxes[:-1, OFFSET] = np.cumsum(counts) - counts
+    return True

@@ -58,36 +58,34 @@ def _spread(groom: Groom) -> float:
     return float(np.linalg.norm(np.ptp(groom.roots, axis=0))) + 2 * float(groom.lengths.max())
 
 
-def require_cell(scene: Scene, cell: float, lengths: NDArray[np.float64], usual: float) -> None:
-    """Raise `UsageError` for a cell of the rule interaction, metres, that is finer than strands with segments of the
-    ``lengths`` (S,), metres, can fill; ``usual``: that of a preset which gives none."""
-    where = f"{scene.label or scene.source or 'scene'}: rule interaction.cell: {cell:g} m is less than"
-    thick, longest = 2 * matter(scene.rod)[1], float(lengths.max())
-    if cell < thick:
-        raise UsageError(f"{where} a strand's thickness of {thick:.3g} m; make it larger, such as {usual:.2g}")
-    if cell < longest / MOST_SAMPLES * (1 - 1e-6):
+def cell_of(scene: Scene, groom: Groom, given: float | None, extent: float, most: str = "") -> float:
+    """Return the side of cells of the rule interaction, metres. Raises `UsageError` for one that strands cannot fill.
+
+    ``given``: by the preset; ``extent``: of the strands, metres, at ``most`` where that is not known."""
+    thick, longest = 2 * matter(scene.rod)[1], float(groom.lengths.max()) / (scene.emitter.particles - 1)
+    usual = max(extent / CELLS_ACROSS, longest / MOST_SAMPLES)
+    if given is None:
+        return usual
+    where = f"{scene.label or scene.source or 'scene'}: rule interaction.cell: {given:g} m is"
+    if given < thick:
+        raise UsageError(f"{where} less than a strand's thickness of {thick:.3g} m; take {usual:.2g}")
+    if given < longest / MOST_SAMPLES * (1 - 1e-6):
         raise UsageError(
-            f"{where} a {MOST_SAMPLES}th of a segment of {longest:.3g} m; make it larger, or use more emitter.particles"
+            f"{where} less than a {MOST_SAMPLES}th of a segment of {longest:.3g} m; take {usual:.2g}, or more "
+            "emitter.particles"
         )
+    if given > extent:
+        raise UsageError(f"{where} larger than the groom, which is {most}{extent:.3g} m wide; take {usual:.2g}")
+    return float(given)
 
 
 def require_between(scene: Scene, groom: Groom) -> None:
     """Raise `UsageError` for what rods refuse, before they begin, of the rules contact and interaction."""
-    if scene.solver != "rod":
-        return
-    for use in scene.rules:
+    for use in scene.rules if scene.solver == "rod" else ():
         if use.name == "contact":
             contact_thickness(scene, groom, use.parameters.thickness)
-        if use.name == "interaction" and use.parameters.cell is not None:
-            lengths = groom.lengths.astype(np.float64)
-            segments = lengths / (scene.emitter.particles - 1)
-            usual = float(lengths.max()) / CELLS_ACROSS
-            require_cell(scene, use.parameters.cell, segments, usual)
-            if use.parameters.cell > (spread := _spread(groom)):  # `StrandGrid` knows how wide it is
-                raise UsageError(
-                    f"{scene.label or scene.source or 'scene'}: rule interaction.cell: {use.parameters.cell:g} m is "
-                    f"larger than the groom, which is at most {spread:.3g} m wide; make it smaller, such as {usual:.2g}"
-                )
+        elif use.name == "interaction":
+            cell_of(scene, groom, use.parameters.cell, _spread(groom), "at most ")
 
 
 def rigidity(rod: Rod) -> float:

@@ -1,19 +1,12 @@
 """Rest bends as `kernels.rest_shape` reads them, in frames that are parallel-transported along strands: those of the
 emitted shape, and those with which strands are in equilibrium in it, with the stiffness that this requires.
 
-Statics. A strand is statically determinate: from the tip to the root, tension and the difference of the moments at an
-edge's ends balance all the weight beyond it, so the moments follow from shape and weight alone. A joint bent by b
-beyond its rest has the moment κ b for any b: rest bends need not lead to unit vectors. The component of a moment along
-an edge is balanced by twist, which turns the frames of the rest bends (`kernels.rest_shape`).
-
-Stability. Every groom has such an equilibrium, but that of a soft one is unstable: upright strands buckle, and level
-ones, whose natural shape is a coil of many turns, snap into it when touched. So the material is changed
-(Derouet-Jourdan, Bertails-Descoubes & Thollot 2010, "Stable Inverse Dynamic Curves"): a strand is made stiffer until
-
-- it does not buckle even if tilted by `TILT`, with `SAFETY` times its weight; and
-- its natural shape turns away from the emitted one by at most `TURNS` everywhere.
-
-Hanging strands, which tension stabilises, and stiff ones keep their material."""
+A joint bent by b beyond its rest has the moment κ b for any b: rest bends need not lead to unit vectors. An equilibrium
+of a soft groom is unstable: upright strands buckle, and level ones, whose natural shape is a coil of many turns, snap
+into it when touched. So a strand is made stiffer (Derouet-Jourdan et al. 2010, "Stable Inverse Dynamic Curves") until
+it does not buckle even if tilted by `TILT`, with `SAFETY` times its weight, and its natural shape turns away from the
+emitted one by at most `TURNS`. Hanging strands, which tension stabilises, and stiff ones keep their material.
+"""
 
 from __future__ import annotations
 

@@ -24,9 +24,9 @@ from ..contact.between_strands import StrandContact, in_parts
 from ..grid.strand_grid import Moment, StrandGrid
 from ..health import errors_between_strands
 from ..solver import Solver
+from . import needs_double
 from .kernels.arrays import PACK, Step
 from .material import torsion
-from .precision import needs_double
 from .roots import Roots, begin_before_roots, carry, stop, turned, velocity_of_roots
 from .setup import (
     ANCHOR,

@@ -91,10 +91,7 @@ class Surroundings:
         roots = positions[:, 1].reshape(-1, 3, W).astype(np.float64)
         down = np.array(one.direction) / np.linalg.norm(one.direction)
         along = np.einsum("bck,c->bk", roots, down) / one.wavelength
-        wave = sum(
-            a * wind.waves(time / wind.fitted(one.period * scale, self._loop) + phase - along / scale)
-            for (scale, a), phase in zip(wind.WAVES, self._phases, strict=True)
-        )
+        wave = wind.gusts(time, one.period, self._phases, self._loop, along)
         return np.asarray(1 - one.gust * 0.5 * (1 - wave)).astype(self.dtype)
 
     def pose(self, time: float) -> Pose:

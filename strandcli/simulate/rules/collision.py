@@ -54,7 +54,7 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     A plane that no particle is below is cut by no segment: it needs no pass of its own.
     """
     from ...solids.shapes import other_code
-    from ..thesis.kernels import segments
+    from ..contact.kernels import segments
 
     met = chosen(parameters, scene)
     if not parameters.segments:

@@ -43,25 +43,22 @@ class Parameters:
     wavelength: float = number(0.0, low=0, unit="m", doc="wavelength of the longest gust; 0: uniform")
 
 
-def wave(u: float) -> float:
-    """A smooth wave of period 1 between -1 and 1, cubic in each half."""
-    t = abs(2.0 * (u - math.floor(u)) - 1.0)
-    return 1.0 - 2.0 * t * t * (3.0 - 2.0 * t)
-
-
 def fitted(period: float, loop: float) -> float:
     """The period nearest to one that fits a whole number of times into a ``loop``, by frequency; 0: there is none."""
     return loop / max(round(loop / period), 1) if loop > 0 else period
 
 
-def gusts(time: float, period: float, phases: Any, loop: float = 0.0) -> float:
-    """Gust factor between -1 and 1 at a time; ``phases`` holds one number in [0, 1) a wave. Repeats after ``loop``
-    seconds, where that is not 0."""
+def gusts(time: float, period: float, phases: Any, loop: float = 0.0, along: Any = 0.0) -> Any:
+    """Gust factor between -1 and 1 at a time, of smooth waves that are cubic in each half; ``phases`` holds one number
+    in [0, 1) a wave. Repeats after ``loop`` seconds, where that is not 0; comes later by the place ``along`` the wind,
+    in wavelengths."""
+    import numpy as np
+
     total = 0.0
     for (scale, a), phase in zip(WAVES, phases, strict=True):
-        each = period * scale
-        t = time / (fitted(each, loop) if loop > 0 else each) + phase
-        total += a * wave(t)
+        u = time / fitted(period * scale, loop) + phase - along / scale
+        t = np.abs(2.0 * (u - np.floor(u)) - 1.0)
+        total = total + a * (1.0 - 2.0 * t * t * (3.0 - 2.0 * t))
     return total
 
 
@@ -75,14 +72,6 @@ def phases(seed: int) -> Any:
 def travels(parameters: Parameters) -> bool:
     """Whether gusts travel downwind, and differ from strand to strand."""
     return parameters.wavelength > 0 and parameters.gust > 0
-
-
-def waves(u: Any) -> Any:
-    """`wave` of an array."""
-    import numpy as np
-
-    t = np.abs(2.0 * (u - np.floor(u)) - 1.0)
-    return 1.0 - 2.0 * t * t * (3.0 - 2.0 * t)
 
 
 def apply(a: Any, b: Any, c: Any, length: Any, p: Any) -> Any:

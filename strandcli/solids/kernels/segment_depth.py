@@ -27,7 +27,7 @@ CLOSER = (math.sqrt(5.0) - 1.0) / 2.0
 MARGIN = np.float32(1.00001)
 """Factor of a radius, for more than the rounding of a distance that is compared with it."""
 LEVER = np.float32(0.1)
-"""Least share of a segment by which a depth is divided, as `simulate.thesis.kernels.segments.LEAST_SHARE`."""
+"""Least share of a segment by which a depth is divided, as `simulate.contact.kernels.segments.LEAST_SHARE`."""
 
 
 @inlined

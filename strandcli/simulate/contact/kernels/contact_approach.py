@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from ....jit import device, function
-from .contact_columns import (
+from .contact_pairs import (
     ALPHA,
     AXES,
     BEGIN,
@@ -28,15 +28,15 @@ from .contact_columns import (
     START,
     WANTED,
 )
-from .contact_crossing import cubic_of, next_turn, root_between, set_ways, value
 
 NEAR = 0.9
 """Share of the distance at the begin, or of the thickness where that is less, at which a contact is looked at."""
 CLOSE = 1.02
 """Times that share at which advancing ends."""
 ADVANCES = 64
-"""Times that are looked at before the rest of the step is decided exactly: the bristles of the preset `brush` need more
-in 1 of 200,000 pairs."""
+"""Times that are looked at before the rest of the step is cut into pieces."""
+PIECES, BISECTIONS = 8, 40
+"""Pieces of a step in which segments may pass through each other, and bisections of such a one."""
 BOUND = 4.0
 """Segments from the second on over which strands that begin too close come to be led apart: roots hold them there."""
 SLOPE = 0.1
@@ -172,21 +172,44 @@ def nearest_at(start, end, pair, t, scratch):
 
 
 @device
+def volume(start, end, pair, t, scratch):
+    """The determinant of a pair's segments and the way between their beginnings, at a share t of the step: it changes
+    its sign where their ends lie in a plane (Provot 1997). The segments go to rows 0 and 1 of ``scratch``."""
+    p, q = scratch[0], scratch[1]
+    at_time(start, end, pair[FIRST], pair[FIRST_SEGMENT], t, p)
+    at_time(start, end, pair[SECOND], pair[SECOND_SEGMENT], t, q)
+    x, y, z = cross(p, q)
+    return x * (q[0, 0] - p[0, 0]) + y * (q[0, 1] - p[0, 1]) + z * (q[0, 2] - p[0, 2])
+
+
+@device
+def cross(p, q):
+    """The vector product of the segments p and q (2, 3)."""
+    x, y, z = p[1, 0] - p[0, 0], p[1, 1] - p[0, 1], p[1, 2] - p[0, 2]
+    u, v, w = q[1, 0] - q[0, 0], q[1, 1] - q[0, 1], q[1, 2] - q[0, 2]
+    return y * w - z * v, z * u - x * w, x * v - y * u
+
+
+@device
 def rest_of_step(start, end, pair, t, least, scratch):
     """Whether a pair passes through each other from a share t of the step on, at which one that does first, else 1,
     and the distance there, as which ``least`` counts where it does, on the side where it was before. What is nearest
     goes to ``scratch`` as by `nearest_at`."""
-    ways, found = scratch[3:], scratch[2].reshape(-1)
-    set_ways(start, end, pair, t, ways)
-    cubic, low = cubic_of(ways), 0.0
-    while low < 1.0:
-        high = next_turn(cubic, low)
-        before = value(cubic, low)
-        if (before > 0.0) != (value(cubic, high) > 0.0):
-            at = t + root_between(cubic, low, high) * (1.0 - t)
+    low, before, found = t, volume(start, end, pair, t, scratch), scratch[2].reshape(-1)
+    for piece in range(1, PIECES + 1):
+        high = t + piece / PIECES * (1.0 - t)
+        after = volume(start, end, pair, high, scratch)
+        if (before > 0.0) != (after > 0.0):
+            at, above = low, high
+            for _ in range(BISECTIONS):
+                middle = 0.5 * (at + above)
+                if (volume(start, end, pair, middle, scratch) > 0.0) == (before > 0.0):
+                    at = middle
+                else:
+                    above = middle
             if nearest_at(start, end, pair, at, scratch) < TOUCH * least:
                 return True, at, stand_off(scratch[0], scratch[1], math.copysign(least, before), found)
-        low = high
+        low, before = high, after
     return False, 1.0, nearest_at(start, end, pair, 1.0, scratch)
 
 
@@ -194,9 +217,7 @@ def rest_of_step(start, end, pair, t, least, scratch):
 def stand_off(p, q, side, found):
     """Set the way between the segments p and q to one across both of the length and with the sign of ``side``; return
     its length, 0 of parallel ones."""
-    x, y, z = p[1, 0] - p[0, 0], p[1, 1] - p[0, 1], p[1, 2] - p[0, 2]
-    u, v, w = q[1, 0] - q[0, 0], q[1, 1] - q[0, 1], q[1, 2] - q[0, 2]
-    a, b, c = y * w - z * v, z * u - x * w, x * v - y * u
+    a, b, c = cross(p, q)
     size = math.sqrt(a * a + b * b + c * c)
     if size <= TINY:
         return 0.0
@@ -206,7 +227,7 @@ def stand_off(p, q, side, found):
 
 @function
 def look(start, end, lengths, pairs, sizes, numbers, vectors, scratch):
-    """Set the contacts of ``pairs``: their ``numbers`` and ``vectors`` as in `contact_columns`. ``start`` and ``end``
+    """Set the contacts of ``pairs``: their ``numbers`` and ``vectors`` as in `contact_pairs`. ``start`` and ``end``
     (S, N + 1, 3): particles when the step begins, and where it would end. ``sizes``: the distance that strands keep,
     how much of it they come apart in a step at the most, where they begin closer, and the distance at the end from
     which on a contact does not count. ``lengths`` (S,): of a segment. ``scratch`` (6, 2, 3)."""

@@ -1,84 +1,101 @@
-"""Pairs of segments whose boxes meet, by a uniform grid whose cells are kept in a hash table (Teschner et al. 2003).
+"""Pairs of segments that may touch in a step, and the columns of arrays that kernels of contact between strands share.
 
-A box lies in every cell that it touches. Cells that share a bucket are told apart by their numbers, and a pair counts
-in one cell alone: that of the lower corner of what both boxes have in common.
+S strands with N segments each, in the order of emission; lengths in metres. Particle 0 is the root. Pairs are those
+whose boxes meet, by sweep and prune: boxes are sorted along the axis along which they spread most.
 """
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
+from numpy.typing import NDArray
 
-from ....jit import device, function
-from .contact_columns import AXES, FIRST, FIRST_SEGMENT, HIGH, LOW, SECOND, SECOND_SEGMENT
+from ....jit import function
 
-PRIMES = np.array([73856093, 19349663, 83492791])
+Floats = NDArray[np.float64]
 
-
-@device
-def cell_at(box, corner, axis, side):
-    """Number of the cell of a box's corner along an axis."""
-    return math.floor(box[corner + axis] / side)
-
-
-@device
-def bucket_of(x, y, z, buckets):
-    """Bucket of a cell; ``buckets`` is a power of 2."""
-    return (np.int64(x) * PRIMES[0] ^ np.int64(y) * PRIMES[1] ^ np.int64(z) * PRIMES[2]) & (buckets - 1)
-
-
-@function
-def fill_cells(boxes, side, starts, entries, cells):
-    """Set the boxes of each bucket in their order, ``entries`` (m,), and the cells that they are there for, ``cells``
-    (m, 3). ``starts`` (buckets + 2,) int64: from its second on, where each bucket begins; these are moved on to where
-    it ends. Without entries, add to it from its third on how many boxes lie in the cells of each bucket."""
-    buckets = len(starts) - 2
-    for i in range(len(boxes)):
-        box = boxes[i]
-        for x in range(cell_at(box, LOW, 0, side), cell_at(box, HIGH, 0, side) + 1):
-            for y in range(cell_at(box, LOW, 1, side), cell_at(box, HIGH, 1, side) + 1):
-                for z in range(cell_at(box, LOW, 2, side), cell_at(box, HIGH, 2, side) + 1):
-                    bucket = bucket_of(x, y, z, buckets) + 1
-                    if entries is None:
-                        starts[bucket + 1] += 1
-                        continue
-                    at = starts[bucket]
-                    starts[bucket] = at + 1
-                    entries[at] = i
-                    cells[at, 0], cells[at, 1], cells[at, 2] = x, y, z
-
-
-@device
-def meet_here(one, other, cell, side):
-    """Whether two boxes meet, and the lower corner of what they have in common lies in a cell."""
-    for axis in range(AXES):
-        low = max(one[LOW + axis], other[LOW + axis])
-        if low > min(one[HIGH + axis], other[HIGH + axis]) or math.floor(low / side) != cell[axis]:
-            return False
-    return True
+FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT = range(4)
+"""Of a pair (int64): a strand and which of its segments, another (or the same) and which of its."""
+ALPHA, BETA, GAP, WANTED, BEGIN, SAME, COUNTS, KEPT, YIELDING, IMPACT, URGENCY = range(11)
+"""Of a contact (float64): places on both segments as shares from their beginnings; distance along the normal at the end
+of the step, and the one that is wanted there; distance of the segments when the step begins; cosine between
+the normal and that when the step begins; 1 where the place is nearest on both strands; the distance that
+roots leave to the pair, at most the thickness; by how many times its own response it gives way to its force; the share
+of that which is an impact; and how many times as far its force goes in a round as the response says, 0 as 1."""
+NUMBERS = 11
+NORMAL, START, END = 0, 3, 6
+VECTORS = 9
+"""Of a contact (float64), three each: unit normal from the first to the second strand; the way between both places at
+the begin of the step and at its end."""
+LOW, HIGH = 0, 1
+"""Of a box: its least and its greatest corner."""
+AXES = 3
+ROOM = 1.3
+"""Pairs that arrays have room for, over those found the last time."""
 
 
 @function
-def find_pairs(boxes, segments, apart, side, table, pairs):
-    """Set ``pairs`` (m, 4) int64 while there is room, and return how many there are. ``segments``: of a strand; those
-    of one strand count where they are further ``apart`` than so many segments. ``table``: starts, entries and cells
-    that `fill_cells` has set."""
-    starts, entries, cells = table
+def find_pairs(boxes, order, segments, apart, pairs):
+    """Set ``pairs`` (m, 4) int64 while there is room, and return how many there are: of ``boxes`` (k, 2, 3) in the
+    order of their lowest place along the first axis, whose numbers are ``order``. ``segments``: of a strand; those of
+    one strand count where they are further ``apart`` than so many segments."""
     count = 0
-    for bucket in range(len(starts) - 2):
-        for k in range(starts[bucket], starts[bucket + 1]):
-            i = entries[k]
-            for m in range(k + 1, starts[bucket + 1]):
-                j = entries[m]
-                if cells[m, 0] != cells[k, 0] or cells[m, 1] != cells[k, 1] or cells[m, 2] != cells[k, 2]:
-                    continue
-                if i // segments == j // segments and abs(i - j) <= apart:
-                    continue
-                if not meet_here(boxes[i], boxes[j], cells[k], side):
-                    continue
-                if count < len(pairs):
-                    pairs[count, FIRST], pairs[count, FIRST_SEGMENT] = i // segments, i % segments
-                    pairs[count, SECOND], pairs[count, SECOND_SEGMENT] = j // segments, j % segments
-                count += 1
+    for k in range(len(boxes)):
+        for m in range(k + 1, len(boxes)):
+            if boxes[m, LOW, 0] > boxes[k, HIGH, 0]:
+                break
+            if boxes[m, LOW, 1] > boxes[k, HIGH, 1] or boxes[k, LOW, 1] > boxes[m, HIGH, 1]:
+                continue
+            if boxes[m, LOW, 2] > boxes[k, HIGH, 2] or boxes[k, LOW, 2] > boxes[m, HIGH, 2]:
+                continue
+            i, j = min(order[k], order[m]), max(order[k], order[m])
+            if i // segments == j // segments and j - i <= apart:
+                continue
+            if count < len(pairs):
+                pairs[count, FIRST], pairs[count, FIRST_SEGMENT] = i // segments, i % segments
+                pairs[count, SECOND], pairs[count, SECOND_SEGMENT] = j // segments, j % segments
+            count += 1
     return count
+
+
+class Nearby:
+    """Finds pairs of segments whose boxes meet. ``apart``: segments of one strand count only further apart than so
+    many."""
+
+    def __init__(self, segments: int, apart: int) -> None:
+        self._segments, self._apart = segments, apart
+        self._pairs = np.empty((256, 4), np.int64)
+
+    def find(self, start: Floats, end: Floats, reach: float) -> NDArray[np.int64]:
+        """Return (m, 4) pairs, as `contact_pairs` has them, by strands and segments in ascending order, of segments
+        of which some points come closer than ``reach`` on straight ways from ``start`` to ``end`` (S, N + 1, 3). They
+        are valid until the next call."""
+        boxes = _boxes(start, end, reach)
+        boxes = np.roll(boxes, -int(np.argmax(np.ptp(boxes[:, LOW], axis=0))), axis=2)
+        order = np.argsort(boxes[:, LOW, 0], kind="stable")
+        boxes = boxes[order]
+        while True:
+            count = find_pairs(boxes, order, self._segments, self._apart, self._pairs)
+            if count <= len(self._pairs):
+                break
+            self._pairs = np.empty((int(count * ROOM), 4), np.int64)
+        return self._in_order(self._pairs[:count], len(boxes))
+
+    def _in_order(self, pairs: NDArray[np.int64], total: int) -> NDArray[np.int64]:
+        """Sort pairs of so many segments in place, by one number for each: there may be millions."""
+        codes = pairs[:, FIRST] * self._segments + pairs[:, FIRST_SEGMENT]
+        codes *= total
+        codes += pairs[:, SECOND] * self._segments
+        codes += pairs[:, SECOND_SEGMENT]
+        codes.sort()
+        firsts = codes // total
+        codes %= total
+        for strand, segment, number in ((FIRST, FIRST_SEGMENT, firsts), (SECOND, SECOND_SEGMENT, codes)):
+            np.floor_divide(number, self._segments, out=pairs[:, strand])
+            np.remainder(number, self._segments, out=pairs[:, segment])
+        return pairs
+
+
+def _boxes(start: Floats, end: Floats, reach: float) -> Floats:
+    """Return (m, 2, 3) boxes that segments stay in on their ways, wider by half of a reach."""
+    ends = np.stack([start[:, :-1], start[:, 1:], end[:, :-1], end[:, 1:]])
+    return np.stack([ends.min(0) - reach / 2, ends.max(0) + reach / 2], 2).reshape(-1, 2, 3)

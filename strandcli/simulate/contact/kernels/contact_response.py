@@ -9,7 +9,7 @@ definite (tension only is kept of it, not compression) and edges are independent
 from __future__ import annotations
 
 from ....jit import device, function
-from .contact_columns import ALPHA, AXES, BETA, FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
+from .contact_pairs import ALPHA, AXES, BETA, FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
 
 BLOCK, BAND = 4, 12
 """Unknowns of a particle, three coordinates and a multiplier; numbers of a row of the lower band: entry k is that k

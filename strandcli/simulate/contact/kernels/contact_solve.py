@@ -1,8 +1,11 @@
 """Forces of contact with Coulomb's friction, contact by contact (Jean 1999: nonsmooth contact dynamics).
 
 Of each contact the force λ on its second strand, and −λ on its first, keeps both apart (Signorini) and keeps them from
-sliding, or opposes their sliding by µ times its normal part. Ways are those of the whole step, so strands that stick
-are where they were. One contact after the other, with what the others do: nonlinear Gauss-Seidel.
+sliding, or opposes their sliding by µ times its normal part. Displacements are those of the whole step, so strands that
+stick are where they were. One contact after the other, with what the rest do: nonlinear Gauss-Seidel. Where a contact
+slides, friction opposes its way exactly: with its response w and α >= 0, the way over the friction,
+
+    n·w λ = what is missing along the normal n,    (w λ)_t + α λ_t = what would stick across it,    |λ_t| = µ λ_n.
 """
 
 from __future__ import annotations
@@ -10,7 +13,7 @@ from __future__ import annotations
 import math
 
 from ....jit import device, function
-from .contact_columns import (
+from .contact_pairs import (
     ALPHA,
     AXES,
     BETA,
@@ -24,9 +27,12 @@ from .contact_columns import (
     WANTED,
     YIELDING,
 )
-from .contact_slide import slide
 
 TINY = 1e-30
+MOST_STEPS, EXACT = 60, 1e-10
+"""Steps to the force of a contact that slides, at the most, and µ λ_n / |λ_t| − 1 with which it is found."""
+LEAST = 1e-12
+"""Least determinant of a response across the normal, as a share of the square of its trace."""
 SOFT = 1e-7
 """Share of a contact's own response that is added to it, so that it can be inverted."""
 
@@ -110,6 +116,106 @@ def force_of(vector, wanted, friction, w, rows):
     if push >= 0.0 and math.sqrt(size) <= friction * push:
         return
     slide(vector, missing, friction, w, rows)
+
+
+@device
+def slide(vector, missing, friction, w, rows):
+    """Set ``rows[1]``, the force of a contact that slides, where ``rows[0]`` is the way between its places without it,
+    ``missing`` what it lacks along the normal, metres, and ``w`` (3, 3) its response. ``rows[2:4]`` are scratch.
+
+    With λ_n eliminated, (S + α) λ_t = b, S being 2 × 2 and symmetric. µ λ_n / |λ_t| − 1 is below 0 where α is 0, as the
+    force that would stick is out of the cone, is above from an α on that is known, and nearly straight between: the
+    root is found by false position (the Illinois rule, Dowell & Jarratt 1971). Iterations for the direction of sliding
+    need not end where a strand gives way along itself far less than across."""
+    free, force, one, other = rows[0], rows[1], rows[2], rows[3]
+    set_across(vector, one, other)
+    own = product(w, vector, NORMAL, vector, NORMAL)
+    turn, other_turn = product(w, one, 0, vector, NORMAL), product(w, other, 0, vector, NORMAL)
+    a = product(w, one, 0, one, 0) - turn * turn / own
+    b = product(w, one, 0, other, 0) - turn * other_turn / own
+    d = product(w, other, 0, other, 0) - other_turn * other_turn / own
+    x, y = -turn * missing / own, -other_turn * missing / own
+    for c in range(AXES):
+        way = vector[START + c] - free[c]
+        x += one[c] * way
+        y += other[c] * way
+    of = missing, own, friction, (a, b, d), (x, y), (turn, other_turn)
+    push, x, y = missing / own, 0.0, 0.0
+    if friction > 0.0:
+        push, x, y = force_at(of, root_of(of))
+    for c in range(AXES):
+        force[c] = push * vector[NORMAL + c] + x * one[c] + y * other[c]
+
+
+@device
+def set_across(vector, one, other):
+    """Set two unit vectors across the normal and each other."""
+    x, y, z = vector[NORMAL], vector[NORMAL + 1], vector[NORMAL + 2]
+    if abs(x) < 0.6:
+        one[0], one[1], one[2] = 0.0, -z, y
+    else:
+        one[0], one[1], one[2] = -y, x, 0.0
+    size = max(math.sqrt(one[0] ** 2 + one[1] ** 2 + one[2] ** 2), TINY)
+    for c in range(AXES):
+        one[c] /= size
+    other[0] = y * one[2] - z * one[1]
+    other[1] = z * one[0] - x * one[2]
+    other[2] = x * one[1] - y * one[0]
+
+
+@device
+def product(w, a, i, b, j):
+    """a·w b, of vectors at places of two rows."""
+    total = 0.0
+    for c in range(AXES):
+        for d in range(AXES):
+            total += a[i + c] * w[c, d] * b[j + d]
+    return total
+
+
+@device
+def force_at(of, more):
+    """The force along the normal and both axes across it, with α = ``more``."""
+    missing, own, _, (a, b, d), (x, y), (turn, other_turn) = of
+    a, d = a + more, d + more
+    over = 1.0 / max(a * d - b * b, LEAST * (a + d) * (a + d), TINY)
+    u, v = over * (d * x - b * y), over * (a * y - b * x)
+    return (missing - turn * u - other_turn * v) / own, u, v
+
+
+@device
+def over_cone(of, more):
+    """µ λ_n / |λ_t| − 1, with α = ``more``."""
+    push, u, v = force_at(of, more)
+    return of[2] * push / max(math.hypot(u, v), TINY) - 1.0
+
+
+@device
+def root_of(of):
+    """α with which friction is µ times the pressure."""
+    missing, own, friction, _, (x, y), (turn, other_turn) = of
+    low, below = 0.0, over_cone(of, 0.0)
+    if below >= 0.0:
+        return 0.0
+    # |λ_t| is at most |b| / α, which bounds what λ_n is less by it
+    high = math.hypot(x, y) * (own / friction + math.hypot(turn, other_turn)) / max(missing, TINY)
+    above, side, at = over_cone(of, high), 0, high
+    for _ in range(MOST_STEPS):
+        at = (low * above - high * below) / max(above - below, TINY)
+        found = over_cone(of, at)
+        if abs(found) < EXACT:
+            break
+        if found > 0.0:
+            high, above = at, found
+            if side > 0:
+                below *= 0.5
+            side = 1
+        else:
+            low, below = at, found
+            if side < 0:
+                above *= 0.5
+            side = -1
+    return at
 
 
 @function

@@ -1,7 +1,10 @@
 """Where solids touch a strand: gaps, normals, and by how much places have slid on the solids.
 
 Of each segment the place that is deepest in a solid counts: its end, or where whole segments are kept out any place of
-it. A segment that comes into a solid becomes active; one whose solid pulls it is let go.
+it. A segment that comes into a solid becomes active; one whose solid pulls it is let go. In the last sweep an edge
+whose end is in a solid is turned until it is outside: its end moves on a sphere around where the edge begins, by
+Newton's method for a gap of 0. What is left to turn is what the iterations of the step have left, rounding and places
+that no length reaches.
 """
 
 from __future__ import annotations
@@ -14,7 +17,7 @@ from . import law, search
 
 SETTLED, CREEP = 0.5, 0.3
 """Depth and height in segments of what touches a solid, and error of its slip, with which iterations end, over the
-error of |e|²; `depenetrate` does the rest."""
+error of |e|²; `turn_out` does the rest."""
 UNITS = 20
 """Least such depth in units of rounding."""
 ROUNDING = 1e-6
@@ -25,6 +28,15 @@ SHARP = 0.1
 """Sine between the normals of two solids from which on both are kept apart."""
 ABLE = 0.5
 """Depth of the beginning of a segment, in segments, up to which its end can be kept out."""
+ROUNDS = 4
+SLACK, COORDINATES = 1e-6, 2e-7
+"""Depth, as a share of an edge and of coordinates, that counts as rounding."""
+STEEP = 1e-3
+"""Least sine between an edge and a normal by which it is turned."""
+LITTLE = 0.05
+"""By which that sine grows at the most where the last search tells: strands that stand on a floor would not rest."""
+KNOWN = 5e-3
+"""Depth, in segments, up to which gap and normal of the last search tell where the surface is."""
 
 
 @device
@@ -49,22 +61,6 @@ def begin(s, at, state, material, c, needs):
             touching = True
             law.add_force(s, j, (scale * x, scale * y, scale * z), material.mass, needs.segments)
     return touching
-
-
-@device
-def let_go(s, n):
-    """Have no forces of contact, and nothing known of where solids are."""
-    zero = broadcast(s.pivot, 0.0)
-    for j in range(n):
-        store(s.active, j, zero)
-        store(s.gap, j, zero - 1.0)
-        store(s.second_gap, j, zero + search.FAR)
-        store(s.place, j, zero + 1.0)
-        store(s.share, j, zero + 1.0)
-        for k in range(3):
-            store(s.force, 3 * j + k, zero)
-            store(s.normal, 3 * j + k, zero)
-            store(s.second_normal, 3 * j + k, zero)
 
 
 @device
@@ -211,3 +207,59 @@ def corner_of(s, j, n, other, one, gaps, force):
     corner = (sine > SHARP) & ((second < -ROUNDING) | ((load(s.corner, j) > 0.0) & (pulled >= 0.0) & (second < 1.0)))
     pressed = dot(force, n) - where(corner, cosine * pulled, 0.0)
     return select(corner, x, one), corner, pressed, rate * (second - cosine * gap)
+
+
+@inlined
+def turn_out(s, j, start, correction, c, contact, past, whole):
+    """Turn edge j, which begins at ``start``, until its end is outside of all solids, by the gap and the normal that
+    the last search has left and the ``correction`` of its end since then, in segments; those that are deeper by
+    search. Add the turn to the correction and return that. Overwrites the gap and the normal of segment j."""
+    d = begun = load3(s.edge, 3 * j, 1)
+    gap = load(s.gap, j) + dot(load3(s.normal, 3 * j, 1), correction)
+    second = c.inverse_length * load(s.second_gap, j) + dot(load3(s.second_normal, 3 * j, 1), correction)
+    inside = (gap < 0.0) & (gap > -KNOWN)
+    unknown = (gap < -KNOWN) | (second < 0.0)
+    if whole:  # the last search may tell of another place of the segment
+        elsewhere = (load(s.place, j) < 1.0) & (gap < 1.0)
+        inside, unknown = inside & ~elsewhere, unknown | elsewhere
+    if any_lane(inside):
+        d = turned(s, j, d, gap, inside, LITTLE)
+    if any_lane(unknown):
+        d = search_out(s, j, start, d, c, contact, past, unknown)
+    store3(s.edge, 3 * j, 1, d[0], d[1], d[2])
+    return correction[0] + d[0] - begun[0], correction[1] + d[1] - begun[1], correction[2] + d[2] - begun[2]
+
+
+@inlined
+def turned(s, j, d, gap, inside, most):
+    """The unit edge d, turned in some lanes by which its end leaves a solid with a ``gap`` below 0, in segments, its
+    sine to the normal growing by no more than ``most``."""
+    n = load3(s.normal, 3 * j, 1)
+    along = dot(n, d)
+    across = add_scaled(d, -along, n)
+    size = sqrt(max(dot(across, across), STEEP * STEEP))
+    along = min(along - gap, 1.0)
+    sine = sqrt(max(1.0 - along * along, 0.0))
+    least = size + most
+    along = where(
+        sine > least, where(along < 0.0, broadcast(along, -1.0), 1.0) * sqrt(max(1.0 - least * least, 0.0)), along
+    )
+    x = add_scaled(scaled(min(sine, least) / size, across), along, n)
+    return select(inside, scaled(1.0 / sqrt(dot(x, x)), x), d)
+
+
+@device
+def search_out(s, j, start, d, c, contact, past, lanes):
+    """The same of some lanes by search for the solids that the end is in, one after the other."""
+    length = c.length
+    zero = broadcast(length, 0.0)
+    slack = SLACK * length + COORDINATES * (abs(start[0]) + abs(start[1]) + abs(start[2]))
+    for _ in range(ROUNDS):
+        end = add_scaled(start, length, d)
+        if not search.nearest(s, j, start, end, past, contact, (False, zero, zero)):
+            break
+        inside = lanes & (load(s.gap, j) < -slack)
+        if not any_lane(inside):
+            break
+        d = turned(s, j, d, c.inverse_length * load(s.gap, j), inside, 1.0)
+    return d

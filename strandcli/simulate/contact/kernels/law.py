@@ -1,21 +1,15 @@
-"""The law of contact with friction, as observations of a strand's state in the filter of `tension`.
+"""The law of contact with friction, as observations of a strand's state in the filter of `tension` (`docs/solvers.md`).
 
 A place on segment j, a share σ from its beginning, moves by y_j − (1 − σ) z_j. Where a solid touches it,
 
     gap + n·change = 0    and    slip_t + change_t + R F_t + P (F_t − F_t') = 0,
 
 F being the force, F' that of the iteration before, n the outward normal, slip how far the place has moved on the solid
-in this step. R is the compliance of Coulomb's cone, |slip| / (µ F_n) where it slides and 0 where it sticks. P, a share
-of the place's mobility, makes iterations those of a proximal point method (Rockafellar 1976): forces would not be
-unique where a straight strand sticks at many places, whose lengths are given, too. With the mobility m of the place,
-the force that would make it stick is F̂_t = F_t − slip_t / m (an augmented Lagrangian's multiplier; Alart & Curnier
-1991), and
+in this step, R the compliance of Coulomb's cone, and P a share of the place's mobility m. With F̂_t = F_t − slip_t / m,
 
-    R = max(0, |m F̂_t| − m µ F_n) / (µ F_n)
+    R = max(0, |m F̂_t| − m µ F_n) / (µ F_n).
 
-is right for both: 0 where F̂_t is within the cone, and |slip| / (µ F_n) where F_t = −µ F_n slip / |slip|. So whether
-places stick or slide is nobody's state, and iterations find the force of a strand that bends with all the others. In a
-corner of two solids the first tangent leads to the second one, whose gap is observed in place of slip.
+In a corner of two solids the first tangent leads to the second one, whose gap is observed in place of slip.
 """
 
 from __future__ import annotations

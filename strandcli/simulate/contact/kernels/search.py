@@ -91,7 +91,8 @@ def nearest(s, j, start, end, past, contact, options):
         share = broadcast(reach, 1.0)
         at = end
         if whole:
-            share = beside_capsule(start, end, rows, m, first)
+            _, share = capsule.off_axis(rows, m, start, (x - start[0], y - start[1], z - start[2]))
+            share = max(share, first)
             at = place(start, end, share)
         u, v, w = capsule.on_axis(rows, m, at[0], at[1], at[2])
         dx, dy, dz = at[0] - u, at[1] - v, at[2] - w
@@ -180,17 +181,6 @@ def nearest_share(a, b, point, first):
     e = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     away = point[0] - a[0], point[1] - a[1], point[2] - a[2]
     return min(max(dot(away, e) / max(dot(e, e), TINY), first), 1.0)
-
-
-@inlined
-def beside_capsule(a, b, rows, m, first):
-    """Where on the segment it is nearest to a capsule's axis, by alternating projections."""
-    x, y, z = b
-    share = broadcast(x, 1.0)
-    for _ in range(3):
-        share = nearest_share(a, b, capsule.on_axis(rows, m, x, y, z), first)
-        x, y, z = place(a, b, share)
-    return share
 
 
 @inlined

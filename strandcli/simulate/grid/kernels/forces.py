@@ -1,10 +1,9 @@
 """What the strands around do to a strand: friction toward the grid's velocity, and pressure.
 
-Both change the velocity that a step begins with, and so take part in its iterations. A strand loses a share of its
-velocity against the cells', an average of velocities: it can gain no energy, however great the share. What it loses
-others gain, for a cell's velocity is its momentum over its mass, by the same weights. The impulse of pressure on the
-face of two cells is shared by masses, half of it by those of both cells, half by what lies between their middles. So
-sums of momentum stay, to rounding.
+A strand loses a share of its velocity against the cells', an average of velocities: it can gain no energy, however
+great the share. What it loses the rest gain, for a cell's velocity is its momentum over its mass, by the same weights.
+The impulse of pressure on the face of two cells is shared by masses, half of it by those of both cells, half by what
+lies between their middles. So sums of momentum stay, to rounding.
 """
 
 from __future__ import annotations

@@ -1,36 +1,27 @@
-"""Pressure where strands are too dense, by one-sided projection on the grid.
+"""Pressure where strands are too dense, by one-sided projection on the grid (`docs/solvers.md`).
 
-Density φ is relative to the greatest allowed, and f is the share of a cell that is outside of solids at the end of the
-step. In a step of h with the momentum φ v that cells are going to have the density would be φ* = φ − h ∇·(φ v).
-Pressure p >= 0 accelerates cells along −∇p, so that it becomes φ* + ∇²p (p here times h² over the cell's area); p is
-the least with which that is nowhere more than f, and is 0 wherever there is room:
+p >= 0 is the least with which no cell is denser than its share f outside of solids, in units of h² over the cell's
+area:
 
     Σ a_c a_d (p_c − p_d) >= e_c,    p_c >= 0,    one of both equal,    e = φ* − f,
 
-with the sum over the faces of a cell, and a = √f. A face next to a solid is open by a_c a_d, so that the
-impulse on it is as much less as the strands are that it moves: were it whole, pressure would hurl strands upward along
-walls, and a pile would circulate for good. For a p the problem is that of whole faces, with e over a. This linear
-complementarity problem is solved by projected overrelaxation (Cryer 1971), which begins with the pressure of the step
-before. Narain et al. 2009 push granular matter apart in the same way.
+with the sum over the faces of a cell, and a = √f. A face next to a solid is open by a_c a_d, so that the impulse on it
+is as much less as the strands are that it moves: were it whole, pressure would hurl strands upward along walls. For a p
+the problem is that of whole faces, with e over a.
 
-Stability. Interpolated by trilinear weights and central differences, and clamped at their roots, strands give way by no
-more than the Laplacian predicts: no step makes up for more than what there is too much of, however long it is.
+Loads. The velocity in φ* has what all other forces changed velocities by in the last step: of a pile at rest they undo
+what pressure does, and so it is found anew with φ = f, whatever the load and the step. The grid sees less of them than
+there is, near surfaces and where cells are few. So only 1 − `HELD` of what they undo is seen so, and for the rest the
+pressure of the step before is taken as it is.
 
-Loads. v has what all other forces changed velocities by in the last step: of a pile at rest they undo what pressure
-does, and so it is found anew with φ = f, whatever the load and the step. The grid sees less of them than there is, near
-surfaces and where cells are few. So only 1 − `HELD` of what they undo is seen so, and for the rest the pressure of the
-step before is taken as it is.
-
-Bounds (`limit`). Where strands are far too dense beside room, as when thousands begin inside each other, the few at the
-edge would be thrown by dozens of cells. On a face pressure may stop what comes against it and what falls against it,
-hold what it held before, and hasten what it leads apart by a, or bring it to the speed w:
+Bounds (`limit`). Where strands are far too dense beside room, the few at the edge would be thrown by dozens of cells.
+On a face pressure may stop what comes against it and what falls against it, hold what it held before, and hasten what
+it leads apart by a, or bring it to the speed w:
 
     p_c − p_d <= m (max(a + max(−v, 0), w − v) + max(−g, 0)) + HELD max(p'_c − p'_d, 0),    a = 2 s², w = s
 
 of the metres m that the impulse on the face moves, their velocity v from c to d, gravity's change g of it, all in cells
 a step, the pressure p' of the step before, and the share s of the density that it makes up for in the step at the most.
-Of all pressures that are no greater than what was found the greatest with that is taken, the least of sums along all
-paths from a cell. Impulses are those of a pressure still, so that sums of momentum stay.
 """
 
 from __future__ import annotations

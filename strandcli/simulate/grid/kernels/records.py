@@ -10,9 +10,11 @@ and not used.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device
 from ....simd import broadcast, load, pointer
@@ -89,6 +91,36 @@ class Samples(NamedTuple):
     """Length of the step, seconds."""
     again: Any
     """That over the length of the step before: what has changed velocities then is expected to do so again."""
+
+
+class Points(NamedTuple):
+    """Points at which every strand is sampled, as `Samples` has them."""
+
+    first: NDArray[np.int64]
+    counts: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    mass: NDArray[np.float64]
+
+
+def samples_of(segments: NDArray[np.float64], length: float) -> Points:
+    """Return the samples of strands whose segments have the relative masses ``segments`` (N,) and the length
+    ``length``, in cells, of the longest. A sample of several segments is a mean by masses."""
+    n = len(segments)
+    several = max(1, math.ceil(length * (1 - 1e-6)))
+    if several > 1:
+        t = np.tile((np.arange(several) + 0.5) / several, n)
+        first = np.repeat(np.arange(n), several)
+        weights, mass = np.stack([1 - t, t], 1), np.repeat(segments / several, several)
+        return Points(first, np.full(len(first), 2), weights, mass)
+    group = min(max(1, int(1 / length * (1 + 1e-6))), n)
+    first = np.arange(0, n, group)
+    count = np.minimum(first + group, n) - first + 1
+    weights, mass = np.zeros((len(first), group + 1)), np.zeros(len(first))
+    for row, begin, end in zip(range(len(first)), first, first + count - 1, strict=True):
+        mass[row] = segments[begin:end].sum()
+        weights[row, : end - begin] += segments[begin:end] / 2 / mass[row]
+        weights[row, 1 : end - begin + 1] += segments[begin:end] / 2 / mass[row]
+    return Points(first, count, weights, mass)
 
 
 LANES = 16

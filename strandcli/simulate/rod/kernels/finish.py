@@ -18,7 +18,7 @@ from ....simd import (
     store3,
     where,
 )
-from ...contact.kernels import depenetrate
+from ...contact.kernels import find
 from ...contact.kernels.search import Past
 from .arrays import AXES, PACK, ROW
 from .begin import GAIN, OLD_GAIN
@@ -29,11 +29,6 @@ HUGE = 1e18
 LEAST_SQUARE = 1e-12
 """|e|² up to which an edge has no direction."""
 TINY = 1e-30
-LONG = 300
-"""Segments beyond which a vector of strands and its scratch do not fit the second-level cache together: what the start
-of the step has read is gone by its end."""
-AHEAD = 24
-"""Segments that are fetched ahead then."""
 
 
 @inlined
@@ -67,17 +62,14 @@ def finish(s, at, next_pack, state, bends, step, needs, c, met, shift):
     begun = jump = max(restart, load(state.restart, at.strand))
     end = root
     bad = zero < 0.0
-    fetched, ahead = next_pack * PACK + at.strand % PACK, 0
-    if n > LONG:
-        fetched, ahead = at.strand, AHEAD
     inverse_reach = 1.0 / c.reach
     for j in range(n):
-        prefetch_segment(n, min(j + ahead, n - 1), fetched, state, bends, needs)
+        prefetch_segment(n, j, next_pack * PACK + at.strand % PACK, state, bends, needs)
         row = at.edge + j * AXES
         correction, bad = normalise(s, j, state.edges, row, correction, bad, step.rounding)
         if near:
             past_end = Past(positions, at.position + (j + 2) * ROW, (zero, zero, zero))
-            correction = depenetrate.turn_out(s, j, end, correction, c, contact, past_end, needs.segments)
+            correction = find.turn_out(s, j, end, correction, c, contact, past_end, needs.segments)
         edge = load3(s.edge, 3 * j, 1)
         free, left = load3(s.free, 3 * j, 1), load3(s.inertial, 3 * j, 1)
         u = (free[0] - left[0] + correction[0], free[1] - left[1] + correction[1], free[2] - left[2] + correction[2])

@@ -1,21 +1,12 @@
-"""Newton's iterations of a rod's step: the force densities τ, and the forces of contact with solids.
+"""Newton's iterations of a rod's step: the force densities τ, and the forces of contact with solids
+(`docs/solvers.md`).
 
-Unknowns. A strand has N edges e_j of unit length (lengths are scaled by the segment's rest length), whose particles
-move by u_j in this step. Bending energy ½ Σ κ_j |c_j − c̄_j|² with c_j = e_j − e_{j−1}, e_{−1} = d at the clamp, and
-κ_0 twice the others: with half a mass at the tip this makes the discretisation second order. The step minimises
-
-    ½ Σ M_j |u_j − u*_j|² + ½ Σ κ_j |c_j − c̄_j|²    with |e_j| = 1,
-
-which for given force densities τ is a linear problem, H(τ) y = ρ with H = M + Dᵀ diag(τ) D + bending, pentadiagonal and
-the same for x, y and z. It is solved for a change y, from a residual ρ made of differences, so that single precision is
-enough. Newton's method finds τ: S δ = r, S = (e_i·e_j) ∘ (D H⁻¹ Dᵀ), r_j = |e_j|² (|e_j| − 1), exact in one step for a
-pendulum.
-
-Elimination. The pivots of a pentadiagonal stiff H come from numbers that grow as the fourth power of the segments, of
-which the masses are the last digits. So what is eliminated, from the tip on, is not y_j but the change of an edge,
-z_j = y_j − y_{j−1}, given y_{j−1} and z_{j−1}: Bellman's recursion (1957) for the least energy that the strand beyond
-can have, V(y, z) = ½ a y² + b y z + ½ c z² + p·y + q·z. There rigidities are only ever added, and there is one
-difference, of which no more is left than of masses:
+H(τ) y = ρ is solved for a change y, from a residual ρ made of differences, so that single precision is enough. The
+pivots of a pentadiagonal stiff H come from numbers that grow as the fourth power of the segments, of which the masses
+are the last digits. So what is eliminated, from the tip on, is not y_j but the change of an edge, z_j = y_j − y_{j−1},
+given y_{j−1} and z_{j−1}: Bellman's recursion (1957) for the least energy that the strand beyond can have, V(y, z) = ½
+a y² + b y z + ½ c z² + p·y + q·z. There rigidities are only ever added, and there is one difference, of which no more
+is left than of masses:
 
     B = a + M + b,  Q = a + M + 2 b + c + τ,  i = 1 / (Q + κ),
     a' = a + M − i B²,  b' = i κ B,  c' = i κ Q,    and then, root to tip,  z_j = i κ z_{j−1} − i B y_{j−1} − g_j.
@@ -23,12 +14,8 @@ difference, of which no more is left than of masses:
 The change of tension that the Kalman smoother finds (`tension`) takes the same direction, and comes first at each
 segment: one chain of divisions computes while another waits, and what they read comes through the caches once.
 
-Compression. Where a strand is pushed together faster than its inertia and its stiffness resist, H(τ) is not positive
-definite and no τ that keeps it so meets the lengths. In such lanes H takes τ_j no lower than what M alone resists,
-−θ/4 min(M_{j−1}, M_j) (for |y_j − y_{j−1}|² <= 2 |y_j|² + 2 |y_{j−1}|²); ρ keeps the true τ, and edges go back to unit
-length before each iteration: quadratic programming with a convexified Hessian (Nocedal & Wright 2006, §18.2).
-
-Contact. The forces of solids are multipliers as τ is: `law` has them found by the same filter.
+Where H(τ) is not positive definite it takes τ_j no lower than what M alone resists, −θ/4 min(M_{j−1}, M_j) (for |y_j −
+y_{j−1}|² <= 2 |y_j|² + 2 |y_{j−1}|²); ρ has the true τ, and edges go back to unit length before each iteration.
 """
 
 from __future__ import annotations

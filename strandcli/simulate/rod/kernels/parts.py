@@ -1,8 +1,6 @@
 """The fallback of a rod's step: the same step in 2, 4 or 8 parts by Euler's method.
 
-A strand goes by the best of these, whole or in parts; the strands beside it in the vector keep theirs. One that finds
-no lengths in any of these takes 8 parts without forces of solids, by the rest shapes that each begins with: then the
-last sweep alone turns its edges out.
+A strand goes by the best of these, whole or in parts; the strands beside it in the vector keep theirs.
 """
 
 from __future__ import annotations
@@ -10,27 +8,23 @@ from __future__ import annotations
 from ....constants import W
 from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, store, store3, where
-from ...contact.kernels import find
 from ...contact.kernels.search import Contact
-from . import begin, finish, newton, rest_shape
-from .arrays import AXES, PACK, ROW, Needs
-from .vectors import add_scaled, scaled, select
+from . import begin, finish, newton
+from .arrays import AXES, PACK, ROW
+from .vectors import add_scaled, scaled
 
 LOST = 2e-3
 """Error of |e|² from which on iterations have found no lengths, of strands of up to `newton.FINE` segments; of longer
 ones in proportion, for single edges may be off there."""
-GRAVE = 0.1
-"""The same of curled strands for the last attempt: rest shapes that do not follow let them gain energy."""
 DEEP = 0.05
 """Depth in solids, in segments, from which on a step is taken again in parts."""
 RIGHT = 0.95
 """Least change of an edge, before it is brought to unit length, that turns it by a right angle, rounded down."""
 TURNED = 2.0
 """Badness of a step in which an edge has turned by more than a right angle."""
-MOST_PARTS, ATTEMPTS = 8, 4
-"""Parts at the most, and attempts: in 2, 4 and 8, and in 8 by rest shapes of their begin without forces of solids."""
+PARTS = 2, 4, 8
 SAVED = 24
-"""Numbers of a segment's state that are saved: `vectors_of`, and from these places on the rest."""
+"""Numbers of a segment's state that are saved: five vectors, and from these places on the rest."""
 POSITION, FORCE, TENSION, SHARE, TWIST = 15, 18, 21, 22, 23
 
 
@@ -58,14 +52,12 @@ def improve(s, at, state, material, drive, step, needs, met, found):
     in_parts = best < 0.0
     restart = load(state.restart, at.strand)
     save(s.best, at, state, needs, best >= 0.0, True)
-    for attempt in range(ATTEMPTS):
-        pressed = attempt < ATTEMPTS - 1
-        chosen = best > 1.0 if pressed else (best > 1.0) & (worst > (GRAVE if needs.curled else LOST))
-        if not any_lane(chosen) or not (pressed or needs.solids or needs.curled):
+    for parts in PARTS:
+        chosen = best > 1.0
+        if not any_lane(chosen):
             break
         restore(s.begun, at, state, needs)
-        how = min(2 << attempt, MOST_PARTS), pressed
-        bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, how)
+        bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, parts)
         better = chosen & (bad < best)
         save(s.best, at, state, needs, better, True)
         best, worst, in_parts = where(better, bad, best), where(better, error, worst), in_parts | better
@@ -75,16 +67,10 @@ def improve(s, at, state, material, drive, step, needs, met, found):
 
 
 @device
-def move_in_parts(s, at, state, material, drive, step, needs, met, how):
+def move_in_parts(s, at, state, material, drive, step, needs, met, parts):
     """Take the step in parts by Euler's method from where it began, in the frame of the root at the step's end; solids
-    are as at that end. ``how``: in how many parts, and whether solids press and rest shapes follow in the iterations.
-    Returns the greatest badness and error of all parts."""
+    are as at that end. Returns the greatest badness and error of all parts."""
     contact, (root, shift) = met
-    parts, pressed = how
-    found = Needs(
-        needs.curled and pressed, needs.solids and pressed, needs.segments, needs.deforming, needs.pinned, needs.pushed,
-        needs.lasting,
-    )  # fmt: skip
     rate = 1.0 / step.duration
     bad = worst = broadcast(s.pivot, 0.0)
     still = bad, bad, bad
@@ -96,14 +82,9 @@ def move_in_parts(s, at, state, material, drive, step, needs, met, how):
         if needs.pinned:
             begin.aim_tip(s, at, drive, c, parts, shift)
         own = with_shift(contact, i == 0, shift if i == 0 else still)
-        if needs.curled and not pressed:
-            rest_shape.begin(s, at, state, material, step, c)
-        error, depth, near, path = newton.iterate(s, at, state, material, step, found, c, own, root)
+        error, depth, near, path = newton.iterate(s, at, state, material, step, needs, c, own, root)
         worst = max(worst, error)
         bad = max(bad, badness(s, at, state, error, depth, path))
-        if needs.solids and not pressed:
-            find.let_go(s, at.segments)
-            near = True
         finish.finish(s, at, at.strand // PACK, state, material.bends, step, needs, c, (own, near), still)
         add_to_means(s, at, state, needs, (i, parts))
     add_velocity(at, state, frame)
@@ -148,63 +129,47 @@ def add_to_means(s, at, state, needs, part):
                 store3(state.force, row, PACK, force[0], force[1], force[2])
 
 
-@inlined
-def vectors_of(state):
-    """The arrays of three coordinates that a step changes and that have rows of packs."""
-    return state.edges, state.velocity, state.before, state.ahead, state.moved
-
-
 @device
 def save(saved, at, state, needs, lanes, twist):
     """Save the state of some lanes, and their ``twist`` or not."""
-    vectors = vectors_of(state)
-    for j in range(at.segments):
-        row, number, o = at.edge + j * AXES, at.number + j * PACK, SAVED * j
-        for k in range(len(vectors)):
-            save3(saved, o + 3 * k, vectors[k], row, PACK, lanes)
-        save3(saved, o + POSITION, state.positions, at.position + (j + 2) * ROW, W, lanes)
-        save1(saved, o + TENSION, state.tension, number, lanes)
-        if needs.solids:
-            save3(saved, o + FORCE, state.force, row, PACK, lanes)
-        if needs.segments:
-            save1(saved, o + SHARE, state.share, number, lanes)
-        if needs.curled and twist:
-            save1(saved, o + TWIST, state.twist, number, lanes)
-
-
-@inlined
-def save1(saved, o, rows, place, lanes):
-    """Save a number of some lanes."""
-    store(saved, o, where(lanes, load(rows, place), load(saved, o)))
-
-
-@inlined
-def save3(saved, o, rows, place, stride, lanes):
-    """Save three coordinates of some lanes."""
-    x, y, z = select(lanes, load3(rows, place, stride), load3(saved, o, 1))
-    store3(saved, o, 1, x, y, z)
+    copy(saved, at, state, needs, lanes, twist, False)
 
 
 @device
 def restore(saved, at, state, needs):
     """Restore the state that was saved."""
-    vectors = vectors_of(state)
-    for j in range(at.segments):
-        row, number, o = at.edge + j * AXES, at.number + j * PACK, SAVED * j
-        for k in range(len(vectors)):
-            restore3(saved, o + 3 * k, vectors[k], row, PACK)
-        restore3(saved, o + POSITION, state.positions, at.position + (j + 2) * ROW, W)
-        store(state.tension, number, load(saved, o + TENSION))
-        if needs.solids:
-            restore3(saved, o + FORCE, state.force, row, PACK)
-        if needs.segments:
-            store(state.share, number, load(saved, o + SHARE))
-        if needs.curled:
-            store(state.twist, number, load(saved, o + TWIST))
+    copy(saved, at, state, needs, load(saved, 0) > 0.0, True, True)
 
 
 @inlined
-def restore3(saved, o, rows, place, stride):
-    """Restore three coordinates."""
-    x, y, z = load3(saved, o, 1)
-    store3(rows, place, stride, x, y, z)
+def copy(saved, at, state, needs, lanes, twist, back):
+    """Copy the state of some lanes to where it is ``saved``, or ``back``."""
+    vectors = state.edges, state.velocity, state.before, state.ahead, state.moved
+    for j in range(at.segments):
+        row, number, o = at.edge + j * AXES, at.number + j * PACK, SAVED * j
+        for k in range(len(vectors)):
+            copy3(saved, o + 3 * k, vectors[k], row, PACK, lanes, back)
+        copy3(saved, o + POSITION, state.positions, at.position + (j + 2) * ROW, W, lanes, back)
+        copy1(saved, o + TENSION, state.tension, number, lanes, back)
+        if needs.solids:
+            copy3(saved, o + FORCE, state.force, row, PACK, lanes, back)
+        if needs.segments:
+            copy1(saved, o + SHARE, state.share, number, lanes, back)
+        if needs.curled and twist:
+            copy1(saved, o + TWIST, state.twist, number, lanes, back)
+
+
+@inlined
+def copy3(saved, o, rows, place, stride, lanes, back):
+    """`copy1` of three coordinates."""
+    for k in range(3):
+        copy1(saved, o + k, rows, place + k * stride, lanes, back)
+
+
+@inlined
+def copy1(saved, o, rows, place, lanes, back):
+    """Save a number of some lanes, or restore it in all."""
+    if back:
+        store(rows, place, load(saved, o))
+    else:
+        store(saved, o, where(lanes, load(rows, place), load(saved, o)))

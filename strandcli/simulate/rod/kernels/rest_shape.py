@@ -1,21 +1,18 @@
-"""Curved rest shapes: what they add to c̄, and the twist of the frames that carry them.
+"""Curved rest shapes: what they add to c̄, and the twist of the frames that carry them (Bergou et al. 2008, "Discrete
+Elastic Rods", §5).
 
-A joint's rest is a vector m_j in the frame of the edge before it, and its energy κ_j |e_j − m_j|² / 2. Frames are
-parallel-transported along the strand from the clamp and then turned about their edges by twist angles ψ_j, with the
-energy χ κ_j (ψ_j − ψ_{j−1})² / 2. Twist has no inertia: ψ is where torques about edges balance (Bergou et al. 2008,
-"Discrete Elastic Rods", §5). Each iteration of the step takes one of Newton's for it, but for a bound in place of the
-second derivative (`torque`), which is below 0 where frames lag by more than a quarter turn.
-
-A rest vector that is carried along also exerts a force on the edge before the joint, and through the frames on all
-edges before that: with the moments T_j = κ_j e_j × m_j and twist torques q_j the edge j feels
+A joint's rest is a vector m_j in the frame of the edge before it, and its energy κ_j |e_j − m_j|² / 2. Each iteration
+of the step takes one of Newton's for the twist ψ, but for a bound in place of the second derivative (`torque`), which
+is below 0 where frames lag by more than a quarter turn. A rest vector that is carried along also exerts a force on the
+edge before the joint, and through the frames on all edges before that: with the moments T_j = κ_j e_j × m_j and twist
+torques q_j the edge j feels
 
     T_j − T_{j+1} + q_j e_{j−1} / (1 + e_{j−1}·e_j) − q_{j+1} e_{j+1} / (1 + e_j·e_{j+1}).
 
-Without that reaction the force is no gradient, and strands of many curls gain energy from nothing. It enters through
-c̄, so that the matrix of the step stays as it is, by the edges of the last iterate. An edge that tilts by δ alone twists
-its frame by θ δ and turns the rests after it, χ κ θ² δ² / 2 and some κ θ² δ² / 2, of which c̄ that stays knows nothing.
-So an edge is kept near its last iterate ê by the energy σ |e − ê|² / 2 (majorisation): of edges of unit length that is
-the force F = σ ê, with τ the greater by σ. Where iterations have converged it is none.
+Without that reaction strands of many curls gain energy from nothing. It enters through c̄, by the edges of the last
+iterate. An edge that tilts by δ alone twists its frame by θ δ and turns the rests after it, χ κ θ² δ² / 2 and some κ θ²
+δ² / 2, of which c̄ that stays knows nothing. So an edge is kept near its last iterate ê by the energy σ |e − ê|² / 2
+(majorisation): of edges of unit length that is the force F = σ ê, with τ the greater by σ.
 """
 
 from __future__ import annotations

@@ -1,20 +1,18 @@
 """The Newton step of the force densities and of the forces of contact, in O(N) by a Kalman filter and smoother.
 
-With the multipliers' matrix S, δ = S⁻¹ r. S is never formed: it is the covariance of numbers such as e_j·z_j where that
-of a random vector y is H⁻¹. Elimination leaves such a vector as a process from the root to the tip, whose state is a
+Elimination leaves a random vector y whose covariance is H⁻¹ as a process from the root to the tip, whose state is a
 particle and an edge,
 
     z_j = i κ z_{j−1} − i B y_{j−1} + noise of variance i,    y_j = y_{j−1} + z_j.
 
-So Kalman's filter (1960) factorises S: the mean and the covariance of (y_j, z_j) follow from those of (y_{j−1},
-z_{j−1}), and then r_j is an observation of e_j·z_j. The innovations over their variances, and the adjoint of the filter
-from the tip to the root, give δ (Bryson & Frazier 1963). The variance of an observation is no less than that of the
-noise in it. A contact is three more observations of the same state (`contact.law`).
+S is the covariance of e_j·z_j, and the filter factorises it: r_j is an observation of e_j·z_j. The innovations over
+their variances, and the adjoint of the filter from the tip to the root, give δ = S⁻¹ r (Bryson & Frazier 1963). The
+variance of an observation is no less than that of the noise in it. A contact is three more observations of the same
+state (`contact.law`).
 
 An observation takes from the covariance an outer product over the variance. The recurrence is linear, and goes on to
 the next segment with the covariance and the vectors of that product apart: then no more than a product and a difference
-wait for the division, and half as many operations stand between one division and the next. So the gain that the scratch
-holds of a segment is the one transported to the next.
+wait for the division. So the gain that the scratch holds of a segment is the one transported to the next.
 """
 
 from __future__ import annotations

@@ -11,13 +11,13 @@ into another solid. A few sweeps are enough, because later steps continue from t
 from __future__ import annotations
 
 from ....constants import W
-from ....jit import function, inlined
+from ....jit import inlined
 from ....simd import any_lane, broadcast, lane_count, load3, pointer, sqrt, store3, where
 from ....solids.kernels import box as boxes
 from ....solids.kernels import capsule as capsules
 from ....solids.kernels import sphere as balls
-from ...contact.kernels.search import nearest_share, place
 from ...rod.kernels.vectors import add_scaled, cross, dot, scaled, select
+from .search import nearest_share, place
 
 LEAST_SHARE = 0.1
 """Least t by which the depth is divided."""
@@ -31,34 +31,16 @@ TINY = 1e-30
 
 def sphere(x, parent, grandparent, root, length, p, i, n):
     """Turn segments out of balls; p: packed spheres."""
-    turn_out_of_balls(x, parent, p)
+    turn(in_ball, x, parent, p)
 
 
 def capsule(x, parent, grandparent, root, length, p, i, n):
     """Turn segments out of capsules; p: packed capsules."""
-    turn_out_of_capsules(x, parent, p)
+    turn(in_capsule, x, parent, p)
 
 
 def box(x, parent, grandparent, root, length, p, i, n):
     """Turn segments out of boxes; p: packed boxes."""
-    turn_out_of_boxes(x, parent, p)
-
-
-@function
-def turn_out_of_balls(x, parent, p):
-    """`turn` among spheres."""
-    turn(in_ball, x, parent, p)
-
-
-@function
-def turn_out_of_capsules(x, parent, p):
-    """`turn` among capsules."""
-    turn(in_capsule, x, parent, p)
-
-
-@function
-def turn_out_of_boxes(x, parent, p):
-    """`turn` among boxes."""
     turn(in_box, x, parent, p)
 
 
